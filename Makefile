@@ -1,0 +1,75 @@
+# Two commands do everything: `make run` and `make test`. The rest are their parts.
+SHELL := /bin/bash
+PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
+	$$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; done)
+PY := .venv/bin/python
+export PYTHONPATH := layers/service:layers/solver:.
+export CALIBDB_DATA ?= $(abspath ../shared/data)
+
+.PHONY: run test lint unit service browser bench openapi lock clean setup
+
+run: setup
+	@exec $(PY) -m infra.local
+
+test: lint unit service browser
+
+lint: setup
+	$(PY) -m ruff check .
+	$(PY) -m ruff format --check .
+	$(PY) -m mypy
+	.venv/bin/cfn-lint template.yaml
+	npx --no-install tsc -p web
+
+unit: setup
+	node --test tests/web/
+	$(PY) -m pytest tests/unit
+
+service: setup
+	$(PY) -m pytest tests/service
+
+browser: setup .build/browsers
+	$(PY) -m pytest tests/browser
+
+bench: setup
+	$(PY) -m tests.bench
+
+openapi: .build/python
+	$(PY) -m infra.tools.openapi
+
+# ---- what the above need, made once and again when its lock file changes
+setup: .build/python .build/node .build/vendor
+
+.build/python: requirements.lock
+	@test -n "$(PYTHON)" || { echo "calibDB needs Python 3.11 to 3.13"; exit 1; }
+	@test -x $(PY) || $(PYTHON) -m venv .venv
+	$(PY) -m pip install --quiet --require-hashes -r requirements.lock
+	@mkdir -p .build && touch $@
+
+.build/node: package-lock.json
+	npm ci --silent
+	@mkdir -p .build && touch $@
+
+.build/vendor: .build/node infra/tools/vendor.mjs
+	node infra/tools/vendor.mjs
+	@touch $@
+
+.build/browsers:
+	bash infra/tools/browsers.sh
+	@mkdir -p .build && touch $@
+
+# ---- upkeep
+UV := .build/uv/bin/uv
+COMPILE := $(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate
+
+$(UV):
+	$(PYTHON) -m venv .build/uv && .build/uv/bin/pip install --quiet uv
+
+lock: $(UV)
+	$(COMPILE) --group dev -o requirements.lock
+	$(COMPILE) --group service -c requirements.lock -o layers/service/requirements.lock
+	$(COMPILE) --group solver -c requirements.lock -o layers/solver/requirements.lock
+	npm install --package-lock-only
+	node infra/tools/lock.mjs
+
+clean:
+	rm -rf .venv .build node_modules web/vendor
