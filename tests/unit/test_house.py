@@ -1,0 +1,76 @@
+"""The house keeps its order: arrows point down, rooms do not know each other, locks carry no addresses."""
+
+import ast
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+#: what a room may not import; everything else it may
+FORBIDDEN = {
+    "layers/service/calibdb": {"calibsolver", "functions", "infra", "tests", "numpy", "cv2", "moto"},
+    "layers/solver/calibsolver": {
+        *("calibdb", "functions", "infra", "tests", "boto3", "botocore", "pydantic", "starlette", "time"),
+        *("datetime", "requests", "httpx"),
+    },
+    "functions": {"infra", "tests", "moto", "boto3", "botocore"},
+    "infra": {"tests"},
+}
+
+
+def imported(path: Path) -> set[str]:
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            found.add(node.module.split(".")[0])
+    return found
+
+
+def tracked(*patterns: str) -> list[Path]:
+    names = subprocess.run(["git", "ls-files", *patterns], cwd=ROOT, capture_output=True, check=True, text=True)
+    return [ROOT / name for name in names.stdout.splitlines()]
+
+
+@pytest.mark.parametrize("room", FORBIDDEN)
+def test_arrows_point_down(room: str) -> None:
+    modules = list((ROOT / room).rglob("*.py"))
+    assert modules
+    wrong = {str(m.relative_to(ROOT)): imported(m) & FORBIDDEN[room] for m in modules}
+    assert {module: names for module, names in wrong.items() if names} == {}
+
+
+def test_boto3_lives_in_the_store_alone() -> None:
+    service = ROOT / "layers/service/calibdb"
+    users = {
+        str(module.relative_to(service)).split("/")[0].removesuffix(".py")
+        for module in service.rglob("*.py")
+        if imported(module) & {"boto3", "botocore"}
+    }
+    assert users == {"store"}
+
+
+def test_modules_stay_rooms_one_can_see_across() -> None:
+    large = {
+        str(path.relative_to(ROOT)): lines
+        for path in tracked("*.py", "*.js", "*.mjs")
+        if (lines := len(path.read_text().splitlines())) > 350
+    }
+    assert large == {}
+
+
+def test_locks_carry_versions_and_hashes_only() -> None:
+    for path in tracked("*.lock", "*package-lock.json", ".npmrc"):
+        assert not re.search(r"https?://|--(extra-)?index-url|--find-links", path.read_text()), path
+
+
+def test_no_path_of_a_machine_in_a_tracked_file() -> None:
+    pattern = re.compile(r"(^|[^A-Za-z0-9_.])/(home|root|Users)/")
+    for path in tracked():
+        if path.suffix in {".png", ".jpg", ".ico", ".woff2", ".wasm"} or path.name == Path(__file__).name:
+            continue
+        assert not pattern.search(path.read_text()), path

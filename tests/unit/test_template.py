@@ -1,0 +1,112 @@
+"""The deployment is valid as written and as CloudFormation will see it after the SAM transform."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from cfnlint.decode.cfn_yaml import loads
+from samtranslator.translator.transform import transform
+
+ROOT = Path(__file__).parents[2]
+TEMPLATE = (ROOT / "template.yaml").read_text()
+
+
+@pytest.fixture(scope="module")
+def source() -> dict:
+    return json.loads(json.dumps(loads(TEMPLATE)))
+
+
+@pytest.fixture(scope="module")
+def transformed(source: dict) -> dict:
+    """What AWS would create; code and layers stand in a bucket, as `sam package` leaves them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("AWS_DEFAULT_REGION", "eu-central-1")
+        return as_created(source)
+
+
+def as_created(source: dict) -> dict:
+    packaged = json.loads(json.dumps(source))
+    for resource in packaged["Resources"].values():
+        properties = resource.get("Properties", {})
+        for place in ("CodeUri", "ContentUri"):
+            if place in properties:
+                properties[place] = {"Bucket": "artifacts", "Key": "package.zip"}
+    return transform(packaged, {}, ManagedPolicies())
+
+
+class ManagedPolicies:
+    """The translator asks for the account's managed policies; we use none of them by name."""
+
+    def load(self) -> dict[str, str]:
+        return {
+            "AWSLambdaBasicExecutionRole": "arn:aws:iam::aws:policy/service-role/AWSLambdaBasicExecutionRole"
+        }
+
+
+def lint(template: Path) -> str:
+    tool = Path(sys.executable).with_name("cfn-lint")
+    return subprocess.run([tool, template], capture_output=True, text=True, check=False).stdout
+
+
+def functions(template: dict) -> dict[str, dict]:
+    return {
+        name: resource["Properties"]
+        for name, resource in template["Resources"].items()
+        if resource["Type"] in ("AWS::Serverless::Function", "AWS::Lambda::Function")
+    }
+
+
+def test_clean_as_written() -> None:
+    assert lint(ROOT / "template.yaml") == ""
+
+
+def test_clean_after_the_transform(transformed: dict, tmp_path: Path) -> None:
+    written = tmp_path / "template.yaml"
+    written.write_text(yaml.safe_dump(transformed, sort_keys=False))
+    assert lint(written) == ""
+
+
+def test_every_folder_of_functions_is_deployed_and_no_other(source: dict) -> None:
+    deployed = {properties["CodeUri"].strip("/") for properties in functions(source).values()}
+    written = {str(path.parent.relative_to(ROOT)) for path in ROOT.glob("functions/*/app.py")}
+    assert deployed == written
+
+
+def test_runtime_architecture_and_payload(transformed: dict) -> None:
+    for name, properties in functions(transformed).items():
+        assert (properties["Runtime"], properties["Architectures"]) == ("python3.13", ["arm64"]), name
+    (api,) = (r for r in transformed["Resources"].values() if r["Type"] == "AWS::ApiGatewayV2::Api")
+    integrations = [
+        method["x-amazon-apigateway-integration"]
+        for path in api["Properties"]["Body"]["paths"].values()
+        for verb, method in path.items()
+        if verb != "options"
+    ]
+    assert {integration["payloadFormatVersion"] for integration in integrations} == {"2.0"}
+
+
+def test_light_functions_carry_no_solver(source: dict) -> None:
+    light = {name for name, properties in functions(source).items() if "Layers" not in properties}
+    assert {"AuthFunction", "LookupFunction"} <= light
+
+
+def test_no_statement_grants_more_than_it_names(source: dict) -> None:
+    for name, properties in functions(source).items():
+        for statement in (s for policy in properties["Policies"] for s in policy["Statement"]):
+            actions = statement["Action"] if isinstance(statement["Action"], list) else [statement["Action"]]
+            assert all(re.fullmatch(r"[a-z0-9]+:[A-Za-z]+", action) for action in actions), (name, actions)
+            assert statement["Resource"] != "*", name
+            if any(action.startswith("dynamodb:") for action in actions):
+                keys = statement["Condition"]["ForAllValues:StringLike"]["dynamodb:LeadingKeys"]
+                assert keys, name
+                assert all(re.fullmatch(r"[A-Z]+#\*", key) for key in keys), name
+
+
+def test_every_path_answers_a_wrong_method_itself(source: dict) -> None:
+    events = [e["Properties"] for p in functions(source).values() for e in p.get("Events", {}).values()]
+    paths = {event["Path"] for event in events}
+    assert {event["Path"] for event in events if event["Method"] == "ANY"} == paths
