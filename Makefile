@@ -30,8 +30,9 @@ service: setup
 browser: setup .build/browsers
 	$(PY) -m pytest tests/browser
 
+# One core for both sides of every ratio: libraries differ in how many they would take.
 bench: setup
-	$(PY) -m tests.bench
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench
 
 openapi: .build/python
 	$(PY) -m infra.tools.openapi

@@ -32,7 +32,9 @@ def imported(path: Path) -> set[str]:
 
 
 def tracked(*patterns: str) -> list[Path]:
-    names = subprocess.run(["git", "ls-files", *patterns], cwd=ROOT, capture_output=True, check=True, text=True)
+    names = subprocess.run(
+        ["git", "ls-files", *patterns], cwd=ROOT, capture_output=True, check=True, text=True
+    )
     return [ROOT / name for name in names.stdout.splitlines()]
 
 
