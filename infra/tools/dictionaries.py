@@ -1,0 +1,54 @@
+"""Write the ArUco marker bits that the web client draws boards with.
+
+OpenCV's dictionaries of one marker size are prefixes of the largest, so five tables hold all of them. Bits
+are packed row by row, marker after marker, most significant bit first, 1 = white, without the black border.
+
+    python -m infra.tools.dictionaries        (again only when OpenCV's tables change, which they must not)
+"""
+
+import base64
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+TARGET = Path(__file__).parents[2] / "web" / "board" / "dictionaries.js"
+TABLES = {
+    "4X4": ("DICT_4X4_1000", 4),
+    "5X5": ("DICT_5X5_1000", 5),
+    "6X6": ("DICT_6X6_1000", 6),
+    "7X7": ("DICT_7X7_1000", 7),
+    "ARUCO_ORIGINAL": ("DICT_ARUCO_ORIGINAL", 5),
+}
+
+
+def bits(name: str) -> np.ndarray:
+    """Return the inner bits of every marker of a predefined dictionary, (markers, side, side) of 0 and 1."""
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+    side = dictionary.markerSize
+    return np.stack(
+        [
+            cv2.aruco.Dictionary.getBitsFromByteList(row[None], side)
+            for row in np.asarray(dictionary.bytesList, dtype=np.uint8)
+        ]
+    )
+
+
+def text() -> str:
+    """Return the JavaScript module."""
+    lines = ["// Made by infra/tools/dictionaries.py from OpenCV's ArUco dictionaries: do not edit."]
+    lines.append("/** @type {Record<string, {side: number, count: number, bits: string}>} */")
+    lines.append("export const TABLES = {")
+    for key, (name, side) in TABLES.items():
+        table = bits(name)
+        for count in (50, 100, 250):
+            if key[0].isdigit() and not np.array_equal(bits(f"DICT_{key}_{count}"), table[:count]):
+                raise ValueError(f"DICT_{key}_{count} is no prefix of {name}")
+        packed = base64.b64encode(np.packbits(table.astype(np.uint8).ravel()).tobytes()).decode()
+        lines.append(f'  "{key}": {{ side: {side}, count: {len(table)}, bits: "{packed}" }},')
+    lines.append("};")
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    TARGET.write_text(text())

@@ -1,0 +1,82 @@
+// The board as a one-page PDF, vector, at true scale. PDF 1.4 after ISO 32000-1: objects, a content stream, xref.
+import { blackRectangles } from "./geometry.js";
+
+/** @typedef {import("./geometry.js").Board} Board */
+
+const POINTS_PER_MM = 72 / 25.4;
+
+/** Landscape paper, mm. @type {Record<string, [number, number]>} */
+export const PAPERS = { A4: [297, 210], A3: [420, 297], Letter: [279.4, 215.9] };
+
+const MARGIN = 12; // mm; what home printers leave free, and the white edge the outer squares need
+const FOOT = 14; // mm below the board for the scale bar and the text
+
+/**
+ * Side of a square in whole millimetres, the largest that fits.
+ * @param {Board} board @param {[number, number]} paper mm
+ */
+export function squareSide({ squares: [columns, rows] }, [width, height]) {
+  return Math.floor(Math.min((width - 2 * MARGIN) / columns, (height - 2 * MARGIN - FOOT) / rows));
+}
+
+/**
+ * @param {Board} board
+ * @param {[number, number]} paper mm
+ * @returns {Uint8Array<ArrayBuffer>} the file
+ */
+export function boardPdf(board, paper) {
+  const [width, height] = paper;
+  const side = squareSide(board, paper);
+  if (side < 1) throw new RangeError("the board has too many squares for this paper");
+  const [columns, rows] = board.squares;
+  const left = (width - columns * side) / 2;
+  const top = (height - FOOT - rows * side) / 2;
+  /** mm from the top left of the page to PDF's points from the bottom left @param {number[]} rectangle */
+  const path = ([x, y, w, h]) =>
+    `${[x, height - y - h, w, h].map((value) => number(value * POINTS_PER_MM)).join(" ")} re`;
+  /** @param {number} x @param {number} y @param {string} words */
+  const text = (x, y, words) =>
+    `BT /F1 8 Tf ${number(x * POINTS_PER_MM)} ${number((height - y) * POINTS_PER_MM)} Td (${escape(words)}) Tj ET`;
+
+  const foot = top + rows * side + MARGIN / 2;
+  const content = [
+    "0 g",
+    // One path, one fill: viewers that smooth edges leave no hairlines between touching rectangles.
+    ...blackRectangles(board).map(([x, y, w, h]) => path([left + x * side, top + y * side, w * side, h * side])),
+    "f",
+    path([left, foot, 100, 0.4]), path([left, foot - 1, 0.4, 2.4]), path([left + 99.6, foot - 1, 0.4, 2.4]),
+    "f",
+    text(left + 103, foot + 1, "100 mm when printed at 100 %. Any other scale is fine too: what matters is that the board is flat."),
+    text(left, foot + 6, `calibDB  ${columns} x ${rows}  ${board.dictionary}${board.legacy ? "  legacy" : ""}  ` +
+      `square ${side} mm, marker ${number(side * board.marker_ratio)} mm. Glue it to something rigid, without bubbles.`),
+  ].join("\n");
+
+  const box = [0, 0, width * POINTS_PER_MM, height * POINTS_PER_MM].map(number).join(" ");
+  return file([
+    "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
+    "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
+    `<< /Type /Page /Parent 2 0 R /MediaBox [${box}] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> >> >>`,
+    `<< /Length ${content.length} >>\nstream\n${content}\nendstream`,
+    "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
+  ]);
+}
+
+/** @param {string[]} objects bodies of objects 1, 2, …; ASCII only, so that characters are bytes */
+function file(objects) {
+  let text = "%PDF-1.4\n";
+  const offsets = objects.map((body, index) => {
+    const offset = text.length;
+    text += `${index + 1} 0 obj\n${body}\nendobj\n`;
+    return offset;
+  });
+  const table = offsets.map((offset) => `${String(offset).padStart(10, "0")} 00000 n \n`).join("");
+  text += `xref\n0 ${objects.length + 1}\n0000000000 65535 f \n${table}` +
+    `trailer\n<< /Size ${objects.length + 1} /Root 1 0 R >>\nstartxref\n${text.length}\n%%EOF\n`;
+  return Uint8Array.from(text, (character) => character.charCodeAt(0));
+}
+
+/** @param {number} value */
+const number = (value) => String(Math.round(value * 1e4) / 1e4);
+
+/** @param {string} words */
+const escape = (words) => words.replace(/[\\()]/g, "\\$&");

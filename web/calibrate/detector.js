@@ -1,0 +1,125 @@
+// The board detector as the page sees it: one call a frame, answered from a Worker.
+
+/**
+ * @typedef {import("../board/geometry.js").Board} Board
+ *
+ * @typedef {object} Detection
+ * @property {number[]} ids board corners, id = row * (columns - 1) + column
+ * @property {number[][]} points px, pixel centres at whole numbers
+ * @property {number} markers how many markers were recognised
+ * @property {[number, number]} size of the frame
+ * @property {number} elapsed ms in the worker
+ * @property {number} memory bytes that OpenCV holds
+ */
+
+const SILENCE = 20_000; // ms; a worker that a content policy stops never answers and never fails
+const OPENCV = new URL("../vendor/opencv/", import.meta.url);
+
+export class DetectorError extends Error {}
+
+export class Detector {
+  /** @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void, timer: ReturnType<typeof setTimeout>}>} */
+  #waiting = new Map();
+  #next = 0;
+  #worker;
+  #onProgress;
+
+  /** @param {(fraction: number) => void} [onProgress] */
+  constructor(onProgress = () => {}) {
+    this.#onProgress = onProgress;
+    this.#worker = new Worker(new URL("./detector.worker.js", import.meta.url), { type: "module" });
+    this.#worker.onmessage = ({ data }) => this.#receive(data);
+    this.#worker.onerror = (event) => this.#fail(event.message || "the detector could not be started");
+  }
+
+  /**
+   * Loads OpenCV and makes a detector for one board.
+   * @param {Board} board
+   * @param {(fraction: number) => void} [onProgress] 0…1 while OpenCV arrives
+   */
+  static async open(board, onProgress) {
+    const response = await fetch(new URL("opencv.json", OPENCV));
+    if (!response.ok) throw new DetectorError(`OpenCV is not there (${response.status})`);
+    const { bytes } = await response.json();
+    const detector = new Detector(onProgress);
+    try {
+      await detector.#ask({ open: board, wasm: new URL("opencv.wasm", OPENCV).href, bytes }, []);
+    } catch (error) {
+      detector.close();
+      throw error;
+    }
+    return detector;
+  }
+
+  /**
+   * Finds the board's corners. Takes over the frame and closes it.
+   * @param {VideoFrame | ImageBitmap} frame
+   * @param {{full?: boolean}} [options] full: all threshold windows and a sub-pixel second pass, for a view that is kept
+   * @returns {Promise<Detection>}
+   */
+  detect(frame, { full = false } = {}) {
+    return this.#ask({ frame, full }, [frame]);
+  }
+
+  /** How many frames are in the worker: above 0, drop the next one rather than queue it. */
+  get busy() {
+    return this.#waiting.size;
+  }
+
+  close() {
+    this.#worker.terminate();
+    this.#fail("the detector was closed");
+  }
+
+  /** @param {object} message @param {Transferable[]} transfer @returns {Promise<any>} */
+  #ask(message, transfer) {
+    const id = this.#next++;
+    return new Promise((resolve, reject) => {
+      const timer = setTimeout(() => this.#silent(id), SILENCE);
+      this.#waiting.set(id, { resolve, reject, timer });
+      this.#worker.postMessage({ id, ...message }, transfer);
+    });
+  }
+
+  /** @param {number} id */
+  #silent(id) {
+    this.#waiting.get(id)?.reject(new DetectorError("the detector does not answer"));
+    this.#waiting.delete(id);
+  }
+
+  /** @param {{id?: number, progress?: number, result?: any, error?: string}} message */
+  #receive({ id, progress, result, error }) {
+    if (progress !== undefined) {
+      for (const [each, waiting] of this.#waiting) {
+        clearTimeout(waiting.timer);
+        waiting.timer = setTimeout(() => this.#silent(each), SILENCE);
+      }
+      this.#onProgress(progress);
+      return;
+    }
+    const waiting = this.#waiting.get(id ?? -1);
+    if (!waiting) return;
+    this.#waiting.delete(id ?? -1);
+    clearTimeout(waiting.timer);
+    if (error === undefined) waiting.resolve(result);
+    else waiting.reject(new DetectorError(error));
+  }
+
+  /** @param {string} reason */
+  #fail(reason) {
+    for (const { reject, timer } of this.#waiting.values()) {
+      clearTimeout(timer);
+      reject(new DetectorError(reason));
+    }
+    this.#waiting.clear();
+  }
+}
+
+/**
+ * A frame of a playing video, in the form that costs least.
+ * @param {HTMLVideoElement} video
+ * @returns {Promise<VideoFrame | ImageBitmap>}
+ */
+export async function grab(video) {
+  return typeof VideoFrame === "function" ? new VideoFrame(video) : createImageBitmap(video);
+}

@@ -1,0 +1,185 @@
+// Finds the ChArUco board in camera frames. Runs in a Worker of its own: OpenCV.js blocks while it computes, and its
+// bindings need `unsafe-eval`, which this file alone is served with.
+import createOpenCV from "../vendor/opencv/opencv.js";
+import { refine } from "./subpixel.js";
+
+/**
+ * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("./subpixel.js").Grey} Grey
+ * @typedef {{id: number, open: Board, wasm: string, bytes: number}} OpenRequest
+ * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean}} DetectRequest
+ */
+
+/** @type {any} OpenCV's module; its bindings are made at run time */
+let cv = null;
+/** @type {ReturnType<typeof createFinder> | null} */
+let finder = null;
+
+/** Compiles the WebAssembly while it arrives. @param {string} address @param {number} bytes its size, uncompressed */
+async function loadOpenCV(address, bytes) {
+  const response = await fetch(address);
+  if (!response.ok || !response.body) throw new Error(`OpenCV could not be loaded (${response.status})`);
+  let loaded = 0;
+  let reported = 0;
+  const counted = response.body.pipeThrough(new TransformStream({
+    transform(chunk, controller) {
+      loaded += chunk.length;
+      if (loaded - reported > bytes / 50 || loaded === bytes) {
+        reported = loaded;
+        self.postMessage({ progress: loaded / bytes });
+      }
+      controller.enqueue(chunk);
+    },
+  }));
+  const wasm = new Response(counted, { headers: { "content-type": "application/wasm" } });
+  const compiled = await WebAssembly.compileStreaming(wasm);
+  return createOpenCV({
+    /** @param {WebAssembly.Imports} imports @param {(instance: WebAssembly.Instance, module: WebAssembly.Module) => void} done */
+    instantiateWasm(imports, done) {
+      WebAssembly.instantiate(compiled, imports).then((instance) => done(instance, compiled));
+      return {};
+    },
+  });
+}
+
+/**
+ * The detectors for one board, and the memory they share.
+ * @param {Board} board
+ */
+function createFinder(board) {
+  const [columns, rows] = board.squares;
+  const dictionary = cv.getPredefinedDictionary(cv[board.dictionary]);
+  const noIds = new cv.Mat();
+  const size = new cv.Size(columns, rows);
+  const charuco = new cv.aruco_CharucoBoard(size, 1, board.marker_ratio, dictionary, noIds);
+  charuco.setLegacyPattern(board.legacy);
+  const refinement = new cv.aruco_RefineParameters(10, 3, true);
+  const charucoParameters = new cv.aruco_CharucoParameters();
+
+  /** @param {boolean} full all window sizes of the adaptive threshold, or the one that serves nearly always */
+  const makeDetector = (full) => {
+    const parameters = new cv.aruco_DetectorParameters();
+    if (!full) {
+      parameters.adaptiveThreshWinSizeMin = 13;
+      parameters.adaptiveThreshWinSizeMax = 13;
+    }
+    const detector = new cv.aruco_CharucoDetector(charuco, charucoParameters, parameters, refinement);
+    parameters.delete();
+    return detector;
+  };
+  const detectors = { tracking: makeDetector(false), full: makeDetector(true) };
+  const found = { corners: new cv.Mat(), ids: new cv.Mat() };
+  const markers = { corners: new cv.MatVector(), ids: new cv.Mat() };
+  let input = new cv.Mat();
+
+  return {
+    /**
+     * @param {Grey} image @param {boolean} full
+     * @returns {{ids: number[], points: number[][], markers: number}}
+     */
+    find(image, full) {
+      if (input.rows !== image.height || input.cols !== image.width) {
+        input.delete();
+        input = new cv.Mat(image.height, image.width, cv.CV_8UC1);
+      }
+      input.data.set(image.data);
+      (full ? detectors.full : detectors.tracking)
+        .detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
+      // 1 x n in OpenCV 5, n x 1 before.
+      const count = Math.max(found.ids.rows, found.ids.cols) * Math.min(1, found.ids.rows);
+      const positions = count > 0 ? found.corners.data32F : [];
+      const ids = count > 0 ? Array.from(/** @type {Int32Array} */ (found.ids.data32S)) : [];
+      const points = ids.map((_, index) => [positions[2 * index], positions[2 * index + 1]]);
+      const seen = Math.max(markers.ids.rows, markers.ids.cols) * Math.min(1, markers.ids.rows);
+      return { ...(full ? refine(image, { ids, points }, columns - 1) : { ids, points }), markers: seen };
+    },
+    delete() {
+      for (const each of [detectors.tracking, detectors.full, found.corners, found.ids, markers.corners, markers.ids,
+        input, charuco, charucoParameters, refinement, dictionary, noIds]) each.delete();
+    },
+  };
+}
+
+/** @type {OffscreenCanvasRenderingContext2D | null} */
+let canvas = null;
+let planes = new Uint8Array(0);
+let grey = new Uint8Array(0);
+
+/**
+ * The luma of a frame.
+ * @param {VideoFrame | ImageBitmap} frame
+ * @returns {Promise<Grey>} memory that the next call writes over
+ */
+async function luma(frame) {
+  if ("format" in frame && /^(I4|NV12)/.test(frame.format ?? "") && upright(frame)) {
+    // Camera frames: the first plane is what we want, without any conversion.
+    const rect = frame.visibleRect ?? new DOMRectReadOnly(0, 0, frame.codedWidth, frame.codedHeight);
+    const bytes = frame.allocationSize({ rect });
+    if (planes.length < bytes) planes = new Uint8Array(bytes);
+    const [{ offset, stride }] = await frame.copyTo(planes, { rect });
+    const { width, height } = rect;
+    if (stride === width) return { width, height, data: planes.subarray(offset, offset + width * height) };
+    if (grey.length !== width * height) grey = new Uint8Array(width * height);
+    for (let row = 0; row < height; row++) {
+      const start = offset + row * stride;
+      grey.set(planes.subarray(start, start + width), row * width);
+    }
+    return { width, height, data: grey };
+  }
+  const [width, height] = "displayWidth" in frame
+    ? [frame.displayWidth, frame.displayHeight]
+    : [frame.width, frame.height];
+  if (!canvas || canvas.canvas.width !== width || canvas.canvas.height !== height) {
+    canvas = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+    if (!canvas) throw new Error("this browser has no 2D canvas in workers");
+  }
+  canvas.drawImage(frame, 0, 0);
+  const { data } = canvas.getImageData(0, 0, width, height);
+  if (grey.length !== width * height) grey = new Uint8Array(width * height);
+  // ITU-R BT.601 luma in 16 bit fixed point, as cv::cvtColor has it.
+  for (let i = 0, j = 0; i < grey.length; i++, j += 4) {
+    grey[i] = (data[j] * 19595 + data[j + 1] * 38470 + data[j + 2] * 7471 + 32768) >> 16;
+  }
+  return { width, height, data: grey };
+}
+
+/** A frame that is shown as it is stored: no rotation, no stretched pixels. @param {VideoFrame} frame */
+function upright(frame) {
+  const { rotation = 0, flip = false } = /** @type {{rotation?: number, flip?: boolean}} */ (/** @type {unknown} */ (frame));
+  return !rotation && !flip && frame.visibleRect?.width === frame.displayWidth
+    && frame.visibleRect?.height === frame.displayHeight;
+}
+
+/** @param {OpenRequest | DetectRequest} request */
+async function answer(request) {
+  if ("open" in request) {
+    cv ??= await loadOpenCV(request.wasm, request.bytes);
+    finder?.delete();
+    finder = createFinder(request.open);
+    return {};
+  }
+  try {
+    if (!finder) throw new Error("no board to look for");
+    const start = performance.now();
+    const image = await luma(request.frame);
+    const found = finder.find(image, request.full);
+    return {
+      ...found,
+      size: [image.width, image.height],
+      elapsed: performance.now() - start,
+      memory: cv.HEAPU8?.length ?? 0,
+    };
+  } finally {
+    request.frame.close();
+  }
+}
+
+self.onmessage = async ({ data }) => {
+  try {
+    self.postMessage({ id: data.id, result: await answer(data) });
+  } catch (error) {
+    // OpenCV throws numbers (addresses of C++ exceptions); the page needs words.
+    const message = error instanceof Error ? error.message : `OpenCV failed (${String(error)})`;
+    self.postMessage({ id: data.id, error: message });
+  }
+};
