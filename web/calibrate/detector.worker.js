@@ -69,7 +69,6 @@ function createFinder(board) {
   };
   const detectors = { tracking: makeDetector(false), full: makeDetector(true) };
   const found = { corners: new cv.Mat(), ids: new cv.Mat() };
-  const markers = { corners: new cv.MatVector(), ids: new cv.Mat() };
   let input = new cv.Mat();
 
   return {
@@ -83,21 +82,36 @@ function createFinder(board) {
         input = new cv.Mat(image.height, image.width, cv.CV_8UC1);
       }
       input.data.set(image.data);
-      (full ? detectors.full : detectors.tracking)
-        .detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
-      // 1 x n in OpenCV 5, n x 1 before.
-      const count = Math.max(found.ids.rows, found.ids.cols) * Math.min(1, found.ids.rows);
-      const positions = count > 0 ? found.corners.data32F : [];
-      const ids = count > 0 ? Array.from(/** @type {Int32Array} */ (found.ids.data32S)) : [];
-      const points = ids.map((_, index) => [positions[2 * index], positions[2 * index + 1]]);
-      const seen = Math.max(markers.ids.rows, markers.ids.cols) * Math.min(1, markers.ids.rows);
-      return { ...(full ? refine(image, { ids, points }, columns - 1) : { ids, points }), markers: seen };
+      // New for every frame: where these are not empty, detectBoard takes them as the markers and looks for none.
+      const markers = { corners: new cv.MatVector(), ids: new cv.Mat() };
+      try {
+        (full ? detectors.full : detectors.tracking)
+          .detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
+        const ids = length(found.ids) > 0 ? Array.from(/** @type {Int32Array} */ (found.ids.data32S)) : [];
+        const positions = ids.length > 0 ? found.corners.data32F : [];
+        const points = ids.map((_, index) => [positions[2 * index], positions[2 * index + 1]]);
+        return {
+          ...(full ? refine(image, { ids, points }, columns - 1) : { ids, points }),
+          markers: length(markers.ids),
+        };
+      } finally {
+        markers.corners.delete();
+        markers.ids.delete();
+      }
+    },
+    /** Bytes that OpenCV's heap has grown to. */
+    get memory() {
+      return input.data.buffer.byteLength;
     },
     delete() {
-      for (const each of [detectors.tracking, detectors.full, found.corners, found.ids, markers.corners, markers.ids,
-        input, charuco, charucoParameters, refinement, dictionary, noIds]) each.delete();
+      for (const each of [detectors.tracking, detectors.full, found.corners, found.ids, input, charuco, charucoParameters, refinement, dictionary, noIds]) each.delete();
     },
   };
+}
+
+/** Elements of a vector: 1 x n in OpenCV 5, n x 1 before. @param {any} mat */
+function length(mat) {
+  return mat.rows === 0 ? 0 : Math.max(mat.rows, mat.cols);
 }
 
 /** @type {OffscreenCanvasRenderingContext2D | null} */
@@ -167,7 +181,7 @@ async function answer(request) {
       ...found,
       size: [image.width, image.height],
       elapsed: performance.now() - start,
-      memory: cv.HEAPU8?.length ?? 0,
+      memory: finder.memory,
     };
   } finally {
     request.frame.close();
