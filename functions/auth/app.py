@@ -1,0 +1,26 @@
+"""Opens a session: an API token goes in, the signed and short-lived id of one guided capture comes out."""
+
+from __future__ import annotations
+
+from starlette.responses import Response
+
+from calibdb import http
+from calibdb.schema import Health, SessionOpened
+
+
+def open_session(call: http.Call) -> Response:
+    """Answer with a session id. Nothing is written: the id carries all there is to know."""
+    token = call.api_token()
+    session_id, expires_at = call.service.session_ids.issue(call.service.ticket(token, call.origin))
+    return http.answer(SessionOpened(session_id=session_id, expires_at=expires_at), 201)
+
+
+def health(_: http.Call) -> Response:
+    """Answer that the service is there."""
+    return http.answer(Health())
+
+
+handler = http.handler(
+    http.resource("/v1/auth", POST=open_session),
+    http.resource("/healthz", GET=health),
+)

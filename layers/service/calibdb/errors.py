@@ -1,0 +1,142 @@
+"""The only error tree: what the caller is told, carried by what is raised.
+
+An error is raised where it is known, with the words a caller needs, and becomes an answer in one place
+(`calibdb.http`), as RFC 9457 `application/problem+json`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from pydantic import JsonValue
+
+PROBLEMS = "https://calibdb.example/problems/"
+
+
+@dataclass(frozen=True)
+class FieldError:
+    """One field of a request and what is wrong with it; `field` is its path, joined by dots."""
+
+    field: str
+    detail: str
+
+
+class CalibdbError(Exception):
+    """Anything a caller can be told: HTTP status, problem type and title by class, the detail by instance.
+
+    Parameters
+    ----------
+    detail
+        One sentence about this occurrence. Never holds what the caller sent beyond names of fields.
+    kind
+        Last part of the problem's type where one class stands for several problems.
+    fields
+        What is wrong, field by field (the `errors` of the answer).
+    headers
+        Headers that the answer must carry, such as `WWW-Authenticate`.
+    members
+        Further members of the problem document.
+
+    """
+
+    status = 500
+    kind = "internal"
+    title = "Internal error"
+
+    def __init__(
+        self,
+        detail: str,
+        *,
+        kind: str | None = None,
+        fields: Sequence[FieldError] = (),
+        headers: Mapping[str, str] | None = None,
+        members: Mapping[str, JsonValue] | None = None,
+    ) -> None:
+        super().__init__(detail)
+        self.detail = detail
+        self.kind = kind or type(self).kind
+        self.fields = tuple(fields)
+        self.headers = dict(headers or {})
+        self.members = dict(members or {})
+
+    def problem(self) -> dict[str, JsonValue]:
+        """Return the problem document, as RFC 9457 names its members."""
+        document: dict[str, JsonValue] = {
+            "type": PROBLEMS + self.kind,
+            "title": self.title,
+            "status": self.status,
+            "detail": self.detail,
+        }
+        if self.fields:
+            document["errors"] = [{"field": f.field, "detail": f.detail} for f in self.fields]
+        return {**document, **self.members}
+
+
+class MalformedError(CalibdbError):
+    """The body is not JSON."""
+
+    status, kind, title = 400, "malformed", "Not JSON"
+
+
+class UnauthenticatedError(CalibdbError):
+    """No credential was sent."""
+
+    status, kind, title = 401, "unauthenticated", "Credential missing"
+
+    def __init__(self, detail: str) -> None:
+        super().__init__(detail, headers={"WWW-Authenticate": 'Bearer realm="calibDB"'})
+
+
+class ForbiddenError(CalibdbError):
+    """A credential was sent, and it does not open this: unknown, expired, or not from this origin."""
+
+    status, kind, title = 403, "forbidden", "Credential refused"
+
+
+class NotFoundError(CalibdbError):
+    """There is no such thing."""
+
+    status, kind, title = 404, "not-found", "Not found"
+
+
+class NotAcceptableError(CalibdbError):
+    """None of the media types that the caller accepts can be given."""
+
+    status, kind, title = 406, "not-acceptable", "Not acceptable"
+
+
+class ConflictError(CalibdbError):
+    """The request does not fit the state that things are in."""
+
+    status, kind, title = 409, "conflict", "ConflictError"
+
+
+class TooLargeError(CalibdbError):
+    """The body is larger than anything this call can mean."""
+
+    status, kind, title = 413, "too-large", "Body too large"
+
+
+class InvalidError(CalibdbError):
+    """The request is JSON, but its fields are not what they must be."""
+
+    status, kind, title = 422, "invalid", "InvalidError fields"
+
+    def __init__(self, fields: Sequence[FieldError]) -> None:
+        names = ", ".join(dict.fromkeys(f.field for f in fields))
+        super().__init__(f"Not accepted: {names}.", fields=fields)
+
+    @classmethod
+    def field(cls, field: str, detail: str) -> InvalidError:
+        """Return the error of one field."""
+        return cls((FieldError(field, detail),))
+
+
+class UnavailableError(CalibdbError):
+    """Storage or another function did not answer; the same request may succeed a moment later."""
+
+    status, kind, title = 503, "unavailable", "Try again"
+
+    def __init__(self, detail: str) -> None:
+        super().__init__(detail, headers={"Retry-After": "1"})

@@ -1,0 +1,233 @@
+"""HTTP, once for all functions: calls come in parsed, errors go out as problem+json.
+
+A function is a few routes, each a plain function from `Call` to a Starlette response. One Lambda instance
+serves one event at a time, so nothing here is gained by waiting asynchronously.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Any, TypeVar, cast
+from urllib.parse import unquote
+
+from mangum import Mangum
+from pydantic import BaseModel, ValidationError
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
+
+from calibdb.errors import (
+    PROBLEMS,
+    CalibdbError,
+    FieldError,
+    ForbiddenError,
+    InvalidError,
+    MalformedError,
+    TooLargeError,
+    UnauthenticatedError,
+)
+from calibdb.service import Service
+from calibdb.tokens import ApiToken, Ticket
+
+MAX_BODY = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
+_MOST_FIELDS = 20  # of a body with ten thousand wrong points the first few say enough
+
+_PROBLEM = "application/problem+json"
+_TEXT = ["text/", "application/json", _PROBLEM]  # everything else leaves as base64
+
+Model = TypeVar("Model", bound=BaseModel)
+LambdaHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Call:
+    """One request, its body read, and the service that answers it."""
+
+    request: Request
+    body: bytes
+    service: Service
+
+    def json(self, model: type[Model]) -> Model:
+        """Return the body as `model`.
+
+        Raises TooLargeError, MalformedError, or InvalidError naming the fields.
+        """
+        if len(self.body) > MAX_BODY:
+            raise TooLargeError(f"The body may have {MAX_BODY} bytes.")
+        try:
+            return model.model_validate_json(self.body)
+        except ValidationError as error:
+            raise _refusal(error) from error
+
+    def query(self, model: type[Model]) -> Model:
+        """Return the query as `model`; raises InvalidError naming every field."""
+        try:
+            return model.model_validate(dict(self.request.query_params))
+        except ValidationError as error:
+            raise _refusal(error) from error
+
+    def flag(self, name: str) -> bool:
+        """Return a query parameter that switches something on: `1` or `true`, and `0` or `false`."""
+        text = self.request.query_params.get(name, "0").lower()
+        if text not in ("0", "1", "false", "true"):
+            raise InvalidError.field(name, "must be 0 or 1")
+        return text in ("1", "true")
+
+    def session(self) -> Ticket:
+        """Return what the session id says; raises UnauthenticatedError or ForbiddenError."""
+        return self.service.session_ids.verify(self._bearer(), self.origin)
+
+    def api_token(self, credential: str | None = None) -> ApiToken:
+        """Return the API token sent as bearer, or else `credential`.
+
+        Raises UnauthenticatedError or ForbiddenError.
+        """
+        if credential is not None and "authorization" not in self.request.headers:
+            sent = credential
+        else:
+            sent = self._bearer()
+        token = self.service.api_token(sent)
+        if not token.admits(self.origin):
+            raise ForbiddenError("The token is not for pages of this origin.", kind="origin")
+        return token
+
+    @property
+    def origin(self) -> str | None:
+        """Origin of the page that asks, None outside a browser."""
+        return self.request.headers.get("origin")
+
+    @property
+    def address(self) -> str:
+        """Source address, only ever used inside a keyed hash."""
+        return self.request.client.host if self.request.client else ""
+
+    def path(self, name: str) -> str:
+        """Return a parameter of the path."""
+        return unquote(str(self.request.path_params[name]))
+
+    def _bearer(self) -> str:
+        scheme, _, credential = self.request.headers.get("authorization", "").partition(" ")
+        if scheme.lower() != "bearer" or not credential.strip():
+            raise UnauthenticatedError("Send the credential as `Authorization: Bearer …`.")
+        return credential.strip()
+
+
+Endpoint = Callable[[Call], Response]
+
+
+def answer(model: BaseModel, status: int = 200, headers: Mapping[str, str] | None = None) -> Response:
+    """Return `model` as JSON."""
+    return Response(model.model_dump_json(), status, headers, "application/json")
+
+
+def nothing() -> Response:
+    """Return the answer without a body."""
+    return Response(status_code=204)
+
+
+def resource(path: str, **methods: Endpoint) -> Route:
+    """Return the route of one path: its methods in capitals, each with its endpoint; HEAD as GET."""
+
+    async def endpoint(request: Request) -> Response:
+        verb = "GET" if request.method == "HEAD" else request.method
+        return methods[verb](Call(request, await request.body(), _service()))
+
+    return Route(path, endpoint, methods=list(methods))
+
+
+def application(*routes: Route) -> Starlette:
+    """Return the application of `routes`: what it raises is answered as problem+json, without a trace."""
+    return Starlette(
+        routes=list(routes),
+        exception_handlers={
+            CalibdbError: _known,
+            HTTPException: _starlette,
+            Exception: _unknown,
+        },
+    )
+
+
+def handler(*routes: Route) -> LambdaHandler:
+    """Return what Lambda calls: payload format 2.0 in and out."""
+    app = _without_caching(application(*routes))
+
+    def handle(event: dict[str, Any], context: Any) -> dict[str, Any]:
+        # Mangum asks for the thread's event loop. Lambda's thread has none, nor has a gateway's worker; one
+        # of its own for each event is a tenth of a millisecond and leaves nothing behind.
+        loop = asyncio.new_event_loop()
+        asyncio.set_event_loop(loop)
+        try:
+            return Mangum(app, lifespan="off", text_mime_types=_TEXT)(event, context)
+        finally:
+            asyncio.set_event_loop(None)
+            loop.close()
+
+    return handle
+
+
+def _service() -> Service:
+    return Service.of(os.environ)
+
+
+def _problem(error: CalibdbError) -> Response:
+    return Response(
+        json.dumps(error.problem(), ensure_ascii=False).encode(),
+        error.status,
+        error.headers,
+        _PROBLEM,
+    )
+
+
+async def _known(_: Request, error: Exception) -> Response:
+    return _problem(cast("CalibdbError", error))
+
+
+async def _starlette(_: Request, raised: Exception) -> Response:
+    error = cast("HTTPException", raised)
+    title = HTTPStatus(error.status_code).phrase
+    body = {
+        "type": PROBLEMS + title.lower().replace(" ", "-"),
+        "title": title,
+        "status": error.status_code,
+        "detail": "There is no such path." if error.status_code == HTTPStatus.NOT_FOUND else error.detail,
+    }
+    return Response(json.dumps(body), error.status_code, error.headers, _PROBLEM)
+
+
+async def _unknown(_: Request, __: Exception) -> Response:
+    # Starlette raises it again once this is sent, and Mangum logs it with its trace: for us, not for the
+    # caller.
+    return _problem(CalibdbError("Something went wrong here, not in the request."))
+
+
+def _refusal(error: ValidationError) -> CalibdbError:
+    problems = error.errors(include_url=False, include_input=False, include_context=False)
+    if any(p["type"] == "json_invalid" for p in problems):
+        return MalformedError("The body is not JSON.")
+    return InvalidError(
+        [FieldError(".".join(map(str, p["loc"])) or "body", p["msg"]) for p in problems[:_MOST_FIELDS]]
+    )
+
+
+def _without_caching(app: Starlette) -> Any:
+    """Forbid caching of every answer that does not say otherwise; none is anything but what it says it is."""
+
+    async def wrapped(scope: Any, receive: Any, send: Any) -> None:
+        async def sending(message: Any) -> None:
+            if message["type"] == "http.response.start":
+                present = {name for name, _ in message["headers"]}
+                message["headers"].append((b"x-content-type-options", b"nosniff"))
+                if b"cache-control" not in present:
+                    message["headers"].append((b"cache-control", b"no-store"))
+            await send(message)
+
+        await app(scope, receive, sending)
+
+    return wrapped

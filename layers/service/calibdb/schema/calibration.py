@@ -1,0 +1,82 @@
+"""Calibrations as they are answered and stored."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from calibdb.schema.fields import DistortionModel, ImgSize, Open, Row
+
+
+class Uncertainty(Open):
+    """Predicted projection error over the image, px."""
+
+    rms: float
+    max: float
+
+
+class FitRecord(Open):
+    """One fit of one model, as the solver records it."""
+
+    img_size: ImgSize
+    camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
+    distortion_coefficients: tuple[float, ...]
+    distortion_model: DistortionModel
+    avg_reprojection_error: float = Field(description="rms over all measurements, px")
+    uncertainty: Uncertainty
+
+
+class Calibration(Open):
+    """What is known of a camera: the fit, whose it is, and how far to trust it.
+
+    Saved as a file it loads in WPILib's WPIcal: top-level `camera`, nested `camera_matrix`, flat
+    coefficients.
+    """
+
+    img_size: ImgSize
+    camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
+    distortion_coefficients: tuple[float, ...]
+    distortion_model: DistortionModel
+    avg_reprojection_error: float = Field(description="rms over all measurements, px")
+    id: str | None
+    camera: str
+    platform: str
+    zoom: float
+    calibrations: int = Field(description="How many calibrations agree on this.")
+    contributors: int = Field(description="How many contributors these came from.")
+    reliable: bool
+    exact_size: bool = Field(description="false: this is the closest known size, not the one asked for.")
+    uncertainty: Uncertainty
+    calibration_time: int = Field(description="Unix time, seconds.")
+
+    @classmethod
+    def of(
+        cls,
+        fit: FitRecord,
+        *,
+        id: str | None,  # noqa: A002 - the contract's name
+        camera: str,
+        platform: str,
+        zoom: float,
+        calibration_time: int,
+        calibrations: int = 1,
+        contributors: int = 1,
+        reliable: bool = False,
+    ) -> Calibration:
+        """Return `fit` with the facts around it."""
+        return cls(
+            img_size=fit.img_size,
+            camera_matrix=fit.camera_matrix,
+            distortion_coefficients=fit.distortion_coefficients,
+            distortion_model=fit.distortion_model,
+            avg_reprojection_error=fit.avg_reprojection_error,
+            id=id,
+            camera=camera,
+            platform=platform,
+            zoom=zoom,
+            calibrations=calibrations,
+            contributors=contributors,
+            reliable=reliable,
+            exact_size=True,
+            uncertainty=fit.uncertainty,
+            calibration_time=calibration_time,
+        )

@@ -1,0 +1,49 @@
+"""The types of single fields, with their bounds, shared by all models."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, get_args
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+
+MAX_CORNERS = 49 * 49  # of the largest board
+SMALLEST_SIDE, LARGEST_SIDE = 16, 16384  # px
+MAX_INDEX = 100_000
+
+
+class Strict(BaseModel):
+    """A request: what it does not know it refuses, so that a misspelt option is heard of."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
+
+
+class Open(BaseModel):
+    """An answer or a stored document: fields that a later version added are passed over."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
+
+
+def _canonical(zoom: float) -> float:
+    return round(zoom, 6) + 0.0  # + 0.0 turns -0.0 into 0.0: equal zooms are written alike
+
+
+# The names, and the order of the coefficients, are the API's. `calibsolver.models` has one file for each.
+DistortionModel = Literal["rectilinear", "fisheye"]
+DISTORTION_MODELS: tuple[str, ...] = get_args(DistortionModel)
+Guidance = Literal["projection-uncertainty"]
+
+Label = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=256)]
+Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE)]
+ImgSize = Annotated[tuple[Side, Side], Field(description="Width and height, px.")]
+Zoom = Annotated[
+    float,
+    Field(ge=0, le=1e6, description="`zoom` of the track's settings; 0 where there is none."),
+    AfterValidator(_canonical),
+]
+TargetError = Annotated[float, Field(ge=1e-3, le=100, description="px")]
+Index = Annotated[int, Field(strict=True, ge=0, le=MAX_INDEX)]
+CornerId = Annotated[int, Field(strict=True, ge=0, lt=MAX_CORNERS)]
+Coordinate = Annotated[float, Field(ge=-1.0, le=LARGEST_SIDE)]
+Point = tuple[Coordinate, Coordinate]
+Pixel = tuple[float, float]
+Row = tuple[float, float, float]

@@ -1,0 +1,56 @@
+"""The lookup's request, and its answer where nothing reliable is known."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Literal
+
+from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Field
+
+from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom
+
+Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors"]
+
+
+_SIZE = re.compile(r"([0-9]{1,6})[x×,]([0-9]{1,6})")
+_NUMBER = re.compile(r"[+-]?[0-9]{1,20}(\.[0-9]{0,20})?([eE][+-]?[0-9]{1,3})?")
+_FLAGS = {"true": True, "1": True, "false": False, "0": False}
+
+
+# A query holds text where a body holds numbers. What cannot be read is left for the type to refuse.
+def _size(value: object) -> object:
+    match = _SIZE.fullmatch(value) if isinstance(value, str) else None
+    return (int(match[1]), int(match[2])) if match else value
+
+
+def _number(value: object) -> object:
+    return float(value) if isinstance(value, str) and _NUMBER.fullmatch(value) else value
+
+
+def _flag(value: object) -> object:
+    return _FLAGS.get(value, value) if isinstance(value, str) else value
+
+
+class LookupRequest(BaseModel):
+    """Which camera, by the paper's names or by those of the older public client.
+
+    Unknown fields are passed over: clients of every age ask here.
+    """
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="ignore", allow_inf_nan=False)
+
+    camera: Label
+    platform: Label = Field(validation_alias=AliasChoices("platform", "userAgent"))
+    img_size: Annotated[ImgSize, BeforeValidator(_size)] = Field(
+        validation_alias=AliasChoices("img_size", "imsize")
+    )
+    zoom: Annotated[Zoom, BeforeValidator(_number)] = 0.0
+    distortion_model: DistortionModel = "rectilinear"
+    redirect: Annotated[bool, BeforeValidator(_flag)] = True
+
+
+class Miss(Open):
+    """Where a camera can be calibrated, and why the database has no answer; the body of the 307."""
+
+    guidance_url: str
+    reason: Reason

@@ -1,0 +1,21 @@
+"""The internal call of `refit`: which consensus to compute, and what came out."""
+
+from __future__ import annotations
+
+from calibdb.schema.documents import ConsensusDocument
+from calibdb.schema.fields import DistortionModel, ImgSize, Open, Zoom
+
+
+class RefitRequest(Open):
+    """One camera (its key) at one size and zoom, and the models to compute."""
+
+    camera: str
+    img_size: ImgSize
+    zoom: Zoom = 0.0
+    models: tuple[DistortionModel, ...]
+
+
+class RefitAnswer(Open):
+    """By model: the consensus now stored, or null where there is no calibration at all."""
+
+    models: dict[DistortionModel, ConsensusDocument | None]

@@ -1,0 +1,144 @@
+"""The guided capture: what a session is asked and what it answers."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
+
+from calibdb.schema.board import Board
+from calibdb.schema.calibration import Calibration, Uncertainty
+from calibdb.schema.fields import (
+    MAX_CORNERS,
+    CornerId,
+    DistortionModel,
+    Guidance,
+    ImgSize,
+    Index,
+    Label,
+    Open,
+    Pixel,
+    Point,
+    Row,
+    Strict,
+    TargetError,
+    Zoom,
+)
+
+Fact = Annotated[str, Field(max_length=64)]
+Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
+Refusal = Literal["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]
+
+
+class Health(Open):
+    """The service is there."""
+
+    status: Literal["ok"] = "ok"
+
+
+class SessionOpened(Open):
+    """The credential of one guided capture."""
+
+    session_id: str
+    expires_at: int = Field(description="Unix time, seconds.")
+
+
+class Track(Strict):
+    """What else the browser knew of the MediaStreamTrack: stored, never part of the camera's key."""
+
+    focusMode: Fact | None = None  # noqa: N815 - names of the MediaStreamTrack's settings
+    focusDistance: Quantity | None = None  # noqa: N815
+    facingMode: Fact | None = None  # noqa: N815
+    resizeMode: Fact | None = None  # noqa: N815
+    frameRate: Quantity | None = None  # noqa: N815
+
+
+class SessionRequest(Strict):
+    """Starts a guided capture of one camera."""
+
+    camera: Label = Field(description="`MediaStreamTrack.label`")
+    platform: Label = Field(description="The parenthesised part of the user agent.")
+    img_size: ImgSize
+    zoom: Zoom = 0.0
+    distortion_model: DistortionModel = "rectilinear"
+    board: Board = Board()
+    guidance: Guidance = "projection-uncertainty"
+    target_error: TargetError | None = Field(
+        None, description="px over the image at which the session ends; default 0.3 at 1280 px image width."
+    )
+    track: Track = Track()
+
+
+class ViewRequest(Strict):
+    """One captured frame: the board corners seen, and the pose that it answers."""
+
+    index: Index
+    ids: tuple[CornerId, ...] = Field(min_length=1, max_length=MAX_CORNERS)
+    points: tuple[Point, ...] = Field(min_length=1, max_length=MAX_CORNERS, description="px, one for each id")
+
+    @field_validator("ids")
+    @classmethod
+    def _unique(cls, value: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(value)) != len(value):
+            raise PydanticCustomError("duplicate_ids", "a corner appears more than once")
+        return value
+
+    @field_validator("points")
+    @classmethod
+    def _one_for_each_id(cls, value: tuple[Point, ...], info: ValidationInfo) -> tuple[Point, ...]:
+        ids = info.data.get("ids")  # absent where they were refused themselves
+        if ids is not None and len(ids) != len(value):
+            raise PydanticCustomError(
+                "count_differs",
+                "{points} points for {ids} ids",
+                {"points": len(value), "ids": len(ids)},
+            )
+        return value
+
+
+class ViewState(Open):
+    """One accepted view."""
+
+    index: int
+    points: int
+    rms: float | None = Field(description="px; null as long as there is no fit.")
+
+
+class SessionState(Open):
+    """How far the capture has come."""
+
+    status: Literal["capturing", "converged"]
+    camera: str
+    platform: str
+    img_size: ImgSize
+    zoom: float
+    distortion_model: DistortionModel
+    board: Board
+    guidance: Guidance
+    target_error: float
+    views: tuple[ViewState, ...]
+    progress: float = Field(ge=0, le=1)
+    uncertainty: Uncertainty | None
+    calibration: Calibration | None
+    calibration_id: str | None
+
+
+class ViewAnswer(SessionState):
+    """The session's state, and whether the view became part of it."""
+
+    accepted: bool
+    reason: Refusal | None
+
+
+class Pose(Open):
+    """Where the user is asked to hold the board next; pixels of `img_size`, distortion included."""
+
+    index: int = Field(description="The index that a view answering this pose carries.")
+    rvec: Row = Field(description="Rotation vector, board to camera, rad.")
+    tvec: Row = Field(description="Translation, squares.")
+    ids: tuple[int, ...]
+    corners: tuple[Pixel, ...]
+    outline: tuple[Pixel, ...] = Field(description="The board's edge as the camera would see it.")
+    purpose: str
+    hint: str

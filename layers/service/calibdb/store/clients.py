@@ -1,0 +1,68 @@
+"""boto3 clients, made when first used and then kept: a connection costs more than most requests."""
+
+from __future__ import annotations
+
+import functools
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import boto3
+from botocore.config import Config
+from botocore.exceptions import BotoCoreError, ClientError
+
+from calibdb.errors import UnavailableError
+
+if TYPE_CHECKING:
+    from mypy_boto3_dynamodb import DynamoDBClient
+    from mypy_boto3_lambda import LambdaClient
+    from mypy_boto3_s3 import S3Client
+
+# Storage answers in milliseconds or not at all; the gateway gives up after 30 s, the function after 10.
+_STORAGE = Config(
+    connect_timeout=1,
+    read_timeout=2,
+    retries={"mode": "standard", "total_max_attempts": 3},
+    tcp_keepalive=True,
+)
+# A computation is asked for once: repeating it because it is slow would make it slower.
+_INVOKE = Config(connect_timeout=1, read_timeout=9, retries={"mode": "standard", "total_max_attempts": 1})
+
+_making = threading.Lock()  # boto3's session is not safe to make clients with in several threads
+
+
+@functools.cache
+def dynamodb(region: str) -> DynamoDBClient:
+    """Return the client of the index."""
+    with _making:
+        return boto3.client("dynamodb", region_name=region, config=_STORAGE)
+
+
+@functools.cache
+def s3(region: str) -> S3Client:
+    """Return the client of the bucket."""
+    with _making:
+        return boto3.client("s3", region_name=region, config=_STORAGE)
+
+
+@functools.cache
+def lambda_(region: str) -> LambdaClient:
+    """Return the client that asks other functions."""
+    with _making:
+        return boto3.client("lambda", region_name=region, config=_INVOKE)
+
+
+def code(error: ClientError) -> str:
+    """Return AWS's name of an error."""
+    return error.response["Error"]["Code"]
+
+
+@contextmanager
+def available() -> Iterator[None]:
+    """Turn what storage could not do, after its retries, into UnavailableError: the caller may try again."""
+    try:
+        yield
+    except (ClientError, BotoCoreError) as error:
+        name = code(error) if isinstance(error, ClientError) else type(error).__name__
+        raise UnavailableError(f"Storage did not answer ({name}).") from error

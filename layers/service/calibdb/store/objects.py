@@ -1,0 +1,73 @@
+"""The truth: JSON documents in one S3 bucket, each written once under its name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from botocore.exceptions import ClientError
+
+from calibdb.store.clients import available, code
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mypy_boto3_s3 import S3Client
+
+# 412 when the name is taken; 409 when another write of the same name is under way.
+_TAKEN = frozenset({"PreconditionFailed", "ConditionalRequestConflict"})
+_MOST_AT_ONCE = 1000  # objects that S3 removes in one request
+
+
+class Objects:
+    """Immutable objects under names."""
+
+    def __init__(self, client: Callable[[], S3Client], bucket: str) -> None:
+        self._client = client
+        self._bucket = bucket
+
+    def get(self, name: str) -> bytes | None:
+        """Return the object's content, None when there is none."""
+        with available():
+            try:
+                return self._client().get_object(Bucket=self._bucket, Key=name)["Body"].read()
+            except ClientError as error:
+                # Without the right to list, S3 says that a missing object is forbidden.
+                if code(error) not in ("NoSuchKey", "AccessDenied"):
+                    raise
+                return None
+
+    def create(self, name: str, content: bytes) -> bool:
+        """Write a new object; False, and nothing written, when the name is taken."""
+        with available():
+            try:
+                self._client().put_object(
+                    Bucket=self._bucket,
+                    Key=name,
+                    Body=content,
+                    ContentType="application/json",
+                    IfNoneMatch="*",
+                )
+            except ClientError as error:
+                if code(error) not in _TAKEN:
+                    raise
+                return False
+        return True
+
+    def delete(self, names: Sequence[str]) -> None:
+        """Remove the objects, those that there are."""
+        for start in range(0, len(names), _MOST_AT_ONCE):
+            batch = names[start : start + _MOST_AT_ONCE]
+            with available():
+                self._client().delete_objects(
+                    Bucket=self._bucket, Delete={"Objects": [{"Key": name} for name in batch], "Quiet": True}
+                )
+
+    def names(self, prefix: str) -> Iterator[str]:
+        """Yield the names that begin with `prefix`. For operators: no function has the right to list."""
+        with available():
+            for page in (
+                self._client().get_paginator("list_objects_v2").paginate(Bucket=self._bucket, Prefix=prefix)
+            ):
+                for found in page.get("Contents", []):
+                    yield found["Key"]

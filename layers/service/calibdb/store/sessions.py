@@ -1,0 +1,146 @@
+"""Running sessions: immutable objects `sessions/<sid>/<version>.json`, and an item that names the latest.
+
+The object is written first and the index then moves to it under the condition that nobody moved it before: a
+crash leaves an orphan, never a pointer to nothing, and of two changes at once one happens and the other is
+made anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from calibdb.errors import ConflictError, NotFoundError, UnavailableError
+from calibdb.schema import SessionDocument
+from calibdb.store.objects import Objects
+from calibdb.store.table import ABSENT, Condition, Item, Table
+
+LIFETIME = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
+_ATTEMPTS = 5  # of a change that others keep overtaking
+_MOST_ORPHANS = 16  # versions written and never pointed to, one after the other
+
+Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True)
+class _Head:
+    """What the index says: the latest version, and whether the session was forgotten."""
+
+    version: int
+    forgotten: bool
+
+
+class Sessions:
+    """Sessions under their names."""
+
+    def __init__(self, table: Table, objects: Objects) -> None:
+        self._table = table
+        self._objects = objects
+
+    def find(self, sid: str) -> SessionDocument | None:
+        """Return the session as it stands, None when it was not started or was forgotten."""
+        found = self._find(sid)
+        return found[0] if found else None
+
+    def get(self, sid: str) -> SessionDocument:
+        """Return the session as it stands; raises NotFoundError."""
+        document = self.find(sid)
+        if document is None:
+            raise NotFoundError("No session was started under this session id.", kind="no-session")
+        return document
+
+    def start(self, sid: str, now: int, make: Callable[[int], SessionDocument]) -> SessionDocument:
+        """Return the running session, or else store and return `make(first version)`."""
+        for _ in range(_ATTEMPTS):
+            head = self._head(sid)
+            if head is not None and not head.forgotten:
+                found = self._find(sid)
+                if found is not None:
+                    return found[0]
+                continue  # forgotten in between
+            # A session started again under its name goes on counting, so that whoever still works on the
+            # forgotten one finds the index moved.
+            base = head.version if head else 0
+            document = make(base + 1)
+            if self._write(sid, base, document, now):
+                return document
+        raise _overtaken()
+
+    def update(
+        self, sid: str, now: int, change: Callable[[SessionDocument], tuple[SessionDocument | None, Answer]]
+    ) -> Answer:
+        """Apply `change` to the session and return its answer; raises NotFoundError.
+
+        `change` returns the new document, or None to leave the session as it is, and an answer. It may be
+        called again, with what another request made of the session meanwhile; what it raises leaves
+        everything as it is.
+        """
+        for _ in range(_ATTEMPTS):
+            found = self._find(sid)
+            if found is None:
+                raise NotFoundError("No session was started under this session id.", kind="no-session")
+            document, version = found
+            changed, answer = change(document)
+            if changed is None or self._write(sid, version, changed, now):
+                return answer
+        raise _overtaken()
+
+    def forget(self, sid: str, now: int) -> bool:
+        """Forget the session's views; False when there was nothing to forget."""
+        for _ in range(_ATTEMPTS):
+            head = self._head(sid)
+            if head is None or head.forgotten:
+                return head is not None
+            tombstone = {**_item(sid, head.version + 1, now), "forgotten": 1}
+            if self._table.put(tombstone, _at(head.version)):
+                self._objects.delete([_name(sid, v) for v in range(1, head.version + 1)])
+                return True
+        raise _overtaken()
+
+    def _find(self, sid: str) -> tuple[SessionDocument, int] | None:
+        for _ in range(_ATTEMPTS):
+            head = self._head(sid)
+            if head is None or head.forgotten:
+                return None
+            content = self._objects.get(_name(sid, head.version))
+            if content is not None:
+                return SessionDocument.model_validate_json(content), head.version
+            # The index never points to nothing: it was moved, and the object removed, between the two reads.
+        return None
+
+    def _head(self, sid: str) -> _Head | None:
+        item = self._table.get(f"SESSION#{sid}", "META")
+        return _Head(int(str(item["version"])), "forgotten" in item) if item else None
+
+    def _write(self, sid: str, base: int, document: SessionDocument, now: int) -> bool:
+        content = document.model_dump_json().encode()
+        # A taken name is the orphan of a crash, or of someone who is about to overtake us. It cannot be told
+        # which, and need not: versions may have gaps, and the index decides.
+        for version in range(base + 1, base + 1 + _MOST_ORPHANS):
+            if self._objects.create(_name(sid, version), content):
+                break
+        else:
+            raise UnavailableError("The session could not be written.")
+        if self._table.put(_item(sid, version, now), _at(base) if base else ABSENT):
+            return True
+        # A write that was retried because its answer got lost finds itself done: nobody else has this
+        # version.
+        head = self._head(sid)
+        return head is not None and head.version == version
+
+
+def _name(sid: str, version: int) -> str:
+    return f"sessions/{sid}/{version}.json"
+
+
+def _item(sid: str, version: int, now: int) -> Item:
+    return {"pk": f"SESSION#{sid}", "sk": "META", "version": version, "ttl": now + LIFETIME}
+
+
+def _at(version: int) -> Condition:
+    return Condition("#version = :version", {"version": version}, {"version": "version"})
+
+
+def _overtaken() -> ConflictError:
+    return ConflictError("Other requests keep changing this session; send this one again.", kind="overtaken")

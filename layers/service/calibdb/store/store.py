@@ -1,0 +1,40 @@
+"""All of storage, put together for one deployment."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+from calibdb.settings import Settings
+from calibdb.store import clients
+from calibdb.store.calibrations import Calibrations
+from calibdb.store.consensus import Consensuses
+from calibdb.store.objects import Objects
+from calibdb.store.refit import Refit
+from calibdb.store.sessions import Sessions
+from calibdb.store.table import Table
+from calibdb.store.tokens import Tokens
+
+
+@dataclass(frozen=True)
+class Store:
+    """What is kept, noun by noun."""
+
+    tokens: Tokens
+    sessions: Sessions
+    calibrations: Calibrations
+    consensuses: Consensuses
+    refit: Refit
+
+    @classmethod
+    def of(cls, settings: Settings) -> Store:
+        """Return the storage that `settings` names. Clients are made when first used."""
+        table = Table(functools.partial(clients.dynamodb, settings.region), settings.table_name)
+        objects = Objects(functools.partial(clients.s3, settings.region), settings.bucket_name)
+        return cls(
+            tokens=Tokens(table),
+            sessions=Sessions(table, objects),
+            calibrations=Calibrations(table, objects),
+            consensuses=Consensuses(table),
+            refit=Refit(functools.partial(clients.lambda_, settings.region), settings.refit_function),
+        )

@@ -1,0 +1,140 @@
+"""The index: one DynamoDB table of items under `pk` and `sk`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any
+
+from botocore.exceptions import ClientError
+
+from calibdb.store.clients import available, code
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mypy_boto3_dynamodb import DynamoDBClient
+    from mypy_boto3_dynamodb.type_defs import AttributeValueTypeDef
+
+Value = str | int | list[str]
+Item = dict[str, Value]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What must hold of the stored item for a write to happen; values are written `:name`."""
+
+    expression: str
+    values: Mapping[str, Value] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
+
+
+ABSENT = Condition("attribute_not_exists(pk)")
+
+
+class Table:
+    """Reads and conditional writes of single items. Numbers are whole."""
+
+    def __init__(self, client: Callable[[], DynamoDBClient], name: str) -> None:
+        self._client = client
+        self._name = name
+
+    def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:
+        """Return the item, None when there is none."""
+        with available():
+            found = self._client().get_item(
+                TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}}, ConsistentRead=consistent
+            )
+        return _decoded(found["Item"]) if "Item" in found else None
+
+    def put(self, item: Item, condition: Condition | None = None) -> bool:
+        """Write the item; False, and nothing written, when `condition` does not hold."""
+        options: dict[str, Any] = {}
+        if condition is not None:
+            options["ConditionExpression"] = condition.expression
+            if condition.values:
+                options["ExpressionAttributeValues"] = {
+                    f":{k}": _encoded(v) for k, v in condition.values.items()
+                }
+            if condition.names:
+                options["ExpressionAttributeNames"] = {f"#{k}": v for k, v in condition.names.items()}
+        with available():
+            try:
+                self._client().put_item(
+                    TableName=self._name, Item={k: _encoded(v) for k, v in item.items()}, **options
+                )
+            except ClientError as error:
+                if code(error) != "ConditionalCheckFailedException":
+                    raise
+                return False
+        return True
+
+    def delete(self, pk: str, sk: str) -> None:
+        """Remove the item, if there is one."""
+        with available():
+            self._client().delete_item(TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}})
+
+    def query(
+        self,
+        pk: str,
+        prefix: str,
+        *,
+        newest_first: bool = False,
+        limit: int | None = None,
+        consistent: bool = False,
+    ) -> list[Item]:
+        """Return the items of `pk` whose `sk` begins with `prefix`, in the order of `sk` or against it.
+
+        One Query for every megabyte of items.
+        """
+        return list(self._pages(pk, prefix, newest_first, limit, consistent))
+
+    def _pages(
+        self, pk: str, prefix: str, newest_first: bool, limit: int | None, consistent: bool
+    ) -> Iterator[Item]:
+        options: dict[str, Any] = {}
+        left = limit
+        while left is None or left > 0:
+            if left is not None:
+                options["Limit"] = left
+            with available():
+                page = self._client().query(
+                    TableName=self._name,
+                    KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
+                    ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
+                    ScanIndexForward=not newest_first,
+                    ConsistentRead=consistent,
+                    **options,
+                )
+            for item in page["Items"]:
+                yield _decoded(item)
+            if left is not None:
+                left -= len(page["Items"])
+            if "LastEvaluatedKey" not in page:
+                return
+            options["ExclusiveStartKey"] = page["LastEvaluatedKey"]
+
+
+def _encoded(value: Value) -> AttributeValueTypeDef:
+    if isinstance(value, str):
+        return {"S": value}
+    if isinstance(value, int):
+        return {"N": str(value)}
+    return {"L": [{"S": text} for text in value]}
+
+
+def _decoded(item: Mapping[str, AttributeValueTypeDef]) -> Item:
+    return {name: _value(value) for name, value in item.items()}
+
+
+def _value(value: AttributeValueTypeDef) -> Value:
+    if "S" in value:
+        return value["S"]
+    if "N" in value:
+        return int(Decimal(value["N"]))
+    if "L" in value:
+        return [element["S"] for element in value["L"]]
+    if "SS" in value:
+        return sorted(value["SS"])
+    raise ValueError(f"an attribute of a type that the index does not use: {sorted(value)}")

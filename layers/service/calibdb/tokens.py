@@ -1,0 +1,136 @@
+"""Credentials: API tokens that are stored as hashes, session ids that are signed and expire.
+
+An API token reads `cdb_<id>_<secret>`; the table knows the id and the SHA-256 of the secret. A session id is
+itself the credential of one guided capture: signed (HMAC-SHA-256), short-lived, verified without any read.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from itsdangerous import BadData, SignatureExpired, TimestampSigner, URLSafeTimedSerializer
+
+from calibdb.errors import ForbiddenError
+
+SESSION_LIFETIME = 30 * 60  # seconds; a capture takes two minutes, a distracted one ten
+TOKEN_PATTERN = re.compile(r"cdb_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
+_LONGEST_SESSION_ID = 1024
+_SALT = "calibdb.session"
+
+
+@dataclass(frozen=True)
+class ApiToken:
+    """What is known of an API token: never its secret."""
+
+    id: str
+    secret_sha256: str
+    origins: tuple[str, ...] = ()  # empty: any origin
+    plan: str = "free"
+    created: int = 0
+
+    def admits(self, origin: str | None) -> bool:
+        """Tell whether a page of `origin` may use the token.
+
+        Without an Origin header there is no page to protect: a program outside a browser can send whatever
+        header it likes, and a plain navigation (GET lookup) sends none.
+        """
+        return origin is None or not self.origins or origin in self.origins
+
+
+def parse(text: str) -> tuple[str, str] | None:
+    """Split an API token into id and secret; None when it is not one."""
+    match = TOKEN_PATTERN.fullmatch(text)
+    return (match[1], match[2]) if match else None
+
+
+def secret_hash(secret: str) -> str:
+    """Return the SHA-256 of a token's secret, in hex.
+
+    A plain hash is enough: the secret is random with at least 128 bits, nothing that a dictionary would hold.
+    """
+    return hashlib.sha256(secret.encode()).hexdigest()
+
+
+def matches(token: ApiToken, secret: str) -> bool:
+    """Tell whether `secret` is the token's, in constant time."""
+    return hmac.compare_digest(token.secret_sha256, secret_hash(secret))
+
+
+@dataclass(frozen=True)
+class Ticket:
+    """What a session id says: the session, the token that opened it, and the only origin that may use it."""
+
+    sid: str
+    token: str
+    origin: str | None = None  # None: the token knows no allow-list
+
+
+class _Signer(TimestampSigner):
+    """Signs with the time that it is given, so that nothing below the handlers reads a clock."""
+
+    def __init__(self, *args: Any, clock: Callable[[], float], **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._clock = clock
+
+    def get_timestamp(self) -> int:
+        return int(self._clock())
+
+
+class SessionIds:
+    """Issues and verifies session ids.
+
+    Parameters
+    ----------
+    secrets
+        Newest first: the first signs, every one verifies, so that a key can be replaced while sessions run.
+    clock
+        Unix time, seconds.
+    lifetime
+        Seconds for which a session id is valid.
+
+    """
+
+    def __init__(
+        self, secrets: Sequence[str], clock: Callable[[], float], lifetime: int = SESSION_LIFETIME
+    ) -> None:
+        self._clock = clock
+        self._lifetime = lifetime
+        self._serializer = URLSafeTimedSerializer(
+            list(reversed(secrets)),  # itsdangerous wants the newest key last
+            salt=_SALT,
+            signer=_Signer,
+            signer_kwargs={"clock": clock, "digest_method": hashlib.sha256, "key_derivation": "hmac"},
+        )
+
+    def issue(self, ticket: Ticket) -> tuple[str, int]:
+        """Return the session id of `ticket` and the unix time at which it expires."""
+        content = {"s": ticket.sid, "t": ticket.token}
+        if ticket.origin is not None:
+            content["o"] = ticket.origin
+        signed = self._serializer.dumps(content)
+        return (signed if isinstance(signed, str) else signed.decode()), int(self._clock()) + self._lifetime
+
+    def verify(self, session_id: str, origin: str | None) -> Ticket:
+        """Return what `session_id` says; raises ForbiddenError when it is forged, expired, or another's."""
+        if len(session_id) > _LONGEST_SESSION_ID:
+            raise ForbiddenError("The session id is not valid.")
+        try:
+            content = self._serializer.loads(session_id, max_age=self._lifetime)
+        except SignatureExpired as error:
+            raise ForbiddenError("The session id has expired.", kind="session-expired") from error
+        except BadData as error:
+            raise ForbiddenError("The session id is not valid.") from error
+        ticket = Ticket(content["s"], content["t"], content.get("o"))
+        if ticket.origin is not None and origin is not None and origin != ticket.origin:
+            raise ForbiddenError("The session was opened by a page of another origin.", kind="origin")
+        return ticket
+
+
+def contributor(secret: str, address: str, token_id: str) -> str:
+    """Return the keyed hash that stands for a contributor: HMAC-SHA-256 of address and token, in hex."""
+    return hmac.new(secret.encode(), f"{address}\n{token_id}".encode(), hashlib.sha256).hexdigest()
