@@ -9,7 +9,8 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any, TypeVar, cast
@@ -17,6 +18,7 @@ from urllib.parse import unquote
 
 from mangum import Mangum
 from pydantic import BaseModel, ValidationError
+from pydantic_core import from_json
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
@@ -30,9 +32,11 @@ from calibdb.errors import (
     ForbiddenError,
     InvalidError,
     MalformedError,
+    NotAcceptableError,
     TooLargeError,
     UnauthenticatedError,
 )
+from calibdb.schema.fields import MAX_INDEX
 from calibdb.service import Service
 from calibdb.tokens import ApiToken, Ticket
 
@@ -41,6 +45,9 @@ _MOST_FIELDS = 20  # of a body with ten thousand wrong points the first few say 
 
 _PROBLEM = "application/problem+json"
 _TEXT = ["text/", "application/json", _PROBLEM]  # everything else leaves as base64
+
+_FLAGS = {"1": True, "true": True, "0": False, "false": False}
+_WEIGHT = re.compile(r"[01](\.[0-9]{0,3})?")
 
 Model = TypeVar("Model", bound=BaseModel)
 LambdaHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
@@ -73,12 +80,43 @@ class Call:
         except ValidationError as error:
             raise _refusal(error) from error
 
-    def flag(self, name: str) -> bool:
-        """Return a query parameter that switches something on: `1` or `true`, and `0` or `false`."""
-        text = self.request.query_params.get(name, "0").lower()
-        if text not in ("0", "1", "false", "true"):
+    def json_text(self, name: str) -> str | None:
+        """Return a text member of the body, None when there is none or the body is no JSON object."""
+        if len(self.body) > MAX_BODY:
+            raise TooLargeError(f"The body may have {MAX_BODY} bytes.")
+        try:
+            content = from_json(self.body)
+        except ValueError:
+            return None
+        member = content.get(name) if isinstance(content, dict) else None
+        return member if isinstance(member, str) else None
+
+    def flag(self, name: str, *, default: bool = False) -> bool:
+        """Return a query parameter that switches something: `1` or `true`, `0` or `false`."""
+        text = self.request.query_params.get(name)
+        if text is None:
+            return default
+        if text.lower() not in _FLAGS:
             raise InvalidError.field(name, "must be 0 or 1")
-        return text in ("1", "true")
+        return _FLAGS[text.lower()]
+
+    def index(self, name: str) -> int:
+        """Return a parameter of the path that is the index of a view."""
+        text = self.path(name)
+        if re.fullmatch(r"[0-9]{1,9}", text, re.ASCII) is None or int(text) > MAX_INDEX:
+            raise InvalidError.field(name, f"must be a whole number from 0 to {MAX_INDEX}")
+        return int(text)
+
+    def accepted(self, types: Sequence[str]) -> str:
+        """Return the media type, of those we have, that the caller likes best; the first where all are alike.
+
+        Raises NotAcceptableError. Precedence and weights after RFC 9110, 12.5.1.
+        """
+        weights = [(_weight(self.request.headers.get("accept") or "*/*", t), t) for t in types]
+        weight, best = max(weights, key=lambda pair: pair[0])
+        if weight <= 0:
+            raise NotAcceptableError(f"There is {', '.join(types)}.")
+        return best
 
     def session(self) -> Ticket:
         """Return what the session id says; raises UnauthenticatedError or ForbiddenError."""
@@ -170,6 +208,17 @@ def handler(*routes: Route) -> LambdaHandler:
             loop.close()
 
     return handle
+
+
+def _weight(accept: str, media_type: str) -> float:
+    """Return how much `accept` wants `media_type`: the weight of the most specific range that holds it."""
+    ranges = {}
+    for entry in accept.lower().split(","):
+        name, *parameters = (part.strip() for part in entry.split(";"))
+        weights = [p[2:] for p in parameters if p.startswith("q=")]
+        ranges[name] = float(weights[0]) if weights and _WEIGHT.fullmatch(weights[0]) else 1.0
+    family = media_type.partition("/")[0] + "/*"
+    return next((ranges[r] for r in (media_type, family, "*/*") if r in ranges), 0.0)
 
 
 def _service() -> Service:

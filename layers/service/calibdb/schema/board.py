@@ -14,10 +14,11 @@ Dictionary = Literal[
     "DICT_4X4_50", "DICT_4X4_100", "DICT_4X4_250", "DICT_4X4_1000",
     "DICT_5X5_50", "DICT_5X5_100", "DICT_5X5_250", "DICT_5X5_1000",
     "DICT_6X6_50", "DICT_6X6_100", "DICT_6X6_250", "DICT_6X6_1000",
-    "DICT_7X7_50", "DICT_7X7_100", "DICT_7X7_250", "DICT_7X7_1000",
+    "DICT_7X7_50", "DICT_7X7_100", "DICT_7X7_250", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL",
 ]
 # fmt: on
 DICTIONARIES: tuple[str, ...] = get_args(Dictionary)
+_ORIGINAL_MARKERS = 1024
 
 # Two rows of corners need three rows of squares; one row of corners is a line, and a line fixes no pose.
 SquareCount = Annotated[int, Field(strict=True, ge=3, le=50)]
@@ -39,7 +40,8 @@ class Board(Strict):
     def _holds_all_markers(cls, value: str, info: ValidationInfo) -> str:
         squares = info.data.get("squares")  # absent where it was refused itself
         markers = squares[0] * squares[1] // 2 if squares else 0
-        if markers > int(value.rpartition("_")[2]):
+        count = value.rpartition("_")[2]
+        if markers > (int(count) if count.isdecimal() else _ORIGINAL_MARKERS):
             raise PydanticCustomError(
                 "dictionary_too_small",
                 "a board of these squares has {markers} markers, more than the dictionary holds",

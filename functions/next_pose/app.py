@@ -1,0 +1,73 @@
+"""Where to hold the board next, as a picture to lay over the video or as numbers."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import JsonValue
+from starlette.responses import Response
+
+from calibdb import capture, http
+from calibdb.schema import Pose, SessionDocument
+from calibsolver import Board, Camera, guidance, overlay
+from calibsolver.capture import Capture
+
+Format = Literal["jpeg", "png"]
+FORMATS: dict[str, Format] = {"image/jpeg": "jpeg", "image/png": "png"}
+TYPES = (*FORMATS, "application/json")  # the first is the default
+
+
+def show(call: http.Call) -> Response:
+    """Answer with the open target pose; with `skip=1`, open one of another kind."""
+    sid = call.session().sid
+    media_type = call.accepted(TYPES)
+    skip = call.flag("skip")
+    refused: dict[str, JsonValue] | None = None
+
+    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
+        nonlocal refused
+        capture.require_open(document)
+        # When another request got ahead of ours, what it opened is not what the user wanted to skip.
+        if document.target is not None and (not skip or refused not in (None, document.target)):
+            return None, document
+        refused = document.target
+        changed = choose(capture.without_target(document))
+        return changed, changed
+
+    document = call.service.store.sessions.update(sid, call.service.now, change)
+    headers = {"Vary": "Accept, Authorization"}
+    if media_type == "application/json":
+        pose = Pose.model_validate({**(document.target or {}), "index": document.next_index})
+        return http.answer(pose, headers=headers)
+    return Response(draw(document, FORMATS[media_type]), headers=headers, media_type=media_type)
+
+
+def choose(document: SessionDocument) -> SessionDocument:
+    """Return the document with the target open that helps most, unlike those that the user did not want."""
+    rules = solver_rules(document)
+    views = [rules.board.view(view.ids, view.points) for view in document.views]
+    skipped = tuple(guidance.TargetPose.from_dict(target) for target in document.skipped)
+    return capture.with_target(document, rules.next_target(views, rules.estimate(views), skipped).to_dict())
+
+
+def draw(document: SessionDocument, image_format: Format) -> bytes:
+    """Return the picture of the open target, through the session's current camera."""
+    rules = solver_rules(document)
+    fit = document.estimate.fit
+    camera = Camera.from_record(fit.model_dump()) if fit else rules.camera(None)
+    target = guidance.TargetPose.from_dict(document.target or {})
+    return overlay.render(rules.board, camera, target, image_format)
+
+
+def solver_rules(document: SessionDocument) -> Capture:
+    """Return the solver's rules for this session."""
+    return Capture(
+        Board(**document.board.model_dump()),
+        document.img_size,
+        model=document.distortion_model,
+        guidance=document.guidance,
+        target_error=document.target_error,
+    )
+
+
+handler = http.handler(http.resource("/v1/session/pose", GET=show))

@@ -1,0 +1,272 @@
+"""The rules of a guided capture, on its document alone: what may follow what, and what is answered.
+
+Which view is good and where the board goes next is the solver's business; here are indices, repeats,
+conflicts, and the way from one document to the next. Nothing here reads a clock or writes anything.
+
+Indices
+    The pose that is open carries `next_index`. An accepted view takes it, and the next pose has the next one.
+    An index is never used again, not even when its view is undone: a delayed repeat of an undone view is a
+    conflict and does not bring the view back.
+End
+    A converged session is published and no longer changes: neither another view nor an undo is accepted.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+from pydantic import JsonValue
+
+from calibdb.camera_key import camera_key, public_label, public_platform
+from calibdb.errors import ConflictError, FieldError, InvalidError, NotFoundError
+from calibdb.schema import (
+    Calibration,
+    CalibrationDocument,
+    EstimateDocument,
+    Finish,
+    SessionDocument,
+    SessionRequest,
+    SessionState,
+    ViewDocument,
+    ViewRequest,
+    ViewState,
+)
+from calibdb.schema.session import Refusal
+
+TARGET_ERROR = 0.3 / 1280  # px of predicted rms over the image, a pixel of its width
+MOST_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
+MOST_SKIPPED = 8  # targets remembered as unwanted
+_EDGE = 0.5  # px; a pixel centre at 0 reaches from -0.5 to 0.5
+_MOST_FIELDS = 20
+
+
+def begin(request: SessionRequest, sid: str, first_version: int, now: int) -> SessionDocument:
+    """Return the document of a session that starts. Of the label, a person's name is not kept."""
+    target = request.target_error
+    return SessionDocument(
+        session=sid,
+        first_version=first_version,
+        started=now,
+        camera_key=camera_key(request.camera, request.platform),
+        camera=public_label(request.camera),
+        platform=public_platform(request.platform),
+        img_size=request.img_size,
+        zoom=request.zoom,
+        distortion_model=request.distortion_model,
+        board=request.board,
+        guidance=request.guidance,
+        target_error=TARGET_ERROR * request.img_size[0] if target is None else target,
+        track=request.track,
+    )
+
+
+def same_start(running: SessionDocument, asked: SessionDocument) -> bool:
+    """Tell whether `asked` would have started the session that is running."""
+    names = (
+        "camera",
+        "platform",
+        "img_size",
+        "zoom",
+        "distortion_model",
+        "board",
+        "guidance",
+        "target_error",
+    )
+    return all(getattr(running, n) == getattr(asked, n) for n in (*names, "track"))
+
+
+def repeated(document: SessionDocument, view: ViewRequest) -> bool:
+    """Tell whether `view` was accepted before, and so is answered again; False when its index is open.
+
+    Raises ConflictError when the index carries another view, was undone, or is not open (yet).
+    """
+    for known in document.views:
+        if known.index == view.index:
+            if (known.ids, known.points) == (view.ids, view.points):
+                return True
+            raise ConflictError("Another view was accepted under this index.", kind="other-content")
+    if document.finish is not None:
+        raise _converged()
+    if view.index != document.next_index:
+        raise ConflictError(f"The index is not open; {document.next_index} is.", kind="index-not-open")
+    return False
+
+
+def check(document: SessionDocument, view: ViewRequest) -> None:
+    """Raise InvalidError where `view` cannot be of this board and image, ConflictError when all is full."""
+    corners = document.board.corner_count
+    width, height = document.img_size
+    wrong = [
+        FieldError(f"ids.{i}", f"the board has corners 0 to {corners - 1}")
+        for i, corner in enumerate(view.ids)
+        if corner >= corners
+    ]
+    wrong += [
+        FieldError(f"points.{i}", f"outside the image of {width} x {height} px")
+        for i, (x, y) in enumerate(view.points)
+        if not (-_EDGE <= x <= width - _EDGE and -_EDGE <= y <= height - _EDGE)
+    ]
+    if wrong:
+        raise InvalidError(wrong[:_MOST_FIELDS])
+    if sum(len(v.ids) for v in document.views) + len(view.ids) > MOST_POINTS:
+        raise ConflictError("The session has as many points as it can hold.", kind="session-full")
+
+
+def with_view(
+    document: SessionDocument,
+    view: ViewRequest,
+    estimate: EstimateDocument,
+    view_errors: Sequence[float | None],
+    target: Mapping[str, JsonValue] | None,
+) -> SessionDocument:
+    """Return the document with `view` accepted. Progress only grows."""
+    progress = max(document.estimate.progress, estimate.progress)
+    views = (*document.views, ViewDocument(index=view.index, ids=view.ids, points=view.points))
+    return document.model_copy(
+        update={
+            "next_index": view.index + 1,
+            "views": _with_errors(views, view_errors),
+            "estimate": estimate.model_copy(update={"progress": progress}),
+            "target": None if target is None else dict(target),
+            "skipped": (),
+        }
+    )
+
+
+def undo(document: SessionDocument, index: int) -> tuple[ViewDocument, ...] | None:
+    """Return the views without the one of `index`; None when it was undone before.
+
+    Raises ConflictError on a converged session, NotFoundError for an index that no view ever had.
+    """
+    if document.finish is not None:
+        raise _converged()
+    if index >= document.next_index:
+        raise NotFoundError("No view was accepted under this index.", kind="no-view")
+    left = tuple(view for view in document.views if view.index != index)
+    return left if len(left) < len(document.views) else None
+
+
+def with_views(
+    document: SessionDocument,
+    views: tuple[ViewDocument, ...],
+    estimate: EstimateDocument,
+    view_errors: Sequence[float | None],
+    target: Mapping[str, JsonValue],
+) -> SessionDocument:
+    """Return the document with `views` alone. Progress is what they are worth."""
+    return document.model_copy(
+        update={
+            "views": _with_errors(views, view_errors),
+            "estimate": estimate,
+            "target": dict(target),
+            "skipped": (),
+        }
+    )
+
+
+def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> SessionDocument:
+    """Return the document with `target` open."""
+    return document.model_copy(update={"target": dict(target)})
+
+
+def without_target(document: SessionDocument) -> SessionDocument:
+    """Return the document with no target open, the one that was among those the user did not want."""
+    unwanted = document.skipped if document.target is None else (*document.skipped, document.target)
+    return document.model_copy(update={"target": None, "skipped": unwanted[-MOST_SKIPPED:]})
+
+
+def require_open(document: SessionDocument) -> None:
+    """Raise ConflictError when the session has converged."""
+    if document.finish is not None:
+        raise _converged()
+
+
+def finished(document: SessionDocument, now: int, contributor: str, solver: str) -> SessionDocument:
+    """Return the document with its end fixed: everything that publishing it needs.
+
+    The calibration's id follows from the session, and sorts by the time at which it was started: however
+    often it is published, it is one calibration.
+    """
+    name = hashlib.sha256(f"{document.session}/{document.first_version}".encode()).hexdigest()[:12]
+    finish = Finish(
+        calibration_id=f"{document.camera_key}-{document.session[:8]}{name}",
+        time=now,
+        contributor=contributor,
+        solver=solver,
+    )
+    return document.model_copy(update={"finish": finish, "target": None, "skipped": ()})
+
+
+def calibration(document: SessionDocument) -> CalibrationDocument:
+    """Return the calibration that a converged session is."""
+    finish, fit = document.finish, document.estimate.fit
+    if finish is None or fit is None:
+        raise ValueError("the session has not converged")
+    return CalibrationDocument(
+        id=finish.calibration_id,
+        camera_key=document.camera_key,
+        camera=document.camera,
+        platform=document.platform,
+        img_size=document.img_size,
+        zoom=document.zoom,
+        distortion_model=document.distortion_model,
+        board=document.board,
+        guidance=document.guidance,
+        target_error=document.target_error,
+        track=document.track,
+        views=document.views,
+        fits={document.distortion_model: fit},
+        solver=finish.solver,
+        contributor=finish.contributor,
+        time=finish.time,
+    )
+
+
+def state(document: SessionDocument, now: int) -> SessionState:
+    """Return what the session's owner sees of it."""
+    return SessionState(**_state(document, now))
+
+
+def view_state(document: SessionDocument, now: int, reason: Refusal | None) -> dict[str, object]:
+    """Return the fields of the answer to a view: the state, and why the view was refused, if it was."""
+    return {**_state(document, now), "accepted": reason is None, "reason": reason}
+
+
+def _state(document: SessionDocument, now: int) -> dict[str, object]:
+    finish, estimate = document.finish, document.estimate
+    status: Literal["capturing", "converged"] = "capturing" if finish is None else "converged"
+    calibration_id = finish.calibration_id if finish else None
+    fit = estimate.fit and Calibration.of(
+        estimate.fit,
+        id=calibration_id,
+        camera=document.camera,
+        platform=document.platform,
+        zoom=document.zoom,
+        calibration_time=finish.time if finish else now,
+    )
+    return {
+        "status": status,
+        "camera": document.camera,
+        "platform": document.platform,
+        "img_size": document.img_size,
+        "zoom": document.zoom,
+        "distortion_model": document.distortion_model,
+        "board": document.board,
+        "guidance": document.guidance,
+        "target_error": document.target_error,
+        "views": tuple(ViewState(index=v.index, points=len(v.ids), rms=v.rms) for v in document.views),
+        "progress": estimate.progress,
+        "uncertainty": estimate.uncertainty,
+        "calibration": fit,
+        "calibration_id": calibration_id,
+    }
+
+
+def _with_errors(views: tuple[ViewDocument, ...], errors: Sequence[float | None]) -> tuple[ViewDocument, ...]:
+    return tuple(v.model_copy(update={"rms": rms}) for v, rms in zip(views, errors, strict=True))
+
+
+def _converged() -> ConflictError:
+    return ConflictError("The session has converged.", kind="converged")

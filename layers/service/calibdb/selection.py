@@ -1,0 +1,59 @@
+"""Which of a camera's consensuses answers a lookup."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from calibdb.schema import ConsensusDocument
+from calibdb.schema.lookup import Reason
+
+# Aspects closer than this are one: 854x480 and 1280x720 differ by 0.07 %, 4:3 and 5:4 by 6.5 %.
+_SAME_ASPECT = 0.01
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What answers: a consensus; or a size at which the model is still to be computed; or why nothing does."""
+
+    found: ConsensusDocument | None = None
+    missing_at: tuple[int, int] | None = None
+    reason: Reason = "unknown_camera"
+
+
+def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str) -> Choice:
+    """Return what answers a lookup.
+
+    Parameters
+    ----------
+    known
+        All consensuses of the camera.
+    img_size, zoom, model
+        What is asked for. Another zoom is other optics and never answers. The exact size comes first, then
+        the closest: by aspect, then by area.
+
+    Returns
+    -------
+    Choice
+        `found`: a reliable consensus. `missing_at`: nothing is stored for this model at the best size at
+        which another model has a consensus. Else `reason`, of the exact size where it is known.
+
+    """
+    here: dict[tuple[tuple[int, int], str], ConsensusDocument] = {
+        (c.img_size, c.distortion_model): c for c in known if c.zoom == zoom
+    }
+    for size in sorted({size for size, _ in here}, key=lambda s: _distance(s, img_size)):
+        wanted = here.get((size, model))
+        if wanted is not None and wanted.reliable:
+            return Choice(found=wanted)
+        if wanted is None and any(c.reliable for (other, _), c in here.items() if other == size):
+            return Choice(missing_at=size)
+    exact = [c.reason for (size, _), c in here.items() if size == img_size and c.reason]
+    return Choice(reason=exact[0] if exact else "too_few" if here else "unknown_camera")
+
+
+def _distance(size: tuple[int, int], asked: tuple[int, int]) -> tuple[bool, float, float]:
+    aspect = abs(math.log(size[0] * asked[1] / (size[1] * asked[0])))
+    area = abs(math.log(size[0] * size[1] / (asked[0] * asked[1])))
+    return size != asked, 0.0 if aspect < _SAME_ASPECT else aspect, area
