@@ -1,0 +1,42 @@
+"""`python -m infra.local`: calibDB on this machine, until it is told to stop."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import sys
+import threading
+from pathlib import Path
+
+from infra.local.journal import JournalError
+from infra.local.server import PortInUseError
+from infra.local.stack import DEVELOPMENT_TOKEN, LocalStack
+from infra.local.template import TemplateError
+
+
+def main() -> int:
+    """Run the stack; return the exit status."""
+    logging.basicConfig(format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
+    logging.getLogger("infra").setLevel(logging.INFO)
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    try:
+        port = int(os.environ.get("PORT") or 8000)
+        stack = LocalStack(Path(os.environ.get("DATA_DIR") or ".data"), port=port)
+        with stack:
+            stack.warm()
+            with stack.serve() as url:
+                print(f"calibDB is at {url}/")
+                print(f"API token, for this machine only: {DEVELOPMENT_TOKEN}", flush=True)
+                stop.wait()
+                print("stopping: requests and computations under way are finished", flush=True)
+    except (JournalError, PortInUseError, TemplateError, ValueError) as error:
+        print(f"calibDB cannot start: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

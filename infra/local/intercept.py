@@ -1,0 +1,78 @@
+"""The one place where boto3 meets this process: requests of the services played here never leave it.
+
+botocore asks `before-send` handlers for an answer before it opens a connection, and tells them the operation;
+moto itself hooks in there. A handler of our own instead of moto's `mock_aws`, because it must stand around
+moto (lock, journal), because `mock_aws` also patches `requests` and the environment, and because a call in
+flight must not be seen half done. Sockets between (moto's server, `AWS_ENDPOINT_URL`) would cost more than
+the operations themselves.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from io import BytesIO
+
+from botocore.awsrequest import AWSPreparedRequest, AWSResponse
+from botocore.compat import HTTPHeaders
+from botocore.handlers import BUILTIN_HANDLERS
+from moto.core.models import botocore_stubber
+
+from infra.local.storage import Answer
+
+Service = Callable[[str, AWSPreparedRequest], Answer]
+"""Operation and request to answer."""
+
+
+class _Interceptor:
+    """The handler that every boto3 client of this process is made with; inert unless services are set."""
+
+    def __init__(self) -> None:
+        self.services: Mapping[str, Service] = {}
+        self.lock = threading.Lock()
+
+    def __call__(self, event_name: str, request: AWSPreparedRequest, **_: object) -> AWSResponse | None:
+        service, operation = event_name.split(".")[1:3]
+        if service not in self.services:
+            return None
+        if botocore_stubber.enabled:
+            raise RuntimeError("moto's mock_aws is active inside a local stack; both would answer")
+        answer = self.services[service](operation, request)
+        return AWSResponse(
+            request.url, answer.status, HTTPHeaders.from_dict(dict(answer.headers)), _Raw(answer.body)
+        )
+
+
+class _Raw(BytesIO):
+    """What botocore reads a body from: a urllib3 response, as far as it looks."""
+
+    def stream(self, **_: object) -> Iterator[bytes]:
+        while chunk := self.read():
+            yield chunk
+
+
+_interceptor = _Interceptor()
+# Clients take their handlers from here when they are made, so this must happen before; a client made earlier
+# would talk to AWS.
+BUILTIN_HANDLERS.append(("before-send", _interceptor))
+
+
+@contextmanager
+def intercepting(services: Mapping[str, Service]) -> Iterator[None]:
+    """Answer the requests of these services ("dynamodb", "s3", "lambda") until the end of the block.
+
+    Raises
+    ------
+    RuntimeError
+        If it is being done already: moto's backends and the environment are the process's, so one stack at a
+        time.
+    """
+    with _interceptor.lock:
+        if _interceptor.services:
+            raise RuntimeError("a local stack is running in this process already")
+        _interceptor.services = services
+    try:
+        yield
+    finally:
+        _interceptor.services = {}

@@ -1,0 +1,130 @@
+"""Lambda's Invoke: functions that call functions, at once or later.
+
+Later means as on AWS: accepted is kept. An accepted call is journalled before the caller is answered, tried
+again when it fails, delivered again after a restart that came in between, and forgotten once it is done. That
+is at least once, so a function must bear a second time.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import threading
+import uuid
+from collections.abc import Mapping, Sequence
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+from botocore.awsrequest import AWSPreparedRequest
+
+from infra.local.functions import Function, FunctionError
+from infra.local.journal import Address, Change, Content
+from infra.local.storage import Answer, NotDurableError, Storage
+from infra.local.workers import Workers
+
+INVOKE = "invoke"
+
+_log = logging.getLogger("infra.local.invokes")
+
+
+class Invokes:
+    """Delivers calls to functions.
+
+    Parameters
+    ----------
+    functions
+        By name.
+    outbox
+        Where accepted asynchronous calls survive; None: nowhere.
+    pauses
+        Seconds before the first retry and before the later ones. Lambda waits one and two minutes; who tries
+        something out on their own machine need not.
+    """
+
+    def __init__(
+        self, functions: Mapping[str, Function], outbox: Storage | None, pauses: Sequence[float] = (1.0, 2.0)
+    ):
+        self._functions = functions
+        self._outbox = outbox
+        self._pauses = pauses
+        self._closing = threading.Event()
+        # Two at once: more would only take the processor from the requests that someone waits for.
+        self._workers = Workers(2, "invoke")
+
+    def handle(self, operation: str, request: AWSPreparedRequest) -> Answer:
+        """Answer a request to "lambda" in the place of AWS."""
+        if operation != "Invoke":
+            return _error(501, "NotImplemented", f"the local stack does not know {operation}")
+        # /2015-03-31/functions/<name or ARN>/invocations
+        name = unquote(urlsplit(request.url).path.split("/")[3]).rpartition(":")[2]
+        if name not in self._functions:
+            return _error(404, "ResourceNotFoundException", f"Function not found: {name}")
+        body = request.body if isinstance(request.body, bytes) else b""
+        try:
+            event = json.loads(body or b"{}")
+        except ValueError:
+            return _error(400, "InvalidRequestContentException", "Could not parse request body into json")
+        kind = request.headers.get("X-Amz-Invocation-Type", "RequestResponse")
+        if isinstance(kind, bytes):
+            kind = kind.decode()
+        if kind == "Event":
+            return self._accept(name, event)
+        return self._call(name, event)
+
+    def deliver_remembered(self) -> int:
+        """Deliver what was accepted before a restart and not done; return how many calls."""
+        remembered = self._outbox.remembered(INVOKE) if self._outbox else []
+        for change in remembered:
+            if change.content and change.address.container in self._functions:
+                self._submit(change.address, json.loads(change.content.body))
+        return len(remembered)
+
+    def close(self) -> None:
+        """Let accepted calls finish. What waits for a retry stays in the outbox for the next start."""
+        self._closing.set()
+        self._workers.close()
+
+    def _call(self, name: str, event: Any) -> Answer:
+        try:
+            return Answer(200, {}, json.dumps(self._functions[name](event)).encode())
+        except FunctionError as error:
+            return Answer(200, {"X-Amz-Function-Error": "Unhandled"}, json.dumps(error.payload).encode())
+
+    def _accept(self, name: str, event: Any) -> Answer:
+        address = Address(INVOKE, name, str(uuid.uuid4()))
+        if self._outbox:
+            try:
+                self._outbox.remember(Change(address, Content(json.dumps(event).encode())))
+            except NotDurableError as error:
+                return _error(507, "InsufficientStorage", str(error))
+        self._submit(address, event)
+        return Answer(202, {}, b"")
+
+    def _submit(self, address: Address, event: Any) -> None:
+        self._workers.pool.submit(self._deliver, address, event)
+
+    def _deliver(self, address: Address, event: Any) -> None:
+        function = self._functions[address.container]
+        for attempt in range(1 + function.spec.retries):
+            if attempt and self._closing.wait(self._pauses[min(attempt, len(self._pauses)) - 1]):
+                _log.warning("%s: a call that failed is left for the next start", address.container)
+                return
+            try:
+                function(event, address.key)
+                break
+            except FunctionError:
+                continue  # logged where it happened
+        else:
+            _log.error(
+                "%s: a call failed %d times and is given up", address.container, 1 + function.spec.retries
+            )
+        if self._outbox:
+            try:
+                self._outbox.remember(Change(address, None))
+            except NotDurableError as error:
+                _log.error("%s: a call that is done will be delivered again: %s", address.container, error)
+
+
+def _error(status: int, code: str, text: str) -> Answer:
+    headers = {"content-type": "application/json", "x-amzn-ErrorType": code}
+    return Answer(status, headers, json.dumps({"Type": "User", "message": text}).encode())

@@ -1,0 +1,182 @@
+"""The front of the local stack: API, client and the client's settings from one origin, over real sockets."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import socket
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import Request as WebRequest
+from starlette.responses import JSONResponse
+from starlette.responses import Response as WebResponse
+from starlette.routing import Mount, Route
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from infra.local.events import Request, Response, message
+from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY, Gateway
+from infra.local.pages import Pages
+from infra.local.workers import Workers
+
+_access = logging.getLogger("infra.local.access")
+
+
+class PortInUseError(OSError):
+    """Another program listens there."""
+
+
+class Front:
+    """The ASGI application.
+
+    Parameters
+    ----------
+    gateway
+        Answers what lies under the first segments of its routes.
+    workers
+        Threads for the functions.
+    web
+        Folder of the static client; answers everything else.
+    settings
+        Content of `/config.json`.
+    timeout
+        Seconds until the gateway gives up on a function.
+    """
+
+    def __init__(
+        self,
+        gateway: Gateway,
+        workers: Workers,
+        web: Path,
+        settings: Mapping[str, Any],
+        timeout: float = INTEGRATION_TIMEOUT,
+    ):
+        self._gateway = gateway
+        self._workers = workers
+        self._timeout = timeout
+        self._site = Starlette(
+            routes=[
+                Route(
+                    "/config.json", lambda _: JSONResponse(settings, headers={"cache-control": "no-cache"})
+                ),
+                Mount("/", Pages(web)),
+            ]
+        )
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request."""
+        start = time.perf_counter()
+        status = 0
+
+        async def watched(event: Message) -> None:
+            nonlocal status
+            if event["type"] == "http.response.start":
+                status = event["status"]
+            await send(event)
+
+        path = scope["raw_path"].decode("ascii", "replace")
+        app: ASGIApp = self._api if self._gateway.routes.owns(path) else self._site
+        try:
+            await app(scope, receive, watched)
+        finally:
+            # No query, no headers, no address: they hold tokens and people.
+            _access.info(
+                "%s %s %s %.1f ms",
+                scope["method"],
+                path,
+                status or "aborted",
+                (time.perf_counter() - start) * 1000,
+            )
+
+    async def _api(self, scope: Scope, receive: Receive, send: Send) -> None:
+        request = await _read(scope, receive)
+        if request is None:
+            response = message(413, "Request Entity Too Large")
+        else:
+            response = await self._answer(request)
+        web = WebResponse(response.body, response.status, dict(response.headers))
+        for cookie in response.cookies:
+            web.headers.append("set-cookie", cookie)
+        await web(scope, receive, send)
+
+    async def _answer(self, request: Request) -> Response:
+        loop = asyncio.get_running_loop()
+        call = loop.run_in_executor(self._workers.pool, self._gateway.handle, request)
+        try:
+            return await asyncio.wait_for(asyncio.shield(call), self._timeout)
+        except TimeoutError:
+            # The function goes on, as on AWS, where it has a timeout of its own.
+            return message(503, "Service Unavailable")
+
+
+async def _read(scope: Scope, receive: Receive) -> Request | None:
+    """Return the whole request, None if it is larger than a function could be handed."""
+    body = bytearray()
+    async for chunk in WebRequest(scope, receive).stream():
+        body += chunk
+        if len(body) > MAX_BODY:
+            return None
+    client = scope.get("client")
+    return Request(
+        method=scope["method"],
+        path=scope["raw_path"].decode("latin-1"),
+        query=scope["query_string"].decode("latin-1"),
+        headers=tuple((name.decode("latin-1"), value.decode("latin-1")) for name, value in scope["headers"]),
+        body=bytes(body),
+        source_ip=client[0] if client else "127.0.0.1",
+        protocol=f"HTTP/{scope['http_version']}",
+    )
+
+
+def bind(port: int) -> socket.socket:
+    """Return a socket on the loopback interface; port 0 takes a free one.
+
+    Raises
+    ------
+    PortInUseError
+        If another program has the port.
+    """
+    taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        taken.bind(("127.0.0.1", port))
+    except OSError as error:
+        taken.close()
+        raise PortInUseError(f"port {port} cannot be used: {error.strerror}") from error
+    return taken
+
+
+@contextmanager
+def serving(app: ASGIApp, listener: socket.socket) -> Iterator[None]:
+    """Serve in a thread until the end of the block, which requests under way outlast. Closes the socket."""
+    config = uvicorn.Config(
+        app,
+        loop="asyncio",  # sets TCP_NODELAY on every connection
+        http="h11",
+        ws="none",
+        lifespan="off",
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        timeout_graceful_shutdown=round(INTEGRATION_TIMEOUT) + 5,
+    )
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, args=([listener],), name="server")
+    thread.start()
+    try:
+        while not server.started:
+            if not thread.is_alive():
+                raise RuntimeError("the server did not start; its log says why")
+            time.sleep(0.005)
+        yield
+    finally:
+        server.should_exit = True
+        thread.join()
+        listener.close()

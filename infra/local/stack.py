@@ -1,0 +1,213 @@
+"""The whole deployment in this process."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import sys
+import time
+import uuid
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import boto3
+
+from infra.local import environment as env
+from infra.local import keys
+from infra.local.events import Request, Response, message
+from infra.local.functions import Function, FunctionError
+from infra.local.gateway import INTEGRATION_TIMEOUT, Gateway
+from infra.local.intercept import Service, intercepting
+from infra.local.invokes import Invokes
+from infra.local.journal import Journal
+from infra.local.pages import public_settings
+from infra.local.server import Front, bind, serving
+from infra.local.storage import Storage
+from infra.local.template import Template, load
+from infra.local.workers import Workers
+
+ROOT = Path(__file__).resolve().parents[2]
+# Accepted by a local stack only, where whoever can ask is on the machine anyway.
+DEVELOPMENT_TOKEN = "cdb_dev_local"  # noqa: S105
+# More than there are processors: a thread mostly waits for memory or disk.
+_THREADS = 16
+
+_log = logging.getLogger("infra.local")
+
+
+class LocalStack:
+    """A template's functions, routes and storage while its block lasts. One at a time in a process.
+
+    Parameters
+    ----------
+    data_dir
+        Folder where everything is kept; None: in memory, and gone afterwards.
+    environment
+        Variables of the functions, over the template's.
+    port
+        Where `serve` will listen on the loopback interface; 0: anywhere free.
+    template, web
+        The template and the static client; the repository's unless told otherwise.
+    clock
+        Unix seconds.
+
+    Raises
+    ------
+    JournalError, PortInUseError
+        At the start of the block, if another process has the folder or the port.
+    """
+
+    def __init__(
+        self,
+        data_dir: Path | None = None,
+        environment: Mapping[str, str] | None = None,
+        port: int = 0,
+        template: Path = ROOT / "template.yaml",
+        web: Path = ROOT / "web",
+        clock: Callable[[], float] = time.time,
+    ):
+        self._data_dir = data_dir
+        self._environment = environment or {}
+        self._port = port
+        self._template_path = template
+        self._web = web
+        self._clock = clock
+        self._stack = ExitStack()
+
+    def __enter__(self) -> Self:
+        with ExitStack() as stack:
+            self._start(stack)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stack.close()
+
+    def _start(self, stack: ExitStack) -> None:
+        self.embedded = not env.storage_is_elsewhere(os.environ)
+        # First of all, for it keeps a second process off the folder.
+        journal = Journal(self._data_dir / "journal.sqlite" if self._data_dir else None)
+        stack.callback(journal.close)
+        self._listener = stack.enter_context(bind(self._port))
+        self._port = self._listener.getsockname()[1]
+        self.url = f"http://127.0.0.1:{self._port}"
+        """Where `serve` will be found, without slash."""
+
+        self.template = self._load(
+            keys.kept_in(self._data_dir / "secrets.json") if self._data_dir else keys.new()
+        )
+        variables = self.template.environment()
+        if not self.embedded:
+            # The table and the bucket have other names there; the operator says them.
+            variables |= {name: os.environ[name] for name in variables if name in os.environ}
+        self.environment = variables | dict(self._environment)
+        stack.enter_context(env.applied(self.environment, embedded=self.embedded))
+        for layer in map(str, self.template.layers):
+            if layer not in sys.path:
+                sys.path.append(layer)
+
+        self.functions = {name: Function(spec) for name, spec in self.template.functions.items()}
+        self.storage = (
+            Storage(journal, self.template.tables, self.template.buckets, self._clock())
+            if self.embedded
+            else None
+        )
+        services: dict[str, Service] = {}
+        if self.storage:
+            stack.callback(self.storage.close)
+            services = {name: _bound(self.storage, name) for name in ("dynamodb", "s3")}
+        invokes = Invokes(self.functions, self.storage)
+        stack.enter_context(intercepting(services | {"lambda": invokes.handle}))
+        stack.callback(invokes.close)
+        self._workers = Workers(_THREADS, "function")
+        stack.callback(self._workers.close)
+        self._gateway = Gateway(self.template, self.functions, self._clock, lambda: str(uuid.uuid4()))
+        if self.embedded:
+            self._admit_development_token()
+        invokes.deliver_remembered()
+
+    def _load(self, secrets: keys.Secrets) -> Template:
+        return load(
+            self._template_path,
+            {
+                "SessionSecrets": secrets.session,
+                "ContributorSecret": secrets.contributor,
+                "GuidanceUrl": f"{self.url}/calibrate/",
+                # On one's own machine everyone is one contributor.
+                "MinContributors": "1",
+            },
+        )
+
+    def _admit_development_token(self) -> None:
+        if "TABLE_NAME" not in self.environment:
+            return
+        _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
+        table = boto3.client("dynamodb")
+        key = {"pk": {"S": f"TOKEN#{token_id}"}, "sk": {"S": "META"}}
+        if "Item" not in table.get_item(TableName=self.environment["TABLE_NAME"], Key=key):
+            table.put_item(
+                TableName=self.environment["TABLE_NAME"],
+                Item={
+                    **key,
+                    "secret_sha256": {"S": hashlib.sha256(secret.encode()).hexdigest()},
+                    "origins": {"L": []},
+                    "plan": {"S": "development"},
+                    "created": {"N": str(int(self._clock()))},
+                },
+            )
+
+    def warm(self) -> tuple[str, ...]:
+        """Load all functions now; return the names of those that could not be, and that will answer 500."""
+        failed = []
+        for name, function in self.functions.items():
+            try:
+                function.warm()
+            except FunctionError:  # logged where it happened
+                failed.append(name)
+        return tuple(failed)
+
+    def request(
+        self,
+        method: str,
+        path: str,
+        headers: Mapping[str, str] | None = None,
+        query: str = "",
+        body: bytes = b"",
+    ) -> Response:
+        """Send a request through the gateway without a socket.
+
+        `path` and `query` are percent-encoded, as on the wire; `query` is without its question mark.
+        """
+        host = {"host": self.url.removeprefix("http://")}
+        request = Request(method, path, query, tuple((host | dict(headers or {})).items()), body)
+        try:
+            return self._workers.pool.submit(self._gateway.handle, request).result(INTEGRATION_TIMEOUT)
+        except TimeoutError:
+            return message(503, "Service Unavailable")
+
+    @contextmanager
+    def serve(self, port: int = 0) -> Iterator[str]:
+        """Serve API and client on the loopback interface until the end of the block; yields the address.
+
+        Raises
+        ------
+        ValueError
+            If a port is named that is not the stack's: the functions were told another address.
+        """
+        if port not in (0, self._port):
+            raise ValueError(f"the stack was made for port {self._port}; give it the port {port} instead")
+        if self._listener.fileno() == -1:  # closed when it was served before
+            self._listener = bind(self._port)
+        front = Front(self._gateway, self._workers, self._web, public_settings("/v1", DEVELOPMENT_TOKEN))
+        with serving(front, self._listener):
+            yield self.url
+
+
+def _bound(storage: Storage, service: str) -> Service:
+    return lambda operation, request: storage.handle(service, operation, request)

@@ -1,0 +1,237 @@
+"""DynamoDB and S3 in this process that survive its death: moto in memory, the journal on disk.
+
+An operation is applied in memory, one at a time, and answered once everything applied before it, itself
+included, is on disk. So nobody is told of a write, neither its writer nor a reader, that a crash could take
+back; and all who wait share one sync (group commit). What cannot be made durable is taken back in memory too,
+and those who waited for it fail.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import threading
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from xml.sax.saxutils import escape
+
+from botocore.awsrequest import AWSPreparedRequest
+from moto.core.botocore_stubber import BotocoreStubber
+
+from infra.local.journal import ITEM, OBJECT, Address, Change, Journal, JournalError
+from infra.local.memory import Memory
+from infra.local.operations import Call, touched
+from infra.local.template import BucketSpec, TableSpec
+
+_log = logging.getLogger("infra.local.storage")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the service would have answered."""
+
+    status: int
+    headers: Mapping[str, str]
+    body: bytes
+
+
+class NotDurableError(Exception):
+    """What was written, or seen, could not be made durable; it is taken back."""
+
+
+@dataclass
+class _Batch:
+    """Changes that go to disk together, and what became of them."""
+
+    changes: list[Change] = field(default_factory=list)
+    settled: bool = False
+    error: JournalError | None = None
+
+
+class Storage:
+    """The template's tables and buckets, restored from the journal. Safe from many threads at once.
+
+    Parameters
+    ----------
+    journal
+        Where it is kept; `close` closes it.
+    tables, buckets
+        What there is.
+    now
+        Unix seconds. Items past their time to live and objects past their bucket's expiration are not
+        restored.
+    """
+
+    def __init__(
+        self, journal: Journal, tables: Iterable[TableSpec], buckets: Iterable[BucketSpec], now: float
+    ):
+        self._tables = {table.name: table for table in tables}
+        self._buckets = {bucket.name: bucket for bucket in buckets}
+        self._journal = journal
+        self._memory = Memory(self._tables.values(), self._buckets.values())
+        self._moto = BotocoreStubber()
+        # Whoever needs both takes the journal's first; nobody syncs with memory locked.
+        self._journal_lock = threading.Lock()
+        self._memory_lock = threading.Lock()
+        self._open = _Batch()
+        self._in_flight: _Batch | None = None
+        self._broken = False
+        self.restored = self._restore(now)
+        """How many items and objects were found."""
+
+    def handle(self, service: str, operation: str, request: AWSPreparedRequest) -> Answer:
+        """Answer a request to "dynamodb" or "s3" in the place of AWS."""
+        body = request.body if isinstance(request.body, bytes) else b""
+        try:
+            addresses = touched(Call(service, operation, request.url, body), self._memory.item_address)
+        except LookupError as error:
+            return _error(service, 400, "ValidationException", f"no such table, or no such key: {error}")
+        if addresses is None:
+            return _error(service, 501, "NotImplemented", f"the local storage does not know {operation}")
+        try:
+            return self._apply(addresses, lambda: self._ask_moto(request))
+        except NotDurableError as error:
+            # Not 500, which clients try again for seconds: a full disk stays full.
+            return _error(service, 507, "InsufficientStorage", str(error))
+
+    def remember(self, change: Change) -> None:
+        """Make a change durable that is neither an item nor an object.
+
+        Raises
+        ------
+        NotDurableError
+            If it could not be.
+        """
+        with self._memory_lock:
+            batch = self._note([change])
+        self._settle(batch)
+
+    def remembered(self, kind: str) -> list[Change]:
+        """Return what is kept of a kind of its own, in the order it came."""
+        with self._journal_lock:
+            return [change for change in self._journal.load() if change.address.kind == kind]
+
+    def limit(self, pages: int) -> None:
+        """Let the journal grow to so many pages at most; for rehearsing a full disk."""
+        with self._journal_lock:
+            self._journal.limit(pages)
+
+    def close(self) -> None:
+        """Let go of journal and memory."""
+        with self._journal_lock, self._memory_lock:
+            self._broken = True
+            self._journal.close()
+            self._memory.reset()
+
+    def _ask_moto(self, request: AWSPreparedRequest) -> Answer:
+        answer = self._moto.process_request(request)
+        if answer is None:
+            return Answer(404, {}, b"")
+        status, headers, body = answer
+        return Answer(status, headers, body.encode() if isinstance(body, str) else body)
+
+    def _apply(self, addresses: Sequence[Address], operation: Callable[[], Answer]) -> Answer:
+        with self._memory_lock:
+            if self._broken:
+                raise NotDurableError("the storage is closed, or memory and journal may differ: restart")
+            try:
+                answer = operation()
+            except BaseException:
+                # moto broke down in the middle: what it changed until then stays, so it must be on disk too.
+                self._note(self._now_at(addresses))
+                raise
+            finally:
+                self._memory.forget_instances()
+            batch = self._note(self._now_at(addresses) if answer.status < 300 else [])
+        self._settle(batch)
+        return answer
+
+    def _now_at(self, addresses: Iterable[Address]) -> list[Change]:
+        return [Change(address, self._memory.read(address)) for address in addresses]
+
+    def _note(self, changes: Sequence[Change]) -> _Batch | None:
+        """Return the batch to wait for, the latest that is not on disk yet, if any. Memory is locked."""
+        self._open.changes.extend(changes)
+        return self._open if self._open.changes else self._in_flight
+
+    def _settle(self, batch: _Batch | None) -> None:
+        if batch is None:
+            return
+        if not batch.settled:
+            # The first to come takes along all that has gathered; the others find it done.
+            with self._journal_lock:
+                if not batch.settled:
+                    self._flush()
+        if batch.error or not batch.settled:
+            raise NotDurableError("it could not be made durable and was taken back") from batch.error
+
+    def _flush(self) -> None:
+        """Write the open batch. The journal is locked."""
+        with self._memory_lock:
+            batch, self._open = self._open, _Batch()
+            self._in_flight = batch
+        error: JournalError | None = None
+        try:
+            self._journal.commit(batch.changes)
+        except JournalError as caught:
+            error = caught
+            _log.error("a write failed and is taken back: %s", caught)
+        with self._memory_lock:
+            settled = [batch]
+            if error:
+                # What was applied meanwhile rests on what is taken back now.
+                settled.append(self._open)
+                self._open = _Batch()
+                self._take_back(change.address for group in settled for change in group.changes)
+            for group in settled:
+                group.error, group.settled = error, True
+            self._in_flight = None
+
+    def _take_back(self, addresses: Iterable[Address]) -> None:
+        try:
+            for address in addresses:
+                if address.kind in (ITEM, OBJECT):
+                    self._memory.write(Change(address, self._journal.fetch(address)))
+        except JournalError as error:
+            self._broken = True
+            _log.critical("the journal cannot be read, nothing is answered from now on: %s", error)
+
+    def _restore(self, now: float) -> int:
+        expired: list[Change] = []
+        restored = 0
+        for change in self._journal.load():
+            if change.address.kind not in (ITEM, OBJECT):
+                continue
+            restored += 1
+            if self._is_expired(change, now):
+                expired.append(Change(change.address, None))
+            elif change.address.container in (self._tables if change.address.kind == ITEM else self._buckets):
+                self._memory.write(change)
+        self._memory.forget_instances()
+        if expired:
+            self._journal.commit(expired)
+        return restored
+
+    def _is_expired(self, change: Change, now: float) -> bool:
+        address, content = change.address, change.content
+        if content is None:
+            return False
+        if address.kind == ITEM:
+            table = self._tables.get(address.container)
+            if table is None or table.ttl_attribute is None:
+                return False
+            attribute = json.loads(content.body).get(table.ttl_attribute, {})
+            return "N" in attribute and float(attribute["N"]) <= now
+        bucket = self._buckets.get(address.container)
+        age = (now - json.loads(content.about)["modified"]) / 86400
+        return bucket is not None and any(
+            address.key.startswith(rule.prefix) and age >= rule.days for rule in bucket.expirations
+        )
+
+
+def _error(service: str, status: int, code: str, text: str) -> Answer:
+    if service == "s3":
+        document = f"<Error><Code>{code}</Code><Message>{escape(text)}</Message></Error>"
+        return Answer(status, {"content-type": "application/xml"}, document.encode())
+    body = json.dumps({"__type": f"com.amazonaws.dynamodb.v20120810#{code}", "message": text})
+    return Answer(status, {"content-type": "application/x-amz-json-1.0"}, body.encode())

@@ -1,0 +1,347 @@
+"""What `template.yaml` deploys, read for running it in one process.
+
+Nothing that the template names is named again here: functions, routes, tables and buckets exist because the
+template lists them. Only what an offline stack needs is resolved; an intrinsic function it does not know is
+an error, never a guess.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+REGION = "us-east-1"
+ACCOUNT = "123456789012"
+
+
+class TemplateError(ValueError):
+    """The template says something that cannot be run locally."""
+
+
+@dataclass(frozen=True)
+class FunctionSpec:
+    """One `AWS::Serverless::Function`, Globals merged in."""
+
+    name: str
+    """Logical id; locally it is also the name it is invoked by."""
+    code: Path
+    handler: str
+    """`module.attribute`, as Lambda writes it."""
+    timeout: float
+    """Seconds."""
+    memory: int
+    """MB; only reported to the handler."""
+    environment: Mapping[str, str]
+    retries: int
+    """How often an asynchronous invoke that failed is tried again."""
+
+
+@dataclass(frozen=True)
+class RouteSpec:
+    """One `HttpApi` event: which function answers this method and path."""
+
+    method: str
+    path: str
+    function: str
+
+
+@dataclass(frozen=True)
+class CorsSpec:
+    """The HTTP API's `CorsConfiguration`."""
+
+    allow_origins: tuple[str, ...] = ()
+    allow_methods: tuple[str, ...] = ()
+    allow_headers: tuple[str, ...] = ()
+    expose_headers: tuple[str, ...] = ()
+    max_age: int | None = None
+    allow_credentials: bool = False
+
+
+@dataclass(frozen=True)
+class TableSpec:
+    """One `AWS::DynamoDB::Table`."""
+
+    name: str
+    properties: Mapping[str, Any]
+    ttl_attribute: str | None
+
+
+@dataclass(frozen=True)
+class Expiration:
+    """A bucket's lifecycle rule: objects under `prefix` are forgotten `days` after they were written."""
+
+    prefix: str
+    days: float
+
+
+@dataclass(frozen=True)
+class BucketSpec:
+    """One `AWS::S3::Bucket`."""
+
+    name: str
+    expirations: tuple[Expiration, ...]
+
+
+@dataclass(frozen=True)
+class Template:
+    """All of a template that a local stack needs."""
+
+    functions: Mapping[str, FunctionSpec]
+    routes: tuple[RouteSpec, ...]
+    cors: CorsSpec | None
+    tables: tuple[TableSpec, ...]
+    buckets: tuple[BucketSpec, ...]
+    layers: tuple[Path, ...]
+    """Where the layers' packages lie."""
+
+    def environment(self) -> dict[str, str]:
+        """Return the union of all functions' variables.
+
+        Lambda gives each function an environment of its own; here they share one process. So two functions
+        may lack each other's variables but may not disagree about one.
+
+        Raises
+        ------
+        TemplateError
+            If two functions give one variable different values.
+        """
+        union: dict[str, str] = {}
+        owner: dict[str, str] = {}
+        for function in self.functions.values():
+            for variable, value in function.environment.items():
+                if union.setdefault(variable, value) != value:
+                    raise TemplateError(
+                        f"{function.name} and {owner[variable]} give {variable} different values; "
+                        "in one process they share it"
+                    )
+                owner.setdefault(variable, function.name)
+        return union
+
+
+def load(path: Path, parameters: Mapping[str, str]) -> Template:
+    """Read a SAM template.
+
+    Parameters
+    ----------
+    path
+        The template; paths in it are relative to its folder.
+    parameters
+        Values for the template's parameters, over their defaults. One that the template lacks is ignored.
+
+    Raises
+    ------
+    TemplateError
+        If a parameter without default has no value, or something cannot be resolved.
+    """
+    document = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)  # noqa: S506  a SafeLoader
+    resources: dict[str, Any] = document["Resources"]
+    resolve = _Resolver(_values(document.get("Parameters", {}), parameters), resources)
+    globals_ = document.get("Globals", {})
+    root = path.resolve().parent
+
+    functions: dict[str, FunctionSpec] = {}
+    routes: list[RouteSpec] = []
+    tables: list[TableSpec] = []
+    buckets: list[BucketSpec] = []
+    layers: list[Path] = []
+    cors: CorsSpec | None = None
+    for name, resource in resources.items():
+        properties = resource.get("Properties", {})
+        match resource["Type"]:
+            case "AWS::Serverless::Function":
+                merged = _merge(globals_.get("Function", {}), properties)
+                functions[name] = _function(name, merged, root, resolve)
+                routes += _routes(name, merged, resolve)
+            case "AWS::Serverless::HttpApi":
+                merged = _merge(globals_.get("HttpApi", {}), properties)
+                cors = _cors(resolve(merged.get("CorsConfiguration")))
+            case "AWS::Serverless::LayerVersion":
+                layers.append(root / properties["ContentUri"])
+            case "AWS::DynamoDB::Table":
+                tables.append(_table(resolve({"Ref": name}), resolve(properties)))
+            case "AWS::S3::Bucket":
+                buckets.append(_bucket(resolve({"Ref": name}), resolve(properties)))
+    return Template(functions, tuple(routes), cors, tuple(tables), tuple(buckets), tuple(layers))
+
+
+def _function(name: str, properties: Mapping[str, Any], root: Path, resolve: _Resolver) -> FunctionSpec:
+    variables = resolve(properties.get("Environment", {}).get("Variables", {}))
+    return FunctionSpec(
+        name=name,
+        code=root / properties["CodeUri"],
+        handler=properties["Handler"],
+        timeout=float(properties.get("Timeout", 3)),
+        memory=int(properties.get("MemorySize", 128)),
+        environment={key: _text(value) for key, value in variables.items()},
+        retries=int(properties.get("EventInvokeConfig", {}).get("MaximumRetryAttempts", 2)),
+    )
+
+
+def _routes(function: str, properties: Mapping[str, Any], resolve: _Resolver) -> Iterable[RouteSpec]:
+    for event in properties.get("Events", {}).values():
+        if event["Type"] == "HttpApi":
+            route = resolve(event["Properties"])
+            yield RouteSpec(route["Method"].upper(), route["Path"], function)
+
+
+def _cors(configuration: Any) -> CorsSpec | None:
+    if not isinstance(configuration, Mapping):
+        return CorsSpec(("*",), ("*",), ("*",)) if configuration is True else None
+    return CorsSpec(
+        allow_origins=tuple(configuration.get("AllowOrigins", ())),
+        allow_methods=tuple(configuration.get("AllowMethods", ())),
+        allow_headers=tuple(configuration.get("AllowHeaders", ())),
+        expose_headers=tuple(configuration.get("ExposeHeaders", ())),
+        max_age=configuration.get("MaxAge"),
+        allow_credentials=bool(configuration.get("AllowCredentials", False)),
+    )
+
+
+def _table(name: str, properties: Mapping[str, Any]) -> TableSpec:
+    ttl = properties.get("TimeToLiveSpecification", {})
+    return TableSpec(name, properties, ttl.get("AttributeName") if ttl.get("Enabled") else None)
+
+
+def _bucket(name: str, properties: Mapping[str, Any]) -> BucketSpec:
+    rules = properties.get("LifecycleConfiguration", {}).get("Rules", ())
+    return BucketSpec(
+        name,
+        tuple(
+            Expiration(rule.get("Prefix", ""), float(rule["ExpirationInDays"]))
+            for rule in rules
+            if rule["Status"] == "Enabled" and "ExpirationInDays" in rule
+        ),
+    )
+
+
+def _values(declared: Mapping[str, Any], given: Mapping[str, str]) -> dict[str, Any]:
+    values = {}
+    for name, parameter in declared.items():
+        if name in given:
+            values[name] = given[name]
+        elif "Default" in parameter:
+            values[name] = parameter["Default"]
+        else:
+            raise TemplateError(f"the template's parameter {name} has neither a value nor a default")
+    return values
+
+
+def _merge(base: Any, own: Any) -> Any:
+    """Merge Globals into a resource as SAM does: maps merge, lists concatenate, the rest is replaced.
+
+    Source: AWS SAM developer guide, "Globals section of the AWS SAM template", overridable properties.
+    """
+    if isinstance(base, Mapping) and isinstance(own, Mapping):
+        both = {key: _merge(base[key], own[key]) if key in own else base[key] for key in base}
+        return both | {key: value for key, value in own.items() if key not in base}
+    if isinstance(base, list) and isinstance(own, list):
+        return base + own
+    return own
+
+
+def _text(value: Any) -> str:
+    # CloudFormation hands numbers and booleans on as JSON writes them.
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+@dataclass(frozen=True)
+class _Resolver:
+    """Replaces intrinsic functions by the values they have locally."""
+
+    parameters: Mapping[str, Any]
+    resources: Mapping[str, Any]
+    pseudo: Mapping[str, str] = field(
+        default_factory=lambda: {
+            "AWS::AccountId": ACCOUNT,
+            "AWS::Partition": "aws",
+            "AWS::Region": REGION,
+            "AWS::StackName": "calibdb",
+            "AWS::URLSuffix": "amazonaws.com",
+        }
+    )
+
+    def __call__(self, value: Any) -> Any:
+        if isinstance(value, list):
+            return [self(element) for element in value]
+        if not isinstance(value, Mapping):
+            return value
+        if len(value) == 1:
+            ((key, argument),) = value.items()
+            if key == "Ref":
+                return self.ref(argument)
+            if key == "Fn::GetAtt":
+                return self.attribute(*argument)
+            if key == "Fn::Sub":
+                return self.substitute(argument)
+            if key == "Fn::Join":
+                return argument[0].join(_text(self(part)) for part in argument[1])
+            if key.startswith("Fn::") or key == "Condition":
+                raise TemplateError(f"the local stack does not know {key}")
+        return {key: self(element) for key, element in value.items()}
+
+    def ref(self, name: str) -> Any:
+        for known in (self.parameters, self.pseudo):
+            if name in known:
+                return known[name]
+        if name not in self.resources:
+            raise TemplateError(f"!Ref {name} names nothing in the template")
+        # A function's name is its logical id, so that a log line leads back to the template; bucket and table
+        # names must be lower case and look like ones.
+        if self.resources[name]["Type"] == "AWS::Serverless::Function":
+            return name
+        return f"calibdb-{name.lower()}"
+
+    def attribute(self, name: str, attribute: str) -> str:
+        if attribute != "Arn":
+            raise TemplateError(f"the local stack does not know !GetAtt {name}.{attribute}")
+        kinds: dict[str, Callable[[str], str]] = {
+            "AWS::DynamoDB::Table": lambda n: f"arn:aws:dynamodb:{REGION}:{ACCOUNT}:table/{n}",
+            "AWS::S3::Bucket": lambda n: f"arn:aws:s3:::{n}",
+            "AWS::Serverless::Function": lambda n: f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{n}",
+        }
+        physical = self.ref(name)
+        kind = self.resources[name]["Type"]
+        if kind not in kinds:
+            raise TemplateError(f"the local stack does not know the Arn of a {kind}")
+        return kinds[kind](physical)
+
+    def substitute(self, argument: Any) -> str:
+        text, local = (argument, {}) if isinstance(argument, str) else argument
+
+        def replace(match: re.Match[str]) -> str:
+            name = match[1]
+            if name.startswith("!"):
+                return f"${{{name[1:]}}}"
+            if name in local:
+                return _text(self(local[name]))
+            resource, dot, attribute = name.partition(".")
+            return self.attribute(resource, attribute) if dot else _text(self.ref(name))
+
+        return re.sub(r"\$\{([^}]+)\}", replace, text)
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML with CloudFormation's short forms: `!Ref X`, `!GetAtt X.Arn`, `!Sub …` become their long forms."""
+
+
+def _short_form(loader: yaml.SafeLoader, suffix: str, node: yaml.Node) -> dict[str, Any]:
+    value: Any
+    if isinstance(node, yaml.ScalarNode):
+        value = loader.construct_scalar(node)
+    elif isinstance(node, yaml.SequenceNode):
+        value = loader.construct_sequence(node, deep=True)
+    elif isinstance(node, yaml.MappingNode):
+        value = loader.construct_mapping(node, deep=True)
+    else:
+        raise TemplateError(f"!{suffix} has an argument that is neither scalar, list nor map")
+    if suffix == "GetAtt" and isinstance(value, str):
+        value = value.split(".", 1)
+    return {suffix if suffix in ("Ref", "Condition") else f"Fn::{suffix}": value}
+
+
+_Loader.add_multi_constructor("!", _short_form)
