@@ -1,0 +1,28 @@
+"""Array types and small helpers shared by all modules."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+
+def frozen(values: Any) -> Array:
+    """Return `values` as a read-only float64 copy: what a frozen dataclass may hold."""
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+def symmetric_inverse(a: Array) -> Array:
+    """Inverse of positive definite (..., p, p) matrices whose entries may differ by many powers of ten.
+
+    The matrix is brought to a unit diagonal first: an information matrix in (px, px, 1) units has a condition
+    number that means nothing until then.
+    """
+    scale = 1 / np.sqrt(np.maximum(np.diagonal(a, axis1=-2, axis2=-1), 1e-300))
+    unit = a * scale[..., :, None] * scale[..., None, :]
+    inverse: Array = np.linalg.inv(unit) * scale[..., :, None] * scale[..., None, :]
+    return (inverse + np.swapaxes(inverse, -1, -2)) / 2

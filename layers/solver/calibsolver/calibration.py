@@ -1,0 +1,78 @@
+"""The result of a fit."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import models
+from .arrays import Array, Mask
+from .camera import Camera
+from .uncertainty import Uncertainty, sensitivity, variance
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """A camera and how well its views are explained.
+
+    Attributes
+    ----------
+    camera
+        Model, intrinsics, image size.
+    poses
+        (v, 6) rvec|tvec, board -> camera, board units.
+    avg_reprojection_error
+        px, root of the mean square distance over *all* points given, as cv2.calibrateCamera reports it.
+    view_errors
+        (v,) px, the same for each view.
+    covariance
+        (p, p) of (fx fy cx cy distortion...), noise estimated from the residuals.
+    noise
+        px, standard deviation of one coordinate of a corner, as estimated.
+    used
+        For each view (n,) whether a point took part in the final fit.
+    prior_used
+        Whether the data were too few to go without the prior.
+    """
+
+    camera: Camera
+    poses: Array
+    avg_reprojection_error: float
+    view_errors: Array
+    covariance: Array
+    noise: float
+    used: tuple[Mask, ...]
+    prior_used: bool
+
+    def projection_std(self, grid: tuple[int, int] = (20, 15)) -> Array:
+        """Predicted error of a projection over the image, px, (rows, columns) for `grid` = (columns, rows).
+
+        At the centre of each cell: root of the trace of the 2x2 covariance of the projection of the ray seen there,
+        to first order, with the rotation of the camera frame that fits best over the grid removed. NaN outside the
+        model's one-to-one domain.
+        """
+        model = models.get(self.camera.model)
+        d = sensitivity(model, self.camera.intrinsics, self.camera.img_size, grid)
+        with np.errstate(invalid="ignore"):
+            std: Array = np.sqrt(np.maximum(variance(d, self.covariance), 0)).reshape(grid[1], grid[0])
+        return std
+
+    def uncertainty(self, grid: tuple[int, int] = (20, 15)) -> Uncertainty:
+        """Predict rms and maximum over the image of |true - estimated projection|, px (see `projection_std`)."""
+        std = self.projection_std(grid)
+        seen = std[np.isfinite(std)]
+        if not seen.size:  # not even the middle of the image has a ray: nothing is known
+            return Uncertainty(float(max(self.camera.img_size)), float(max(self.camera.img_size)))
+        return Uncertainty(float(np.sqrt(np.mean(seen**2))), float(seen.max()))
+
+    def record(self) -> dict[str, Any]:
+        """Return the calibration as plain values, under the names of the published file format."""
+        uncertainty = self.uncertainty()
+        return {
+            "img_size": list(self.camera.img_size),
+            "camera_matrix": self.camera.matrix.tolist(),
+            "distortion_coefficients": self.camera.distortion.tolist(),
+            "distortion_model": self.camera.model,
+            "avg_reprojection_error": self.avg_reprojection_error,
+            "uncertainty": {"rms": uncertainty.rms, "max": uncertainty.max},
+        }

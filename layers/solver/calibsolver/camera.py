@@ -1,0 +1,83 @@
+"""A camera: model, intrinsics, image size."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import models
+from .arrays import Array, Mask, frozen
+from .errors import CalibrationError
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A calibrated camera.
+
+    Attributes
+    ----------
+    model
+        Name of the distortion model.
+    matrix
+        (3, 3) camera matrix, px, zero skew.
+    distortion
+        (m,) coefficients in the model's order.
+    img_size
+        Width and height, px.
+    """
+
+    model: str
+    matrix: Array
+    distortion: Array
+    img_size: tuple[int, int]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "matrix", frozen(self.matrix))
+        object.__setattr__(self, "distortion", frozen(self.distortion))
+        object.__setattr__(self, "img_size", (int(self.img_size[0]), int(self.img_size[1])))
+        size = len(models.get(self.model).coefficients)
+        if self.matrix.shape != (3, 3) or self.distortion.shape != (size,):
+            raise CalibrationError("bad_camera", f"{self.model} has a 3x3 matrix and {size} coefficients")
+
+    @classmethod
+    def from_intrinsics(cls, model: str, k: Array, img_size: tuple[int, int]) -> "Camera":
+        """Camera of intrinsics (p,): fx fy cx cy, then the distortion."""
+        matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
+        return cls(model, matrix, k[4:], img_size)
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> "Camera":
+        """Camera of a calibration record (see `Calibration.record`)."""
+        w, h = record["img_size"]
+        return cls(
+            str(record["distortion_model"]),
+            np.asarray(record["camera_matrix"], dtype=np.float64),
+            np.asarray(record["distortion_coefficients"], dtype=np.float64),
+            (w, h),
+        )
+
+    @property
+    def intrinsics(self) -> Array:
+        """(p,): fx fy cx cy, then the distortion."""
+        m = self.matrix
+        return np.concatenate([[m[0, 0], m[1, 1], m[0, 2], m[1, 2]], self.distortion])
+
+    def project(self, points: Array) -> Array:
+        """Pixels (n, 2) of points (n, 3) in the camera frame; NaN where the model is not one-to-one."""
+        model, k = models.get(self.model), self.intrinsics
+        p = np.asarray(points, dtype=np.float64).T
+        with np.errstate(all="ignore"):  # what lies behind the camera is masked out
+            q = np.where(model.valid(k[4:], p), model.project(k, p), np.nan)
+        return np.ascontiguousarray(q.T)
+
+    def unproject(self, pixels: Array) -> Array:
+        """Unit rays (n, 3), camera frame, of pixels (n, 2); NaN where no ray of the valid domain leads."""
+        rays = models.get(self.model).unproject(self.intrinsics, np.asarray(pixels, dtype=np.float64).T)
+        return np.ascontiguousarray(rays.T)
+
+    def valid(self, points: Array) -> Mask:
+        """Whether points (n, 3), camera frame, lie where the model is one-to-one."""
+        return models.get(self.model).valid(
+            np.asarray(self.distortion), np.asarray(points, dtype=np.float64).T
+        )

@@ -1,0 +1,19 @@
+"""Camera models by name. A new one is a file beside this one and a line in the registry."""
+
+from ..errors import CalibrationError
+from .base import Model, Prior
+from .fisheye import Fisheye
+from .rectilinear import Rectilinear
+
+REGISTRY: dict[str, Model] = {model.name: model for model in (Rectilinear(), Fisheye())}
+NAMES = tuple(REGISTRY)
+
+__all__ = ["NAMES", "REGISTRY", "Model", "Prior", "get"]
+
+
+def get(name: str) -> Model:
+    """Return the model called `name`; CalibrationError ``unknown_model`` where there is none."""
+    try:
+        return REGISTRY[name]
+    except KeyError:
+        raise CalibrationError("unknown_model", f"no camera model is called {name!r}") from None

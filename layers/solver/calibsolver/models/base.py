@@ -1,0 +1,103 @@
+"""What a camera model is.
+
+Layout: coordinates come first, so that every formula works on whole planes of points: points are (3, ...),
+pixels (2, ...), derivatives (variable, image axis, ...). Intrinsics are one vector `k`: fx fy cx cy, then the
+distortion coefficients in the order of the model's definition.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array, Mask
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is believed about a camera before anything is seen: independent Gaussians.
+
+    Attributes
+    ----------
+    focal, focal_sigma
+        Focal length / image width, and the standard deviation of its logarithm.
+    aspect_sigma
+        Of log(fx / fy): pixels are nearly square.
+    center_sigma
+        Of the principal point around the image centre / image width.
+    distortion_sigma
+        Of each coefficient around 0.
+    """
+
+    focal: float
+    focal_sigma: float
+    distortion_sigma: tuple[float, ...]
+    aspect_sigma: float = 0.02
+    center_sigma: float = 0.04
+
+
+class Model(ABC):
+    """A central projection: a distortion of the ray's direction followed by fx, fy, cx, cy (no skew)."""
+
+    name: str
+    coefficients: tuple[str, ...]
+    prior: Prior
+    ladder: tuple[float, ...]
+    """Focal lengths / image width from which a fit is started."""
+
+    @property
+    def size(self) -> int:
+        """Number of intrinsics, p."""
+        return 4 + len(self.coefficients)
+
+    @abstractmethod
+    def distort(self, d: Array, p: Array) -> Array:
+        """Project points (3, ...), camera frame, any length, to the plane of unit focal length, (2, ...)."""
+
+    @abstractmethod
+    def distort_jacobian(self, d: Array, p: Array) -> tuple[Array, Array, Array]:
+        """`distort` and its derivatives by the m coefficients (m, 2, ...) and by the point (3, 2, ...)."""
+
+    @abstractmethod
+    def undistort(self, d: Array, u: Array) -> Array:
+        """Unit rays (3, ...) that project to (2, ...); NaN where no ray of the valid domain does."""
+
+    @abstractmethod
+    def valid(self, d: Array, p: Array) -> Mask:
+        """Whether points (3, ...) lie where the projection is one-to-one."""
+
+    def start(self, focal: float, img_size: tuple[int, int]) -> Array:
+        """Intrinsics (p,) without distortion, principal point in the image centre; focal in px."""
+        k = np.zeros(self.size)
+        k[:4] = focal, focal, (img_size[0] - 1) / 2, (img_size[1] - 1) / 2
+        return k
+
+    def project(self, k: Array, p: Array) -> Array:
+        """Pixels (2, ...) of points (3, ...) in the camera frame; meaningless outside `valid`."""
+        u = self.distort(k[4:], p)
+        return np.stack([k[0] * u[0] + k[2], k[1] * u[1] + k[3]])
+
+    def jacobian(self, k: Array, p: Array) -> tuple[Array, Array, Array]:
+        """Pixels (2, ...) and their derivatives by k (p, 2, ...) and by the point (3, 2, ...)."""
+        u, by_d, by_p = self.distort_jacobian(k[4:], p)
+        shape = (2,) + (1,) * (u.ndim - 1)
+        f, c = k[:2].reshape(shape), k[2:4].reshape(shape)
+        by_k = np.zeros((self.size, *u.shape))
+        by_k[0, 0], by_k[1, 1] = u
+        by_k[2, 0] = by_k[3, 1] = 1
+        np.multiply(by_d, f, out=by_k[4:])
+        return f * u + c, by_k, by_p * f
+
+    def unproject(self, k: Array, q: Array) -> Array:
+        """Unit rays (3, ...) in the camera frame of pixels (2, ...); NaN outside the valid domain."""
+        return self.undistort(k[4:], np.stack([(q[0] - k[2]) / k[0], (q[1] - k[3]) / k[1]]))
+
+
+def first_root(coefficients: tuple[float, ...] | Array, limit: float) -> float:
+    """Smallest root in (0, limit) of 1 + c0 s + c1 s^2 + ..., or `limit` where there is none."""
+    polynomial = np.concatenate([np.asarray(coefficients, dtype=np.float64)[::-1], [1.0]])
+    if not np.isfinite(polynomial).all():
+        return 0.0
+    roots = np.roots(polynomial)
+    real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0)]
+    return float(min(real.min(initial=limit), limit))

@@ -1,0 +1,95 @@
+"""Kannala-Brandt's model as in cv2.fisheye: k1 k2 k3 k4.
+
+t = angle between ray and axis, a = t (1 + k1 t^2 + k2 t^4 + k3 t^6 + k4 t^8), (u, v) = a (X, Y) / |(X, Y)|
+(Kannala & Brandt 2006; OpenCV documentation, "Fisheye camera model"). The angle is taken with atan2, so that
+points beside and behind the camera are projected too: OpenCV's own x/z form ends at 90 degrees.
+"""
+
+import numpy as np
+
+from ..arrays import Array, Mask
+from .base import Model, Prior, first_root
+
+TINY = 1e-200
+
+
+class Fisheye(Model):
+    """See the module's docstring."""
+
+    name = "fisheye"
+    coefficients = ("k1", "k2", "k3", "k4")
+    prior = Prior(focal=0.55, focal_sigma=0.6, distortion_sigma=(0.4, 0.4, 0.4, 0.4))
+    ladder = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.5)
+
+    def distort(self, d: Array, p: Array) -> Array:
+        """See `Model.distort`."""
+        r = np.hypot(p[0], p[1])
+        t = np.arctan2(r, p[2])
+        s = t * t
+        a = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
+        # On the axis a/r is 1/z; with r = 0 the product below is 0 whatever the quotient.
+        m = a / np.maximum(r, TINY)
+        return np.stack([p[0] * m, p[1] * m])
+
+    def distort_jacobian(self, d: Array, p: Array) -> tuple[Array, Array, Array]:
+        """See `Model.distort_jacobian`."""
+        x, y, z = p
+        rr = x * x + y * y
+        r = np.sqrt(rr)
+        t = np.arctan2(r, z)
+        s = t * t
+        a = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
+        da = 1 + s * (3 * d[0] + s * (5 * d[1] + s * (7 * d[2] + s * 9 * d[3])))
+        ir = 1 / np.maximum(r, 1e-150)
+        cx, cy = x * ir, y * ir  # direction in the image
+        on_axis = r < 1e-9 * np.abs(z)
+        m = np.where(on_axis, 1 / np.where(z == 0, 1.0, z), a * ir)
+        u = np.stack([x * m, y * m])
+
+        by_d = np.empty((4, 2, *x.shape))
+        by_d[0] = np.stack([cx, cy]) * (t * s)
+        for i in range(1, 4):
+            np.multiply(by_d[i - 1], s, out=by_d[i])
+
+        irr = da / (rr + z * z)
+        n = np.where(on_axis, 0.0, z * irr - m)  # r dm/dr
+        by_p = np.empty((3, 2, *x.shape))
+        by_p[0, 0], by_p[1, 1] = m + cx * cx * n, m + cy * cy * n
+        by_p[0, 1] = by_p[1, 0] = cx * cy * n
+        by_p[2, 0], by_p[2, 1] = -x * irr, -y * irr
+        return u, by_d, by_p
+
+    def angle(self, d: Array) -> float:
+        """Largest angle from the axis, radians, up to which the image radius grows."""
+        return float(np.sqrt(first_root(d * (3, 5, 7, 9), np.pi**2)))
+
+    def valid(self, d: Array, p: Array) -> Mask:
+        """See `Model.valid`."""
+        inside: Mask = np.arctan2(np.hypot(p[0], p[1]), p[2]) < self.angle(d)
+        return inside
+
+    def undistort(self, d: Array, u: Array) -> Array:
+        """Newton's method on the angle alone, from a table."""
+        limit = self.angle(d)
+        grid = np.linspace(0, limit, 513)
+        s = grid * grid
+        table = grid * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
+        r = np.hypot(u[0], u[1])
+        good = np.isfinite(r) & (r < table[-1])
+        radius = np.where(good, r, 0.0)
+        t = np.interp(radius, table, grid)
+        with np.errstate(all="ignore"):  # the derivative vanishes at the very edge: refused below
+            for _ in range(8):
+                s = t * t
+                a = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
+                da = 1 + s * (3 * d[0] + s * (5 * d[1] + s * (7 * d[2] + s * 9 * d[3])))
+                step = (a - radius) / da
+                t = t - step
+                if np.nanmax(np.abs(step), initial=0.0) < 1e-14:
+                    break
+            s = t * t
+            a = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
+            good &= (np.abs(a - radius) < 1e-12 * (1 + radius)) & (t >= 0) & (t < limit)
+        t = np.where(good, t, np.nan)
+        m = np.sin(t) / np.where(radius > 1e-12, radius, 1.0)
+        return np.stack([u[0] * m, u[1] * m, np.cos(t)])

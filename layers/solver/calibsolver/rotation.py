@@ -1,0 +1,64 @@
+"""Rotations: vectors (axis times angle, radians) and matrices, batched."""
+
+import numpy as np
+
+from .arrays import Array
+
+
+def skew(v: Array) -> Array:
+    """Cross-product matrices: (..., 3) -> (..., 3, 3) with ``skew(v) @ w == cross(v, w)``."""
+    m = np.zeros((*v.shape[:-1], 3, 3))
+    m[..., 0, 1], m[..., 0, 2] = -v[..., 2], v[..., 1]
+    m[..., 1, 0], m[..., 1, 2] = v[..., 2], -v[..., 0]
+    m[..., 2, 0], m[..., 2, 1] = -v[..., 1], v[..., 0]
+    return m
+
+
+def matrix(rvec: Array) -> Array:
+    """Rotation matrices of rotation vectors (..., 3) -> (..., 3, 3), Rodrigues' formula."""
+    angle2 = np.sum(rvec * rvec, axis=-1)[..., None, None]
+    angle = np.sqrt(angle2)
+    small = angle < 1e-4  # there the series is exact to 1e-17 and the quotients below are 0/0
+    safe = np.where(small, 1.0, angle)
+    a = np.where(small, 1 - angle2 / 6, np.sin(safe) / safe)
+    b = np.where(small, 0.5 - angle2 / 24, (1 - np.cos(safe)) / (safe * safe))
+    k = skew(rvec)
+    rotation: Array = np.eye(3) + a * k + b * (k @ k)
+    return rotation
+
+
+def vector(r: Array) -> Array:
+    """Rotation vectors of rotation matrices (..., 3, 3) -> (..., 3), angle in [0, pi].
+
+    Goes through the unit quaternion of largest component, which keeps full precision at 0 and at pi.
+    """
+    m = r.reshape(-1, 3, 3)
+    trace = np.trace(m, axis1=1, axis2=2)
+    diagonal = np.diagonal(m, axis1=1, axis2=2)
+    # 4 q q^T, rows and columns (w, x, y, z)
+    k = np.empty((len(m), 4, 4))
+    k[:, 0, 0] = 1 + trace
+    for i in range(3):
+        j, l = (i + 1) % 3, (i + 2) % 3
+        k[:, i + 1, i + 1] = 1 + 2 * diagonal[:, i] - trace
+        k[:, 0, i + 1] = k[:, i + 1, 0] = m[:, l, j] - m[:, j, l]
+        k[:, i + 1, j + 1] = k[:, j + 1, i + 1] = m[:, i, j] + m[:, j, i]
+    best = np.argmax(np.diagonal(k, axis1=1, axis2=2), axis=1)
+    q = k[np.arange(len(m)), best]
+    q /= np.linalg.norm(q, axis=1, keepdims=True)
+    q *= np.where(q[:, :1] < 0, -1.0, 1.0)
+    s = np.linalg.norm(q[:, 1:], axis=1, keepdims=True)
+    angle = 2 * np.arctan2(s, q[:, :1])
+    factor = np.where(s > 1e-12, angle / np.maximum(s, 1e-12), 2.0)
+    out: Array = (q[:, 1:] * factor).reshape(*r.shape[:-2], 3)
+    return out
+
+
+def nearest(m: Array) -> Array:
+    """Closest rotation matrices to (..., 3, 3) in the Frobenius norm (orthogonal Procrustes)."""
+    u, _, vt = np.linalg.svd(m)
+    sign = np.linalg.det(u @ vt)
+    u = u.copy()
+    u[..., :, 2] *= sign[..., None]
+    closest: Array = u @ vt
+    return closest

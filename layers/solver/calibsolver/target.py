@@ -1,0 +1,140 @@
+"""Where the user is asked to hold the board."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import rotation
+from .arrays import Array, frozen
+from .board import Board
+from .camera import Camera
+
+EDGE_SAMPLES = 12
+"""Points along one edge of an outline: a bent edge is drawn to a fraction of a pixel."""
+
+
+@dataclass(frozen=True, eq=False)
+class TargetPose:
+    """A pose of the board and how the camera would see it.
+
+    Attributes
+    ----------
+    rvec, tvec
+        (3,), board -> camera, squares.
+    ids
+        (k,) corners inside the image.
+    corners
+        (k, 2) px, where those appear.
+    outline
+        (m, 2) px, the board's edge, distortion included, clockwise on the board; parts outside the model's
+        one-to-one domain are left out, parts outside the image are not.
+    purpose
+        What the view is for, one English phrase.
+    hint
+        What to do, one English sentence.
+    gain
+        px^2, by how much the mean square projection error over the image is predicted to fall.
+    """
+
+    rvec: Array
+    tvec: Array
+    ids: tuple[int, ...]
+    corners: Array
+    outline: Array
+    purpose: str
+    hint: str
+    gain: float
+
+    def __post_init__(self) -> None:
+        for name in ("rvec", "tvec", "corners", "outline"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        object.__setattr__(self, "ids", tuple(int(i) for i in self.ids))
+
+    @classmethod
+    def seen(
+        cls, board: Board, camera: Camera, r: Array, t: Array, purpose: str, gain: float
+    ) -> "TargetPose":
+        """Target at rotation (3, 3) and translation (3,) as `camera` would see it."""
+        q = camera.project(board.points @ r.T + t)
+        inside = in_image(q, camera.img_size)
+        edge = camera.project(edge_points(board) @ r.T + t)
+        return cls(
+            rvec=rotation.vector(r),
+            tvec=t,
+            ids=tuple(np.flatnonzero(inside)),
+            corners=q[inside],
+            outline=edge[np.isfinite(edge[:, 0])],
+            purpose=purpose,
+            hint=hint(board, camera, r, t),
+            gain=gain,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        return {
+            "rvec": self.rvec.tolist(),
+            "tvec": self.tvec.tolist(),
+            "ids": list(self.ids),
+            "corners": self.corners.tolist(),
+            "outline": self.outline.tolist(),
+            "purpose": self.purpose,
+            "hint": self.hint,
+            "gain": self.gain,
+        }
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "TargetPose":
+        """Inverse of `to_dict`."""
+        return cls(
+            rvec=np.asarray(values["rvec"], dtype=np.float64),
+            tvec=np.asarray(values["tvec"], dtype=np.float64),
+            ids=tuple(values["ids"]),
+            corners=np.asarray(values["corners"], dtype=np.float64).reshape(-1, 2),
+            outline=np.asarray(values["outline"], dtype=np.float64).reshape(-1, 2),
+            purpose=str(values["purpose"]),
+            hint=str(values["hint"]),
+            gain=float(values["gain"]),
+        )
+
+
+def in_image(q: Array, img_size: tuple[int, int], margin: float = 0.0) -> Any:
+    """Whether pixels (..., 2) lie in the image, at least `margin` px from its border; NaN does not."""
+    w, h = img_size
+    x, y = q[..., 0], q[..., 1]
+    return (x >= margin) & (y >= margin) & (x <= w - 1 - margin) & (y <= h - 1 - margin)
+
+
+def edge_points(board: Board) -> Array:
+    """Points along the board's edge (4 * EDGE_SAMPLES, 3), board frame, clockwise from the top left."""
+    start, end = board.outline, np.roll(board.outline, -1, axis=0)
+    s = np.arange(EDGE_SAMPLES)[None, :, None] / EDGE_SAMPLES
+    points: Array = (start[:, None, :] * (1 - s) + end[:, None, :] * s).reshape(-1, 3)
+    return points
+
+
+def hint(board: Board, camera: Camera, r: Array, t: Array) -> str:
+    """What to do, in the words of someone who looks at the picture."""
+    corners = board.outline @ r.T + t
+    middles = (corners + np.roll(corners, -1, axis=0)) / 2
+    center = corners.mean(axis=0)
+    toward = np.linalg.norm(center) - np.linalg.norm(middles, axis=1)
+    nearest = int(np.argmax(toward))
+    parts = []
+    length = np.linalg.norm(middles[nearest] - center)
+    if toward[nearest] > 0.17 * length:  # about 10 degrees
+        x, y = (middles[nearest] - center)[:2]
+        side = ("left" if x < 0 else "right") if abs(x) > abs(y) else ("upper" if y < 0 else "lower")
+        parts.append(f"tilt the {side} edge towards the camera")
+    else:
+        parts.append("hold the board facing the camera")
+    q = camera.project(center[None])[0]
+    w, h = camera.img_size
+    across = "left" if q[0] < 0.35 * w else "right" if q[0] > 0.65 * w else ""
+    down = "top" if q[1] < 0.35 * h else "bottom" if q[1] > 0.65 * h else ""
+    place = " ".join(word for word in (down, across) if word)
+    if place:
+        parts.append(f"in the {place} of the picture")
+    text = " ".join(parts)
+    return f"{text[0].upper()}{text[1:]}."

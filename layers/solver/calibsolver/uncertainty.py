@@ -1,0 +1,67 @@
+"""How far a projection may be wrong: the covariance of the intrinsics seen in the image.
+
+A turn of the camera frame is no error of a calibration: whoever uses it estimates the pose anew. So the rotation
+that fits best over the whole image is projected out first (mrcal's "projection uncertainty" does the same with the
+poses of the boards; here the points lie at infinity and only a rotation remains).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .arrays import Array
+from .models import Model
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Predicted error of a projection, px: root mean square and maximum over a grid of the image."""
+
+    rms: float
+    max: float
+
+
+def pixel_grid(img_size: tuple[int, int], grid: tuple[int, int]) -> Array:
+    """Centres (2, rows, columns) px of `grid` = (columns, rows) equal cells of the image."""
+    (w, h), (columns, rows) = img_size, grid
+    x = (np.arange(columns) + 0.5) * w / columns - 0.5
+    y = (np.arange(rows) + 0.5) * h / rows - 0.5
+    return np.stack(np.meshgrid(x, y))
+
+
+def sensitivity(model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int]) -> Array:
+    """Derivative (n, 2, p) of the projection by the intrinsics, best rotation removed, over the grid.
+
+    Rows are NaN where the pixel has no ray (outside the model's one-to-one domain). n = columns * rows.
+    """
+    v = model.unproject(k, pixel_grid(img_size, grid).reshape(2, -1))
+    seen = np.isfinite(v[0])
+    out = np.full((v.shape[1], 2, model.size), np.nan)
+    if not seen.any():
+        return out
+    v = v[:, seen]
+    _, by_k, by_p = model.jacobian(k, v)
+    d = by_k.transpose(2, 1, 0)  # (n, 2, p)
+    b = by_p.transpose(2, 1, 0)  # (n, 2, 3)
+    turn = np.cross(v.T[:, None, :], b)  # b . (w x v) = w . (v x b)
+    flat, flat_d = turn.reshape(-1, 3), d.reshape(-1, model.size)
+    removed = np.linalg.lstsq(flat, flat_d, rcond=None)[0]
+    out[seen] = (flat_d - flat @ removed).reshape(d.shape)
+    return out
+
+
+def weight(d: Array) -> Array:
+    """Matrix W (p, p) such that trace(covariance @ W) is the mean square projection error, px^2.
+
+    `d` is (n, 2, p) as from `sensitivity`.
+    """
+    seen = d[np.isfinite(d[:, 0, 0])]
+    flat = seen.reshape(-1, d.shape[2])
+    w: Array = flat.T @ flat / max(len(seen), 1)
+    return w
+
+
+def variance(d: Array, covariance: Array) -> Array:
+    """Predicted square error (n,) px^2, both axes added, of `d` (n, 2, p) under a covariance (p, p)."""
+    v: Array = np.einsum("nap,pq,naq->n", d, covariance, d)
+    return v

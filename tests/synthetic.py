@@ -1,0 +1,197 @@
+"""Made-up cameras and a clumsy user: the closed loop in which guidance is measured.
+
+The world is the one of the published comparison: 12 cameras with f = 500 to 1600 px at 1280 x 720 and k1 from -0.35 to
++0.10, a 9 x 6 board, independent Gaussian noise on the corners, a user who misses each pose by some 3 degrees and 3 %.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from calibsolver import Board, Calibration, Camera, View
+from calibsolver import rotation as rotations
+from calibsolver.capture import Capture, Estimate
+from calibsolver.start import plane_poses
+from calibsolver.target import TargetPose
+from calibsolver.uncertainty import pixel_grid
+
+IMG_SIZE = (1280, 720)
+
+
+def rectilinear_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:
+    """Cameras from wide (strong barrel distortion) to narrow (little, or pincushion)."""
+    rng = np.random.default_rng(seed)
+    w, h = img_size
+    cameras = []
+    for focal in np.geomspace(500, 1600, count) / 1280 * w:
+        # Wide lenses bend more; the second coefficient of a real lens takes back part of what the first does.
+        wide = (1600 / 1280 * w - focal) / (1100 / 1280 * w)
+        k1 = 0.10 - 0.45 * wide * rng.uniform(0.6, 1.0) - 0.05 * rng.uniform()
+        k2 = 0.35 * k1 * k1 + 0.01 * rng.normal()
+        p1, p2 = 0.0006 * rng.normal(size=2)
+        cx = (w - 1) / 2 + 0.012 * w * rng.normal()
+        cy = (h - 1) / 2 + 0.012 * w * rng.normal()
+        aspect = 1 + 0.002 * rng.normal()
+        matrix = np.array([[focal, 0, cx], [0, focal * aspect, cy], [0, 0, 1]])
+        cameras.append(Camera("rectilinear", matrix, np.array([k1, k2, p1, p2, 0.0]), img_size))
+    return cameras
+
+
+def fisheye_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:
+    """Kannala-Brandt cameras of 118 to 166 degrees over the image's diagonal."""
+    rng = np.random.default_rng(seed)
+    w, h = img_size
+    cameras = []
+    for angle in np.radians(np.linspace(118, 166, count)):
+        k = np.array([-0.03, 0.004, -0.001, 0.0001]) * rng.uniform(0.3, 1.5, 4)
+        t = angle / 2
+        reach = t * (1 + t**2 * k[0] + t**4 * k[1] + t**6 * k[2] + t**8 * k[3])
+        focal = np.hypot(w, h) / 2 / reach
+        cx = (w - 1) / 2 + 0.012 * w * rng.normal()
+        cy = (h - 1) / 2 + 0.012 * w * rng.normal()
+        matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
+        cameras.append(Camera("fisheye", matrix, k, img_size))
+    return cameras
+
+
+def seen(
+    board: Board,
+    camera: Camera,
+    rvec: np.ndarray,
+    tvec: np.ndarray,
+    rng: np.random.Generator,
+    noise: float = 0.2,
+    wild: float = 0.0,
+) -> View:
+    """What a detector would report: corners inside the image with Gaussian noise, a share `wild` 3 to 50 px off."""
+    q = camera.project(board.points @ rotations.matrix(rvec).T + tvec)
+    w, h = camera.img_size
+    inside = (q >= 2).all(axis=1) & (q[:, 0] <= w - 3) & (q[:, 1] <= h - 3)
+    q = q[inside] + noise * rng.normal(size=(int(inside.sum()), 2))
+    bad = rng.uniform(size=len(q)) < wild
+    angle = rng.uniform(0, 2 * np.pi, len(q))
+    off = rng.uniform(3, 50, len(q))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return View(board.points[inside], np.where(bad[:, None], np.clip(q + off, 0, (w - 1, h - 1)), q))
+
+
+@dataclass(frozen=True)
+class User:
+    """Someone who misses the target: rotation by `degrees` a axis, place by `share` of the distance."""
+
+    degrees: float = 3.0
+    share: float = 0.03
+
+    def hold(
+        self, board: Board, target: TargetPose, rng: np.random.Generator
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The pose (rvec, tvec) that the target becomes in their hands; turns are about the board's centre."""
+        center = board.outline.mean(axis=0)
+        r = rotations.matrix(target.rvec)
+        place = r @ center + target.tvec
+        r = rotations.matrix(np.radians(self.degrees) * rng.normal(size=3)) @ r
+        place = place + self.share * np.linalg.norm(place) * rng.normal(size=3)
+        return rotations.vector(r), place - r @ center
+
+
+def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPose) -> TargetPose:
+    """The pose at which the real camera sees the board where the picture drawn with the estimate shows it.
+
+    A user follows the picture, not the numbers: with a wrong focal length the board ends at another distance.
+    """
+    pixels = drawn.project(board.points @ rotations.matrix(target.rvec).T + target.tvec)
+    rays = camera.unproject(pixels)
+    good = np.isfinite(rays).all(axis=1) & np.isfinite(pixels).all(axis=1)
+    if good.sum() < 6:
+        return target
+    poses, _ = plane_poses(board.points[good].T[None], rays[good].T[None], np.ones((1, int(good.sum()))))
+    return TargetPose(
+        rvec=rotations.vector(poses.r)[0],
+        tvec=poses.t[0],
+        ids=target.ids,
+        corners=target.corners,
+        outline=target.outline,
+        purpose=target.purpose,
+        hint=target.hint,
+        gain=target.gain,
+    )
+
+
+def projection_error(truth: Camera, found: Camera, grid: tuple[int, int] = (20, 15)) -> np.ndarray:
+    """|true - estimated projection| (n,) px over the image, after the rotation that fits best."""
+    rays = truth.unproject(pixel_grid(truth.img_size, grid).reshape(2, -1).T)
+    rays = rays[np.isfinite(rays[:, 0])]
+    q = truth.project(rays)
+    r = np.eye(3)
+    for _ in range(6):
+        p = rays @ r.T
+        e = found.project(p) - q
+        step = 1e-6
+        turned = [found.project(p @ rotations.matrix(step * axis).T) for axis in np.eye(3)]
+        j = np.stack([(t - q - e) / step for t in turned], axis=-1)
+        good = np.isfinite(e).all(axis=1) & np.isfinite(j).all(axis=(1, 2))
+        w = rotations.matrix(-np.linalg.lstsq(j[good].reshape(-1, 3), e[good].reshape(-1), rcond=None)[0])
+        r = w @ r
+    e = found.project(rays @ r.T) - q
+    # Where the found camera sees nothing at all the error is as large as the image.
+    return np.where(np.isfinite(e).all(axis=1), np.hypot(e[:, 0], e[:, 1]), truth.img_size[0])
+
+
+@dataclass
+class Session:
+    """What happened in one capture: per accepted view the mean and maximum error, and the predicted rms."""
+
+    mean: list[float] = field(default_factory=list)
+    rms: list[float] = field(default_factory=list)
+    max: list[float] = field(default_factory=list)
+    predicted: list[float] = field(default_factory=list)
+    stopped: int | None = None
+    attempts: int = 0
+    reasons: list[str] = field(default_factory=list)
+    views: list[View] = field(default_factory=list)
+    calibration: Calibration | None = None
+
+
+def run(
+    camera: Camera,
+    rng: np.random.Generator,
+    board: Board | None = None,
+    noise: float = 0.2,
+    wild: float = 0.0,
+    user: User | None = None,
+    views: int = 6,
+    target_error: float = 0.3,
+    capture: Capture | None = None,
+    max_attempts: int = 60,
+) -> Session:
+    """One guided capture up to `views` accepted views; goes on after convergence, which is only noted."""
+    board, user = board or Board(), user or User()
+    capture = capture or Capture(board, camera.img_size, camera.model, target_error=target_error)
+    session = Session()
+    estimate: Estimate = capture.estimate([])
+    skipped: Sequence[TargetPose] = ()
+    target = capture.next_target([], estimate)
+    while len(session.views) < views and session.attempts < max_attempts:
+        session.attempts += 1
+        asked = match_picture(board, capture.camera(estimate), camera, target)
+        rvec, tvec = user.hold(board, asked, rng)
+        view = seen(board, camera, rvec, tvec, rng, noise, wild)
+        verdict = capture.judge(session.views, target, view)
+        if verdict.estimate is None or verdict.estimate.calibration is None:
+            session.reasons.append(str(verdict.reason))
+            if len(session.reasons) % 4 == 0:  # gives up on this one
+                skipped = (*skipped, target)
+                target = capture.next_target(session.views, estimate, skipped)
+            continue
+        estimate, skipped = verdict.estimate, ()
+        calibration = verdict.estimate.calibration
+        session.views.append(view)
+        session.calibration = calibration
+        error = projection_error(camera, calibration.camera)
+        session.mean.append(float(error.mean()))
+        session.rms.append(float(np.sqrt(np.mean(error**2))))
+        session.max.append(float(error.max()))
+        session.predicted.append(calibration.uncertainty().rms)
+        if estimate.converged and session.stopped is None:
+            session.stopped = len(session.views)
+        target = capture.next_target(session.views, estimate)
+    return session
