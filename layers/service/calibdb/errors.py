@@ -109,7 +109,7 @@ class NotAcceptableError(CalibdbError):
 class ConflictError(CalibdbError):
     """The request does not fit the state that things are in."""
 
-    status, kind, title = 409, "conflict", "ConflictError"
+    status, kind, title = 409, "conflict", "Conflict"
 
 
 class TooLargeError(CalibdbError):
@@ -121,7 +121,7 @@ class TooLargeError(CalibdbError):
 class InvalidError(CalibdbError):
     """The request is JSON, but its fields are not what they must be."""
 
-    status, kind, title = 422, "invalid", "InvalidError fields"
+    status, kind, title = 422, "invalid", "Invalid fields"
 
     def __init__(self, fields: Sequence[FieldError]) -> None:
         names = ", ".join(dict.fromkeys(f.field for f in fields))

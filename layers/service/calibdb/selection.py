@@ -15,7 +15,7 @@ _SAME_ASPECT = 0.01
 
 @dataclass(frozen=True)
 class Choice:
-    """What answers: a consensus; or a size at which the model is still to be computed; or why nothing does."""
+    """What answers: a consensus, or a size at which the model is yet to be computed, or why nothing does."""
 
     found: ConsensusDocument | None = None
     missing_at: tuple[int, int] | None = None

@@ -19,6 +19,8 @@ _FLAGS = {"true": True, "1": True, "false": False, "0": False}
 
 # A query holds text where a body holds numbers. What cannot be read is left for the type to refuse.
 def _size(value: object) -> object:
+    if isinstance(value, list):
+        return tuple(value)  # JSON knows no other way to write it
     match = _SIZE.fullmatch(value) if isinstance(value, str) else None
     return (int(match[1]), int(match[2])) if match else value
 

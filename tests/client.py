@@ -1,0 +1,124 @@
+"""A client of the API as a test sees it, and a camera with a known truth for it to calibrate."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+
+from infra.local import LocalStack
+
+TOKEN = "cdb_dev_local"
+CAMERA = {"camera": "Test camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
+
+
+@dataclass(frozen=True)
+class Answer:
+    status: int
+    headers: Mapping[str, str]
+    body: bytes
+
+    @property
+    def json(self) -> Any:
+        return json.loads(self.body)
+
+
+@dataclass
+class Client:
+    """Speaks HTTP to a stack, with the credential that the call wants."""
+
+    stack: LocalStack
+    session_id: str = ""
+
+    def call(
+        self,
+        method: str,
+        path: str,
+        body: object = None,
+        *,
+        token: str | None = None,
+        query: str = "",
+        headers: Mapping[str, str] | None = None,
+    ) -> Answer:
+        """`body`: bytes are sent as they are, everything else as JSON; `token`: None sends the session id."""
+        sent = dict(headers or {})
+        credential = self.session_id if token is None else token
+        if credential:
+            sent["authorization"] = f"Bearer {credential}"
+        content = body if isinstance(body, bytes) else b"" if body is None else json.dumps(body).encode()
+        if content:
+            sent.setdefault("content-type", "application/json")
+        response = self.stack.request(method, path, headers=sent, query=query, body=content)
+        return Answer(
+            response.status, {k.lower(): v for k, v in dict(response.headers).items()}, response.body
+        )
+
+    def open(self, **start: object) -> Answer:
+        """Get a session id, and start a session unless told not to."""
+        opened = self.call("POST", "/v1/auth", token=TOKEN)
+        assert opened.status == 201, opened.body
+        self.session_id = opened.json["session_id"]
+        return self.call("POST", "/v1/session", {**CAMERA, **start})
+
+    def pose(self, query: str = "") -> Answer:
+        return self.call("GET", "/v1/session/pose", headers={"accept": "application/json"}, query=query)
+
+    def view(self, index: int, ids: object, points: object) -> Answer:
+        return self.call("POST", "/v1/session/views", {"index": index, "ids": ids, "points": points})
+
+    def state(self) -> Any:
+        return self.call("GET", "/v1/session").json
+
+    def lookup(self, **asked: object) -> Answer:
+        return self.call("POST", "/v1/lookup", {**CAMERA, **asked}, token=TOKEN)
+
+
+@dataclass
+class Truth:
+    """A camera whose parameters are known, in the hands of someone who misses each pose a little."""
+
+    fx: float = 950.0
+    fy: float = 948.0
+    cx: float = 652.0
+    cy: float = 351.0
+    distortion: tuple[float, ...] = (-0.12, 0.05, 0.0005, -0.0004, 0.0)
+    img_size: tuple[int, int] = (1280, 720)
+    squares: tuple[int, int] = (9, 6)
+    noise: float = 0.15  # px
+    seed: int = 0
+    rng: np.random.Generator = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.rng = np.random.default_rng(self.seed)
+
+    @property
+    def matrix(self) -> np.ndarray:
+        return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]])
+
+    def see(self, pose: Mapping[str, Any]) -> tuple[list[int], list[list[float]]]:
+        """Return ids and points that a detector would find with the board held at `pose`, about."""
+        columns, rows = self.squares[0] - 1, self.squares[1] - 1
+        row, column = np.divmod(np.arange(columns * rows), columns)
+        board = np.stack([column + 1.0, row + 1.0, np.zeros(columns * rows)], axis=1)
+        rvec = np.array(pose["rvec"]) + self.rng.normal(0, 0.04, 3)
+        tvec = np.array(pose["tvec"]) * (1 + self.rng.normal(0, 0.02, 3))
+        points = cv2.projectPoints(board, rvec, tvec, self.matrix, np.array(self.distortion))[0].reshape(-1, 2)
+        points = points + self.rng.normal(0, self.noise, points.shape)
+        limit = np.array(self.img_size) - 1
+        seen = np.flatnonzero(((points >= 0) & (points <= limit)).all(axis=1))
+        return seen.tolist(), points[seen].tolist()
+
+    def calibrate(self, client: Client, most: int = 12, **start: object) -> Any:
+        """Run a whole guided capture, and return the state it ends in."""
+        opened = client.open(img_size=list(self.img_size), **start)
+        assert opened.status == 201, opened.body
+        for _ in range(most):
+            pose = client.pose()
+            assert pose.status == 200, pose.body
+            answer = client.view(pose.json["index"], *self.see(pose.json))
+            assert answer.status == 200, answer.body
+            if answer.json["status"] == "converged":
+                return answer.json
+        raise AssertionError(f"not converged after {most} views: {answer.body!r}")
