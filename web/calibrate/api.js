@@ -1,0 +1,99 @@
+// HTTP to the service: bearer credentials, problems as errors, patience when the network fails.
+
+/**
+ * @typedef {object} Transport what the outside world gives; replaced in tests
+ * @property {typeof globalThis.fetch} fetch
+ * @property {(ms: number) => Promise<void>} wait
+ * @property {(patience: {attempt: number} | null) => void} onPatience told before each new attempt, and when it got through
+ */
+
+/** Seconds between attempts: a minute in all, about as long as a person would wait. */
+const PAUSES = [0.5, 1, 2, 4, 8, 15, 30];
+const PASSING = new Set([429, 500, 502, 503, 504]);
+
+/** The service's answer was no. */
+export class ApiError extends Error {
+  /** @param {number} status @param {{title?: string, detail?: string, errors?: {field: string, detail: string}[]}} problem */
+  constructor(status, problem) {
+    const fields = (problem.errors ?? []).map(({ field, detail }) => `${field}: ${detail}`).join("; ");
+    super([problem.detail ?? problem.title ?? `The service answered ${status}.`, fields].filter(Boolean).join(" "));
+    this.name = "ApiError";
+    this.status = status;
+  }
+}
+
+/** The service could not be reached, however often we asked. */
+export class OfflineError extends Error {
+  constructor() {
+    super("calibDB cannot be reached. Check the connection and try again.");
+    this.name = "OfflineError";
+  }
+}
+
+export class Api {
+  #base;
+  #transport;
+
+  /** @param {string} base address of the API, "/v1" @param {Partial<Transport>} [transport] */
+  constructor(base, transport = {}) {
+    this.#base = base.replace(/\/$/, "");
+    this.#transport = {
+      fetch: (/** @type {[RequestInfo | URL, RequestInit?]} */ ...args) => globalThis.fetch(...args),
+      wait: (/** @type {number} */ ms) => new Promise((/** @type {(value: void) => void} */ done) => setTimeout(done, ms)),
+      onPatience: () => {},
+      ...transport,
+    };
+  }
+
+  /**
+   * @param {string} method @param {string} path "/session" @param {string} credential
+   * @param {{body?: object, accept?: string}} [options]
+   * @returns {Promise<Response>} one that is ok; rejects with ApiError or OfflineError
+   *
+   * All calls are safe to repeat: the service answers the same view again in the same way.
+   */
+  async send(method, path, credential, { body, accept = "application/json" } = {}) {
+    /** @type {HeadersInit} */
+    const headers = { authorization: `Bearer ${credential}`, accept };
+    if (body) headers["content-type"] = "application/json";
+    const request = { method, headers, body: body && JSON.stringify(body) };
+    for (let attempt = 0; ; attempt++) {
+      const response = await this.#transport.fetch(this.#base + path, request).catch(networkFailure);
+      if (response && !PASSING.has(response.status)) {
+        if (attempt > 0) this.#transport.onPatience(null);
+        if (response.ok) return response;
+        throw new ApiError(response.status, await problem(response));
+      }
+      if (attempt === PAUSES.length) {
+        if (response) throw new ApiError(response.status, await problem(response));
+        throw new OfflineError();
+      }
+      this.#transport.onPatience({ attempt: attempt + 1 });
+      const asked = Number(response?.headers.get("retry-after"));
+      await this.#transport.wait(1000 * (asked > 0 ? Math.min(asked, 60) : PAUSES[attempt]));
+    }
+  }
+
+  /** @param {Parameters<Api["send"]>} request @returns {Promise<any>} the body */
+  async json(...request) {
+    const response = await this.send(...request);
+    return response.status === 204 ? null : response.json();
+  }
+}
+
+/** `fetch` rejects with a TypeError when there is no network, and only then may we try again. @param {unknown} error */
+function networkFailure(error) {
+  if (error instanceof TypeError) return null;
+  throw error;
+}
+
+/** @param {Response} response */
+async function problem(response) {
+  const text = await response.text();
+  try {
+    return JSON.parse(text);
+  } catch (error) {
+    if (error instanceof SyntaxError) return {}; // a proxy's page, of no use to anybody
+    throw error;
+  }
+}

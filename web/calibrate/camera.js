@@ -1,0 +1,110 @@
+// The camera: which there are, opening one as it is built, and what can go wrong in words a person can act on.
+import { setupFrom, labelOf, VirtualCamera } from "../virtual/camera.js";
+
+/**
+ * @typedef {object} Choice
+ * @property {string} id device id, "" for the browser's own choice, "virtual"
+ * @property {string} label
+ *
+ * @typedef {object} OpenCamera
+ * @property {MediaStream} stream
+ * @property {MediaStreamTrack} track
+ * @property {boolean} mirrored shown as a mirror: it faces the user
+ * @property {boolean} cropped the browser cut or scaled the sensor's picture
+ * @property {import("../virtual/camera.js").VirtualCamera | null} virtual
+ * @property {() => void} close
+ */
+
+export class CameraError extends Error {}
+
+/** What getUserMedia's refusals mean. @type {Record<string, string>} */
+const REFUSALS = {
+  NotAllowedError: "The camera was not allowed. Allow it in the address bar, then try again.",
+  NotFoundError: "No camera was found. Plug one in, or try the virtual camera.",
+  NotReadableError: "Another program is using the camera. Close it, then try again.",
+  OverconstrainedError: "The camera cannot deliver this resolution. Choose another camera.",
+  AbortError: "The camera stopped while it was being opened. Try again.",
+};
+
+/** @param {URLSearchParams} parameters @returns {Promise<Choice[]>} */
+export async function cameras(parameters) {
+  const devices = (await navigator.mediaDevices?.enumerateDevices()) ?? [];
+  const real = devices.filter(({ kind }) => kind === "videoinput");
+  // Before permission is given labels are empty and there is at most one entry: the browser's own choice.
+  const choices = real.map(({ deviceId, label }, index) => ({ id: deviceId, label: label || `Camera ${index + 1}` }));
+  return [...choices, { id: "virtual", label: labelOf(setupFrom(parameters)) }];
+}
+
+/**
+ * @param {string} id of a choice
+ * @param {{parameters: URLSearchParams, size: [number, number], place: HTMLElement, board: import("../board/geometry.js").Board}} options
+ *   size: what to ask for, px; place: where the virtual camera may put its canvas
+ * @returns {Promise<OpenCamera>}
+ */
+export async function open(id, { parameters, size: [width, height], place, board }) {
+  if (id === "virtual") {
+    const virtual = new VirtualCamera(setupFrom(parameters), place, board);
+    return opened(await virtual.open(), virtual);
+  }
+  if (!navigator.mediaDevices?.getUserMedia) {
+    throw new CameraError("Browsers give cameras to secure pages only. Open this page by https or on localhost.");
+  }
+  /** @type {MediaTrackConstraints & {resizeMode: string}} */
+  const video = { width: { ideal: width }, height: { ideal: height }, resizeMode: "none" };
+  if (id) video.deviceId = { exact: id };
+  try {
+    const stream = await navigator.mediaDevices.getUserMedia({ video, audio: false });
+    return opened(stream, null);
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error;
+    throw new CameraError(REFUSALS[error.name] ?? `The camera could not be opened (${error.message}).`);
+  }
+}
+
+/**
+ * @param {MediaStream} stream @param {VirtualCamera | null} virtual
+ * @returns {OpenCamera}
+ */
+function opened(stream, virtual) {
+  const [track] = stream.getVideoTracks();
+  const { facingMode, resizeMode } = facts(track);
+  return {
+    stream,
+    track,
+    virtual,
+    // Laptops and desktops report no facing: their cameras look at the user. The virtual one looks at a board.
+    mirrored: !virtual && (facingMode === "user" || !facingMode),
+    cropped: resizeMode === "crop-and-scale",
+    close() {
+      virtual?.close();
+      for (const each of stream.getTracks()) each.stop();
+    },
+  };
+}
+
+/**
+ * Holds the focus where it is, where the camera lets us: focus that hunts changes the focal length.
+ * @param {MediaStreamTrack} track one that shows the board, so that the board is what it is focused on
+ */
+export async function lockFocus(track) {
+  const { focusMode } = /** @type {{focusMode?: string[]}} */ (track.getCapabilities?.() ?? {});
+  if (!focusMode?.includes("manual")) return;
+  const constraints = /** @type {MediaTrackConstraints} */ (/** @type {unknown} */ ({ advanced: [{ focusMode: "manual" }] }));
+  // A camera that offers this and then refuses stays as it was; what it does is recorded either way.
+  await track.applyConstraints(constraints).catch((error) => console.info("focus not locked:", error.message));
+}
+
+/**
+ * What else the browser knows of the camera: recorded with the session, never part of the key.
+ * @param {MediaStreamTrack} track
+ */
+export function facts(track) {
+  const settings = /** @type {Record<string, string | number | undefined>} */ (track.getSettings());
+  /** @type {Record<string, string | number>} */
+  const known = {};
+  for (const name of ["focusMode", "focusDistance", "facingMode", "resizeMode", "frameRate"]) {
+    const value = settings[name];
+    if (value !== undefined && value !== "") known[name] = value;
+  }
+  return known;
+}

@@ -1,0 +1,33 @@
+// One short instruction at a time, the most important first, and none that flickers.
+
+/**
+ * @typedef {object} Instruction
+ * @property {string} text what is shown
+ * @property {string} next what would be shown
+ * @property {number} since ms, when `next` was first wanted
+ */
+
+/** @type {Instruction} */
+export const SILENT = { text: "", next: "", since: 0 };
+
+const STEADY = 400; // ms that a new instruction must be wanted for
+
+/**
+ * @param {import("./state.js").State} state @param {number} there overlap that counts as in place
+ * @param {number} time ms
+ * @returns {Instruction}
+ */
+export function instruct(state, there, time) {
+  const wanted = choose(state, there);
+  const { text, next, since } = state.instruction;
+  if (wanted !== next) return { text: text || wanted, next: wanted, since: time };
+  return time - since >= STEADY ? { text: wanted, next, since } : state.instruction;
+}
+
+/** @param {import("./state.js").State} state @param {number} there */
+function choose({ pose, corners, markers, overlap, outline }, there) {
+  if (!pose) return "Good. Wait a moment";
+  if (corners.ids.length === 0) return markers > 0 ? "Closer, or a little slower" : "Show the board to the camera";
+  if (!outline) return "Show more of the board";
+  return overlap > there ? "Hold still" : pose.hint;
+}

@@ -1,0 +1,163 @@
+// A camera made of numbers: a MediaStream that shows the board through a known lens, and follows the targets.
+import { DEFAULT_BOARD } from "../board/geometry.js";
+import { between, misplaced, seeded } from "./pose.js";
+
+/**
+ * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("./lens.js").Lens} Lens
+ * @typedef {import("./pose.js").Pose} Pose
+ *
+ * @typedef {object} Setup
+ * @property {[number, number]} size px
+ * @property {Lens} lens
+ * @property {number} error how clumsy the hand is: 0 not at all, 1 about 3° and 3 % of the distance
+ * @property {number} seed of the hand
+ */
+
+const FRAME = 50; // ms; a canvas that nobody paints on delivers no frames
+const MOVE = 500; // ms on the way from one pose to the next
+
+/**
+ * The camera that an address asks for: `size=1280x720`, `fx fy cx cy` in px, `k1 k2 p1 p2 k3`, `error`, `seed`.
+ * @param {URLSearchParams} parameters
+ * @returns {Setup}
+ */
+export function setupFrom(parameters) {
+  const [, w, h] = /^(\d{2,4})x(\d{2,4})$/.exec(parameters.get("img_size") ?? "") ?? ["", "1280", "720"];
+  const [width, height] = [Number(w), Number(h)];
+  /** @param {string} name @param {number} otherwise */
+  const number = (name, otherwise) => {
+    const text = parameters.get(name);
+    const value = Number(text);
+    return text && Number.isFinite(value) ? value : otherwise;
+  };
+  const fx = number("fx", 0.8 * width);
+  return {
+    size: [width, height],
+    lens: {
+      fx,
+      fy: number("fy", fx),
+      cx: number("cx", (width - 1) / 2 + 0.012 * width),
+      cy: number("cy", (height - 1) / 2 - 0.012 * width),
+      k1: number("k1", -0.2),
+      k2: number("k2", 0.04),
+      p1: number("p1", 0),
+      p2: number("p2", 0),
+      k3: number("k3", 0),
+    },
+    error: number("error", 1),
+    seed: number("seed", 1),
+  };
+}
+
+/** The name it reports: another lens is another camera. @param {Setup} setup */
+export function labelOf({ size, lens }) {
+  const text = JSON.stringify([size, ...Object.entries(lens).flat()]);
+  let hash = 0x811c9dc5; // FNV-1a
+  for (const character of text) hash = Math.imul(hash ^ character.charCodeAt(0), 0x01000193) >>> 0;
+  return `calibDB virtual camera ${hash.toString(16).padStart(8, "0")}`;
+}
+
+export class VirtualCamera {
+  #canvas;
+  #context;
+  #worker;
+  #setup;
+  #random;
+  #board;
+  /** @type {Pose} */
+  #from;
+  /** @type {Pose} */
+  #to;
+  #started = 0;
+  #painted = false;
+  /** @type {ReturnType<typeof setInterval> | undefined} */
+  #timer;
+  /** @type {MediaStream | null} */
+  #stream = null;
+
+  /** @param {Setup} setup @param {HTMLElement} place a canvas must be in the document to deliver frames @param {Board} [board] */
+  constructor(setup, place, board = DEFAULT_BOARD) {
+    this.#setup = setup;
+    this.#board = board;
+    this.#random = seeded(setup.seed);
+    this.#canvas = place.ownerDocument.createElement("canvas");
+    [this.#canvas.width, this.#canvas.height] = setup.size;
+    this.#canvas.className = "virtual-camera";
+    this.#canvas.setAttribute("aria-hidden", "true");
+    place.append(this.#canvas);
+    const context = this.#canvas.getContext("2d", { alpha: false });
+    if (!context) throw new Error("this browser has no 2D canvas");
+    this.#context = context;
+    this.#worker = new Worker(new URL("./thread.js", import.meta.url), { type: "module" });
+    const [columns, rows] = board.squares;
+    const distance = (1.6 * columns * setup.lens.fx) / setup.size[0];
+    this.#from = this.#to = { rvec: [0, 0, 0], tvec: [-columns / 2, -rows / 2, distance] };
+  }
+
+  get label() {
+    return labelOf(this.#setup);
+  }
+
+  /** @returns {Promise<MediaStream>} */
+  async open() {
+    const { lens, size } = this.#setup;
+    await new Promise((resolve, reject) => {
+      this.#worker.onmessage = resolve;
+      this.#worker.onerror = (event) => reject(new Error(event.message || "the virtual camera could not start"));
+      this.#worker.postMessage({ open: { board: this.#board, lens, size } });
+    });
+    this.#worker.onmessage = ({ data }) => this.#show(data.picture);
+    const stream = this.#canvas.captureStream(30);
+    const [track] = stream.getVideoTracks();
+    Object.defineProperty(track, "label", { value: this.label });
+    const settings = { width: size[0], height: size[1], frameRate: 30, resizeMode: "none" };
+    Object.defineProperty(track, "getSettings", { value: () => settings });
+    track.addEventListener("ended", () => this.close());
+    this.#stream = stream;
+    this.#ask();
+    this.#timer = setInterval(() => this.#refresh(), FRAME);
+    return stream;
+  }
+
+  /** Moves the board there, as well as the hand can. @param {Pose} target board → camera, squares */
+  follow(target) {
+    const [columns, rows] = this.#board.squares;
+    const { error } = this.#setup;
+    this.#from = this.#pose();
+    this.#to = error > 0 ? misplaced(target, error, this.#random, [columns / 2, rows / 2, 0]) : target;
+    this.#started = performance.now();
+    this.#painted = false;
+  }
+
+  close() {
+    clearInterval(this.#timer);
+    this.#worker.terminate();
+    for (const track of this.#stream?.getTracks() ?? []) track.stop();
+    this.#canvas.remove();
+  }
+
+  #pose() {
+    const part = Math.min(1, (performance.now() - this.#started) / MOVE);
+    // Slow at both ends, as hands are.
+    return between(this.#from, this.#to, part * part * (3 - 2 * part));
+  }
+
+  #ask() {
+    // What was asked for once the hand is still is the last picture of this pose.
+    this.#painted = performance.now() - this.#started >= MOVE;
+    this.#worker.postMessage({ pose: this.#pose() });
+  }
+
+  /** @param {ImageData} picture */
+  #show(picture) {
+    this.#context.putImageData(picture, 0, 0);
+    if (!this.#painted) this.#ask();
+  }
+
+  #refresh() {
+    if (!this.#painted) return;
+    // Paint one pixel with its own colour: enough for the stream to deliver the picture again.
+    this.#context.putImageData(this.#context.getImageData(0, 0, 1, 1), 0, 0);
+  }
+}

@@ -1,0 +1,124 @@
+// Paints the board as a camera with a known lens sees it. Pure: numbers in, pixels out.
+import { raster } from "../board/geometry.js";
+import { rotationMatrix } from "./pose.js";
+import { unproject } from "./lens.js";
+
+/**
+ * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("./lens.js").Lens} Lens
+ * @typedef {import("./pose.js").Pose} Pose
+ */
+
+const TEXELS = 64; // a square
+const BORDER = 32; // texels of white paper around the board
+const BACKGROUND = 112;
+const SAMPLES = 3; // a pixel, each way: corners come out 0.05 px right
+
+export class Painter {
+  /** Rays at the corners of the pixels, x and y at z = 1; NaN where the lens sees nothing. */
+  #rays;
+  #texture;
+  #size;
+  /** @type {Float32Array} board coordinates at two rows of pixel corners */
+  #rows;
+
+  /** @param {Board} board @param {Lens} lens @param {[number, number]} size px */
+  constructor(board, lens, size) {
+    const [width, height] = size;
+    this.#size = size;
+    this.#texture = raster(board, TEXELS, BORDER);
+    this.#rows = new Float32Array(4 * (width + 1));
+    this.#rays = new Float32Array(2 * (width + 1) * (height + 1));
+    for (let y = 0, at = 0; y <= height; y++) {
+      for (let x = 0; x <= width; x++, at += 2) {
+        const ray = unproject(lens, x - 0.5, y - 0.5);
+        this.#rays[at] = ray ? ray[0] : NaN;
+        this.#rays[at + 1] = ray ? ray[1] : NaN;
+      }
+    }
+  }
+
+  /** @param {Pose | null} pose board → camera, squares; null: no board @param {Uint8ClampedArray} rgba filled */
+  paint(pose, rgba) {
+    const pixels = new Uint32Array(rgba.buffer, rgba.byteOffset, rgba.byteLength / 4);
+    pixels.fill(grey(BACKGROUND));
+    if (!pose) return;
+    const [width, height] = this.#size;
+    const plane = inverse(pose);
+    let upper = this.#rows.subarray(0, 2 * (width + 1));
+    let lower = this.#rows.subarray(2 * (width + 1));
+    this.#meet(plane, 0, upper);
+    for (let y = 0; y < height; y++) {
+      this.#meet(plane, y + 1, lower);
+      this.#paintRow(upper, lower, pixels.subarray(y * width, (y + 1) * width));
+      [upper, lower] = [lower, upper];
+    }
+  }
+
+  /** Where a row of rays meets the board's plane. @param {number[]} plane @param {number} y @param {Float32Array} out texels */
+  #meet(plane, y, out) {
+    const [a, b, c, d, e, f, g, h, i] = plane;
+    const rays = this.#rays;
+    for (let at = 0, ray = y * out.length; at < out.length; at += 2, ray += 2) {
+      const [u, v] = [rays[ray], rays[ray + 1]];
+      const depth = g * u + h * v + i;
+      // Behind the camera, or past the horizon of the plane: not on the board.
+      out[at] = depth > 0 ? ((a * u + b * v + c) / depth) * TEXELS + BORDER - 0.5 : NaN;
+      out[at + 1] = depth > 0 ? ((d * u + e * v + f) / depth) * TEXELS + BORDER - 0.5 : NaN;
+    }
+  }
+
+  /** @param {Float32Array} upper @param {Float32Array} lower @param {Uint32Array} pixels */
+  #paintRow(upper, lower, pixels) {
+    const { width, height, data } = this.#texture;
+    for (let x = 0, at = 0; x < pixels.length; x++, at += 2) {
+      const [x0, y0, x1, y1] = [upper[at], upper[at + 1], upper[at + 2], upper[at + 3]];
+      const [x2, y2, x3, y3] = [lower[at], lower[at + 1], lower[at + 2], lower[at + 3]];
+      const away = Math.max(x0, x1, x2, x3) < 0 || Math.min(x0, x1, x2, x3) > width - 1
+        || Math.max(y0, y1, y2, y3) < 0 || Math.min(y0, y1, y2, y3) > height - 1;
+      // Comparisons with NaN are false: a ray that meets nothing must be asked for by name.
+      if (away || Number.isNaN(x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3)) continue;
+      let sum = 0;
+      for (let j = 0; j < SAMPLES; j++) {
+        const t = (j + 0.5) / SAMPLES;
+        const [xl, yl] = [x0 + t * (x2 - x0), y0 + t * (y2 - y0)];
+        const [xr, yr] = [x1 + t * (x3 - x1), y1 + t * (y3 - y1)];
+        for (let i = 0; i < SAMPLES; i++) {
+          const s = (i + 0.5) / SAMPLES;
+          const [u, v] = [xl + s * (xr - xl), yl + s * (yr - yl)];
+          if (u < 0 || v < 0 || u >= width - 1 || v >= height - 1) {
+            sum += BACKGROUND;
+            continue;
+          }
+          const [column, row] = [u | 0, v | 0];
+          const [fu, fv] = [u - column, v - row];
+          const texel = row * width + column;
+          const top = data[texel] + fu * (data[texel + 1] - data[texel]);
+          const bottom = data[texel + width] + fu * (data[texel + width + 1] - data[texel + width]);
+          // Ink is not quite black and paper not quite white.
+          sum += 24 + 0.84 * (top + fv * (bottom - top));
+        }
+      }
+      pixels[x] = grey(Math.round(sum / (SAMPLES * SAMPLES)));
+    }
+  }
+}
+
+/** @param {number} value */
+const grey = (value) => ((255 << 24) | (value << 16) | (value << 8) | value) >>> 0;
+
+/**
+ * Ray → board plane: the inverse of [r1 r2 t], scaled so that the third row is positive in front of the camera.
+ * @param {Pose} pose @returns {number[]} row-major 3x3
+ */
+function inverse({ rvec, tvec: [tx, ty, tz] }) {
+  const [a, b, , d, e, , g, h] = rotationMatrix(rvec);
+  const cofactors = [
+    e * tz - ty * h, tx * h - b * tz, b * ty - tx * e,
+    ty * g - d * tz, a * tz - tx * g, tx * d - a * ty,
+    d * h - e * g, b * g - a * h, a * e - b * d,
+  ];
+  // The point on the ray (u, v, 1) is at depth 1 / (third row · ray), times the determinant.
+  const determinant = a * cofactors[0] + b * cofactors[3] + tx * cofactors[6];
+  return cofactors.map((value) => value / determinant);
+}

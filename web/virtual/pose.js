@@ -1,0 +1,88 @@
+// Rigid motions as rotation vector and translation, board → camera, and the hand that follows them imperfectly.
+
+/** @typedef {{rvec: number[], tvec: number[]}} Pose */
+
+/** Rodrigues' formula. @param {number[]} rvec @returns {number[]} row-major 3x3 */
+export function rotationMatrix([x, y, z]) {
+  const angle = Math.hypot(x, y, z);
+  if (angle < 1e-12) return [1, -z, y, z, 1, -x, -y, x, 1];
+  const [a, b, c] = [x / angle, y / angle, z / angle];
+  const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+  const k = 1 - cos;
+  return [
+    cos + a * a * k, a * b * k - c * sin, a * c * k + b * sin,
+    a * b * k + c * sin, cos + b * b * k, b * c * k - a * sin,
+    a * c * k - b * sin, b * c * k + a * sin, cos + c * c * k,
+  ];
+}
+
+/** @param {number[]} rvec @returns {number[]} unit quaternion w x y z */
+function quaternion([x, y, z]) {
+  const angle = Math.hypot(x, y, z);
+  const scale = angle < 1e-12 ? 0.5 : Math.sin(angle / 2) / angle;
+  return [Math.cos(angle / 2), x * scale, y * scale, z * scale];
+}
+
+/** @param {number[]} q unit quaternion @returns {number[]} rotation vector */
+function rotationVector([w, x, y, z]) {
+  const sign = w < 0 ? -1 : 1;
+  const sin = Math.hypot(x, y, z);
+  const scale = sin < 1e-12 ? 2 * sign : (2 * Math.atan2(sin, sign * w)) / sin * sign;
+  return [x * scale, y * scale, z * scale];
+}
+
+/** Quaternion product: first b, then a. @param {number[]} a @param {number[]} b */
+function times([a, b, c, d], [e, f, g, h]) {
+  return [
+    a * e - b * f - c * g - d * h,
+    a * f + b * e + c * h - d * g,
+    a * g - b * h + c * e + d * f,
+    a * h + b * g - c * f + d * e,
+  ];
+}
+
+/** On the way from one pose to another. @param {Pose} from @param {Pose} to @param {number} part 0…1 @returns {Pose} */
+export function between(from, to, part) {
+  const [start, end] = [quaternion(from.rvec), quaternion(to.rvec)];
+  const turn = rotationVector(times(end, [start[0], -start[1], -start[2], -start[3]]));
+  return {
+    rvec: rotationVector(times(quaternion(turn.map((value) => value * part)), start)),
+    tvec: from.tvec.map((value, index) => value + part * (to.tvec[index] - value)),
+  };
+}
+
+/**
+ * Where a person's hand ends up who was shown `target`: turned by about 3° and 3 % of the distance off, times `amount`.
+ * @param {Pose} target @param {number} amount 0 = a robot @param {() => number} random uniform 0…1
+ * @param {number[]} pivot centre of the board, board frame: the hand turns the board about it
+ * @returns {Pose}
+ */
+export function misplaced(target, amount, random, pivot) {
+  // Two uniforms make a triangular distribution, near enough to a hand; its standard deviation is 1 / √6.
+  const wobble = () => (random() + random() - 1) * Math.sqrt(6);
+  const angle = (amount * 3 * Math.PI) / 180 / Math.sqrt(3);
+  const turn = [wobble(), wobble(), wobble()].map((value) => value * angle);
+  const distance = Math.hypot(...transform(target, pivot));
+  const shift = [wobble(), wobble(), wobble()].map((value) => (value * amount * 0.03 * distance) / Math.sqrt(3));
+  const rvec = rotationVector(times(quaternion(turn), quaternion(target.rvec)));
+  const before = transform(target, pivot);
+  const turned = transform({ rvec, tvec: [0, 0, 0] }, pivot);
+  return { rvec, tvec: before.map((value, index) => value - turned[index] + shift[index]) };
+}
+
+/** @param {Pose} pose @param {number[]} point board frame @returns {number[]} camera frame */
+export function transform({ rvec, tvec }, [x, y, z]) {
+  const r = rotationMatrix(rvec);
+  return [0, 1, 2].map((row) => r[3 * row] * x + r[3 * row + 1] * y + r[3 * row + 2] * z + tvec[row]);
+}
+
+/** A small seeded generator (mulberry32): the same seed, the same hand. @param {number} seed @returns {() => number} */
+export function seeded(seed) {
+  let state = seed >>> 0;
+  return () => {
+    state = (state + 0x6d2b79f5) >>> 0;
+    let mixed = Math.imul(state ^ (state >>> 15), 1 | state);
+    mixed = (mixed + Math.imul(mixed ^ (mixed >>> 7), 61 | mixed)) ^ mixed;
+    return ((mixed ^ (mixed >>> 14)) >>> 0) / 4294967296;
+  };
+}
