@@ -142,7 +142,8 @@ def bind(port: int) -> socket.socket:
     PortInUseError
         If another program has the port.
     """
-    taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    # asyncio sets TCP_NODELAY on a connection, but only where the protocol is named and not left to default.
+    taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         taken.bind(("127.0.0.1", port))
@@ -157,7 +158,7 @@ def serving(app: ASGIApp, listener: socket.socket) -> Iterator[None]:
     """Serve in a thread until the end of the block, which requests under way outlast. Closes the socket."""
     config = uvicorn.Config(
         app,
-        loop="asyncio",  # sets TCP_NODELAY on every connection
+        loop="asyncio",
         http="h11",
         ws="none",
         lifespan="off",

@@ -1,0 +1,432 @@
+"""The gateway behaves as an HTTP API does: routes, events, CORS, limits, and failing functions."""
+
+import asyncio
+import base64
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from infra.local import LocalStack
+from infra.local.events import Response
+from infra.local.gateway import MAX_BODY
+from infra.local.server import Front, bind, serving
+from infra.local.workers import Workers
+from tests.toy_stack import deploy
+
+ECHO = """
+    import json
+
+    def handler(event, context):
+        seen = {
+            "event": event,
+            "function": context.function_name,
+            "request": context.aws_request_id,
+            "left": context.get_remaining_time_in_millis(),
+        }
+        return {"statusCode": 200, "headers": {"content-type": "application/json"}, "body": json.dumps(seen)}
+"""
+
+SIZE = """
+    def handler(event, context):
+        return len(event["body"])
+"""
+
+ANSWERS = """
+    import time, base64
+    def handler(event, context):
+        kind = event["pathParameters"]["kind"]
+        if kind == "crash":
+            raise RuntimeError("a secret of the function")
+        if kind == "unjson":
+            return {"statusCode": 200, "body": {1, 2}}
+        if kind == "slow":
+            time.sleep(0.5)
+            return "late"
+        return {
+            "inferred": {"a": 1},
+            "text": "just text",
+            "null": None,
+            "badstatus": {"statusCode": "fine"},
+            "badbody": {"statusCode": 200, "body": {"not": "text"}},
+            "badbase64": {"statusCode": 200, "body": "%%%", "isBase64Encoded": True},
+            "badcookies": {"statusCode": 200, "cookies": "a=1"},
+            "badheader": {"statusCode": 200, "headers": {"x": ["1", "2"]}},
+            "large": {"statusCode": 200, "body": "x" * (7 * 1024 * 1024)},
+            "binary": {"statusCode": 200, "headers": {"Content-Type": "image/jpeg"}, "isBase64Encoded": True,
+                       "body": base64.b64encode(bytes(range(256))).decode()},
+            "cookies": {"statusCode": 200, "cookies": ["a=1; Secure", "b=2"], "body": "ok"},
+            "cors": {"statusCode": 200, "headers": {"Access-Control-Allow-Origin": "https://evil.example",
+                     "access-control-allow-credentials": "true"}, "body": "ok"},
+            "typed": {"statusCode": "201", "headers": {"x-number": 3, "x-flag": True, "Connection": "close"}},
+            "empty": {"statusCode": 204},
+            "redirect": {"statusCode": 307, "headers": {"location": "/elsewhere"}},
+        }[kind]
+"""
+
+
+@pytest.fixture(scope="module")
+def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalStack]:
+    place = tmp_path_factory.mktemp("gateway")
+    template = deploy(
+        place,
+        {
+            "Echo": (
+                ECHO,
+                (
+                    "GET /v1/echo",
+                    "POST /v1/echo",
+                    "ANY /v1/any",
+                    "GET /v1/things/{id}",
+                    "ANY /v1/things/{id}",
+                ),
+            ),
+            "Literal": (ECHO, ("GET /v1/things/latest", "GET /v1/files/{path+}")),
+            "Size": (SIZE, ("POST /v1/size",)),
+            "Answers": (ANSWERS, ("GET /v1/answers/{kind}",)),
+            "Broken": ("import no_such_module_anywhere", ("GET /v1/broken",)),
+        },
+    )
+    web = place / "web"
+    (web / "calibrate").mkdir(parents=True)
+    (web / "index.html").write_text("<!doctype html>home")
+    (web / "calibrate" / "index.html").write_text("<!doctype html>calibrate")
+    (web / "calibrate" / "detector.worker.js").write_text("self.x = 1")
+    for name in (
+        "app.js",
+        "sdk.mjs",
+        "opencv.wasm",
+        "icon.svg",
+        "app.webmanifest",
+        "font.woff2",
+        "data.json",
+    ):
+        (web / name).write_bytes(b"\0asm" * 1000)
+    (place / "outside.txt").write_text("secret")
+    with LocalStack(template=template, web=web) as running:
+        yield running
+
+
+def echoed(response: Response) -> Any:
+    assert response.status == 200, response
+    return response.json()["event"]
+
+
+# ---------------------------------------------------------------- routes
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "function", "key", "parameters"),
+    [
+        ("GET", "/v1/echo", "Echo", "GET /v1/echo", None),
+        ("POST", "/v1/any", "Echo", "ANY /v1/any", None),
+        ("GET", "/v1/things/7", "Echo", "GET /v1/things/{id}", {"id": "7"}),
+        ("PATCH", "/v1/things/7", "Echo", "ANY /v1/things/{id}", {"id": "7"}),
+        ("GET", "/v1/things/latest", "Literal", "GET /v1/things/latest", None),
+        ("POST", "/v1/things/latest", "Echo", "ANY /v1/things/{id}", {"id": "latest"}),
+        ("GET", "/v1/things/a%20b%C3%BC", "Echo", "GET /v1/things/{id}", {"id": "a bü"}),
+        ("GET", "/v1/files/a/b/c", "Literal", "GET /v1/files/{path+}", {"path": "a/b/c"}),
+    ],
+)
+def test_the_most_specific_route_answers(
+    stack: LocalStack, method: str, path: str, function: str, key: str, parameters: dict[str, str] | None
+) -> None:
+    response = stack.request(method, path)
+    event = echoed(response)
+    assert response.json()["function"] == function
+    assert event["routeKey"] == event["requestContext"]["routeKey"] == key
+    assert event.get("pathParameters") == parameters
+
+
+@pytest.mark.parametrize(
+    ("method", "path"),
+    [
+        ("GET", "/v1/absent"),
+        ("PUT", "/v1/echo"),
+        ("GET", "/v1/things/"),
+        ("GET", "/v1/things/7/more"),
+        ("GET", "/v1/echo/"),
+    ],
+)
+def test_what_no_route_names_is_not_found(stack: LocalStack, method: str, path: str) -> None:
+    response = stack.request(method, path)
+    assert (response.status, response.body) == (404, b'{"message":"Not Found"}')
+    assert response.headers["content-type"] == "application/json"
+
+
+# ---------------------------------------------------------------- what a function is handed
+
+
+def test_a_function_gets_event_and_context(stack: LocalStack) -> None:
+    response = stack.request(
+        "POST",
+        "/v1/echo",
+        headers={"Content-Type": "application/json", "Authorization": "Bearer x", "Cookie": "a=1; b=2"},
+        query="camera=Logi%20C920&tag=1&tag=2",
+        body=b'{"n":1}',
+    )
+    event = echoed(response)
+    assert event["body"] == '{"n":1}'
+    assert event["rawQueryString"] == "camera=Logi%20C920&tag=1&tag=2"
+    assert event["queryStringParameters"] == {"camera": "Logi C920", "tag": "1,2"}
+    assert event["cookies"] == ["a=1", "b=2"]
+    assert "cookie" not in event["headers"]
+    assert event["headers"]["authorization"] == "Bearer x"
+    assert event["requestContext"]["requestId"] == response.json()["request"]
+    assert 9000 < response.json()["left"] <= 10_000
+
+
+def test_bodies_that_are_not_text_are_base64(stack: LocalStack) -> None:
+    image = bytes(range(256))
+    event = echoed(stack.request("POST", "/v1/echo", headers={"content-type": "image/png"}, body=image))
+    assert event["isBase64Encoded"] is True
+    assert base64.b64decode(event["body"]) == image
+    not_utf8 = echoed(
+        stack.request("POST", "/v1/echo", headers={"content-type": "application/json"}, body=b'"\xff"')
+    )
+    assert base64.b64decode(not_utf8["body"]) == b'"\xff"'
+
+
+# ---------------------------------------------------------------- what becomes of an answer
+
+
+@pytest.mark.parametrize(
+    ("kind", "status", "content_type", "body"),
+    [
+        ("inferred", 200, "application/json", b'{"a": 1}'),
+        ("text", 200, "application/json", b"just text"),
+        ("null", 200, "application/json", b"null"),
+        ("binary", 200, "image/jpeg", bytes(range(256))),
+        ("empty", 204, "text/plain; charset=utf-8", b""),
+    ],
+)
+def test_answers_become_responses(
+    stack: LocalStack, kind: str, status: int, content_type: str, body: bytes
+) -> None:
+    response = stack.request("GET", f"/v1/answers/{kind}")
+    assert (response.status, response.headers["content-type"], response.body) == (status, content_type, body)
+
+
+def test_headers_and_cookies_of_an_answer(stack: LocalStack) -> None:
+    typed = stack.request("GET", "/v1/answers/typed")
+    assert (typed.status, typed.headers["x-number"], typed.headers["x-flag"]) == (201, "3", "true")
+    assert "connection" not in typed.headers
+    assert stack.request("GET", "/v1/answers/cookies").cookies == ("a=1; Secure", "b=2")
+    assert stack.request("GET", "/v1/answers/redirect").headers["location"] == "/elsewhere"
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        *(f"/v1/answers/{kind}" for kind in ("crash", "unjson", "badstatus", "badbody", "badbase64")),
+        *(f"/v1/answers/{kind}" for kind in ("badcookies", "badheader", "large")),
+        "/v1/broken",
+    ],
+)
+def test_what_is_no_answer_is_500_and_says_nothing(
+    stack: LocalStack, path: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    response = stack.request("GET", path)
+    assert (response.status, response.body) == (500, b'{"message":"Internal Server Error"}')
+    assert caplog.records, "the operator is told why"
+
+
+def test_the_traceback_is_logged(stack: LocalStack, caplog: pytest.LogCaptureFixture) -> None:
+    stack.request("GET", "/v1/answers/crash")
+    assert "a secret of the function" in caplog.text
+    assert "Traceback" in caplog.text
+
+
+# ---------------------------------------------------------------- CORS
+
+PREFLIGHT = {"access-control-request-method": "POST", "access-control-request-headers": "authorization"}
+
+
+@pytest.mark.parametrize("path", ["/v1/echo", "/v1/any", "/v1/nowhere"])
+def test_preflights_are_answered_by_the_gateway(stack: LocalStack, path: str) -> None:
+    response = stack.request("OPTIONS", path, headers={"origin": "https://page.example", **PREFLIGHT})
+    assert (response.status, response.body) == (204, b"")
+    assert response.headers == {
+        "access-control-allow-origin": "https://page.example",
+        "access-control-allow-methods": "GET,POST",
+        "access-control-allow-headers": "authorization,content-type",
+        "access-control-expose-headers": "location",
+        "access-control-max-age": "600",
+        "vary": "origin",
+    }
+
+
+def test_a_preflight_of_another_origin_gets_no_permission(stack: LocalStack) -> None:
+    response = stack.request("OPTIONS", "/v1/echo", headers={"origin": "https://evil.example", **PREFLIGHT})
+    assert (response.status, dict(response.headers)) == (204, {})
+
+
+def test_the_gateways_cors_headers_replace_the_functions(stack: LocalStack) -> None:
+    response = stack.request("GET", "/v1/answers/cors", headers={"origin": "https://other.example"})
+    assert response.headers["access-control-allow-origin"] == "https://other.example"
+    assert "access-control-allow-credentials" not in response.headers
+    without = stack.request("GET", "/v1/answers/cors")
+    assert not [name for name in without.headers if name.startswith("access-control-")]
+
+
+def test_failures_can_be_read_across_origins(stack: LocalStack) -> None:
+    for path in ("/v1/absent", "/v1/answers/crash"):
+        response = stack.request("GET", path, headers={"origin": "https://page.example"})
+        assert response.headers["access-control-allow-origin"] == "https://page.example"
+
+
+# ---------------------------------------------------------------- limits
+
+
+def test_a_body_of_more_than_six_megabytes_is_refused(stack: LocalStack) -> None:
+    text = {"content-type": "text/plain"}
+    assert stack.request("POST", "/v1/size", headers=text, body=b"x" * MAX_BODY).json() == MAX_BODY
+    response = stack.request("POST", "/v1/size", headers=text, body=b"x" * (MAX_BODY + 1))
+    assert (response.status, response.body) == (413, b'{"message":"Request Entity Too Large"}')
+
+
+def test_a_body_without_end_is_cut_off(stack: LocalStack) -> None:
+    def chunks() -> Iterator[bytes]:
+        for _ in range(200):
+            yield b"x" * 100_000
+
+    with stack.serve() as url:
+        response = httpx.post(f"{url}/v1/echo", content=chunks())
+    assert (response.status_code, response.json()) == (413, {"message": "Request Entity Too Large"})
+
+
+def test_the_gateway_gives_up_on_a_slow_function(stack: LocalStack, tmp_path: Path) -> None:
+    workers = Workers(1, "slow")
+    front = Front(stack._gateway, workers, tmp_path, {}, timeout=0.05)
+
+    async def ask() -> httpx.Response:
+        transport = httpx.ASGITransport(app=front)
+        async with httpx.AsyncClient(transport=transport, base_url="http://local") as client:
+            return await client.get("/v1/answers/slow")
+
+    start = time.monotonic()
+    response = asyncio.run(ask())
+    assert time.monotonic() - start < 0.45
+    assert (response.status_code, response.json()) == (503, {"message": "Service Unavailable"})
+    workers.close()
+
+
+# ---------------------------------------------------------------- over sockets, with the pages
+
+
+@pytest.fixture(scope="module")
+def client(stack: LocalStack) -> Iterator[httpx.Client]:
+    with stack.serve() as url, httpx.Client(base_url=url) as connected:
+        yield connected
+
+
+def test_api_and_pages_share_an_origin(client: httpx.Client, stack: LocalStack) -> None:
+    assert client.get("/v1/echo").json()["event"]["headers"]["host"] == stack.url.removeprefix("http://")
+    assert client.get("/").text == "<!doctype html>home"
+    settings = client.get("/config.json")
+    assert settings.json() == {"api": "/v1", "token": "cdb_dev_local"}
+    assert client.get("/v1/nothing").json() == {"message": "Not Found"}
+
+
+def test_repeated_headers_and_cookies_arrive_as_on_aws(client: httpx.Client) -> None:
+    event = client.get(
+        "/v1/echo", headers=[("x-many", "1"), ("x-many", "2"), ("cookie", "a=1"), ("cookie", "b=2")]
+    ).json()["event"]
+    assert event["headers"]["x-many"] == "1,2"
+    assert event["cookies"] == ["a=1", "b=2"]
+    assert event["requestContext"]["http"]["sourceIp"] == "127.0.0.1"
+    cookies = client.get("/v1/answers/cookies").headers.get_list("set-cookie")
+    assert cookies == ["a=1; Secure", "b=2"]
+    client.cookies.clear()
+
+
+@pytest.mark.parametrize(
+    ("path", "kind"),
+    [
+        ("/", "text/html; charset=utf-8"),
+        ("/app.js", "text/javascript; charset=utf-8"),
+        ("/sdk.mjs", "text/javascript; charset=utf-8"),
+        ("/opencv.wasm", "application/wasm"),
+        ("/icon.svg", "image/svg+xml"),
+        ("/app.webmanifest", "application/manifest+json"),
+        ("/font.woff2", "font/woff2"),
+        ("/data.json", "application/json"),
+    ],
+)
+def test_pages_have_the_types_that_browsers_insist_on(client: httpx.Client, path: str, kind: str) -> None:
+    response = client.get(path)
+    assert (response.status_code, response.headers["content-type"]) == (200, kind)
+    assert response.headers["x-content-type-options"] == "nosniff"
+
+
+def test_scripts_may_not_eval_but_the_opencv_worker_may(client: httpx.Client) -> None:
+    page = client.get("/").headers["content-security-policy"]
+    assert "script-src 'self' 'wasm-unsafe-eval';" in page
+    assert "'unsafe-eval'" not in page
+    assert "frame-ancestors 'none'" in page
+    worker = client.get("/calibrate/detector.worker.js").headers["content-security-policy"]
+    assert "script-src 'self' 'unsafe-eval' 'wasm-unsafe-eval';" in worker
+
+
+def test_pages_are_asked_for_again_conditionally(client: httpx.Client) -> None:
+    first = client.get("/opencv.wasm")
+    again = client.get("/opencv.wasm", headers={"if-none-match": first.headers["etag"]})
+    assert (again.status_code, again.content) == (304, b"")
+    assert "content-security-policy" in again.headers
+    assert first.headers["cache-control"] == "no-cache"
+    head = client.head("/opencv.wasm")
+    assert (head.headers["content-length"], head.content) == ("4000", b"")
+
+
+def test_folders_have_an_index_and_a_slash(client: httpx.Client) -> None:
+    redirect = client.get("/calibrate", follow_redirects=False)
+    assert redirect.status_code == 307
+    assert httpx.URL(redirect.headers["location"]).path == "/calibrate/"
+    assert client.get("/calibrate/").text == "<!doctype html>calibrate"
+
+
+@pytest.mark.parametrize("path", ["/../outside.txt", "/%2e%2e/outside.txt", "/..%2foutside.txt", "/absent"])
+def test_nothing_outside_the_folder(client: httpx.Client, path: str) -> None:
+    request = client.build_request("GET", "/")
+    request.url = request.url.copy_with(raw_path=path.encode())
+    assert client.send(request).status_code == 404
+
+
+def test_pages_are_read_only(client: httpx.Client) -> None:
+    assert client.post("/index.html", content=b"x").status_code == 405
+    assert client.delete("/").status_code == 405
+    assert client.post("/config.json").status_code == 405
+
+
+def test_the_log_has_neither_tokens_nor_people(
+    client: httpx.Client, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level("INFO", "infra.local.access")
+    client.get("/v1/echo?key=cdb_dev_local", headers={"authorization": "Bearer cdb_dev_local"})
+    lines = [record.getMessage() for record in caplog.records if record.name == "infra.local.access"]
+    assert len(lines) == 1
+    assert lines[0].startswith("GET /v1/echo 200 ")
+    assert lines[0].endswith(" ms")
+    assert "cdb_" not in caplog.text.replace("cdb_function", "")
+    assert "127.0.0.1" not in lines[0]
+
+
+def test_answers_are_not_held_back_by_nagle(stack: LocalStack, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[int] = []
+    made = H11Protocol.connection_made
+
+    def watch(self: H11Protocol, transport: Any) -> None:
+        made(self, transport)
+        accepted = transport.get_extra_info("socket")
+        seen.append(accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+
+    monkeypatch.setattr(H11Protocol, "connection_made", watch)
+    listener = bind(0)
+    with serving(Front(stack._gateway, stack._workers, Path(), {}), listener):
+        assert httpx.get(f"http://127.0.0.1:{listener.getsockname()[1]}/v1/echo").status_code == 200
+    assert seen == [1]
