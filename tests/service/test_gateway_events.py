@@ -16,7 +16,7 @@ GOLDEN = sorted((Path(__file__).parent / "events").glob("*.json"))
 NOW = 1_795_232_229.25
 REQUEST_ID = "3f2b1c8e-9a4d-4e57-8b66-0c1d2e3f4a5b"
 
-#: every field of an event of version 2.0, with its JSON type; the optional ones are absent when there is nothing
+#: every field of an event of version 2.0, with its JSON type; optional ones are absent when there is nothing
 REQUIRED = {
     "version": str,
     "routeKey": str,

@@ -1,0 +1,87 @@
+"""The local stack as a process of its own, to be started, killed and started again."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import httpx
+
+ROOT = Path(__file__).resolve().parent.parent
+
+#: the same under a limit on the size of files; Python lets the write fail instead of ending the process
+LIMITED = """
+import resource, runpy
+resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
+runpy.run_module("infra.local", run_name="__main__")
+"""
+
+
+class LocalProcess:
+    """`python -m infra.local` on a free port, ready when the block begins; killed when it ends.
+
+    `start_seconds` is how long it took to answer its health check. `file_limit`: bytes beyond which no file
+    may grow.
+    """
+
+    def __init__(
+        self, data_dir: Path, environment: Mapping[str, str] | None = None, file_limit: int | None = None
+    ):
+        self._data_dir = data_dir
+        self._file_limit = file_limit
+        self._environment = environment or {}
+
+    def __enter__(self) -> Self:
+        started = time.monotonic()
+        self.log = self._data_dir.parent / f"{self._data_dir.name}.log"
+        with self.log.open("a") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", LIMITED.format(limit=self._file_limit)]
+                if self._file_limit
+                else [sys.executable, "-m", "infra.local"],
+                cwd=ROOT,
+                env=os.environ
+                | {
+                    "PYTHONPATH": os.pathsep.join(("layers/service", "layers/solver", ".")),
+                    "PORT": "0",
+                    "DATA_DIR": str(self._data_dir),
+                }
+                | dict(self._environment),
+                stdout=subprocess.PIPE,
+                stderr=log,
+                text=True,
+            )
+        assert self.process.stdout
+        line = self.process.stdout.readline()
+        found = re.search(r"http://127\.0\.0\.1:\d+", line)
+        if not found:
+            self.__exit__(None, None, None)
+            raise RuntimeError(f"the server did not start: {self.log.read_text()[-2000:]}")
+        self.url = found[0]
+        assert httpx.get(f"{self.url}/healthz").status_code == 200
+        self.start_seconds = time.monotonic() - started
+        return self
+
+    def kill(self) -> None:
+        """End it at once, in the middle of whatever it does."""
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+    def stop(self) -> int:
+        """Ask it to end; return its exit status."""
+        self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(60)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self.process.poll() is None:
+            self.kill()
+        assert self.process.stdout
+        self.process.stdout.close()
