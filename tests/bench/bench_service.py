@@ -1,0 +1,58 @@
+"""Handlers with everything they do, through the gateway without a socket, storage in memory."""
+
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from infra.local import LocalStack
+from tests.bench.table import Row, p50
+from tests.client import Client, Truth
+
+ROOT = Path(__file__).parents[2]
+
+
+def rows() -> Iterator[Row]:
+    with LocalStack() as stack:
+        client = Client(stack)
+        for seed in range(5):
+            Truth(seed=seed).calibrate(client)
+        deadline = time.monotonic() + 30
+        while (first := client.lookup()).status != 200:  # the consensus is computed behind the scenes
+            if time.monotonic() > deadline:
+                raise RuntimeError(f"five calibrations were not enough: {first.json}")
+            time.sleep(0.1)
+        yield Row("lookup handler, embedded store", p50(client.lookup, repeat=200), 5, "ms")
+        yield submit(client)
+    for function, budget in (("lookup", 400), ("submit", 1000)):
+        yield Row(f"import of {function}'s handler", imports(function), budget, "ms", "fresh interpreter")
+
+
+def submit(client: Client) -> Row:
+    """A tenth view of a session that does not end: taken back and sent again under the next index."""
+    truth = Truth(seed=99)
+    client.open(target_error=0.001)
+    while len(client.state()["views"]) < 9:
+        pose = client.pose().json
+        client.view(pose["index"], *truth.see(pose))
+    times = []
+    while len(times) < 20:
+        pose = client.pose().json
+        ids, points = truth.see(pose)
+        start = time.perf_counter()
+        answer = client.view(pose["index"], ids, points)
+        taken = (time.perf_counter() - start) * 1e3
+        if answer.json["accepted"]:
+            times.append(taken)
+            client.call("DELETE", f"/v1/session/views/{pose['index']}")
+    return Row("submit handler, 10th view", statistics.median(times), 100, "ms")
+
+
+def imports(function: str) -> float:
+    """Median wall time in ms of importing the handler, in an interpreter of its own."""
+    code = "from time import monotonic as t; a = t(); import functions.{0}.app; print((t() - a) * 1e3)"
+    command = [sys.executable, "-c", code.format(function)]
+    runs = [subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True) for _ in range(5)]
+    return statistics.median(float(run.stdout) for run in runs)
