@@ -13,21 +13,21 @@ export const SILENT = { text: "", next: "", since: 0 };
 const STEADY = 400; // ms that a new instruction must be wanted for
 
 /**
- * @param {import("./state.js").State} state @param {number} there overlap that counts as in place
+ * @param {import("./state.js").State} state @param {boolean} holding would this be taken if it were held still?
  * @param {number} time ms
  * @returns {Instruction}
  */
-export function instruct(state, there, time) {
-  const wanted = choose(state, there);
+export function instruct(state, holding, time) {
+  const wanted = choose(state, holding);
   const { text, next, since } = state.instruction;
   if (wanted !== next) return { text: text || wanted, next: wanted, since: time };
   return time - since >= STEADY ? { text: wanted, next, since } : state.instruction;
 }
 
-/** @param {import("./state.js").State} state @param {number} there */
-function choose({ pose, corners, markers, overlap, outline }, there) {
+/** @param {import("./state.js").State} state @param {boolean} holding */
+function choose({ pose, corners, markers, outline }, holding) {
   if (!pose) return "Good. Wait a moment";
   if (corners.ids.length === 0) return markers > 0 ? "Closer, or a little slower" : "Show the board to the camera";
   if (!outline) return "Show more of the board";
-  return overlap > there ? "Hold still" : pose.hint;
+  return holding ? "Hold still" : pose.hint;
 }

@@ -19,7 +19,7 @@ export function findParts() {
     sheets: { welcome: html("welcome"), opening: html("opening"), failed: html("failed"), done: html("done") },
     stage: html("stage"), video: element("video", HTMLVideoElement), overlay: element("overlay", HTMLImageElement),
     marks: svg("marks"), target: svg("target"), targetBack: svg("target-back"), targetCorner: svg("target-corner"),
-    seen: svg("board-seen"), corners: svg("corners"), held: svg("held"), ring: svg("ring"),
+    corners: svg("corners"), held: svg("held"), ring: svg("ring"),
     reticle: html("reticle"), instruction: html("instruction"), notice: html("notice"), facts: html("facts"),
     wanted: html("wanted"), camera: element("camera", HTMLSelectElement),
     start: element("start", HTMLButtonElement), startVirtual: element("start-virtual", HTMLButtonElement),
@@ -92,12 +92,9 @@ function renderTarget({ overlay, target, targetBack, targetCorner }, state, befo
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 function renderCapture(parts, state, before) {
-  const { corners, outline, session, notice, patience, instruction, busy } = state;
+  const { corners, session, notice, patience, instruction, busy } = state;
   const views = session?.views.length ?? 0;
-  if (corners !== before?.corners) {
-    parts.seen.setAttribute("points", polygon(outline ?? []));
-    dots(parts.corners, corners.points);
-  }
+  if (corners !== before?.corners) dots(parts.corners, corners.points);
   const held = Math.round(100 * holdProgress(state));
   parts.held.setAttribute("stroke-dasharray", `${held} 100`);
   parts.ring.toggleAttribute("hidden", held === 0);

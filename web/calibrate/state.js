@@ -155,7 +155,7 @@ function seen(state, { detection, time }) {
     stillness: observe(state.stillness, corners, time, size[0]),
     notice: time - state.noticedAt > NOTICE ? null : state.notice,
   };
-  return { ...next, instruction: instruct(next, OVERLAP, time) };
+  return { ...next, instruction: instruct(next, requiredHold(next) === HOLD, time) };
 }
 
 /** @param {State} state @param {{answer: ViewAnswer, corners: Corners, time: number}} event @returns {State} */
@@ -184,10 +184,9 @@ function overlap(outline, pose, key) {
  * How long the board must be held still where it is now; null: as long as one likes, it will not be taken.
  * @param {State} state
  */
-export function requiredHold({ key, pose, outline, overlap: there, stillness, answered: sent, corners }) {
+export function requiredHold({ key, pose, outline, overlap: there, answered: sent, corners }) {
   if (!key || !pose || !outline) return null;
   if (sent && motion(sent, corners) < (NEW_PLACE * key.img_size[0]) / 1280) return null;
-  if (stillness.held === 0 && stillness.frames === 0 && corners.ids.length === 0) return null;
   if (there > OVERLAP) return HOLD;
   return foreshortening(outline) > TILTED ? LONG_HOLD : null;
 }

@@ -70,7 +70,12 @@ export class VirtualCamera {
   /** @type {Pose} */
   #to;
   #started = 0;
-  #painted = false;
+  /** Is a picture being painted? */
+  #asked = false;
+  /** Has the last picture of this pose been asked for? */
+  #settled = false;
+  /** @type {ImageData | null} */
+  #picture = null;
   /** @type {ReturnType<typeof setInterval> | undefined} */
   #timer;
   /** @type {MediaStream | null} */
@@ -127,7 +132,8 @@ export class VirtualCamera {
     this.#from = this.#pose();
     this.#to = error > 0 ? misplaced(target, error, this.#random, [columns / 2, rows / 2, 0]) : target;
     this.#started = performance.now();
-    this.#painted = false;
+    this.#settled = false;
+    if (!this.#asked) this.#ask();
   }
 
   close() {
@@ -144,20 +150,21 @@ export class VirtualCamera {
   }
 
   #ask() {
-    // What was asked for once the hand is still is the last picture of this pose.
-    this.#painted = performance.now() - this.#started >= MOVE;
+    this.#settled = performance.now() - this.#started >= MOVE;
+    this.#asked = true;
     this.#worker.postMessage({ pose: this.#pose() });
   }
 
   /** @param {ImageData} picture */
   #show(picture) {
+    this.#picture = picture;
     this.#context.putImageData(picture, 0, 0);
-    if (!this.#painted) this.#ask();
+    this.#asked = false;
+    if (!this.#settled) this.#ask();
   }
 
   #refresh() {
-    if (!this.#painted) return;
-    // Paint one pixel with its own colour: enough for the stream to deliver the picture again.
-    this.#context.putImageData(this.#context.getImageData(0, 0, 1, 1), 0, 0);
+    // One pixel in its own colour: enough for the stream to deliver the picture again.
+    if (this.#picture && this.#settled) this.#context.putImageData(this.#picture, 0, 0, 0, 0, 1, 1);
   }
 }
