@@ -1,6 +1,7 @@
 """A client of the API as a test sees it, and a camera with a known truth for it to calibrate."""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,6 +10,7 @@ import cv2
 import numpy as np
 
 from infra.local import LocalStack
+from infra.tools.openapi import OPERATIONS
 
 TOKEN = "cdb_dev_local"
 CAMERA = {"camera": "Test camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
@@ -23,6 +25,15 @@ class Answer:
     @property
     def json(self) -> Any:
         return json.loads(self.body)
+
+
+def documented(method: str, path: str) -> set[int]:
+    """Return the statuses that the OpenAPI document promises; a wrong path or method has its own."""
+    for operation in OPERATIONS:
+        pattern = re.sub(r"\\{[^}]*\\}", "[^/]+", re.escape(operation.path))
+        if operation.method.upper() == method and re.fullmatch(pattern, path):
+            return {*operation.answers, *operation.problems}
+    return {404, 405}
 
 
 @dataclass
@@ -51,9 +62,13 @@ class Client:
         if content:
             sent.setdefault("content-type", "application/json")
         response = self.stack.request(method, path, headers=sent, query=query, body=content)
-        return Answer(
-            response.status, {k.lower(): v for k, v in dict(response.headers).items()}, response.body
-        )
+        answer = Answer(response.status, response.headers, response.body)
+        assert answer.status in documented(method, path), (method, path, answer)
+        if answer.status >= 400:
+            assert answer.headers["content-type"] == "application/problem+json", answer
+            assert {"type", "title", "status", "detail"} <= answer.json.keys(), answer
+            assert answer.json["status"] == answer.status
+        return answer
 
     def open(self, **start: object) -> Answer:
         """Get a session id, and start a session unless told not to."""
@@ -104,7 +119,9 @@ class Truth:
         board = np.stack([column + 1.0, row + 1.0, np.zeros(columns * rows)], axis=1)
         rvec = np.array(pose["rvec"]) + self.rng.normal(0, 0.04, 3)
         tvec = np.array(pose["tvec"]) * (1 + self.rng.normal(0, 0.02, 3))
-        points = cv2.projectPoints(board, rvec, tvec, self.matrix, np.array(self.distortion))[0].reshape(-1, 2)
+        points = cv2.projectPoints(board, rvec, tvec, self.matrix, np.array(self.distortion))[0].reshape(
+            -1, 2
+        )
         points = points + self.rng.normal(0, self.noise, points.shape)
         limit = np.array(self.img_size) - 1
         seen = np.flatnonzero(((points >= 0) & (points <= limit)).all(axis=1))

@@ -19,13 +19,13 @@ def start(call: http.Call) -> Response:
     )
     if not capture.same_start(document, capture.begin(request, sid, document.first_version, now)):
         raise ConflictError("A session with other content runs under this session id.", kind="other-content")
-    return http.answer(capture.state(document, now), 201)
+    return http.answer(capture.state(document), 201)
 
 
 def show(call: http.Call) -> Response:
     """Answer with the session's state."""
     document = call.service.store.sessions.get(call.session().sid)
-    return http.answer(capture.state(document, call.service.now))
+    return http.answer(capture.state(document))
 
 
 def forget(call: http.Call) -> Response:

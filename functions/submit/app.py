@@ -39,7 +39,7 @@ def submit(call: http.Call) -> Response:
         if capture.repeated(document, view):
             return None, (document, None)
         capture.check(document, view)
-        changed, reason = judge(document, view)
+        changed, reason = judge(document, view, service.now)
         if changed is None:
             return None, (document, reason)
         if changed.estimate.converged:
@@ -49,7 +49,7 @@ def submit(call: http.Call) -> Response:
     document, reason = service.store.sessions.update(ticket.sid, service.now, change)
     if document.finish is not None:
         publish(call, document)
-    return http.answer(ViewAnswer.model_validate(capture.view_state(document, service.now, reason)))
+    return http.answer(ViewAnswer.model_validate(capture.view_state(document, reason)))
 
 
 def remove(call: http.Call) -> Response:
@@ -64,14 +64,18 @@ def remove(call: http.Call) -> Response:
         rules, views = solver(document, left)
         estimate = rules.estimate(views)
         target = rules.next_target(views, estimate).to_dict()
-        changed = capture.with_views(document, left, recorded(estimate), estimate.view_errors, target)
+        changed = capture.with_views(
+            document, left, recorded(estimate, call.service.now), estimate.view_errors, target
+        )
         return changed, changed
 
     document = call.service.store.sessions.update(sid, call.service.now, change)
-    return http.answer(capture.state(document, call.service.now))
+    return http.answer(capture.state(document))
 
 
-def judge(document: SessionDocument, view: ViewRequest) -> tuple[SessionDocument | None, Refusal | None]:
+def judge(
+    document: SessionDocument, view: ViewRequest, now: int
+) -> tuple[SessionDocument | None, Refusal | None]:
     """Return the document with the view in it, or None and why it was refused."""
     rules, views = solver(document, document.views)
     if document.target is not None:
@@ -84,7 +88,7 @@ def judge(document: SessionDocument, view: ViewRequest) -> tuple[SessionDocument
     if not verdict.accepted or estimate is None:
         return None, verdict.reason
     following = None if estimate.converged else rules.next_target([*views, seen], estimate).to_dict()
-    return capture.with_view(document, view, recorded(estimate), estimate.view_errors, following), None
+    return capture.with_view(document, view, recorded(estimate, now), estimate.view_errors, following), None
 
 
 def publish(call: http.Call, document: SessionDocument) -> None:
@@ -117,7 +121,7 @@ def solver(
     return rules, [board.view(view.ids, view.points) for view in views]
 
 
-def recorded(estimate: Estimate) -> EstimateDocument:
+def recorded(estimate: Estimate, now: int) -> EstimateDocument:
     """Return the estimate as it is stored."""
     fit = estimate.calibration
     uncertainty = estimate.uncertainty
@@ -126,6 +130,7 @@ def recorded(estimate: Estimate) -> EstimateDocument:
         uncertainty={"rms": uncertainty.rms, "max": uncertainty.max} if uncertainty else None,
         progress=estimate.progress,
         converged=estimate.converged,
+        time=now,
     )
 
 

@@ -224,17 +224,17 @@ def calibration(document: SessionDocument) -> CalibrationDocument:
     )
 
 
-def state(document: SessionDocument, now: int) -> SessionState:
+def state(document: SessionDocument) -> SessionState:
     """Return what the session's owner sees of it."""
-    return SessionState(**_state(document, now))
+    return SessionState(**_state(document))
 
 
-def view_state(document: SessionDocument, now: int, reason: Refusal | None) -> dict[str, object]:
+def view_state(document: SessionDocument, reason: Refusal | None) -> dict[str, object]:
     """Return the fields of the answer to a view: the state, and why the view was refused, if it was."""
-    return {**_state(document, now), "accepted": reason is None, "reason": reason}
+    return {**_state(document), "accepted": reason is None, "reason": reason}
 
 
-def _state(document: SessionDocument, now: int) -> dict[str, object]:
+def _state(document: SessionDocument) -> dict[str, object]:
     finish, estimate = document.finish, document.estimate
     status: Literal["capturing", "converged"] = "capturing" if finish is None else "converged"
     calibration_id = finish.calibration_id if finish else None
@@ -244,7 +244,7 @@ def _state(document: SessionDocument, now: int) -> dict[str, object]:
         camera=document.camera,
         platform=document.platform,
         zoom=document.zoom,
-        calibration_time=finish.time if finish else now,
+        calibration_time=finish.time if finish else estimate.time,
     )
     return {
         "status": status,

@@ -14,7 +14,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any, TypeVar, cast
-from urllib.parse import unquote
 
 from mangum import Mangum
 from pydantic import BaseModel, ValidationError
@@ -46,6 +45,7 @@ _MOST_FIELDS = 20  # of a body with ten thousand wrong points the first few say 
 _PROBLEM = "application/problem+json"
 _TEXT = ["text/", "application/json", _PROBLEM]  # everything else leaves as base64
 
+_HOST = ("host", "x-forwarded-port")
 _FLAGS = {"1": True, "true": True, "0": False, "false": False}
 _WEIGHT = re.compile(r"[01](\.[0-9]{0,3})?")
 
@@ -148,7 +148,7 @@ class Call:
 
     def path(self, name: str) -> str:
         """Return a parameter of the path."""
-        return unquote(str(self.request.path_params[name]))
+        return str(self.request.path_params[name])
 
     def _bearer(self) -> str:
         scheme, _, credential = self.request.headers.get("authorization", "").partition(" ")
@@ -202,12 +202,18 @@ def handler(*routes: Route) -> LambdaHandler:
         loop = asyncio.new_event_loop()
         asyncio.set_event_loop(loop)
         try:
-            return Mangum(app, lifespan="off", text_mime_types=_TEXT)(event, context)
+            return Mangum(app, lifespan="off", text_mime_types=_TEXT)(_without_host(event), context)
         finally:
             asyncio.set_event_loop(None)
             loop.close()
 
     return handle
+
+
+def _without_host(event: dict[str, Any]) -> dict[str, Any]:
+    """Return the event without its host: nothing here depends on it, and Mangum fails on a malformed one."""
+    headers = {k: v for k, v in event.get("headers", {}).items() if k.lower() not in _HOST}
+    return {**event, "headers": headers}
 
 
 def _weight(accept: str, media_type: str) -> float:

@@ -29,6 +29,7 @@ class EstimateDocument(Open):
     uncertainty: Uncertainty | None = None
     progress: float = 0.0
     converged: bool = False
+    time: int = 0  # unix seconds at which it was made
 
 
 class Finish(Open):

@@ -106,8 +106,8 @@ class Sessions:
             content = self._objects.get(_name(sid, head.version))
             if content is not None:
                 return SessionDocument.model_validate_json(content), head.version
-            # The index never points to nothing: it was moved, and the object removed, between the two reads.
-        return None
+            # The index never points to nothing: the session was forgotten between the two reads.
+        raise UnavailableError("The session could not be read.")
 
     def _head(self, sid: str) -> _Head | None:
         item = self._table.get(f"SESSION#{sid}", "META")

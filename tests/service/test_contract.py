@@ -1,0 +1,206 @@
+"""Every call of the HTTP contract, answered as the contract says."""
+
+import cv2
+import numpy as np
+import pytest
+
+from calibdb import schema
+from infra.local import LocalStack
+from tests.client import CAMERA, TOKEN, Client, Truth
+
+BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
+
+
+def test_health_needs_no_credential(client: Client) -> None:
+    answer = client.call("GET", "/healthz", token="")
+    assert (answer.status, answer.json) == (200, {"status": "ok"})
+
+
+def test_auth_gives_a_session_id_that_expires(client: Client) -> None:
+    answer = client.call("POST", "/v1/auth", token=TOKEN)
+    assert answer.status == 201
+    assert answer.json.keys() == {"session_id", "expires_at"}
+    assert isinstance(answer.json["expires_at"], int)
+
+
+def test_a_new_session_has_the_contracts_defaults(client: Client) -> None:
+    answer = client.open()
+    assert answer.status == 201
+    assert answer.json == {
+        "status": "capturing",
+        **CAMERA,
+        "zoom": 0,
+        "distortion_model": "rectilinear",
+        "board": BOARD,
+        "guidance": "projection-uncertainty",
+        "target_error": pytest.approx(0.3),
+        "views": [],
+        "progress": 0,
+        "uncertainty": None,
+        "calibration": None,
+        "calibration_id": None,
+    }
+    assert client.state() == answer.json
+
+
+def test_the_target_error_scales_with_the_width(client: Client) -> None:
+    assert client.open(img_size=[640, 480]).json["target_error"] == pytest.approx(0.15)
+    assert client.open(img_size=[640, 480], target_error=0.4).json["target_error"] == 0.4
+
+
+def test_a_session_takes_everything_the_contract_names(client: Client) -> None:
+    track = {"focusMode": "manual", "focusDistance": 0.4, "facingMode": "user", "resizeMode": "none"}
+    asked = {
+        "zoom": 1.5,
+        "distortion_model": "fisheye",
+        "board": {"squares": [8, 8], "marker_ratio": 0.75, "dictionary": "DICT_4X4_1000", "legacy": True},
+        "guidance": "projection-uncertainty",
+        "target_error": 0.7,
+    }
+    answer = client.open(**asked, track={**track, "frameRate": 30})
+    assert answer.status == 201
+    assert {name: answer.json[name] for name in asked} == asked
+
+
+def test_the_pose_as_numbers(running: Client) -> None:
+    pose = running.pose()
+    assert pose.status == 200
+    assert pose.json.keys() == schema.Pose.model_fields.keys()
+    assert pose.json["index"] == 0
+    assert len(pose.json["ids"]) == len(pose.json["corners"]) >= 24
+    corners = np.array(pose.json["corners"])
+    assert (corners >= -0.5).all()
+    assert (corners <= [1279.5, 719.5]).all()
+
+
+@pytest.mark.parametrize(
+    ("accept", "media_type"),
+    [
+        (None, "image/jpeg"),
+        ("*/*", "image/jpeg"),
+        ("image/*", "image/jpeg"),
+        ("image/avif,image/webp,*/*;q=0.5", "image/jpeg"),
+        ("image/png", "image/png"),
+        ("image/jpeg;q=0.1, image/png;q=0.9", "image/png"),
+        ("text/html, application/json;q=0.9", "application/json"),
+    ],
+)
+def test_the_pose_comes_as_accepted(running: Client, accept: str | None, media_type: str) -> None:
+    answer = running.call("GET", "/v1/session/pose", headers={"accept": accept} if accept else {})
+    assert answer.status == 200
+    assert answer.headers["content-type"] == media_type
+
+
+def test_a_type_that_nobody_has_is_not_acceptable(running: Client) -> None:
+    answer = running.call("GET", "/v1/session/pose", headers={"accept": "text/html, image/jpeg;q=0"})
+    assert answer.status == 406
+
+
+def test_the_picture_shows_the_pose(running: Client) -> None:
+    """The board is drawn where the numbers say, in the size of the image, on black."""
+    outline = np.array(running.pose().json["outline"])
+    for media_type in ("image/jpeg", "image/png"):
+        body = running.call("GET", "/v1/session/pose", headers={"accept": media_type}).body
+        picture = cv2.imdecode(np.frombuffer(body, np.uint8), cv2.IMREAD_COLOR)
+        assert picture.shape == (720, 1280, 3)
+        expected = np.zeros((720, 1280), np.uint8)
+        cv2.fillPoly(expected, [np.round(outline).astype(np.int32)], 1)
+        drawn = (picture.max(axis=2) > 24).astype(np.uint8)
+        overlap = (drawn & expected).sum() / (drawn | expected).sum()
+        assert overlap > 0.98, media_type
+
+
+def test_the_pose_stays_until_a_view_answers_it_or_it_is_skipped(running: Client) -> None:
+    first = running.pose().json
+    running.call("GET", "/v1/session/pose")
+    assert running.pose().json == first
+    other = running.pose("skip=1").json
+    assert other["index"] == first["index"]
+    assert other["corners"] != first["corners"]
+    assert running.pose("skip=0").json == other
+    assert running.view(0, *Truth().see(other)).json["accepted"]
+    assert running.pose().json["index"] == 1
+
+
+def test_a_view_becomes_part_of_the_session(running: Client) -> None:
+    ids, points = Truth().see(running.pose().json)
+    answer = running.view(0, ids, points)
+    assert answer.status == 200
+    assert answer.json.keys() == schema.ViewAnswer.model_fields.keys()
+    assert (answer.json["accepted"], answer.json["reason"]) == (True, None)
+    (view,) = answer.json["views"]
+    assert (view["index"], view["points"]) == (0, len(ids))
+    assert 0 < answer.json["progress"] < 1
+    state = running.state()
+    assert state.keys() == schema.SessionState.model_fields.keys()
+    assert state["views"] == answer.json["views"]
+
+
+def test_a_view_can_be_sent_without_asking_for_a_pose(running: Client) -> None:
+    held = {"rvec": [0.4, -0.3, 0.1], "tvec": [-4.2, -2.8, 9.0]}
+    assert running.view(0, *Truth().see(held)).json["accepted"]
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda ids, points: (ids[:3], points[:3]), "too_few_points"),
+        (lambda ids, points: (ids[:8], points[:8]), "degenerate"),  # one row of corners
+        (lambda ids, points: (ids, [[1279 - x, y] for x, y in points]), "mirrored"),
+    ],
+)
+def test_a_refused_view_changes_nothing(running: Client, change, reason: str) -> None:
+    pose = running.pose().json
+    ids, points = Truth().see(pose)
+    before = running.state()
+    refused = running.view(0, *change(ids, points))
+    assert refused.status == 200
+    assert (refused.json["accepted"], refused.json["reason"]) == (False, reason)
+    assert running.state() == before
+    assert running.pose().json == pose
+    assert running.view(0, ids, points).json["accepted"]
+
+
+def test_the_same_place_again_brings_no_information(running: Client) -> None:
+    held = Truth().see(running.pose().json)
+    assert running.view(0, *held).json["accepted"]
+    again = running.view(1, *held).json
+    assert (again["accepted"], again["reason"]) == (False, "no_information")
+
+
+def test_undo_takes_a_view_back(running: Client) -> None:
+    truth = Truth()
+    for index in range(2):
+        assert running.view(index, *truth.see(running.pose().json)).json["accepted"]
+    answer = running.call("DELETE", "/v1/session/views/0")
+    assert answer.status == 200
+    assert answer.json.keys() == schema.SessionState.model_fields.keys()
+    assert [view["index"] for view in answer.json["views"]] == [1]
+    assert running.state()["views"] == answer.json["views"]
+    assert running.pose().json["index"] == 2  # an index is never used again
+
+
+def test_delete_forgets(running: Client) -> None:
+    assert running.call("DELETE", "/v1/session").status == 204
+    assert running.call("GET", "/v1/session").status == 404
+    assert running.pose().status == 404
+    assert running.call("DELETE", "/v1/session").status == 204  # once more is the same
+    assert running.call("POST", "/v1/session", CAMERA).status == 201  # and the id can be used anew
+
+
+def test_unknown_paths_and_wrong_methods(running: Client) -> None:
+    wrong = running.call("PUT", "/v1/session")
+    assert wrong.status == 405
+    assert {m.strip() for m in wrong.headers["allow"].split(",")} >= {"GET", "POST", "DELETE"}
+    assert running.call("PATCH", "/v1/lookup").status == 405
+    assert running.call("GET", "/v1/auth").status == 405
+
+
+def test_answers_are_not_cached_and_are_what_they_say(running: Client) -> None:
+    for answer in (running.call("GET", "/v1/session"), running.call("PUT", "/v1/session"), running.lookup()):
+        assert answer.headers["cache-control"] == "no-store"
+        assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+def test_head_is_answered_like_get(stack: LocalStack) -> None:
+    assert stack.request("HEAD", "/healthz").status == 200

@@ -1,0 +1,111 @@
+"""Who may call what: missing credentials are 401, wrong ones 403, on every call."""
+
+import time
+
+import pytest
+
+from calibdb.settings import Settings
+from calibdb.store import Store
+from calibdb.tokens import ApiToken, SessionIds, Ticket, secret_hash
+from infra.local import LocalStack
+from tests.client import CAMERA, TOKEN, Client
+
+VIEW = {"index": 0, "ids": [0], "points": [[1, 1]]}
+QUERY = "camera=Test&platform=X11&img_size=1280x720"
+BY_TOKEN = [
+    ("POST", "/v1/auth", None, ""),
+    ("POST", "/v1/lookup", CAMERA, ""),
+    ("GET", "/v1/lookup", None, QUERY),
+    ("GET", "/v1/calibrations/c1-a-0123456789ab-0123456789abcdef0123", None, ""),
+]
+BY_SESSION = [
+    ("POST", "/v1/session", CAMERA, ""),
+    ("GET", "/v1/session", None, ""),
+    ("DELETE", "/v1/session", None, ""),
+    ("GET", "/v1/session/pose", None, ""),
+    ("POST", "/v1/session/views", VIEW, ""),
+    ("DELETE", "/v1/session/views/0", None, ""),
+]
+
+
+@pytest.fixture
+def store(stack: LocalStack) -> Store:
+    return Store.of(Settings.from_environment(stack.environment))
+
+
+@pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN + BY_SESSION)
+def test_missing(client: Client, method: str, path: str, body: object, query: str) -> None:
+    for headers in ({}, {"authorization": "Basic Y2RiOmNkYg=="}, {"authorization": "Bearer "}):
+        answer = client.call(method, path, body, token="", query=query, headers=headers)
+        assert answer.status == 401
+        assert answer.headers["www-authenticate"].startswith("Bearer")
+
+
+@pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN)
+@pytest.mark.parametrize(
+    "token", ["cdb_dev_wrong", "cdb_nobody_local", "cdb_dev", "x", "cdb_dev_local_", "é"]
+)
+def test_wrong_token(client: Client, method: str, path: str, body: object, query: str, token: str) -> None:
+    assert client.call(method, path, body, token=token, query=query).status == 403
+
+
+@pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN)
+def test_a_session_id_is_no_token(running: Client, method: str, path: str, body: object, query: str) -> None:
+    assert running.call(method, path, body, query=query).status == 403
+
+
+@pytest.mark.parametrize(("method", "path", "body", "query"), BY_SESSION)
+def test_wrong_session_id(client: Client, method: str, path: str, body: object, query: str) -> None:
+    opened = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
+    forged = opened[:-2] + ("AA" if opened[-2:] != "AA" else "BB")
+    for session_id in (TOKEN, forged, opened[1:], "x" * 5000, "."):
+        assert client.call(method, path, body, token=session_id, query=query).status == 403
+
+
+def test_an_expired_session_id_says_so(stack: LocalStack, client: Client) -> None:
+    secrets = stack.environment["SESSION_SECRETS"].split(",")
+    for clock, kind in ((lambda: time.time() - 7200, "session-expired"), (time.time, "no-session")):
+        session_id, _ = SessionIds(secrets, clock).issue(Ticket("0" * 24, "dev"))
+        answer = client.call("GET", "/v1/session", token=session_id)
+        assert answer.json["type"].endswith(kind)
+        assert answer.status == (403 if kind == "session-expired" else 404)
+
+
+def test_a_session_id_signed_with_another_secret_is_refused(client: Client) -> None:
+    session_id, _ = SessionIds(["another secret of sufficient length"], time.time).issue(
+        Ticket("0" * 24, "dev")
+    )
+    assert client.call("GET", "/v1/session", token=session_id).status == 403
+
+
+def test_get_lookup_takes_the_token_in_its_query(client: Client) -> None:
+    for name in ("key", "api_key"):
+        assert client.call("GET", "/v1/lookup", token="", query=f"{QUERY}&{name}={TOKEN}").status == 307
+        assert client.call("GET", "/v1/lookup", token="", query=f"{QUERY}&{name}=cdb_dev_x").status == 403
+
+
+def test_post_lookup_takes_the_old_clients_token_in_its_body(client: Client) -> None:
+    for token, status in ((TOKEN, 307), ("cdb_dev_x", 403)):
+        assert client.call("POST", "/v1/lookup", {**CAMERA, "api_key": token}, token="").status == status
+
+
+def test_a_page_of_another_origin_is_refused(store: Store, client: Client) -> None:
+    store.tokens.create(ApiToken("page", secret_hash("s3cret"), origins=("https://shop.example",)))
+    ours, other = {"origin": "https://shop.example"}, {"origin": "https://thief.example"}
+    for method, path, body, query in BY_TOKEN:
+        refused = client.call(method, path, body, token="cdb_page_s3cret", query=query, headers=other)
+        assert refused.status == 403
+        admitted = client.call(method, path, body, token="cdb_page_s3cret", query=query, headers=ours)
+        assert admitted.status != 403
+
+    opened = client.call("POST", "/v1/auth", token="cdb_page_s3cret", headers=ours).json["session_id"]
+    assert client.call("POST", "/v1/session", CAMERA, token=opened, headers=ours).status == 201
+    for method, path, body, query in BY_SESSION:
+        assert client.call(method, path, body, token=opened, query=query, headers=other).status == 403
+
+
+def test_the_index_holds_no_secret(store: Store) -> None:
+    token = store.tokens.get("dev")
+    assert token is not None
+    assert token.secret_sha256 == secret_hash("local")
+    assert "local" not in repr(token)

@@ -1,0 +1,125 @@
+"""Whatever is sent: an answer that the OpenAPI document promises (the client checks), and never a 500."""
+
+from typing import Any
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from infra.local import LocalStack
+from tests.client import CAMERA, TOKEN, Client
+
+FUZZ = settings(
+    max_examples=120,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+SCALARS = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text(max_size=20)
+    | st.sampled_from(["rectilinear", "1280x720", "DICT_4X4_50", 0, -1, 1e308])
+)
+JSON = st.recursive(
+    SCALARS,
+    lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text(max_size=8), inner, max_size=5),
+    max_leaves=12,
+)
+
+
+def objects(*names: str) -> st.SearchStrategy[dict[str, Any]]:
+    """Objects with some of these members, or members of any name."""
+    return st.dictionaries(st.sampled_from(names) | st.text(max_size=8), JSON, max_size=8)
+
+
+CAMERA_FIELDS = (*CAMERA, "zoom", "distortion_model")
+SESSION = objects(*CAMERA_FIELDS, "board", "guidance", "target_error", "track")
+TYPED = st.fixed_dictionaries(
+    {
+        "camera": st.text(min_size=1, max_size=256),
+        "platform": st.text(min_size=1, max_size=256),
+        "img_size": st.tuples(st.integers(16, 16384), st.integers(16, 16384)),
+    },
+    optional={
+        "zoom": st.floats(0, 1e6),
+        "target_error": st.floats(1e-3, 100),
+        "distortion_model": st.sampled_from(["rectilinear", "fisheye"]),
+    },
+)
+
+
+def utf8(content: dict[str, Any]) -> bool:
+    try:
+        repr(content).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def fine(status: int) -> bool:
+    return status < 500
+
+
+@FUZZ
+@given(body=SESSION | TYPED.filter(utf8))
+def test_session(stack: LocalStack, body: dict[str, Any]) -> None:
+    client = Client(stack)
+    client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
+    started = client.call("POST", "/v1/session", body)
+    assert fine(started.status)
+    if started.status == 201:
+        assert client.state() == started.json
+
+
+@FUZZ
+@given(body=objects(*CAMERA_FIELDS, "userAgent", "imsize", "redirect") | TYPED.filter(utf8))
+def test_lookup(stack: LocalStack, body: dict[str, Any]) -> None:
+    assert fine(Client(stack).call("POST", "/v1/lookup", body, token=TOKEN).status)
+
+
+@FUZZ
+@given(query=st.text(alphabet="abcimg_size=&%20+zxNn1280.e-é;", max_size=80))
+def test_lookup_by_get(stack: LocalStack, query: str) -> None:
+    asked = f"camera=a&platform=b&{query.encode().decode('latin-1').encode('ascii', 'ignore').decode()}"
+    assert fine(Client(stack).call("GET", "/v1/lookup", token=TOKEN, query=asked).status)
+
+
+# Anything that passes for a view of this board and image: the solver has to live with it.
+POINT = st.tuples(st.floats(-0.5, 1279.5), st.floats(-0.5, 719.5))
+PLACES = st.one_of(
+    st.lists(POINT, min_size=1, max_size=40),
+    st.lists(st.sampled_from([(0.0, 0.0), (640.0, 360.0), (1279.0, 719.0)]), min_size=1, max_size=40),
+    st.lists(st.integers(0, 1279).map(lambda x: (float(x), 360.0)), min_size=4, max_size=40),
+)
+
+
+@settings(FUZZ, max_examples=60)
+@given(views=st.lists(st.tuples(st.permutations(range(40)), PLACES), min_size=1, max_size=6))
+def test_views(stack: LocalStack, views: list[tuple[list[int], list[tuple[float, float]]]]) -> None:
+    client = Client(stack)
+    client.open()
+    index = 0
+    for ids, points in views:
+        answer = client.view(index, ids[: len(points)], points)
+        assert fine(answer.status)
+        index += answer.status == 200 and answer.json["accepted"]
+    assert client.call("GET", "/v1/session").status == 200
+    assert fine(client.pose().status)
+
+
+@FUZZ
+@given(body=objects("index", "ids", "points"))
+def test_view_of_any_shape(stack: LocalStack, body: dict[str, Any]) -> None:
+    client = Client(stack)
+    client.open()
+    assert fine(client.call("POST", "/v1/session/views", body).status)
+
+
+@FUZZ
+@given(body=st.binary(max_size=200))
+def test_bytes(stack: LocalStack, body: bytes) -> None:
+    client = Client(stack)
+    client.open()
+    for path in ("/v1/session", "/v1/session/views"):
+        assert fine(client.call("POST", path, body or b"\0").status)

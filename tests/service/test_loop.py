@@ -1,0 +1,216 @@
+"""The whole loop: guided captures of known cameras, their consensus, and lookups that find it."""
+
+import json
+import time
+from collections.abc import Callable
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+import boto3
+import cv2
+import numpy as np
+import pytest
+
+from calibdb import schema
+from calibdb.settings import Settings
+from calibdb.store import Store
+from infra.local import LocalStack
+from tests.client import CAMERA, TOKEN, Client, Truth
+from tests.data import corner_set
+
+
+def until(holds: Callable[[], Any], seconds: float = 10.0) -> Any:
+    """Wait for what is computed asynchronously."""
+    end = time.monotonic() + seconds
+    while not (found := holds()):
+        assert time.monotonic() < end, "it did not happen in time"
+        time.sleep(0.02)
+    return found
+
+
+def published(stack: LocalStack, calibration_id: str, total: int) -> None:
+    """Wait until the consensuses of the calibration's camera rest on `total` calibrations."""
+    store = Store.of(Settings.from_environment(stack.environment))
+    key = calibration_id.rpartition("-")[0]
+
+    def counted() -> bool:
+        known = store.consensuses.of(key)
+        return {c.distortion_model for c in known if c.total >= total} == set(schema.DISTORTION_MODELS)
+
+    until(counted)
+
+
+@pytest.fixture(scope="module")
+def known(stack: LocalStack) -> list[Any]:
+    """The camera of `CAMERA`, after five captures; what lookups said after each is kept."""
+    history = []
+    for n in range(5):
+        state = Truth(seed=n).calibrate(Client(stack))
+        published(stack, state["calibration_id"], n + 1)
+        history.append((state, Client(stack).lookup()))
+    return history
+
+
+def test_every_capture_converges_near_the_truth(known: list[Any]) -> None:
+    for state, _ in known:
+        assert len(state["views"]) <= 8
+        (fx, _, cx), (_, fy, cy), _ = state["calibration"]["camera_matrix"]
+        assert abs(fx / 950 - 1) < 0.005
+        assert abs(fy / 948 - 1) < 0.005
+        assert abs(cx - 652) < 8
+        assert abs(cy - 351) < 8
+        assert state["calibration"]["avg_reprojection_error"] < 0.4
+
+
+def test_four_are_too_few_and_five_are_reliable(known: list[Any]) -> None:
+    assert [answer.status for _, answer in known] == [307, 307, 307, 307, 200]
+    assert {answer.json["reason"] for _, answer in known[:4]} == {"too_few"}
+
+
+def test_the_redirect_carries_the_whole_key(known: list[Any]) -> None:
+    answer = known[3][1]
+    url = urlsplit(answer.headers["location"])
+    assert url.path == "/calibrate/"
+    assert {name: values[0] for name, values in parse_qs(url.query).items()} == {
+        "camera": "Test camera",
+        "platform": "X11; Linux x86_64",
+        "img_size": "1280x720",
+        "zoom": "0",
+        "distortion_model": "rectilinear",
+    }
+    assert answer.json["guidance_url"] == answer.headers["location"]
+
+
+def test_the_answer(known: list[Any]) -> None:
+    answer = known[4][1].json
+    assert list(answer) == list(schema.Calibration.model_fields)
+    assert {name: answer[name] for name in CAMERA} == CAMERA
+    assert (answer["calibrations"], answer["contributors"]) == (5, 1)
+    assert answer["reliable"] is True
+    assert answer["exact_size"] is True
+    assert len(answer["distortion_coefficients"]) == 5
+    assert abs(answer["camera_matrix"][0][0] - 950) < 1
+    assert 0 < answer["uncertainty"]["rms"] <= answer["uncertainty"]["max"] < 0.3
+    assert abs(answer["calibration_time"] - time.time()) < 600
+
+
+@pytest.mark.usefixtures("known")
+class TestLookup:
+    def test_get_answers_like_post_and_may_be_cached_for_a_minute(self, client: Client) -> None:
+        query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"
+        answer = client.call("GET", "/v1/lookup", token="", query=f"{query}&key={TOKEN}")
+        assert answer.json == client.lookup().json
+        assert answer.headers["cache-control"] == "private, max-age=60"
+
+    def test_the_older_public_clients_spellings(self, client: Client) -> None:
+        asked = {"camera": "Test camera", "userAgent": CAMERA["platform"], "imsize": [1280, 720]}
+        answer = client.call("POST", "/v1/lookup", {**asked, "zoom": 0, "api_key": TOKEN}, token="")
+        assert answer.json == client.lookup().json
+        query = "camera=Test+camera&userAgent=X11;%20Linux%20x86_64&imsize=1280x720&api_key=cdb_dev_local"
+        assert client.call("GET", "/v1/lookup", token="", query=query).json == answer.json
+
+    def test_a_whole_user_agent_is_reduced_to_its_platform(self, client: Client) -> None:
+        agent = "Mozilla/5.0 (X11; Linux x86_64) AppleWebKit/537.36 (KHTML, like Gecko) Chrome/140.0.0.0"
+        assert client.lookup(platform=agent).status == 200
+
+    @pytest.mark.parametrize("img_size", [[640, 360], [1920, 1080], [640, 480]])
+    def test_another_resolution_is_answered_with_the_closest(
+        self, client: Client, img_size: list[int]
+    ) -> None:
+        answer = client.lookup(img_size=img_size)
+        assert answer.status == 200
+        assert answer.json["exact_size"] is False
+        assert answer.json["img_size"] == [1280, 720]
+
+    def test_another_zoom_is_another_lens(self, client: Client) -> None:
+        assert client.lookup(zoom=2).status == 307
+
+    def test_another_camera_is_unknown(self, client: Client) -> None:
+        for asked in ({"camera": "Another camera"}, {"platform": "Macintosh; Intel Mac OS X 10_15_7"}):
+            answer = client.lookup(**asked)
+            assert (answer.status, answer.json["reason"]) == (307, "unknown_camera")
+
+    def test_without_redirect_the_way_is_in_the_body(self, client: Client) -> None:
+        unknown = {**CAMERA, "camera": "Another camera"}
+        for body, query in ((unknown, "redirect=false"), ({**unknown, "redirect": False}, "")):
+            answer = client.call("POST", "/v1/lookup", body, token=TOKEN, query=query)
+            assert answer.status == 404
+            assert "/calibrate/?camera=Another+camera&" in answer.json["guidance_url"]
+            assert answer.json["reason"] == "unknown_camera"
+        assert client.call("POST", "/v1/lookup", CAMERA, token=TOKEN, query="redirect=false").status == 200
+
+    def test_a_fisheye_fit_of_rectilinear_sessions(self, client: Client) -> None:
+        answer = client.lookup(distortion_model="fisheye")
+        assert answer.status == 200
+        assert answer.json["distortion_model"] == "fisheye"
+        assert len(answer.json["distortion_coefficients"]) == 4
+        assert answer.json["avg_reprojection_error"] < 0.4
+
+    def test_a_model_that_is_not_stored_is_computed_from_the_keypoints(
+        self, stack: LocalStack, client: Client
+    ) -> None:
+        before = client.lookup(distortion_model="fisheye").json
+        key = before["id"].partition("~")[0]
+        place = {"pk": {"S": f"CAMERA#{key}"}, "sk": {"S": "CONSENSUS#1280x720#0#fisheye"}}
+        index, table = boto3.client("dynamodb"), stack.environment["TABLE_NAME"]
+        index.delete_item(TableName=table, Key=place)
+        answer = client.lookup(distortion_model="fisheye", img_size=[640, 360])
+        assert answer.status == 200
+        assert answer.json == {**before, "exact_size": False}
+        assert "Item" in index.get_item(TableName=table, Key=place)
+
+    def test_what_was_answered_can_be_asked_for_by_its_id(self, client: Client, known: list[Any]) -> None:
+        consensus = client.lookup().json
+        calibration = known[0][0]["calibration"]
+        for expected in (consensus, calibration):
+            path = f"/v1/calibrations/{expected['id']}"
+            assert client.call("GET", path, token=TOKEN).json == expected
+            assert client.call("GET", path, token=TOKEN, query="format=calibdb").json == expected
+
+    def test_what_is_kept_of_a_calibration(self, stack: LocalStack, known: list[Any]) -> None:
+        calibration = known[0][0]["calibration_id"]
+        name = f"calibrations/{calibration.rpartition('-')[0]}/{calibration}.json"
+        stored = boto3.client("s3").get_object(Bucket=stack.environment["BUCKET_NAME"], Key=name)
+        document = json.load(stored["Body"])
+        assert len(document["contributor"]) == 64
+        assert "127.0.0.1" not in json.dumps(document)
+        assert document["solver"]
+        assert len(document["views"]) == len(known[0][0]["views"])
+        assert all(len(view["ids"]) == len(view["points"]) for view in document["views"])
+
+
+def test_without_agreement_there_is_no_answer(stack: LocalStack) -> None:
+    """Five captures under one label with lenses of five focal lengths: nothing to rely on."""
+    for n in range(5):
+        truth = Truth(fx=700.0 + 150 * n, fy=700.0 + 150 * n, seed=n)
+        state = truth.calibrate(Client(stack), camera="One label, five lenses")
+        published(stack, state["calibration_id"], n + 1)
+    answer = Client(stack).lookup(camera="One label, five lenses")
+    assert (answer.status, answer.json["reason"]) == (307, "disagree")
+
+
+def test_real_corners_give_what_opencv_gives(client: Client) -> None:
+    """Photographs of a printed board, through the API as a session sends them."""
+    data = corner_set("pv_charuco_480")
+    board = {"squares": [8, 8], "marker_ratio": 0.75, "dictionary": "DICT_4X4_1000"}
+    size = tuple(data["image_size"])
+    assert client.open(camera="LifeCam", img_size=list(size), board=board, target_error=0.001).status == 201
+    taken = []
+    for view in data["views"]:
+        pose = client.pose()
+        answer = client.view(pose.json["index"], view["ids"], view["img"]).json
+        if answer["accepted"]:
+            taken.append(view)
+    assert len(taken) >= 5
+    rms, matrix, _, _, _ = cv2.calibrateCamera(
+        [np.array(view["obj"], np.float32) for view in taken],
+        [np.array(view["img"], np.float32) for view in taken],
+        size,
+        None,
+        None,
+    )
+    calibration = client.state()["calibration"]
+    found = np.array(calibration["camera_matrix"])
+    for place in ((0, 0), (1, 1), (0, 2), (1, 2)):
+        assert found[place] == pytest.approx(matrix[place], rel=0.01)
+    assert calibration["avg_reprojection_error"] == pytest.approx(rms, rel=0.02)

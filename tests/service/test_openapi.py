@@ -1,0 +1,54 @@
+"""The OpenAPI document is fresh, and promises what the template routes and the functions serve."""
+
+import json
+import re
+
+import pytest
+
+from calibdb import schema
+from infra.local import LocalStack
+from infra.tools import openapi
+
+
+@pytest.fixture(scope="module")
+def document() -> dict:
+    return json.loads(openapi.TARGET.read_text())
+
+
+def test_the_committed_file_is_what_the_models_give() -> None:
+    assert openapi.TARGET.read_text() == openapi.text(), "run `make openapi`"
+
+
+def test_it_names_the_routes_of_the_template(document: dict, stack: LocalStack) -> None:
+    described = {(m.upper(), path) for path, methods in document["paths"].items() for m in methods}
+    routed = {(route.method, route.path) for route in stack.template.routes if route.method != "ANY"}
+    assert described == routed
+
+
+def test_every_reference_leads_somewhere(document: dict) -> None:
+    schemas = document["components"]["schemas"]
+    references = set(re.findall(r'"#/components/schemas/(\w+)"', json.dumps(document)))
+    assert references == schemas.keys()
+
+
+def test_every_call_but_health_asks_for_a_credential(document: dict) -> None:
+    schemes = document["components"]["securitySchemes"].keys()
+    for path, methods in document["paths"].items():
+        for method, operation in methods.items():
+            wanted = {name for choice in operation.get("security", []) for name in choice}
+            assert wanted <= schemes
+            assert bool(wanted) == (path != "/healthz"), (method, path)
+            assert bool(wanted) == ({"401", "403"} <= operation["responses"].keys()), (method, path)
+
+
+def test_bodies_are_limited_and_refused_by_field(document: dict) -> None:
+    for methods in document["paths"].values():
+        for operation in methods.values():
+            if "requestBody" in operation:
+                assert {"400", "413", "422"} <= operation["responses"].keys()
+
+
+def test_models_are_those_of_the_solver() -> None:
+    from calibsolver import models
+
+    assert set(schema.DISTORTION_MODELS) == set(models.NAMES)

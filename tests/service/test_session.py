@@ -1,0 +1,154 @@
+"""A session's rules over HTTP: repeats, conflicts, undo, the end, and requests at the same time."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import boto3
+import pytest
+
+from infra.local import LocalStack
+from tests.client import CAMERA, Client, Truth
+
+
+def objects(stack: LocalStack, prefix: str) -> list[str]:
+    found = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"], Prefix=prefix)
+    return [item["Key"] for item in found.get("Contents", [])]
+
+
+@pytest.fixture
+def converged(client: Client) -> Client:
+    Truth().calibrate(client)
+    return client
+
+
+def test_starting_twice_is_starting_once(running: Client) -> None:
+    assert running.view(0, *Truth().see(running.pose().json)).json["accepted"]
+    again = running.call("POST", "/v1/session", CAMERA)
+    assert again.status == 201
+    assert len(again.json["views"]) == 1
+    other = running.call("POST", "/v1/session", {**CAMERA, "zoom": 2})
+    assert other.status == 409
+
+
+def test_the_same_view_again_is_answered_again(running: Client) -> None:
+    view = Truth().see(running.pose().json)
+    first = running.view(0, *view)
+    again = running.view(0, *view)
+    assert (first.status, again.status) == (200, 200)
+    assert first.json["views"] == again.json["views"]
+    assert again.json["accepted"]
+    assert len(running.state()["views"]) == 1
+
+
+def test_another_view_under_a_used_index_is_a_conflict(running: Client) -> None:
+    ids, points = Truth().see(running.pose().json)
+    assert running.view(0, ids, points).json["accepted"]
+    before = running.state()
+    assert running.view(0, ids, [[x + 0.01, y] for x, y in points]).status == 409
+    assert running.view(0, ids[1:], points[1:]).status == 409
+    assert running.state() == before
+
+
+def test_an_index_that_is_not_open_is_a_conflict(running: Client) -> None:
+    assert running.view(1, *Truth().see(running.pose().json)).status == 409
+
+
+def test_a_repeat_does_not_bring_an_undone_view_back(running: Client) -> None:
+    view = Truth().see(running.pose().json)
+    assert running.view(0, *view).json["accepted"]
+    for _ in range(2):  # undoing twice is undoing once
+        undone = running.call("DELETE", "/v1/session/views/0")
+        assert (undone.status, undone.json["views"]) == (200, [])
+        assert undone.json["progress"] == 0
+    assert running.view(0, *view).status == 409
+    assert running.view(1, *view).json["accepted"]
+
+
+def test_progress_only_grows(running: Client) -> None:
+    truth, progress = Truth(), [0.0]
+    while running.state()["status"] == "capturing":
+        pose = running.pose().json
+        progress.append(running.view(pose["index"], *truth.see(pose)).json["progress"])
+    assert progress == sorted(progress)
+    assert progress[-1] == 1
+
+
+def test_the_end(converged: Client) -> None:
+    state = converged.state()
+    assert state["status"] == "converged"
+    assert state["uncertainty"]["rms"] <= state["target_error"]
+    assert state["calibration"]["id"] == state["calibration_id"]
+    assert abs(state["calibration"]["camera_matrix"][0][0] - 950) < 5
+    assert converged.pose().status == 409
+    assert (
+        converged.view(
+            len(state["views"]), *Truth(seed=9).see({"rvec": [0.3, 0, 0], "tvec": [-4, -3, 9]})
+        ).status
+        == 409
+    )
+    assert converged.call("DELETE", "/v1/session/views/0").status == 409
+    assert converged.state() == state
+
+
+def test_the_last_view_repeated_publishes_once(stack: LocalStack, client: Client) -> None:
+    truth = Truth()
+    client.open(camera="Camera of a client that repeats")
+    while True:
+        pose = client.pose().json
+        view = truth.see(pose)
+        first = client.view(pose["index"], *view)
+        if first.json["status"] == "converged":
+            break
+    again = client.view(pose["index"], *view)
+    assert again.json == first.json
+    key = first.json["calibration_id"].rpartition("-")[0]
+    assert objects(stack, f"calibrations/{key}/") == [
+        f"calibrations/{key}/{first.json['calibration_id']}.json"
+    ]
+
+
+def test_a_session_started_anew_under_its_id_is_another_calibration(client: Client) -> None:
+    first = Truth().calibrate(client)
+    assert client.call("DELETE", "/v1/session").status == 204
+    assert client.call("POST", "/v1/session", CAMERA).json["views"] == []
+    truth = Truth(seed=1)
+    for _ in range(10):
+        pose = client.pose().json
+        state = client.view(pose["index"], *truth.see(pose)).json
+        if state["status"] == "converged":
+            break
+    assert state["calibration_id"] != first["calibration_id"]
+
+
+def test_forgetting_removes_the_views(stack: LocalStack) -> None:
+    before = set(objects(stack, "sessions/"))
+    fresh = Client(stack)
+    fresh.open()
+    fresh.view(0, *Truth().see(fresh.pose().json))
+    assert set(objects(stack, "sessions/")) > before
+    assert fresh.call("DELETE", "/v1/session").status == 204
+    assert set(objects(stack, "sessions/")) == before
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_views_sent_at_once_have_one_effect(running: Client, same: bool) -> None:
+    pose = running.pose().json
+    views = [Truth(seed=0 if same else n).see(pose) for n in range(6)]
+    with ThreadPoolExecutor(len(views)) as pool:
+        answers = list(pool.map(lambda view: running.view(0, *view), views))
+    statuses = sorted(answer.status for answer in answers)
+    assert statuses == ([200] * 6 if same else [200] + [409] * 5)
+    assert len(running.state()["views"]) == 1
+    assert running.pose().json["index"] == 1
+
+
+def test_poses_asked_for_at_once_are_one(running: Client) -> None:
+    with ThreadPoolExecutor(6) as pool:
+        poses = list(pool.map(lambda n: (n, running.pose().json)[1], range(6)))
+    assert all(pose == poses[0] for pose in poses)
+
+
+def test_sessions_started_at_once_are_one(client: Client) -> None:
+    client.session_id = client.call("POST", "/v1/auth", token="cdb_dev_local").json["session_id"]
+    with ThreadPoolExecutor(6) as pool:
+        answers = list(pool.map(lambda _: client.call("POST", "/v1/session", CAMERA), range(6)))
+    assert [answer.status for answer in answers] == [201] * 6
