@@ -41,9 +41,7 @@ class Invokes:
         something out on their own machine need not.
     """
 
-    def __init__(
-        self, functions: Mapping[str, Function], outbox: Storage | None, pauses: Sequence[float] = (1.0, 2.0)
-    ):
+    def __init__(self, functions: Mapping[str, Function], outbox: Storage | None, pauses: Sequence[float]):
         self._functions = functions
         self._outbox = outbox
         self._pauses = pauses

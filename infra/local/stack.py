@@ -8,7 +8,7 @@ import os
 import sys
 import time
 import uuid
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -27,7 +27,7 @@ from infra.local.journal import Journal
 from infra.local.pages import public_settings
 from infra.local.server import Front, bind, serving
 from infra.local.storage import Storage
-from infra.local.template import Template, load
+from infra.local.template import Template, TemplateError, load
 from infra.local.workers import Workers
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -54,11 +54,15 @@ class LocalStack:
         The template and the static client; the repository's unless told otherwise.
     clock
         Unix seconds.
+    retry_pauses
+        Seconds before the retries of an asynchronous invoke that failed; see `Invokes`.
 
     Raises
     ------
     JournalError, PortInUseError
         At the start of the block, if another process has the folder or the port.
+    TemplateError
+        If the template cannot be run, or storage is elsewhere and it is not said where.
     """
 
     def __init__(
@@ -69,6 +73,7 @@ class LocalStack:
         template: Path = ROOT / "template.yaml",
         web: Path = ROOT / "web",
         clock: Callable[[], float] = time.time,
+        retry_pauses: Sequence[float] = (1.0, 2.0),
     ):
         self._data_dir = data_dir
         self._environment = environment or {}
@@ -76,6 +81,7 @@ class LocalStack:
         self._template_path = template
         self._web = web
         self._clock = clock
+        self._retry_pauses = retry_pauses
         self._stack = ExitStack()
 
     def __enter__(self) -> Self:
@@ -104,8 +110,7 @@ class LocalStack:
         )
         variables = self.template.environment()
         if not self.embedded:
-            # The table and the bucket have other names there; the operator says them.
-            variables |= {name: os.environ[name] for name in variables if name in os.environ}
+            variables |= _elsewhere(self.template, variables, os.environ)
         self.environment = variables | dict(self._environment)
         stack.enter_context(env.applied(self.environment, embedded=self.embedded))
         for layer in map(str, self.template.layers):
@@ -122,7 +127,7 @@ class LocalStack:
         if self.storage:
             stack.callback(self.storage.close)
             services = {name: _bound(self.storage, name) for name in ("dynamodb", "s3")}
-        invokes = Invokes(self.functions, self.storage)
+        invokes = Invokes(self.functions, self.storage, self._retry_pauses)
         stack.enter_context(intercepting(services | {"lambda": invokes.handle}))
         stack.callback(invokes.close)
         self._workers = Workers(_THREADS, "function")
@@ -133,16 +138,15 @@ class LocalStack:
         invokes.deliver_remembered()
 
     def _load(self, secrets: keys.Secrets) -> Template:
-        return load(
-            self._template_path,
-            {
-                "SessionSecrets": secrets.session,
-                "ContributorSecret": secrets.contributor,
-                "GuidanceUrl": f"{self.url}/calibrate/",
-                # On one's own machine everyone is one contributor.
-                "MinContributors": "1",
-            },
-        )
+        parameters = {
+            "SessionSecrets": secrets.session,
+            "ContributorSecret": secrets.contributor,
+            "GuidanceUrl": f"{self.url}/calibrate/",
+        }
+        if self.embedded:
+            # On one's own machine everyone is one contributor.
+            parameters["MinContributors"] = "1"
+        return load(self._template_path, parameters)
 
     def _admit_development_token(self) -> None:
         if "TABLE_NAME" not in self.environment:
@@ -207,6 +211,15 @@ class LocalStack:
         front = Front(self._gateway, self._workers, self._web, public_settings("/v1", DEVELOPMENT_TOKEN))
         with serving(front, self._listener):
             yield self.url
+
+
+def _elsewhere(template: Template, variables: Mapping[str, str], given: Mapping[str, str]) -> dict[str, str]:
+    """Return what the operator's environment says of the variables; what the template creates it must say."""
+    created = {table.name for table in template.tables} | {bucket.name for bucket in template.buckets}
+    missing = [name for name, value in variables.items() if value in created and name not in given]
+    if missing:
+        raise TemplateError(f"storage is elsewhere, but {' and '.join(missing)} do not say where")
+    return {name: given[name] for name in variables if name in given}
 
 
 def _bound(storage: Storage, service: str) -> Service:

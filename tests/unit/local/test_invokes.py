@@ -1,0 +1,157 @@
+"""Functions that call functions: at once, later, again after a failure, again after a crash."""
+
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import boto3
+import pytest
+from botocore.exceptions import ClientError
+
+from infra.local import LocalStack
+from infra.local.invokes import Invokes
+from tests.toy_stack import deploy
+
+#: appends every call to a file; fails as often as the event says, and asks others
+RECORD = """
+    import json, os, time
+    from pathlib import Path
+    def handler(event, context):
+        with Path(os.environ["CALLS"]).open("a") as calls:
+            calls.write(json.dumps([event, context.aws_request_id]) + "\\n")
+        seen = Path(os.environ["CALLS"]).read_text().count(json.dumps(event))
+        if seen <= event.get("fail", 0):
+            raise ValueError("not yet")
+        time.sleep(event.get("sleep", 0))
+        return {"seen": seen, "tuple": (1, 2)}
+"""
+
+CALLER = """
+    import boto3, json
+    def handler(event, context):
+        answer = boto3.client("lambda").invoke(FunctionName="Record", Payload=json.dumps({"from": "caller"}))
+        return {"status": answer["StatusCode"], "answer": json.load(answer["Payload"])}
+"""
+
+
+@pytest.fixture
+def template(tmp_path: Path) -> Path:
+    return deploy(tmp_path, {"Record": (RECORD, ()), "Caller": (CALLER, ("GET /v1/call",))})
+
+
+@pytest.fixture(autouse=True)
+def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[Any]]:
+    path = tmp_path / "calls"
+    path.touch()
+    monkeypatch.setenv("CALLS", str(path))
+    return lambda: [json.loads(line) for line in path.read_text().splitlines()]
+
+
+def invoke(event: Any, kind: str = "RequestResponse", name: str = "Record") -> Any:
+    return boto3.client("lambda").invoke(
+        FunctionName=name, InvocationType=kind, Payload=json.dumps(event).encode()
+    )
+
+
+def test_a_call_is_answered_through_json(template: Path) -> None:
+    with LocalStack(template=template):
+        answer = invoke({"n": 1})
+        assert answer["StatusCode"] == 200
+        assert "FunctionError" not in answer
+        assert json.load(answer["Payload"]) == {"seen": 1, "tuple": [1, 2]}
+        by_arn = invoke({"n": 2}, name="arn:aws:lambda:us-east-1:123456789012:function:Record")
+        assert by_arn["StatusCode"] == 200
+
+
+def test_a_function_may_call_another_within_a_request(template: Path) -> None:
+    with LocalStack(template=template) as stack:
+        response = stack.request("GET", "/v1/call")
+        assert response.json() == {"status": 200, "answer": {"seen": 1, "tuple": [1, 2]}}
+
+
+def test_a_failure_is_the_functions(template: Path) -> None:
+    with LocalStack(template=template):
+        answer = invoke({"fail": 9})
+        assert (answer["StatusCode"], answer["FunctionError"]) == (200, "Unhandled")
+        assert json.load(answer["Payload"]) == {"errorMessage": "not yet", "errorType": "ValueError"}
+        with pytest.raises(ClientError, match="ResourceNotFoundException"):
+            invoke({}, name="Nobody")
+
+
+def test_a_later_call_is_accepted_at_once_and_done_before_the_end(
+    template: Path, calls: Callable[[], list[Any]]
+) -> None:
+    with LocalStack(template=template):
+        started = time.monotonic()
+        for number in range(5):
+            answer = invoke({"n": number, "sleep": 0.1}, "Event")
+            assert (answer["StatusCode"], answer["Payload"].read()) == (202, b"")
+        assert time.monotonic() - started < 0.4
+    assert sorted(event["n"] for event, _ in calls()) == [0, 1, 2, 3, 4]
+
+
+def test_a_later_call_that_fails_is_tried_twice_more(template: Path, calls: Callable[[], list[Any]]) -> None:
+    with LocalStack(template=template, retry_pauses=(0.0, 0.0)):
+        invoke({"fail": 2}, "Event")
+        wait_for(lambda: len(calls()) == 3)
+    assert len({request for _, request in calls()}) == 1, "a retry has the id of the call"
+    assert len(calls()) == 3
+
+
+def test_a_call_that_always_fails_is_given_up(
+    template: Path, tmp_path: Path, calls: Callable[[], list[Any]], caplog: pytest.LogCaptureFixture
+) -> None:
+    with LocalStack(tmp_path / "data", template=template, retry_pauses=(0.0, 0.0)) as stack:
+        invoke({"fail": 99}, "Event")
+        wait_for(lambda: "given up" in caplog.text)
+        assert stack.storage is not None
+        wait_for(lambda: stack.storage is not None and stack.storage.remembered("invoke") == [])
+    with LocalStack(tmp_path / "data", template=template):
+        pass
+    assert len(calls()) == 3
+
+
+def test_an_accepted_call_survives_a_crash(
+    template: Path, tmp_path: Path, calls: Callable[[], list[Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # The crash: accepted, and the process gone before the call was made.
+    with monkeypatch.context() as crash:
+        crash.setattr(Invokes, "_submit", lambda *_: None)
+        with LocalStack(tmp_path / "data", template=template):
+            for number in range(3):
+                assert invoke({"n": number}, "Event")["StatusCode"] == 202
+    assert calls() == []
+    with LocalStack(tmp_path / "data", template=template):
+        pass  # delivered at the start, done before the end
+    assert sorted(event["n"] for event, _ in calls()) == [0, 1, 2]
+    with LocalStack(tmp_path / "data", template=template):
+        pass
+    assert len(calls()) == 3, "once done, it is forgotten"
+
+
+def test_a_call_that_waits_for_a_retry_is_left_for_the_next_start(
+    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
+) -> None:
+    started = time.monotonic()
+    with LocalStack(tmp_path / "data", template=template, retry_pauses=(60.0,)):
+        invoke({"fail": 1}, "Event")
+        wait_for(lambda: len(calls()) == 1)
+    assert time.monotonic() - started < 30
+    with LocalStack(tmp_path / "data", template=template):
+        wait_for(lambda: len(calls()) == 2)
+
+
+def test_one_stack_at_a_time(template: Path) -> None:
+    with LocalStack(template=template):
+        with pytest.raises(RuntimeError, match="running in this process already"):
+            LocalStack(template=template).__enter__()
+        assert invoke({"still": "there"})["StatusCode"] == 200
+
+
+def wait_for(condition: Callable[[], bool], seconds: float = 10) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.005)
