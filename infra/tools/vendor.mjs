@@ -2,7 +2,7 @@
 //
 // The OpenCV.js package carries its WebAssembly as a 12 million character string inside the module. A browser
 // cannot compile that while it arrives, nor cache the compiled code, so the binary is written beside the module.
-import { copyFileSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { compile } from "json-schema-to-typescript";
 
@@ -46,14 +46,33 @@ function vendorOpenCV() {
   console.log(`OpenCV.js ${version}: ${(wasm.length / 1e6).toFixed(1)} MB of WebAssembly`);
 }
 
+/**
+ * OpenAPI 3.1's JSON Schema in the older dialect that json-schema-to-typescript reads well.
+ * @param {any} node
+ * @param {boolean} [named] is it a schema that keeps its title as its name?
+ * @returns {any}
+ */
+function plainSchema(node, named = false) {
+  if (Array.isArray(node)) return node.map((each) => plainSchema(each));
+  if (node === null || typeof node !== "object") return node;
+  if (node.$ref) return { $ref: node.$ref.replace("#/components/schemas/", "#/definitions/") };
+  const { prefixItems, title, default: _, ...rest } = node;
+  /** @param {object} map @returns {any} */
+  const each = (map) => Object.fromEntries(Object.entries(map).map(([key, value]) => [key, plainSchema(value)]));
+  const plain = each(rest);
+  if (rest.properties) plain.properties = each(rest.properties); // its keys are names, "title" among them
+  if (named && title) plain.title = title;
+  if (prefixItems) plain.items = plainSchema(prefixItems);
+  return plain;
+}
+
 /** Types of the API's bodies, from the document that the service publishes. */
 async function vendorTypes() {
-  const document = `${root}web/openapi.json`;
-  if (!existsSync(document)) return;
-  const { components } = JSON.parse(readFileSync(document, "utf8"));
-  const schema = { title: "Api", type: "object", properties: {}, definitions: components.schemas };
-  const text = JSON.stringify(schema).replaceAll("#/components/schemas/", "#/definitions/");
-  const types = await compile(JSON.parse(text), "Api", {
+  const { components } = JSON.parse(readFileSync(`${root}web/openapi.json`, "utf8"));
+  const definitions = Object.fromEntries(
+    Object.entries(components.schemas).map(([name, schema]) => [name, plainSchema(schema, true)]),
+  );
+  const types = await compile({ title: "Api", type: "object", definitions }, "Api", {
     bannerComment: "// Made from web/openapi.json by infra/tools/vendor.mjs.",
     unreachableDefinitions: true,
     additionalProperties: false,

@@ -11,7 +11,7 @@ import { TABLES } from "./dictionaries.js";
  * @typedef {[x: number, y: number, width: number, height: number]} Rectangle
  */
 
-/** @type {Board} */
+/** @type {Required<import("../vendor/api.js").Board>} */
 export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false };
 
 /** Inner corners in the order of their ids: row by row. @param {Board} board @returns {[number, number][]} */

@@ -3,28 +3,10 @@ import { ApiError } from "./api.js";
 
 /**
  * @typedef {import("./stillness.js").Corners} Corners
- * @typedef {import("../sdk/calibdb.js").Calibration} Calibration
- *
- * @typedef {object} Pose
- * @property {number} index
- * @property {[number, number, number]} rvec board → camera
- * @property {[number, number, number]} tvec squares
- * @property {number[]} ids
- * @property {[number, number][]} corners px
- * @property {[number, number][]} outline px
- * @property {string} purpose
- * @property {string} hint
- *
- * @typedef {object} SessionState
- * @property {"capturing" | "converged"} status
- * @property {{index: number, points: number, rms: number | null}[]} views
- * @property {number} progress 0…1
- * @property {number} target_error px
- * @property {{rms: number, max: number} | null} uncertainty px
- * @property {Calibration | null} calibration
- * @property {string | null} calibration_id
- *
- * @typedef {SessionState & {accepted: boolean, reason: string | null}} ViewAnswer
+ * @typedef {import("../vendor/api.js").Pose} Pose
+ * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
+ * @typedef {import("../vendor/api.js").SessionState} SessionState
+ * @typedef {import("../vendor/api.js").ViewAnswer} ViewAnswer
  */
 
 export class CaptureSession {
@@ -35,7 +17,7 @@ export class CaptureSession {
   /** @type {Map<number, Corners>} accepted views by index */
   #views = new Map();
 
-  /** @param {import("./api.js").Api} api @param {string} token API token @param {object} request body of POST /session */
+  /** @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request */
   constructor(api, token, request) {
     this.#api = api;
     this.#token = token;

@@ -5,7 +5,7 @@ import { jaccard } from "./jaccard.js";
 import { instruct, SILENT } from "./instruction.js";
 
 /**
- * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {Required<import("../vendor/api.js").Board>} Board
  * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey
  * @typedef {import("./camera.js").Choice} Choice
  * @typedef {import("./session.js").Pose} Pose
@@ -17,7 +17,7 @@ import { instruct, SILENT } from "./instruction.js";
  * @typedef {object} Wanted the camera that the page was opened for
  * @property {string | null} camera
  * @property {[number, number] | null} img_size
- * @property {string} distortion_model
+ * @property {"rectilinear" | "fisheye"} distortion_model
  *
  * @typedef {object} State
  * @property {"welcome" | "opening" | "capturing" | "done" | "failed"} phase

@@ -1,0 +1,64 @@
+// The board that is drawn is the board that OpenCV expects: pixel for pixel, against cv2 itself.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync } from "node:fs";
+import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { DEFAULT_BOARD, blackRectangles, corners, markers, raster } from "../../web/board/geometry.js";
+
+const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));
+
+/** What cv2 draws, and where it says the corners are. */
+function drawnByOpenCV({ squares, marker_ratio, dictionary, legacy }, scale, margin) {
+  const script = `
+import base64, json, sys, cv2
+a = json.loads(sys.argv[1])
+d = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, a["dictionary"]))
+b = cv2.aruco.CharucoBoard(tuple(a["squares"]), 1.0, a["marker_ratio"], d)
+b.setLegacyPattern(a["legacy"])
+w, h = (n * a["scale"] + 2 * a["margin"] for n in a["squares"])
+p = b.generateImage((w, h), marginSize=a["margin"])
+print(json.dumps({"w": w, "h": h, "pixels": base64.b64encode(p.tobytes()).decode(), "corners": b.getChessboardCorners().tolist()}))`;
+  const request = JSON.stringify({ squares, marker_ratio, dictionary, legacy, scale, margin });
+  return JSON.parse(execFileSync(python, ["-c", script, request], { maxBuffer: 1 << 26 }));
+}
+
+// Scales at which a marker's cells are whole pixels: elsewhere OpenCV rounds, and rounds each marker differently.
+const cases = [
+  ["the default board", DEFAULT_BOARD, 120],
+  ["a legacy board with an even number of rows", { ...DEFAULT_BOARD, legacy: true }, 120],
+  ["a legacy board with an odd number of rows", { ...DEFAULT_BOARD, squares: [6, 7], legacy: true }, 120],
+  ["the board of the photographs", { squares: [8, 8], marker_ratio: 0.75, dictionary: "DICT_4X4_1000", legacy: false }, 80],
+  ["5x5 bits", { squares: [5, 7], marker_ratio: 0.7, dictionary: "DICT_5X5_100", legacy: false }, 100],
+  ["6x6 bits", { squares: [7, 5], marker_ratio: 0.8, dictionary: "DICT_6X6_250", legacy: false }, 100],
+  ["7x7 bits", { squares: [11, 8], marker_ratio: 0.6, dictionary: "DICT_7X7_1000", legacy: true }, 90],
+  ["the original dictionary", { squares: [5, 4], marker_ratio: 0.7, dictionary: "DICT_ARUCO_ORIGINAL", legacy: false }, 100],
+];
+
+for (const [name, board, scale] of cases) {
+  test(`${name} equals OpenCV's drawing in every pixel`, { skip: !existsSync(python) && "no Python environment" }, () => {
+    const expected = drawnByOpenCV(board, scale, 21);
+    const ours = raster(board, scale, 21);
+    assert.deepEqual([ours.width, ours.height], [expected.w, expected.h]);
+    const pixels = Buffer.from(expected.pixels, "base64");
+    let different = 0;
+    for (let i = 0; i < pixels.length; i++) if (pixels[i] !== ours.data[i]) different += 1;
+    assert.equal(different, 0);
+    assert.deepEqual(corners(board), expected.corners.map(([x, y]) => [x, y]));
+  });
+}
+
+test("black rectangles do not overlap and stay on the board", () => {
+  const rectangles = blackRectangles(DEFAULT_BOARD);
+  const area = rectangles.reduce((sum, [, , w, h]) => sum + w * h, 0);
+  const { data, width, height } = raster(DEFAULT_BOARD, 120);
+  const black = data.reduce((sum, value) => sum + (value === 0 ? 1 : 0), 0) / (120 * 120);
+  assert.ok(Math.abs(area - black) < 1e-9, `${area} drawn, ${black} black`);
+  assert.deepEqual([width, height], [9 * 120, 6 * 120]);
+  assert.equal(markers(DEFAULT_BOARD).length, 27);
+});
+
+test("a dictionary that is unknown, or too small for the board, is refused by name", () => {
+  assert.throws(() => blackRectangles({ ...DEFAULT_BOARD, dictionary: "DICT_9X9_50" }), /DICT_9X9_50/);
+  assert.throws(() => blackRectangles({ ...DEFAULT_BOARD, squares: [20, 20] }), /DICT_4X4_50 has 50 markers/);
+});

@@ -1,0 +1,55 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { refine, refineCorner, squareSizes } from "../../web/calibrate/subpixel.js";
+import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
+import { Painter } from "../../web/virtual/painter.js";
+import { project } from "../../web/virtual/lens.js";
+import { transform } from "../../web/virtual/pose.js";
+
+const SIZE = [640, 360];
+const LENS = { fx: 500, fy: 505, cx: 327.3, cy: 172.8, k1: -0.25, k2: 0.05, p1: 0.001, p2: -0.002, k3: 0 };
+
+/** A picture of the board, and where its corners truly are. */
+function photograph(pose) {
+  const rgba = new Uint8ClampedArray(4 * SIZE[0] * SIZE[1]);
+  new Painter(DEFAULT_BOARD, LENS, SIZE).paint(pose, rgba);
+  const data = Uint8Array.from({ length: SIZE[0] * SIZE[1] }, (_, index) => rgba[4 * index]);
+  const points = corners(DEFAULT_BOARD).map(([x, y]) => project(LENS, transform(pose, [x, y, 0])));
+  return { image: { width: SIZE[0], height: SIZE[1], data }, points, ids: points.map((_, index) => index) };
+}
+
+const POSE = { rvec: [0.3, -0.4, 0.1], tvec: [-4.2, -2.9, 9] };
+
+test("corners that start up to 0.8 px away come back to 0.1 px rms", () => {
+  const { image, points, ids } = photograph(POSE);
+  const started = points.map(([x, y], index) => [x + 0.8 * Math.cos(index), y + 0.8 * Math.sin(index)]);
+  const { ids: kept, points: refined } = refine(image, { ids, points: started }, 8);
+  assert.equal(kept.length, 40);
+  const errors = refined.map(([x, y], index) => Math.hypot(x - points[index][0], y - points[index][1]));
+  const rms = Math.sqrt(errors.reduce((sum, error) => sum + error ** 2, 0) / errors.length);
+  assert.ok(rms < 0.1, `rms ${rms.toFixed(3)} px`);
+  assert.ok(Math.max(...errors) < 0.2, `max ${Math.max(...errors).toFixed(3)} px`);
+});
+
+test("a corner that is not there is dropped", () => {
+  const { image, points, ids } = photograph(POSE);
+  const wrong = points.map((point) => [...point]);
+  wrong[11][0] += 3; // more than the 1 px that a detector may be wrong by
+  assert.ok(!refine(image, { ids, points: wrong }, 8).ids.includes(11));
+});
+
+test("corners of squares below 16 px are dropped", () => {
+  const { image, points, ids } = photograph({ rvec: [0, 0, 0], tvec: [-4.5, -3, 36] });
+  assert.deepEqual(refine(image, { ids, points }, 8).ids, []);
+});
+
+test("a flat patch and the image's edge hold no corner", () => {
+  const image = { width: 64, height: 64, data: new Uint8Array(64 * 64).fill(90) };
+  assert.equal(refineCorner(image, 30, 30, 4), null);
+  assert.equal(refineCorner(image, 2, 30, 4), null);
+});
+
+test("squares are measured between neighbours of one row, never across the board's edge", () => {
+  // Corners 7 and 8 of a board of 8 a row follow each other by number and lie at opposite ends.
+  assert.deepEqual(squareSizes([7, 8, 15], [[400, 100], [50, 140], [400, 140]], 8), [40, 40, 40]);
+});
