@@ -2,7 +2,6 @@
 
 import json
 import time
-from collections.abc import Callable
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -13,19 +12,10 @@ import pytest
 
 from calibdb import schema
 from calibdb.settings import Settings
-from calibdb.store import Store
+from calibdb.store import Store, clients
 from infra.local import LocalStack
-from tests.client import CAMERA, TOKEN, Client, Truth
+from tests.client import CAMERA, TOKEN, Client, Truth, until
 from tests.data import corner_set
-
-
-def until(holds: Callable[[], Any], seconds: float = 10.0) -> Any:
-    """Wait for what is computed asynchronously."""
-    end = time.monotonic() + seconds
-    while not (found := holds()):
-        assert time.monotonic() < end, "it did not happen in time"
-        time.sleep(0.02)
-    return found
 
 
 def published(stack: LocalStack, calibration_id: str, total: int) -> None:
@@ -96,6 +86,22 @@ def test_the_answer(known: list[Any]) -> None:
 
 @pytest.mark.usefixtures("known")
 class TestLookup:
+    def test_a_hit_is_one_query_and_nothing_else(self, stack: LocalStack, client: Client) -> None:
+        client.lookup()  # the token is remembered for a minute
+        asked: list[str] = []
+        region = Settings.from_environment(stack.environment).region
+        for storage in (clients.dynamodb(region), clients.s3(region)):
+            storage.meta.events.register(
+                "before-call.*", lambda model, **_: asked.append(model.name), unique_id="count"
+            )
+        try:
+            assert client.lookup().status == 200
+            assert client.lookup(img_size=[640, 360]).status == 200
+        finally:
+            for storage in (clients.dynamodb(region), clients.s3(region)):
+                storage.meta.events.unregister("before-call.*", unique_id="count")
+        assert asked == ["Query", "Query"]
+
     def test_get_answers_like_post_and_may_be_cached_for_a_minute(self, client: Client) -> None:
         query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"
         answer = client.call("GET", "/v1/lookup", token="", query=f"{query}&key={TOKEN}")

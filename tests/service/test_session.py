@@ -5,8 +5,10 @@ from concurrent.futures import ThreadPoolExecutor
 import boto3
 import pytest
 
+from calibdb.errors import UnavailableError
+from calibdb.store import Calibrations, Refit
 from infra.local import LocalStack
-from tests.client import CAMERA, Client, Truth
+from tests.client import CAMERA, TOKEN, Client, Truth, until
 
 
 def objects(stack: LocalStack, prefix: str) -> list[str]:
@@ -104,6 +106,35 @@ def test_the_last_view_repeated_publishes_once(stack: LocalStack, client: Client
     assert objects(stack, f"calibrations/{key}/") == [
         f"calibrations/{key}/{first.json['calibration_id']}.json"
     ]
+
+
+@pytest.mark.parametrize(("noun", "verb"), [(Calibrations, "publish"), (Refit, "later")])
+def test_a_repeat_completes_what_a_failure_left_undone(
+    client: Client, monkeypatch: pytest.MonkeyPatch, noun: type, verb: str
+) -> None:
+    """Storage fails after the session converged and before anyone can find the calibration."""
+    truth, camera = Truth(), f"Camera whose {verb} fails"
+    client.open(camera=camera)
+
+    def fail(*_: object) -> None:
+        raise UnavailableError("Storage did not answer.")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(noun, verb, fail)
+        status = 200
+        while status == 200:
+            pose = client.pose().json
+            view = truth.see(pose)
+            answer = client.view(pose["index"], *view)
+            status = answer.status
+    assert answer.status == 503
+    assert answer.headers["retry-after"] == "1"
+    assert client.lookup(camera=camera).json["reason"] == "unknown_camera"
+    again = client.view(pose["index"], *view)
+    assert (again.status, again.json["status"]) == (200, "converged")
+    path = f"/v1/calibrations/{again.json['calibration_id']}"
+    assert client.call("GET", path, token=TOKEN).json == again.json["calibration"]
+    until(lambda: client.lookup(camera=camera).json["reason"] == "too_few")
 
 
 def test_a_session_started_anew_under_its_id_is_another_calibration(client: Client) -> None:

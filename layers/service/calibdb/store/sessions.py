@@ -127,7 +127,7 @@ class Sessions:
         # A write that was retried because its answer got lost finds itself done: nobody else has this
         # version.
         head = self._head(sid)
-        return head is not None and head.version == version
+        return head == _Head(version, forgotten=False)
 
 
 def _name(sid: str, version: int) -> str:

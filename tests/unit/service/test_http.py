@@ -1,0 +1,119 @@
+"""HTTP by the smallest function there is: routes, media types, errors, and nothing of a trace."""
+
+import json
+from typing import Any
+
+import pytest
+from starlette.responses import Response
+
+from calibdb import http
+from calibdb.errors import ConflictError
+from tests.unit.service.test_settings import ENVIRONMENT
+
+TYPES = ("image/jpeg", "image/png", "application/json")
+
+
+def pick(call: http.Call) -> Response:
+    return Response(call.accepted(TYPES))
+
+
+def conflict(_: http.Call) -> Response:
+    raise ConflictError("Not now.", kind="busy", members={"who": "you"}, headers={"X-Why": "because"})
+
+
+def crash(_: http.Call) -> Response:
+    raise RuntimeError("the secret is 4711")
+
+
+def blob(_: http.Call) -> Response:
+    return Response(b"\xff\xd8\xff", media_type="image/jpeg")
+
+
+HANDLER = http.handler(
+    http.resource("/pick", GET=pick),
+    http.resource("/conflict", POST=conflict, GET=pick),
+    http.resource("/crash", GET=crash),
+    http.resource("/blob", GET=blob),
+)
+
+
+@pytest.fixture(autouse=True)
+def environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in ENVIRONMENT.items():
+        monkeypatch.setenv(name, value)
+
+
+def send(method: str, path: str, headers: dict[str, str] | None = None) -> dict[str, Any]:
+    event = {
+        "version": "2.0",
+        "routeKey": f"{method} {path}",
+        "rawPath": path,
+        "rawQueryString": "",
+        "headers": headers or {},
+        "requestContext": {"http": {"method": method, "path": path, "sourceIp": "192.0.2.1"}},
+        "isBase64Encoded": False,
+    }
+    return HANDLER(event, None)
+
+
+@pytest.mark.parametrize(
+    ("accept", "chosen"),
+    [
+        ("", "image/jpeg"),
+        ("*/*", "image/jpeg"),
+        ("image/png", "image/png"),
+        ("IMAGE/PNG", "image/png"),
+        ("image/*;q=0.2, application/json;q=0.3", "application/json"),
+        ("image/jpeg;q=0, image/*", "image/png"),
+        ("*/*;q=0.1, image/png;q=0.2", "image/png"),
+        ("application/json; charset=utf-8", "application/json"),
+        ("image/png;q=nonsense", "image/png"),
+        (",;,", None),
+        ("text/html", None),
+        ("*/*;q=0", None),
+    ],
+)
+def test_accept(accept: str, chosen: str | None) -> None:
+    answer = send("GET", "/pick", {"accept": accept})
+    assert answer["statusCode"] == (200 if chosen else 406)
+    if chosen:
+        assert answer["body"] == chosen
+
+
+def test_an_error_is_a_problem() -> None:
+    answer = send("POST", "/conflict")
+    assert answer["statusCode"] == 409
+    assert answer["headers"]["content-type"] == "application/problem+json"
+    assert answer["headers"]["x-why"] == "because"
+    assert answer["isBase64Encoded"] is False
+    assert json.loads(answer["body"]) == {
+        "type": "https://calibdb.example/problems/busy",
+        "title": "Conflict",
+        "status": 409,
+        "detail": "Not now.",
+        "who": "you",
+    }
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "status"), [("GET", "/nowhere", 404), ("DELETE", "/conflict", 405)]
+)
+def test_no_such_path_or_method(method: str, path: str, status: int) -> None:
+    answer = send(method, path)
+    assert (answer["statusCode"], json.loads(answer["body"])["status"]) == (status, status)
+    if status == 405:
+        assert set(answer["headers"]["allow"].split(", ")) == {"GET", "HEAD", "POST"}
+
+
+def test_a_crash_says_nothing_of_itself(caplog: pytest.LogCaptureFixture) -> None:
+    answer = send("GET", "/crash")
+    assert answer["statusCode"] == 500
+    assert answer["headers"]["content-type"] == "application/problem+json"
+    assert "4711" not in json.dumps(answer)
+    assert "RuntimeError" not in json.dumps(answer)
+    assert "4711" in caplog.text  # the operator reads it in the log
+
+
+def test_pictures_leave_as_base64() -> None:
+    answer = send("GET", "/blob")
+    assert (answer["isBase64Encoded"], answer["body"]) == (True, "/9j/")

@@ -1,0 +1,89 @@
+"""Which consensus answers: the exact size, else the closest by aspect and then by area, if it is reliable."""
+
+import pytest
+
+from calibdb.schema import Calibration, ConsensusDocument, Uncertainty
+from calibdb.selection import choose
+
+
+def stored(
+    size: tuple[int, int], model: str = "rectilinear", reason: str | None = None, zoom: float = 0.0
+) -> ConsensusDocument:
+    calibration = Calibration(
+        img_size=size,
+        camera_matrix=((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+        distortion_coefficients=(),
+        distortion_model=model,
+        avg_reprojection_error=0.2,
+        id="id",
+        camera="camera",
+        platform="platform",
+        zoom=zoom,
+        calibrations=5,
+        contributors=3,
+        reliable=reason is None,
+        exact_size=True,
+        uncertainty=Uncertainty(rms=0.1, max=0.2),
+        calibration_time=0,
+    )
+    return ConsensusDocument(
+        camera_key="k",
+        img_size=size,
+        zoom=zoom,
+        distortion_model=model,
+        total=5,
+        latest=0,
+        reason=reason,
+        calibration=calibration,
+    )
+
+
+HD, FULL_HD, VGA, SD = (1280, 720), (1920, 1080), (640, 480), (854, 480)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "asked", "answered"),
+    [
+        ([HD, FULL_HD, VGA], HD, HD),
+        ([FULL_HD, VGA], HD, FULL_HD),  # same aspect before closer area
+        ([SD, VGA], HD, SD),
+        ([VGA], HD, VGA),
+        ([VGA, (1600, 1200)], (1024, 768), (1600, 1200)),  # 2.4 times the area, not a 2.6th
+        ([SD, FULL_HD, (3840, 2160)], (3000, 1687), (3840, 2160)),  # 16:9 to the pixel, and almost
+        ([(720, 1280), VGA], HD, VGA),
+    ],
+)
+def test_closest_size(
+    sizes: list[tuple[int, int]], asked: tuple[int, int], answered: tuple[int, int]
+) -> None:
+    known = [stored(size) for size in sizes]
+    for order in (known, known[::-1]):
+        choice = choose(order, asked, 0.0, "rectilinear")
+        assert choice.found is not None
+        assert choice.found.img_size == answered
+
+
+def test_only_what_is_reliable_answers() -> None:
+    choice = choose([stored(HD, reason="disagree"), stored(VGA)], HD, 0.0, "rectilinear")
+    assert choice.found is not None
+    assert choice.found.img_size == VGA
+    choice = choose([stored(HD, reason="disagree"), stored(VGA, reason="too_few")], HD, 0.0, "rectilinear")
+    assert (choice.found, choice.reason) == (None, "disagree")
+
+
+def test_a_model_that_is_not_stored_is_to_be_computed_where_another_is_reliable() -> None:
+    assert choose([stored(HD)], FULL_HD, 0.0, "fisheye").missing_at == HD
+    assert choose([stored(HD, reason="too_few")], HD, 0.0, "fisheye").missing_at is None
+    both = [stored(HD), stored(HD, "fisheye", reason="disagree")]
+    choice = choose(both, HD, 0.0, "fisheye")
+    assert (choice.missing_at, choice.reason) == (None, "disagree")
+
+
+def test_another_zoom_never_answers() -> None:
+    assert choose([stored(HD, zoom=1.0)], HD, 0.0, "rectilinear").found is None
+    assert choose([stored(HD, zoom=1.0)], HD, 1.0, "rectilinear").found is not None
+
+
+def test_nothing_known() -> None:
+    choice = choose([], HD, 0.0, "rectilinear")
+    assert (choice.found, choice.missing_at, choice.reason) == (None, None, "unknown_camera")

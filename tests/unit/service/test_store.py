@@ -1,0 +1,280 @@
+"""Storage by its promises: crashes leave orphans, races have one winner, what is published stays."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import boto3
+import pytest
+from botocore.exceptions import ClientError, EndpointConnectionError
+from moto import mock_aws
+
+from calibdb import capture
+from calibdb.errors import ConflictError, NotFoundError, UnavailableError
+from calibdb.schema import (
+    ConsensusDocument,
+    EstimateDocument,
+    FitRecord,
+    SessionDocument,
+    SessionRequest,
+    Uncertainty,
+)
+from calibdb.store import Calibrations, Consensuses, Objects, Sessions, Table, Tokens
+from calibdb.tokens import ApiToken
+
+NOW = 1_700_000_000
+SID = "6553f1000123456789abcdef"
+REGION = "eu-central-1"
+REQUEST = SessionRequest(camera="Camera", platform="Linux", img_size=(1280, 720))
+FIT = FitRecord(
+    img_size=(1280, 720),
+    camera_matrix=((900, 0, 640), (0, 900, 360), (0, 0, 1)),
+    distortion_coefficients=(0, 0, 0, 0, 0),
+    distortion_model="rectilinear",
+    avg_reprojection_error=0.2,
+    uncertainty=Uncertainty(rms=0.1, max=0.2),
+)
+
+
+@pytest.fixture(autouse=True)
+def aws(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.setenv(name, "test")
+    with mock_aws():
+        boto3.client("s3", REGION).create_bucket(
+            Bucket="bucket", CreateBucketConfiguration={"LocationConstraint": REGION}
+        )
+        boto3.client("dynamodb", REGION).create_table(
+            TableName="table",
+            BillingMode="PAY_PER_REQUEST",
+            AttributeDefinitions=[{"AttributeName": n, "AttributeType": "S"} for n in ("pk", "sk")],
+            KeySchema=[
+                {"AttributeName": "pk", "KeyType": "HASH"},
+                {"AttributeName": "sk", "KeyType": "RANGE"},
+            ],
+        )
+        yield
+
+
+@pytest.fixture
+def table() -> Table:
+    client = boto3.client("dynamodb", REGION)
+    return Table(lambda: client, "table")
+
+
+@pytest.fixture
+def objects() -> Objects:
+    client = boto3.client("s3", REGION)
+    return Objects(lambda: client, "bucket")
+
+
+@pytest.fixture
+def sessions(table: Table, objects: Objects) -> Sessions:
+    return Sessions(table, objects)
+
+
+def begin(version: int) -> SessionDocument:
+    return capture.begin(REQUEST, SID, version, NOW)
+
+
+def opened(document: SessionDocument) -> tuple[SessionDocument, int]:
+    """A change: one index further. Answers the index."""
+    changed = document.model_copy(update={"next_index": document.next_index + 1})
+    return changed, changed.next_index
+
+
+def versions(objects: Objects) -> list[str]:
+    return sorted(name.rpartition("/")[2] for name in objects.names(f"sessions/{SID}/"))
+
+
+def test_a_session_is_kept_version_by_version(sessions: Sessions, objects: Objects) -> None:
+    assert sessions.find(SID) is None
+    assert sessions.start(SID, NOW, begin) == begin(1)
+    assert sessions.update(SID, NOW, opened) == 1
+    assert sessions.update(SID, NOW, opened) == 2
+    assert sessions.get(SID).next_index == 2
+    assert versions(objects) == ["1.json", "2.json", "3.json"]
+
+
+def test_a_change_that_changes_nothing_writes_nothing(sessions: Sessions, objects: Objects) -> None:
+    sessions.start(SID, NOW, begin)
+    assert sessions.update(SID, NOW, lambda document: (None, document.next_index)) == 0
+    assert versions(objects) == ["1.json"]
+
+
+def test_what_was_not_started_is_not_found(sessions: Sessions) -> None:
+    with pytest.raises(NotFoundError):
+        sessions.get(SID)
+    with pytest.raises(NotFoundError):
+        sessions.update(SID, NOW, opened)
+    assert sessions.forget(SID, NOW) is False
+
+
+def test_an_orphan_of_a_crash_stands_in_nobodys_way(sessions: Sessions, objects: Objects) -> None:
+    """The process died between object and index: what it wrote counts for nothing and blocks nothing."""
+    sessions.start(SID, NOW, begin)
+    orphan = begin(1).model_copy(update={"next_index": 77})
+    assert objects.create(f"sessions/{SID}/2.json", orphan.model_dump_json().encode())
+    assert sessions.get(SID).next_index == 0
+    assert sessions.update(SID, NOW, opened) == 1
+    assert sessions.get(SID).next_index == 1
+    assert sessions.update(SID, NOW, opened) == 2
+
+
+def test_of_two_changes_at_once_one_is_made_anew(sessions: Sessions) -> None:
+    sessions.start(SID, NOW, begin)
+    seen = []
+
+    def change(document: SessionDocument) -> tuple[SessionDocument, int]:
+        seen.append(document.next_index)
+        if len(seen) == 1:  # another request gets ahead, after we read and before we write
+            sessions.update(SID, NOW, opened)
+        return opened(document)
+
+    assert sessions.update(SID, NOW, change) == 2
+    assert seen == [0, 1]
+    assert sessions.get(SID).next_index == 2
+
+
+def test_a_change_that_is_always_overtaken_gives_up(sessions: Sessions) -> None:
+    sessions.start(SID, NOW, begin)
+
+    def change(document: SessionDocument) -> tuple[SessionDocument, int]:
+        sessions.update(SID, NOW, opened)
+        return opened(document)
+
+    with pytest.raises(ConflictError):
+        sessions.update(SID, NOW, change)
+
+
+def test_a_write_whose_answer_got_lost_is_done(table: Table, objects: Objects) -> None:
+    """botocore sends it again, finds its own write there, and the condition false."""
+
+    class Lossy(Table):
+        def put(self, item: Any, condition: Any = None) -> bool:
+            return table.put(item, condition) and table.put(item, condition)
+
+    sessions = Sessions(Lossy(lambda: boto3.client("dynamodb", REGION), "table"), objects)
+    sessions.start(SID, NOW, begin)
+    assert sessions.update(SID, NOW, opened) == 1
+    assert sessions.update(SID, NOW, opened) == 2
+
+
+def test_what_was_forgotten_is_gone_and_can_be_started_anew(sessions: Sessions, objects: Objects) -> None:
+    sessions.start(SID, NOW, begin)
+    sessions.update(SID, NOW, opened)
+    assert sessions.forget(SID, NOW) is True
+    assert sessions.forget(SID, NOW) is True
+    assert versions(objects) == []
+    assert sessions.find(SID) is None
+    anew = sessions.start(SID, NOW, begin)
+    assert anew.first_version > 1
+    assert sessions.update(SID, NOW, opened) == 1
+
+
+def test_who_works_on_a_forgotten_session_does_not_bring_it_back(sessions: Sessions) -> None:
+    sessions.start(SID, NOW, begin)
+
+    def change(document: SessionDocument) -> tuple[SessionDocument, int]:
+        sessions.forget(SID, NOW)
+        return opened(document)
+
+    with pytest.raises(NotFoundError):
+        sessions.update(SID, NOW, change)
+    assert sessions.find(SID) is None
+
+
+def finished(now: int = NOW, sid: str = SID) -> SessionDocument:
+    document = capture.begin(REQUEST, sid, 1, now).model_copy(update={"estimate": EstimateDocument(fit=FIT)})
+    return capture.finished(document, now, "contributor", "0.1.0")
+
+
+def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> None:
+    calibrations = Calibrations(table, objects)
+    document = capture.calibration(finished())
+    calibrations.publish(document)
+    calibrations.publish(document.model_copy(update={"time": NOW + 9}))
+    assert calibrations.get(document.id) == document  # never overwritten
+    assert len(calibrations.newest(document.camera_key, (1280, 720), 0.0, 200)) == 1
+    assert list(calibrations.all()) == [document]
+
+
+def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, objects: Objects) -> None:
+    calibrations = Calibrations(table, objects)
+    documents = [capture.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}")) for n in range(12)]
+    for document in documents:
+        calibrations.publish(document)
+    calibrations.publish(
+        documents[0].model_copy(update={"img_size": (128, 72), "id": documents[0].id[:-4] + "ffff"})
+    )
+    calibrations.publish(documents[0].model_copy(update={"zoom": 0.5, "id": documents[0].id[:-4] + "eeee"}))
+    found = calibrations.newest(documents[0].camera_key, (1280, 720), 0.0, 5)
+    assert found == documents[:-6:-1]
+
+
+def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:
+    consensuses = Consensuses(table)
+
+    def rests_on(total: int, latest: int) -> ConsensusDocument:
+        return ConsensusDocument(
+            camera_key="k",
+            img_size=(1280, 720),
+            zoom=0,
+            distortion_model="rectilinear",
+            total=total,
+            latest=latest,
+            reason="too_few",
+        )
+
+    assert consensuses.put(rests_on(2, NOW))
+    assert consensuses.put(rests_on(2, NOW))  # twice is once
+    assert not consensuses.put(rests_on(1, NOW))
+    assert not consensuses.put(rests_on(3, NOW - 1))
+    assert consensuses.put(rests_on(3, NOW))
+    assert consensuses.put(rests_on(3, NOW + 1))
+    assert consensuses.of("k") == [rests_on(3, NOW + 1)]
+
+
+def test_tokens(table: Table) -> None:
+    tokens = Tokens(table)
+    token = ApiToken("id", "hash", ("https://a.example",), "free", NOW)
+    assert tokens.get("id") is None
+    assert tokens.create(token) is True
+    assert tokens.create(token) is False
+    assert tokens.get("id") == token
+    tokens.revoke("id")
+    assert tokens.get("id") is None
+
+
+def failing(error: Exception) -> Callable[[], Any]:
+    class Client:
+        def __getattr__(self, name: str) -> Callable[..., Any]:
+            def call(**_: object) -> Any:
+                raise error
+
+            return call
+
+    return Client
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        ClientError({"Error": {"Code": "ProvisionedThroughputExceededException"}}, "PutItem"),
+        ClientError({"Error": {"Code": "SlowDown"}}, "PutObject"),
+        EndpointConnectionError(endpoint_url="http://storage"),
+    ],
+)
+def test_storage_that_does_not_answer_is_a_503(error: Exception) -> None:
+    objects, table = Objects(failing(error), "bucket"), Table(failing(error), "table")
+    calls: list[Callable[[], object]] = [
+        lambda: objects.get("name"),
+        lambda: objects.create("name", b""),
+        lambda: objects.delete(["name"]),
+        lambda: table.get("pk", "sk"),
+        lambda: table.put({"pk": "pk", "sk": "sk"}),
+        lambda: table.query("pk", "sk"),
+    ]
+    for call in calls:
+        with pytest.raises(UnavailableError) as raised:
+            call()
+        assert raised.value.headers == {"Retry-After": "1"}

@@ -1,0 +1,123 @@
+"""Credentials: what opens what, for how long, and through a change of keys."""
+
+import pytest
+
+from calibdb.errors import ForbiddenError
+from calibdb.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse, secret_hash
+
+OLD, NEW = "old secret " * 4, "new secret " * 4
+TICKET = Ticket("6b0113478f87f366bd2f0a11", "dev")
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now = 1_700_000_000.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("cdb_dev_local", ("dev", "local")),
+        ("cdb_a-1_s_e-c_", ("a-1", "s_e-c_")),
+        ("cdb_dev_", None),
+        ("cdb__local", None),
+        ("dev_local", None),
+        ("cdb_dev_local\n", None),
+        ("cdb_d\u00e9v_local", None),
+        ("cdb_" + "a" * 65 + "_x", None),
+        ("", None),
+    ],
+)
+def test_parse(text: str, parts: tuple[str, str] | None) -> None:
+    assert parse(text) == parts
+
+
+def test_a_token_is_its_hash() -> None:
+    token = ApiToken("dev", "25bf8e1a2393f1108d37029b3df5593236c755742ec93465bbafa9b290bddcf6")
+    assert secret_hash("local") == token.secret_sha256  # sha256sum of "local"
+    assert matches(token, "local")
+    assert not matches(token, "Local")
+    assert not matches(token, "")
+
+
+@pytest.mark.parametrize(
+    ("origins", "origin", "admitted"),
+    [
+        ((), "https://a.example", True),
+        (("https://a.example",), "https://a.example", True),
+        (("https://a.example",), "https://a.example.evil", False),
+        (("https://a.example",), "http://a.example", False),
+        (("https://a.example",), "null", False),
+        (("https://a.example",), None, True),
+    ],
+)
+def test_origins(origins: tuple[str, ...], origin: str | None, admitted: bool) -> None:
+    assert ApiToken("t", "", origins).admits(origin) is admitted
+
+
+def test_a_session_id_says_what_it_was_issued_for() -> None:
+    clock = Clock()
+    ids = SessionIds([NEW], clock, lifetime=100)
+    session_id, expires_at = ids.issue(TICKET)
+    assert expires_at == 1_700_000_100
+    assert ids.verify(session_id, None) == TICKET
+    assert ids.verify(session_id, "https://any.example") == TICKET
+
+
+def test_a_session_id_lives_as_long_as_it_says() -> None:
+    clock = Clock()
+    ids = SessionIds([NEW], clock, lifetime=100)
+    session_id, _ = ids.issue(TICKET)
+    clock.now += 100
+    ids.verify(session_id, None)
+    clock.now += 1
+    with pytest.raises(ForbiddenError) as refused:
+        ids.verify(session_id, None)
+    assert refused.value.kind == "session-expired"
+
+
+def test_secrets_are_exchanged_while_sessions_run() -> None:
+    clock = Clock()
+    before = SessionIds([OLD], clock)
+    during = SessionIds([NEW, OLD], clock)
+    after = SessionIds([NEW], clock)
+    issued_before, _ = before.issue(TICKET)
+    issued_during, _ = during.issue(TICKET)
+    assert during.verify(issued_before, None) == TICKET
+    assert after.verify(issued_during, None) == TICKET  # the newest key signs
+    for ids, session_id in ((after, issued_before), (before, issued_during)):
+        with pytest.raises(ForbiddenError):
+            ids.verify(session_id, None)
+
+
+def test_every_changed_character_is_noticed() -> None:
+    ids = SessionIds([NEW], Clock())
+    session_id, _ = ids.issue(TICKET)
+    for place, character in enumerate(session_id[:-1]):  # of the last one only some bits count
+        forged = session_id[:place] + ("A" if character != "A" else "B") + session_id[place + 1 :]
+        with pytest.raises(ForbiddenError):
+            ids.verify(forged, None)
+
+
+def test_a_session_of_a_page_is_not_another_pages() -> None:
+    ids = SessionIds([NEW], Clock())
+    session_id, _ = ids.issue(Ticket("s", "t", "https://a.example"))
+    assert ids.verify(session_id, "https://a.example").origin == "https://a.example"
+    with pytest.raises(ForbiddenError):
+        ids.verify(session_id, "https://b.example")
+
+
+def test_a_contributor_is_a_keyed_hash() -> None:
+    one = contributor("key", "192.0.2.7", "dev")
+    assert len(one) == 64
+    assert one == contributor("key", "192.0.2.7", "dev")
+    others = {
+        contributor("another key", "192.0.2.7", "dev"),
+        contributor("key", "192.0.2.8", "dev"),
+        contributor("key", "192.0.2.7", "other"),
+    }
+    assert one not in others
+    assert len(others) == 3
