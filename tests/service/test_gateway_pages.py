@@ -1,0 +1,160 @@
+"""Over real sockets: the API and the pages on one origin, with the headers and the log of a deployment."""
+
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from infra.local import LocalStack
+from infra.local.server import Front, bind, serving
+from tests.toy_stack import deploy
+
+ECHO = """
+    import json
+
+    def handler(event, context):
+        body = json.dumps({"event": event})
+        return {"statusCode": 200, "headers": {"content-type": "application/json"}, "body": body,
+                "cookies": ["a=1; Secure", "b=2"]}
+"""
+
+
+@pytest.fixture(scope="module")
+def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalStack]:
+    place = tmp_path_factory.mktemp("pages")
+    template = deploy(place, {"Echo": (ECHO, ("GET /v1/echo",))})
+    web = place / "web"
+    (web / "calibrate").mkdir(parents=True)
+    (web / "index.html").write_text("<!doctype html>home")
+    (web / "calibrate" / "index.html").write_text("<!doctype html>calibrate")
+    (web / "calibrate" / "detector.worker.js").write_text("self.x = 1")
+    for name in (
+        "app.js",
+        "sdk.mjs",
+        "opencv.wasm",
+        "icon.svg",
+        "app.webmanifest",
+        "font.woff2",
+        "data.json",
+    ):
+        (web / name).write_bytes(b"\0asm" * 1000)
+    (place / "outside.txt").write_text("secret")
+    with LocalStack(template=template, web=web) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def client(stack: LocalStack) -> Iterator[httpx.Client]:
+    with stack.serve() as url, httpx.Client(base_url=url) as connected:
+        yield connected
+
+
+def test_api_and_pages_share_an_origin(client: httpx.Client, stack: LocalStack) -> None:
+    assert client.get("/v1/echo").json()["event"]["headers"]["host"] == stack.url.removeprefix("http://")
+    assert client.get("/").text == "<!doctype html>home"
+    settings = client.get("/config.json")
+    assert settings.json() == {"api": "/v1", "token": "cdb_dev_local"}
+    assert client.get("/v1/nothing").json() == {"message": "Not Found"}
+
+
+def test_repeated_headers_and_cookies_arrive_as_on_aws(client: httpx.Client) -> None:
+    event = client.get(
+        "/v1/echo", headers=[("x-many", "1"), ("x-many", "2"), ("cookie", "a=1"), ("cookie", "b=2")]
+    ).json()["event"]
+    assert event["headers"]["x-many"] == "1,2"
+    assert event["cookies"] == ["a=1", "b=2"]
+    assert event["requestContext"]["http"]["sourceIp"] == "127.0.0.1"
+    cookies = client.get("/v1/echo").headers.get_list("set-cookie")
+    assert cookies == ["a=1; Secure", "b=2"]
+    client.cookies.clear()
+
+
+@pytest.mark.parametrize(
+    ("path", "kind"),
+    [
+        ("/", "text/html; charset=utf-8"),
+        ("/app.js", "text/javascript; charset=utf-8"),
+        ("/sdk.mjs", "text/javascript; charset=utf-8"),
+        ("/opencv.wasm", "application/wasm"),
+        ("/icon.svg", "image/svg+xml"),
+        ("/app.webmanifest", "application/manifest+json"),
+        ("/font.woff2", "font/woff2"),
+        ("/data.json", "application/json"),
+    ],
+)
+def test_pages_have_the_types_that_browsers_insist_on(client: httpx.Client, path: str, kind: str) -> None:
+    response = client.get(path)
+    assert (response.status_code, response.headers["content-type"]) == (200, kind)
+    assert response.headers["x-content-type-options"] == "nosniff"
+
+
+def test_scripts_may_not_eval_but_the_opencv_worker_may(client: httpx.Client) -> None:
+    page = client.get("/").headers["content-security-policy"]
+    assert "script-src 'self' 'wasm-unsafe-eval';" in page
+    assert "'unsafe-eval'" not in page
+    assert "frame-ancestors 'none'" in page
+    worker = client.get("/calibrate/detector.worker.js").headers["content-security-policy"]
+    assert "script-src 'self' 'unsafe-eval' 'wasm-unsafe-eval';" in worker
+
+
+def test_pages_are_asked_for_again_conditionally(client: httpx.Client) -> None:
+    first = client.get("/opencv.wasm")
+    again = client.get("/opencv.wasm", headers={"if-none-match": first.headers["etag"]})
+    assert (again.status_code, again.content) == (304, b"")
+    assert "content-security-policy" in again.headers
+    assert first.headers["cache-control"] == "no-cache"
+    head = client.head("/opencv.wasm")
+    assert (head.headers["content-length"], head.content) == ("4000", b"")
+
+
+def test_folders_have_an_index_and_a_slash(client: httpx.Client) -> None:
+    redirect = client.get("/calibrate", follow_redirects=False)
+    assert redirect.status_code == 307
+    assert httpx.URL(redirect.headers["location"]).path == "/calibrate/"
+    assert client.get("/calibrate/").text == "<!doctype html>calibrate"
+
+
+@pytest.mark.parametrize("path", ["/../outside.txt", "/%2e%2e/outside.txt", "/..%2foutside.txt", "/absent"])
+def test_nothing_outside_the_folder(client: httpx.Client, path: str) -> None:
+    request = client.build_request("GET", "/")
+    request.url = request.url.copy_with(raw_path=path.encode())
+    assert client.send(request).status_code == 404
+
+
+def test_pages_are_read_only(client: httpx.Client) -> None:
+    assert client.post("/index.html", content=b"x").status_code == 405
+    assert client.delete("/").status_code == 405
+    assert client.post("/config.json").status_code == 405
+
+
+def test_the_log_has_neither_tokens_nor_people(
+    client: httpx.Client, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level("INFO", "infra.local.access")
+    client.get("/v1/echo?key=cdb_dev_local", headers={"authorization": "Bearer cdb_dev_local"})
+    lines = [record.getMessage() for record in caplog.records if record.name == "infra.local.access"]
+    assert len(lines) == 1
+    assert lines[0].startswith("GET /v1/echo 200 ")
+    assert lines[0].endswith(" ms")
+    assert "cdb_" not in caplog.text.replace("cdb_function", "")
+    assert "127.0.0.1" not in lines[0]
+
+
+def test_answers_are_not_held_back_by_nagle(stack: LocalStack, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[int] = []
+    made = H11Protocol.connection_made
+
+    def watch(self: H11Protocol, transport: Any) -> None:
+        made(self, transport)
+        accepted = transport.get_extra_info("socket")
+        seen.append(accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+
+    monkeypatch.setattr(H11Protocol, "connection_made", watch)
+    listener = bind(0)
+    with serving(Front(stack._gateway, stack._workers, Path(), {}), listener):
+        assert httpx.get(f"http://127.0.0.1:{listener.getsockname()[1]}/v1/echo").status_code == 200
+    assert seen == [1]

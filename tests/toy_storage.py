@@ -1,0 +1,51 @@
+"""Storage of the toy deployment, answering boto3 in this process."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import boto3
+from botocore.config import Config
+
+from infra.local.environment import applied
+from infra.local.intercept import intercepting
+from infra.local.journal import Journal
+from infra.local.storage import Storage
+from infra.local.template import load
+from tests.toy_stack import deploy
+
+TABLE, BUCKET = "calibdb-things", "calibdb-files"
+
+
+@contextmanager
+def storage(place: Path, now: float | None = None, journal: Journal | None = None) -> Iterator[Storage]:
+    template = load(deploy(place, {}), {})
+    opened = journal or Journal(place / "data" / "journal.sqlite")
+    store = Storage(opened, template.tables, template.buckets, time.time() if now is None else now)
+
+    def service(name: str) -> Any:
+        return lambda operation, request: store.handle(name, operation, request)
+
+    with applied({}, embedded=True), intercepting({name: service(name) for name in ("dynamodb", "s3")}):
+        try:
+            yield store
+        finally:
+            store.close()
+
+
+def dynamodb() -> Any:
+    return boto3.client("dynamodb", config=Config(max_pool_connections=32))
+
+
+def s3() -> Any:
+    return boto3.client("s3")
+
+
+def put(client: Any, pk: str, sk: str = "META", **attributes: Any) -> None:
+    client.put_item(TableName=TABLE, Item={"pk": {"S": pk}, "sk": {"S": sk}, **attributes})
+
+
+def get(client: Any, pk: str, sk: str = "META") -> Any:
+    return client.get_item(TableName=TABLE, Key={"pk": {"S": pk}, "sk": {"S": sk}}).get("Item")
