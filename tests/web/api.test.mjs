@@ -1,0 +1,82 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Api, ApiError, OfflineError } from "../../web/calibrate/api.js";
+import { CaptureSession } from "../../web/calibrate/session.js";
+
+const json = (status, body, headers = {}) =>
+  new Response(body === null ? null : JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
+
+/** A service that answers from a list, and remembers what it was asked and how long it was waited for. */
+function service(answers) {
+  const calls = [];
+  const waits = [];
+  const api = new Api("/v1/", {
+    fetch: async (address, { method, headers, body }) => {
+      calls.push({ call: `${method} ${address}`, credential: headers.authorization, accept: headers.accept, body: body && JSON.parse(body) });
+      const answer = typeof answers === "function" ? answers(calls.at(-1)) : answers.shift();
+      if (answer instanceof Error) throw answer;
+      return answer;
+    },
+    wait: async (ms) => void waits.push(ms),
+  });
+  return { api, calls, waits };
+}
+
+test("a lost network and a busy service are waited for, and asked the same again", async () => {
+  const { api, calls, waits } = service([
+    new TypeError("fetch failed"), json(503, {}), json(429, {}, { "retry-after": "3" }), json(200, { views: [] }),
+  ]);
+  assert.deepEqual(await api.json("POST", "/session/views", "sid", { body: { index: 1 } }), { views: [] });
+  assert.equal(new Set(calls.map(({ body }) => JSON.stringify(body))).size, 1);
+  assert.deepEqual(waits, [500, 1000, 3000]);
+});
+
+test("patience ends after a minute", async () => {
+  const { api, waits } = service(() => new TypeError("fetch failed"));
+  await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);
+  assert.equal(waits.reduce((sum, ms) => sum + ms), 60_500);
+});
+
+test("a refusal is said in the service's words and not repeated", async () => {
+  const { api, calls } = service([json(422, { detail: "The request is not valid.", errors: [{ field: "img_size", detail: "too small" }] })]);
+  await assert.rejects(api.json("POST", "/session", "sid", { body: {} }), (error) =>
+    error instanceof ApiError && error.status === 422 && error.message === "The request is not valid. img_size: too small");
+  assert.equal(calls.length, 1);
+});
+
+test("a programming error is not a lost network", async () => {
+  const { api } = service([new RangeError("ours")]);
+  await assert.rejects(api.json("GET", "/session", "sid"), RangeError);
+});
+
+test("an expired session is begun anew with the views it had", async () => {
+  const known = new Map();
+  let sessions = 0;
+  let index = 0;
+  const { api, calls } = service(({ call, credential, body }) => {
+    if (call === "POST /v1/auth") return json(201, { session_id: `s${++sessions}`, expires_at: 0 });
+    const session = credential.replace("Bearer ", "");
+    if (session === "s1" && known.get("expired")) return json(401, { detail: "expired" });
+    if (call === "POST /v1/session") return json(201, { status: "capturing", views: [] });
+    if (call === "GET /v1/session/pose") return json(200, { index });
+    known.set(`${session} ${index++}`, body.ids);
+    return json(200, { status: "capturing", accepted: true, reason: null, views: [] });
+  });
+  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
+  await capture.start();
+  await capture.submit(0, { ids: [1], points: [[1, 1]] });
+  await capture.submit(1, { ids: [2], points: [[2, 2]] });
+  known.set("expired", true);
+  await capture.submit(2, { ids: [3], points: [[3, 3]] });
+  assert.deepEqual([...known].filter(([key]) => key.startsWith("s2")).map(([, ids]) => ids), [[1], [2], [3]]);
+  assert.equal(calls.filter(({ call }) => call === "POST /v1/auth").length, 2);
+});
+
+test("the picture is asked for as JPEG, and a skip is asked for once", async () => {
+  const { api, calls } = service(({ accept }) =>
+    accept === "image/jpeg" ? new Response("picture", { status: 200 }) : json(200, { index: 4 }));
+  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
+  const { pose, picture } = await capture.pose({ skip: true });
+  assert.deepEqual([pose.index, await picture.text()], [4, "picture"]);
+  assert.deepEqual(calls.map(({ call }) => call), ["GET /v1/session/pose?skip=1", "GET /v1/session/pose"]);
+});

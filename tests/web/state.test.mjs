@@ -1,0 +1,108 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { DEFAULT_BOARD, corners, outline } from "../../web/board/geometry.js";
+import { HOLD, LONG_HOLD, decide, holdProgress, initial, reduce } from "../../web/calibrate/state.js";
+import { project } from "../../web/virtual/lens.js";
+import { transform } from "../../web/virtual/pose.js";
+
+const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
+const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };
+const SESSION = { status: "capturing", views: [], progress: 0, uncertainty: null, calibration: null, calibration_id: null };
+const THERE = { rvec: [0.4, -0.5, 0.1], tvec: [-4, -3, 12] };
+const ELSEWHERE = { rvec: [0.4, 0.6, 0], tvec: [-12, -6, 20] };
+const FACING = { rvec: [0, 0, 0], tvec: [-8, -5, 22] };
+
+const see = (pose, points) => points.map(([x, y]) => project(PINHOLE, transform(pose, [x, y, 0])));
+const target = (pose, index = 0) => ({
+  index, rvec: pose.rvec, tvec: pose.tvec, ids: [], corners: [], outline: see(pose, outline(DEFAULT_BOARD)),
+  purpose: "focal length", hint: "Tilt the board",
+});
+const frame = (pose) => {
+  const points = see(pose, corners(DEFAULT_BOARD));
+  return { ids: points.map((_, id) => id), points, markers: 27, size: [1280, 720], elapsed: 1, memory: 1 };
+};
+const NOTHING = { ids: [], points: [], markers: 0, size: [1280, 720], elapsed: 1, memory: 1 };
+
+/** Capturing, with a target, and so many frames at 20 a second of one thing. */
+function capturing(events = []) {
+  const wanted = { camera: null, img_size: null, distortion_model: "rectilinear" };
+  return [
+    { type: "open" },
+    { type: "opened", key: KEY, mirrored: false, cropped: false },
+    { type: "session", session: SESSION },
+    { type: "pose", pose: target(THERE), picture: "blob:1", time: 0 },
+    ...events,
+  ].reduce(reduce, initial(DEFAULT_BOARD, wanted));
+}
+const frames = (detection, ms, from = 0) =>
+  Array.from({ length: ms / 50 + 1 }, (_, index) => ({ type: "frame", detection, time: from + 50 * index }));
+
+test("a board held still on the target is sent after the hold, not before", () => {
+  const before = capturing(frames(frame(THERE), HOLD - 50));
+  assert.ok(before.overlap > 0.99);
+  assert.equal(decide(before, HOLD - 50), null);
+  assert.ok(holdProgress(before) > 0.8 && holdProgress(before) < 1);
+  assert.equal(decide(capturing(frames(frame(THERE), HOLD)), HOLD), "submit");
+});
+
+test("a tilted board held elsewhere is sent too, after longer; one that faces the camera is not", () => {
+  const tilted = (ms) => capturing(frames(frame(ELSEWHERE), ms));
+  assert.ok(tilted(100).overlap < 0.3);
+  assert.equal(decide(tilted(LONG_HOLD - 50), LONG_HOLD - 50), null);
+  assert.equal(decide(tilted(LONG_HOLD), LONG_HOLD), "submit");
+  assert.equal(decide(capturing(frames(frame(FACING), 2 * LONG_HOLD)), 2 * LONG_HOLD), null);
+});
+
+test("nothing is sent while a view is on its way, nor the same hold twice", () => {
+  const held = capturing(frames(frame(THERE), HOLD));
+  assert.equal(decide(reduce(held, { type: "busy" }), HOLD), null);
+  const answer = { ...SESSION, accepted: false, reason: "no_information" };
+  const refused = reduce(held, { type: "answer", answer, corners: held.corners, time: 600 });
+  const again = frames(frame(THERE), HOLD, 650).reduce(reduce, refused);
+  assert.equal(decide(again, 650 + HOLD), null);
+  assert.match(refused.notice.text, /nothing new/);
+  assert.equal(refused.pose.index, 0, "a refused view leaves the target where it is");
+  const moved = { rvec: [0.45, -0.5, 0.1], tvec: [-4.3, -3, 12] };
+  const better = frames(frame(moved), HOLD, 2000).reduce(reduce, again);
+  assert.equal(decide(better, 2000 + HOLD), "submit");
+});
+
+test("an accepted view takes the target away, and progress never falls but by undo", () => {
+  const views = [{ index: 0, points: 40, rms: 0.1 }];
+  const held = capturing(frames(frame(THERE), HOLD));
+  const taken = reduce(held, { type: "answer", answer: { ...SESSION, views, progress: 0.5, accepted: true, reason: null }, corners: held.corners, time: 600 });
+  assert.deepEqual([taken.pose, taken.picture, taken.progress, taken.busy], [null, null, 0.5, false]);
+  assert.equal(reduce(taken, { type: "session", session: { ...SESSION, views, progress: 0.4 } }).progress, 0.5);
+  const undone = reduce(taken, { type: "undone", session: SESSION, time: 700 });
+  assert.deepEqual([undone.progress, undone.answered], [0, null]);
+});
+
+test("convergence ends the capture", () => {
+  const done = reduce(capturing(), { type: "session", session: { ...SESSION, status: "converged", calibration: {}, progress: 1 } });
+  assert.deepEqual([done.phase, done.progress, done.pose], ["done", 1, null]);
+  assert.equal(decide(done, 1e9), null);
+  assert.equal(reduce(done, { type: "frame", detection: frame(THERE), time: 1 }), done);
+});
+
+test("a target not reached for 15 s is given up", () => {
+  const state = capturing(frames(NOTHING, 200));
+  assert.equal(decide(state, 14_999), null);
+  assert.equal(decide(state, 15_001), "skip");
+});
+
+test("instructions say what is missing, and stand for 400 ms", () => {
+  const blind = capturing(frames(NOTHING, 500));
+  assert.equal(blind.instruction.text, "Show the board to the camera");
+  const first = reduce(blind, { type: "frame", detection: frame(ELSEWHERE), time: 550 });
+  assert.equal(first.instruction.text, "Show the board to the camera");
+  const later = frames(frame(ELSEWHERE), 400, 600).reduce(reduce, first);
+  assert.equal(later.instruction.text, "Tilt the board");
+  const there = frames(frame(THERE), 450, 1100).reduce(reduce, later);
+  assert.equal(there.instruction.text, "Hold still");
+});
+
+test("starting over keeps the cameras and forgets the rest", () => {
+  const state = reduce(capturing(frames(frame(THERE), 200)), { type: "cameras", cameras: [{ id: "a", label: "A" }] });
+  const fresh = reduce(state, { type: "restart" });
+  assert.deepEqual([fresh.phase, fresh.pose, fresh.session, fresh.cameras.length], ["welcome", null, null, 1]);
+});
