@@ -19,21 +19,27 @@ IMG_SIZE = (1280, 720)
 
 
 def rectilinear_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:
-    """Cameras from wide (strong barrel distortion) to narrow (little, or pincushion)."""
+    """Cameras from wide to narrow, each with some distortion of the range, one-to-one well beyond its image."""
     rng = np.random.default_rng(seed)
     w, h = img_size
     cameras = []
-    for focal in np.geomspace(500, 1600, count) / 1280 * w:
-        # Wide lenses bend more; the second coefficient of a real lens takes back part of what the first does.
-        wide = (1600 / 1280 * w - focal) / (1100 / 1280 * w)
-        k1 = 0.10 - 0.45 * wide * rng.uniform(0.6, 1.0) - 0.05 * rng.uniform()
-        k2 = 0.35 * k1 * k1 + 0.01 * rng.normal()
+    for focal, k1 in zip(
+        np.geomspace(500, 1600, count) / 1280 * w,
+        rng.permutation(np.linspace(-0.35, 0.10, count)),
+        strict=True,
+    ):
+        k2 = 0.3 * k1 * k1 + 0.01 * rng.normal()
         p1, p2 = 0.0006 * rng.normal(size=2)
         cx = (w - 1) / 2 + 0.012 * w * rng.normal()
         cy = (h - 1) / 2 + 0.012 * w * rng.normal()
-        aspect = 1 + 0.002 * rng.normal()
-        matrix = np.array([[focal, 0, cx], [0, focal * aspect, cy], [0, 0, 1]])
-        cameras.append(Camera("rectilinear", matrix, np.array([k1, k2, p1, p2, 0.0]), img_size))
+        matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
+        corners = np.array([[x, y] for x in (-0.15 * w, 1.15 * w) for y in (-0.15 * h, 1.15 * h)])
+        while True:
+            camera = Camera("rectilinear", matrix, np.array([k1, k2, p1, p2, 0.0]), img_size)
+            if np.isfinite(camera.unproject(corners)).all():
+                break
+            k1, k2 = 0.95 * k1, k2 + 0.002  # a lens this wide does not bend that much
+        cameras.append(camera)
     return cameras
 
 

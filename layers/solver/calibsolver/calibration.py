@@ -29,6 +29,8 @@ class Calibration:
         (p, p) of (fx fy cx cy distortion...), noise estimated from the residuals.
     noise
         px, standard deviation of one coordinate of a corner, as estimated.
+    residuals
+        For each view (n,) px, the distance between every point seen and predicted.
     used
         For each view (n,) whether a point took part in the final fit.
     prior_used
@@ -41,6 +43,7 @@ class Calibration:
     view_errors: Array
     covariance: Array
     noise: float
+    residuals: tuple[Array, ...]
     used: tuple[Mask, ...]
     prior_used: bool
 

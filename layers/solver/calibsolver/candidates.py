@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import rotation
-from .arrays import Array, Mask
+from .arrays import Array, IntArray, Mask
 from .board import Board
 from .models import Model
 from .normal import Poses
@@ -27,18 +27,56 @@ class Range:
         Largest turn in the picture, degrees.
     inside
         Least share of the corners inside the image.
+    oblique
+        Largest angle between a ray and the board's normal, degrees: beyond it corners blur.
+    spacing
+        Least distance of neighbouring corners / image width.
     """
 
     width: tuple[float, float] = (0.30, 1.15)
     tilt: float = 55.0
     roll: float = 60.0
     inside: float = 0.6
+    oblique: float = 62.0
+    spacing: float = 16 / 1280
 
 
-OBLIQUE = np.cos(np.radians(62))
-"""Cosine of the most oblique angle between a ray and the board's normal: beyond it corners blur."""
-SPACING = 16 / 1280
-"""Least distance of neighbouring corners / image width."""
+@dataclass(frozen=True, eq=False)
+class Lattice:
+    """Rows and columns of corners.
+
+    Attributes
+    ----------
+    points
+        (3, n) board frame, squares, row by row.
+    rows, columns
+        How many.
+    step
+        Largest distance of neighbours, squares, across and down.
+    share
+        How many corners of the board each stands for.
+    """
+
+    points: Array
+    rows: int
+    columns: int
+    step: tuple[float, float]
+    share: float
+
+    @classmethod
+    def of(cls, board: Board, most: int | None) -> "Lattice":
+        """All corners of a board, or at most `most` evenly spread ones in a row and a column."""
+        columns, rows = board.size[0] - 1, board.size[1] - 1
+        x = np.arange(columns) if most is None else spread(columns, most)
+        y = np.arange(rows) if most is None else spread(rows, most - 1)
+        points = board.points.reshape(rows, columns, 3)[y][:, x].reshape(-1, 3)
+        step = (float(np.diff(x).max()), float(np.diff(y).max()))
+        return cls(np.ascontiguousarray(points.T), len(y), len(x), step, rows * columns / len(points))
+
+
+def spread(count: int, most: int) -> IntArray:
+    """At most `most` indices from 0 to `count` - 1, both ends among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
 def sequence(count: int, offset: int) -> Array:
@@ -51,53 +89,90 @@ def sequence(count: int, offset: int) -> Array:
     return points
 
 
-def poses(
-    unit: Array, board: Board, model: Model, k: Array, img_size: tuple[int, int], limits: Range
-) -> Poses:
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """Rays over the image of one camera, looked up instead of solved for: a candidate's centre need not be exact.
+
+    Attributes
+    ----------
+    rays
+        (rows, columns, 3) from corner to corner of the image.
+    focal
+        Focal length, px.
+    """
+
+    rays: Array
+    focal: float
+    img_size: tuple[int, int]
+
+    @classmethod
+    def of(
+        cls, model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int] = (17, 13)
+    ) -> "Sight":
+        """Return the sight of a camera with intrinsics k (p,)."""
+        x, y = (np.linspace(-0.5, size - 0.5, n) for size, n in zip(img_size, grid, strict=True))
+        rays = model.unproject(k, np.stack(np.meshgrid(x, y)))
+        return cls(np.ascontiguousarray(rays.transpose(1, 2, 0)), float(k[0]), img_size)
+
+    def at(self, x: Array, y: Array) -> Array:
+        """Unit rays (c, 3) at places (c,) of [0, 1] across and down the image; NaN where there is none."""
+        rows, columns, _ = self.rays.shape
+        x, y = x * (columns - 1), y * (rows - 1)
+        i, j = np.minimum(x.astype(int), columns - 2), np.minimum(y.astype(int), rows - 2)
+        a, b = (x - i)[:, None], (y - j)[:, None]
+        upper = self.rays[j, i] * (1 - a) + self.rays[j, i + 1] * a
+        lower = self.rays[j + 1, i] * (1 - a) + self.rays[j + 1, i + 1] * a
+        ray = upper * (1 - b) + lower * b
+        unit: Array = ray / np.sqrt(np.einsum("ci,ci->c", ray, ray))[:, None]
+        return unit
+
+
+def poses(unit: Array, board: Board, sight: Sight, limits: Range) -> Poses:
     """Poses (c) of points (c, 6) of the unit cube: centre x, y, width, tilt, azimuth of the tilt, roll.
 
     A pose whose centre has no ray gets NaN translations.
     """
-    w, h = img_size
     low, high = limits.width
-    q = np.stack([unit[:, 0] * w - 0.5, unit[:, 1] * h - 0.5])
-    width = (low * (high / low) ** unit[:, 2]) * w
-    tilt = np.radians(limits.tilt) * np.sqrt(unit[:, 3])  # more of the steep ones: they tell more
+    # Close, tilted and near the middle is what tells most: look there more often, and everywhere still.
+    ray = sight.at(middling(unit[:, 0]), middling(unit[:, 1]))
+    width = (low + (high - low) * np.sqrt(unit[:, 2])) * sight.img_size[0]
+    tilt = np.radians(limits.tilt) * np.sqrt(unit[:, 3])
     azimuth = 2 * np.pi * unit[:, 4]
-    roll = np.radians(limits.roll) * (2 * unit[:, 5] - 1)
-    ray = model.unproject(k, q).T
-    r = turn_to(ray) @ about(np.stack([np.cos(azimuth), np.sin(azimuth), 0 * azimuth], axis=1), tilt)
-    r = r @ about(np.broadcast_to([0.0, 0.0, 1.0], (len(unit), 3)), roll)
-    distance = k[0] * board.size[0] / width
+    roll = np.radians(limits.roll) * (2 * middling(unit[:, 5]) - 1)
+    nothing = np.zeros(len(unit))
+    lean = np.stack([tilt * np.cos(azimuth), tilt * np.sin(azimuth), nothing], axis=1)
+    spin = np.stack([nothing, nothing, roll], axis=1)
+    turned = rotation.matrix(np.stack([turn_to(ray), lean, spin]))
+    r = turned[0] @ turned[1] @ turned[2]
+    distance = sight.focal * board.size[0] / width
     center = board.outline.mean(axis=0)
-    t = ray * distance[:, None] - r @ center
-    return Poses(r, t)
+    return Poses(r, ray * distance[:, None] - r @ center)
 
 
-def about(axis: Array, angle: Array) -> Array:
-    """Rotations (c, 3, 3) about unit axes (c, 3) by angles (c,), radians."""
-    return rotation.matrix(axis * angle[:, None])
+def middling(u: Array) -> Array:
+    """Crowd points of [0, 1] towards its middle."""
+    v = 2 * u - 1
+    return 0.5 + 0.5 * v * np.sqrt(np.abs(v))
 
 
 def turn_to(ray: Array) -> Array:
-    """Shortest rotations (c, 3, 3) that take the optical axis to unit rays (c, 3)."""
-    axis = np.stack([-ray[:, 1], ray[:, 0], np.zeros(len(ray))], axis=1)
+    """Rotation vectors (c, 3) of the shortest turns that take the optical axis to unit rays (c, 3)."""
     s = np.hypot(ray[:, 0], ray[:, 1])
-    angle = np.arctan2(s, ray[:, 2])
-    return about(axis / np.maximum(s, 1e-12)[:, None], angle)
+    angle = np.arctan2(s, ray[:, 2]) / np.maximum(s, 1e-12)
+    return np.stack([-ray[:, 1] * angle, ray[:, 0] * angle, np.zeros(len(ray))], axis=1)
 
 
 def visible(
     p: Array,
     q: Array,
     normal: Array,
-    board: Board,
+    lattice: Lattice,
     model: Model,
     k: Array,
     img_size: tuple[int, int],
     limits: Range,
 ) -> tuple[Mask, Mask]:
-    """Which corners (c, n) are seen, and which of the poses (c) can be asked for.
+    """Which corners (c, n) are seen, and which of the poses (c) may be asked for.
 
     Parameters
     ----------
@@ -111,20 +186,18 @@ def visible(
     w, h = img_size
     margin = 0.01 * w
     x, y = q[:, 0], q[:, 1]
-    with np.errstate(invalid="ignore"):
-        seen = model.valid(k[4:], p.transpose(1, 0, 2))
-        seen &= (x >= margin) & (y >= margin) & (x <= w - 1 - margin) & (y <= h - 1 - margin)
-        columns, rows = board.size[0] - 1, board.size[1] - 1
-        grid = q.reshape(-1, 2, rows, columns)
-        nearest = np.minimum(
-            np.hypot(*np.moveaxis(np.diff(grid, axis=3), 1, 0)).min(axis=(1, 2)),
-            np.hypot(*np.moveaxis(np.diff(grid, axis=2), 1, 0)).min(axis=(1, 2)),
-        )
-        length = np.sqrt(np.sum(p * p, axis=1))
-        facing = np.einsum("ci,cin->cn", normal, p) / length
-        good = seen.mean(axis=1) >= limits.inside
-        good &= nearest >= SPACING * w
-        good &= np.where(seen, facing, 1.0).min(axis=1) >= OBLIQUE
-        # Nothing of the board, seen or not, may be behind the user's camera.
-        good &= facing.min(axis=1) > 0
+    seen = model.valid(k[4:], p.transpose(1, 0, 2))
+    seen &= (x >= margin) & (y >= margin) & (x <= w - 1 - margin) & (y <= h - 1 - margin)
+    grid = q.reshape(-1, 2, lattice.rows, lattice.columns)
+    across, down = np.diff(grid, axis=3), np.diff(grid, axis=2)
+    nearest = np.minimum(
+        np.sqrt((across**2).sum(axis=1).min(axis=(1, 2))) / lattice.step[0],
+        np.sqrt((down**2).sum(axis=1).min(axis=(1, 2))) / lattice.step[1],
+    )
+    facing = np.einsum("ci,cin->cn", normal, p) / np.sqrt(np.einsum("cin,cin->cn", p, p))
+    good = seen.mean(axis=1) >= limits.inside
+    good &= nearest >= limits.spacing * w
+    good &= np.where(seen, facing, 1.0).min(axis=1) >= np.cos(np.radians(limits.oblique))
+    # No part of the board, seen or not, may be looked at from behind.
+    good &= facing.min(axis=1) > 0
     return seen, good

@@ -175,19 +175,26 @@ class Capture:
         calibration = after.calibration
         if calibration is None:
             return True
-        w = self.img_size[0]
-        errors = calibration.view_errors
         # Below this the corners are as good as a webcam's ever are, and a ratio says nothing.
-        floor = 0.3 * w / 1280
+        floor = 0.3 * self.img_size[0] / 1280
+        if calibration.used[-1].mean() < 0.75:
+            return True  # wild points are cut, a few: not a good part of the view
+        errors = used_errors(calibration)
         if len(errors) == 1:
             return bool(errors[0] > 10 * floor)
         others = float(np.sqrt(np.mean(errors[:-1] ** 2)))
         if errors[-1] > OUTLIER * max(others, floor):
             return True
-        if calibration.used[-1].mean() < 0.5:
-            return True
-        known = [e for e in before.view_errors if e is not None]
-        return bool(known and others > OUTLIER * max(float(np.sqrt(np.mean(np.square(known)))), floor))
+        if before.calibration is None:
+            return False
+        known = float(np.sqrt(np.mean(used_errors(before.calibration) ** 2)))
+        return others > OUTLIER * max(known, floor)
+
+
+def used_errors(calibration: Calibration) -> Array:
+    """Rms of each view (v,), px, over the points that were not cut."""
+    pairs = zip(calibration.residuals, calibration.used, strict=True)
+    return np.array([np.sqrt(np.mean(e[u] ** 2)) if u.any() else np.inf for e, u in pairs])
 
 
 def orientation(view: View) -> float:

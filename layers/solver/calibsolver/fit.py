@@ -1,7 +1,9 @@
 """From views to a calibration, or to the reason why there is none."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -10,9 +12,10 @@ from .arrays import Array, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
-from .lm import Options, State
+from .lm import Options, Problem, State
 from .models import Model
 from .observations import Observations
+from .start import Start
 from .uncertainty import sensitivity, weight
 from .view import View
 
@@ -21,11 +24,19 @@ MIN_POINTS = 6
 CUT = 4.0
 """Sigmas beyond which a point is an outlier: one in 3000 good ones."""
 ENOUGH = 0.01
-"""The prior is dropped when the data alone predict projections to this share of the image width."""
+"""Many views go without the prior where they alone predict projections to this share of the image width."""
+MANY = 8
+"""Views from which that holds; fewer keep the prior, which a good capture makes harmless by itself."""
 WORST = 0.01
 """A fit whose rms exceeds this share of the image width explains nothing."""
 DOUBTFUL = 0.002
 """Above this share of the image width other starts are tried."""
+RIM, MOST = 0.03, 0.25
+"""Outermost share of the points, and the share of those that bad luck alone does not cut."""
+NEAR = 1e-4
+"""Relative decrease of the cost below which a stage hands over to the next."""
+SURPRISE = 3.0
+"""Other starts are tried too where pixels are this many sigmas from square, or the centre from the middle."""
 
 
 def fit(
@@ -82,8 +93,11 @@ def check(views: Sequence[View], img_size: tuple[int, int]) -> None:
 
 def flatness(points: Array) -> float:
     """Smaller over larger principal extent of points (n, 2): 0 where they lie on a line."""
-    s = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    return float(s[1] / s[0]) if s[0] > 0 else 0.0
+    x, y = (points - points.sum(axis=0) / len(points)).T
+    xx, yy, xy = float(x @ x), float(y @ y), float(x @ y)
+    # Eigenvalues of the 2x2 scatter matrix; the smaller from the determinant, free of cancellation.
+    larger = (xx + yy + math.hypot(xx - yy, 2 * xy)) / 2
+    return math.sqrt(max(xx * yy - xy * xy, 0.0)) / larger if larger > 0 else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,72 +107,105 @@ class _Fit:
     img_size: tuple[int, int]
     robust: bool
 
+    @cached_property
+    def problem(self) -> Problem:
+        return Problem(self.model, self.obs, self.img_size)
+
+    @cached_property
+    def everything(self) -> Array:
+        """Weight 1 for every point measured, (v, n)."""
+        return self.obs.mask.astype(np.float64)
+
     def run(self) -> Calibration:
         best: State | None = None
         for first in start.ladder(self.model, self.obs, self.img_size)[:4]:
-            state = self.converge(first.k)
+            state = self.converge(first)
             if state is None:
                 continue
             if best is None or self.level(state) < self.level(best):
                 best = state
-            if self.level(best) < DOUBTFUL * self.img_size[0]:
+            if self.level(best) < DOUBTFUL * self.img_size[0] and self.ordinary(best):
                 break
         if best is None:
             raise CalibrationError("no_fit", "no camera explains these views")
         return self.finish(best)
 
     def level(self, state: State) -> float:
-        """Typical residual, px, whatever the outliers do."""
-        return float(np.median(state.length[self.obs.mask]))
+        """Typical residual, px, which a few outliers hardly move."""
+        return float(np.mean(state.length[self.obs.mask]))
 
-    def converge(self, k: Array) -> State | None:
-        """From intrinsics without poses to the optimum with the prior; None where that leads nowhere."""
-        first = start.at(self.model, self.obs, k)
-        state = lm.at(self.model, self.obs, first.k, first.poses)
-        weights = self.obs.mask.astype(np.float64)
+    def ordinary(self, state: State) -> bool:
+        """Whether this is a camera like others; a strange one may be a local minimum beside the right one."""
+        return bool(np.abs(state.belief[1:4]).max() < SURPRISE)
+
+    def converge(self, first: Start) -> State | None:
+        """From a start to near the optimum with the prior; None where that leads nowhere."""
+        if len(first.poses.t) < self.obs.view_count:  # it was tried on some of the views
+            first = start.at(self.model, self.obs, first.k)
+        state = self.problem.at(first.k, first.poses)
         if not np.isfinite(state.r).all():
             return None
-        # A start is always met with robust weights: one bad view must not turn the first steps.
-        tolerance = 1e-4
-        state = lm.solve(
-            self.model, self.obs, state, weights, self.img_size, Options(robust=True, tolerance=tolerance)
-        )
+        # The way there is always robust: one bad view must not turn the first steps.
+        state = self.problem.solve(state, self.everything, Options(robust=True, tolerance=NEAR))
         return state if np.isfinite(state.r).all() else None
 
     def finish(self, state: State) -> Calibration:
-        weights = self.obs.mask.astype(np.float64)
-        with_prior = True
-        for _ in range(4):
+        """From near the optimum to a result: outliers cut, prior dropped where it may be, least squares."""
+        weights, with_prior = self.everything, True
+        for _ in range(4 if self.robust else 1):
             if self.robust:
                 weights = self.cut(state)
-            state = lm.solve(self.model, self.obs, state, weights, self.img_size, Options(with_prior=True))
-            s = normal.information(state.j, weights).sum(axis=0)
-            with_prior = not self.enough(state, s, weights)
-            if not with_prior:
-                state = lm.solve(
-                    self.model, self.obs, state, weights, self.img_size, Options(with_prior=False)
-                )
-            if not self.robust or np.array_equal(weights, self.cut(state)):
+                if self.systematic(weights):
+                    return self.plain(state)
+            state = self.problem.solve(state, weights, Options(tolerance=NEAR))
+            with_prior = not self.enough(state, weights)
+            state = self.problem.solve(state, weights, Options(with_prior=with_prior))
+            if self.robust and np.array_equal(weights, self.cut(state)):
                 break
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
         return self.result(state, weights, with_prior)
 
+    def plain(self, state: State) -> Calibration:
+        """Finish by least squares over all points."""
+        return replace(self, robust=False).finish(state)
+
+    def systematic(self, weights: Array) -> bool:
+        """Whether the points cut are those at the rim of the image.
+
+        Corners that were found badly lie anywhere. Where the rim is cut it is the model that fails there, and without
+        these points it would fail unseen.
+        """
+        seen = self.obs.pixels - (np.asarray(self.img_size) / 2)[None, :, None]
+        radius = np.where(self.obs.mask, np.hypot(seen[:, 0], seen[:, 1]), 0.0)
+        share = max(RIM, min(20 / self.obs.count, 1.0))  # of a few points one or two say nothing
+        rim = radius >= np.quantile(radius[self.obs.mask], 1 - share)
+        return bool(np.mean(weights[rim] < 1) > MOST)
+
     def cut(self, state: State) -> Array:
         """Weights (v, n) without the points beyond CUT sigmas."""
-        mask = self.obs.mask.astype(np.float64)
+        mask = self.everything
         sigma = max(lm.noise(state, mask), 1e-5 * self.img_size[0])
+        # Real residuals have longer tails than the median promises; what is kept says how long.
+        for _ in range(3):
+            kept = state.length[(state.length <= CUT * sigma) & self.obs.mask]
+            sigma = max(sigma, float(np.sqrt(np.mean(kept**2) / 2)))
         weights = np.where(state.length > CUT * sigma, 0.0, mask)
         # A view left with hardly any point keeps a pose by faint weights, and tells next to nothing.
         lost = weights.sum(axis=1) < MIN_POINTS
         weights[lost] = 1e-6 * mask[lost]
         return weights
 
-    def enough(self, state: State, s: Array, weights: Array) -> bool:
-        """Whether the data alone, with information s (p, p), carry every parameter."""
+    def enough(self, state: State, weights: Array) -> bool:
+        """Whether the data alone carry every parameter."""
+        if self.robust and self.obs.view_count < MANY:
+            return False
+        s = normal.information(state.j, weights).sum(axis=0)
         scale = 1 / np.sqrt(np.maximum(np.diagonal(s), 1e-300))
         if np.linalg.eigvalsh(s * scale[:, None] * scale)[0] < 1e-12:
             return False
+        if not self.robust:
+            return True  # plain least squares was asked for
         d = sensitivity(self.model, state.k, self.img_size, (10, 8))
         sigma = self.sigma(state, weights)
         predicted = np.sqrt(max(float(np.trace(symmetric_inverse(s) @ weight(d))), 0)) * sigma
@@ -190,6 +237,7 @@ class _Fit:
             view_errors=frozen(np.sqrt(square.sum(axis=1) / mask.sum(axis=1))),
             covariance=frozen(covariance),
             noise=sigma,
+            residuals=tuple(frozen(e[m]) for e, m in zip(state.length, mask, strict=True)),
             used=tuple((w[m] > 1e-3) for w, m in zip(weights, mask, strict=True)),
             prior_used=with_prior,
         )
@@ -212,12 +260,6 @@ class _Fit:
         if level > WORST * w:
             raise CalibrationError("not_believable", f"an rms of {level:.1f} px explains nothing")
         p = state.poses.camera_points(self.obs.points).transpose(1, 0, 2)
-        folded = ~self.model.valid(k[4:], p) & inside
-        if folded.sum() > 0.01 * inside.sum():
+        folded = ~self.model.valid(k[4:], p) & self.obs.mask
+        if folded.sum() > 0.01 * self.obs.mask.sum():
             raise CalibrationError("not_believable", "the distortion folds inside the views")
-
-
-def with_noise(calibration: Calibration, sigma: float) -> Calibration:
-    """Return the same calibration with its covariance scaled to another noise of the corners, px."""
-    factor = (sigma / calibration.noise) ** 2 if calibration.noise > 0 else 1.0
-    return replace(calibration, noise=sigma, covariance=frozen(calibration.covariance * factor))

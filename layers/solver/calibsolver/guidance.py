@@ -8,6 +8,7 @@ Calibration Wizard's (Peng, Sturm, ICCV 2019); the measure, the error over the i
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,21 +17,25 @@ from .arrays import Array, Mask, symmetric_inverse
 from .board import Board
 from .calibration import Calibration
 from .camera import Camera
-from .candidates import Range
+from .candidates import Lattice, Range, Sight
 from .models import Model
 from .target import TargetPose
 from .view import View
 
 __all__ = ["Belief", "ProjectionUncertainty", "TargetPose"]
 
-CANDIDATES = 300
-BEST = 4
-"""How many of the candidates are refined."""
+CANDIDATES = 256
+BEST, AROUND = 4, 12
+"""How many of the candidates are refined, and how many are tried around each."""
+RADII = (0.2, 0.17, 0.14, 0.12, 0.1, 0.08, 0.06, 0.04, 0.03)
+"""How far around, in units of a candidate's range."""
 GRID = (12, 9)
 NOMINAL_NOISE = 0.3 / 1280
 """Standard deviation of a corner's coordinate / image width, before anything was measured."""
 LEAST_NOISE = 0.05 / 1280
 """No detector is better than this; views that fit by luck do not promise it either."""
+ANY = Range(inside=0.0, oblique=90.0, spacing=0.0)
+"""Whatever comes: for a pose that has been chosen already."""
 EASY = Range(width=(0.45, 0.75), tilt=30.0, roll=15.0, inside=1.0)
 """A pose for someone who could not reach the last one: little tilt, all of the board in the picture."""
 
@@ -63,16 +68,30 @@ class Belief:
         """The camera at the believed intrinsics."""
         return Camera.from_intrinsics(self.model.name, self.k, self.img_size)
 
+    @cached_property
+    def sight(self) -> Sight:
+        """Rays over the image."""
+        return Sight.of(self.model, self.k, self.img_size)
+
+    @cached_property
     def weight(self) -> Array:
         """W (p, p), see `uncertainty.weight`."""
         return uncertainty.weight(uncertainty.sensitivity(self.model, self.k, self.img_size, GRID))
 
     def gain(self, information: Array) -> float:
         """px^2 by which views of `information` (p, p) at unit noise lower the mean square projection error."""
-        w = self.weight()
+        w = self.weight
         before = symmetric_inverse(self.information)
         after = symmetric_inverse(self.information + information / self.noise**2)
         return float(np.sum((before - after) * w))
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """What a candidate is judged by: W (p, p) (`uncertainty.weight`), and targets it must not resemble."""
+
+    weight: Array
+    skipped: tuple[TargetPose, ...]
 
 
 class ProjectionUncertainty:
@@ -82,7 +101,8 @@ class ProjectionUncertainty:
         self.board = board
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model)
-        self._points = np.ascontiguousarray(board.points.T)
+        self._all = Lattice.of(board, None)
+        self._thin = Lattice.of(board, 6)
 
     def next_pose(
         self,
@@ -110,7 +130,7 @@ class ProjectionUncertainty:
             if not views and not skipped:
                 return self._first(belief)
             limits = limits or (EASY if skipped else Range())
-            chosen = self._best(belief, len(views), limits, skipped)
+            chosen = self._best(belief, len(views), limits, Goal(belief.weight, tuple(skipped)))
             if chosen is None:
                 return self._first(Belief.of(self.model.name, self.img_size, None))
             return chosen
@@ -120,73 +140,72 @@ class ProjectionUncertainty:
         w, h = self.img_size
         aspect = self.board.size[1] / self.board.size[0]
         width = min(0.68, 0.68 * h / (w * aspect))
-        limits = Range(width=(width, width), tilt=30.0, roll=0.0)
+        limits = Range(width=(width, width), tilt=40.0, roll=0.0)
         unit = np.array([[0.5, 0.5, 0.5, 1.0, 0.82, 0.5]])
-        poses = candidates.poses(unit, self.board, belief.model, belief.k, self.img_size, limits)
-        s, _, _ = self._information(belief, poses, limits)
-        camera = belief.camera
-        return TargetPose.seen(self.board, camera, poses.r[0], poses.t[0], "a first look", belief.gain(s[0]))
+        poses = candidates.poses(unit, self.board, belief.sight, limits)
+        s, _ = self._information(belief, poses, ANY, thin=False)
+        return TargetPose.seen(
+            self.board, belief.camera, poses.r[0], poses.t[0], "a first look", belief.gain(s[0])
+        )
 
-    def _information(self, belief: Belief, poses: normal.Poses, limits: Range) -> tuple[Array, Mask, Mask]:
-        """Information (c, p, p) at unit noise of poses (c), corners seen (c, n), and whether each may be asked for."""
-        points = np.broadcast_to(self._points, (len(poses.t), *self._points.shape))
-        p = poses.camera_points(points)
+    def _information(
+        self, belief: Belief, poses: normal.Poses, limits: Range, thin: bool
+    ) -> tuple[Array, Mask]:
+        """Information (c, p, p) at unit noise of poses (c), and whether each may be asked for (0 where not).
+
+        `thin` looks at a lattice of a dozen corners that stand for all of them.
+        """
+        lattice = self._thin if thin else self._all
+        p = poses.r @ lattice.points + poses.t[:, :, None]
         q = belief.model.project(belief.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
         seen, good = candidates.visible(
-            p, q, poses.r[:, :, 2], self.board, belief.model, belief.k, self.img_size, limits
+            p, q, poses.r[:, :, 2], lattice, belief.model, belief.k, self.img_size, limits
         )
-        s = np.zeros((len(points), belief.model.size, belief.model.size))
-        use = np.flatnonzero(good) if len(points) > 1 else np.arange(1)
+        use = np.flatnonzero(good)
+        s = np.zeros((len(good), belief.model.size, belief.model.size))
         if use.size:
             _, j = normal.design(
-                belief.model, belief.k, normal.Poses(poses.r[use], poses.t[use]), points[use]
+                belief.model, belief.k, normal.Poses(poses.r[use], poses.t[use]), lattice.points
             )
-            j = np.where(seen[use][:, None, None, :], j, 0.0)
-            s[use] = normal.information(j, seen[use].astype(np.float64))
-        return s, seen, good
+            seen = seen[use]
+            j = np.where(seen[:, None, None, :], j, 0.0)
+            s[use] = normal.information(j, seen * lattice.share)
+        return s, good
 
-    def _score(
-        self, belief: Belief, unit: Array, limits: Range, weight: Array
-    ) -> tuple[Array, normal.Poses, Array]:
-        """Mean square projection error (c,) px^2 after each candidate, inf where it may not be asked for."""
-        poses = candidates.poses(unit, self.board, belief.model, belief.k, self.img_size, limits)
-        s, _, good = self._information(belief, poses, limits)
+    def _score(self, belief: Belief, unit: Array, limits: Range, goal: Goal) -> Array:
+        """Mean square projection error (c,) px^2 after each candidate (c, 6), inf where it may not be asked for."""
+        poses = candidates.poses(unit, self.board, belief.sight, limits)
+        s, good = self._information(belief, poses, limits, thin=True)
         score = np.full(len(unit), np.inf)
+        for target in goal.skipped:
+            good &= ~self._alike(poses, target)
         use = np.flatnonzero(good)
         if use.size:
             after = symmetric_inverse(belief.information + s[use] / belief.noise**2)
-            score[use] = np.einsum("cij,ij->c", after, weight)
-        return score, poses, s
+            score[use] = np.einsum("cij,ij->c", after, goal.weight)
+        return score
 
-    def _best(
-        self, belief: Belief, index: int, limits: Range, skipped: Sequence[TargetPose]
-    ) -> TargetPose | None:
-        weight = belief.weight()
-        unit = candidates.sequence(CANDIDATES, index + 7 * len(skipped))
-        score, poses, s = self._score(belief, unit, limits, weight)
-        for target in skipped:
-            score[self._alike(poses, target)] = np.inf
-        order = np.argsort(score)[:BEST]
-        order = order[np.isfinite(score[order])]
-        if not order.size:
-            return None
-        best, best_score = (poses.r[order[0]], poses.t[order[0]], s[order[0]]), score[order[0]]
-        around = candidates.sequence(8, 1) - 0.5
-        for radius in (0.16, 0.06):
-            near = (unit[order][:, None, :] + radius * around).reshape(-1, candidates.DIMENSIONS)
+    def _best(self, belief: Belief, index: int, limits: Range, goal: Goal) -> TargetPose | None:
+        """Search by the cross-entropy method: spread widely, then ever closer around the best so far."""
+        unit = candidates.sequence(CANDIDATES, index + 7 * len(goal.skipped))
+        score = self._score(belief, unit, limits, goal)
+        around = candidates.sequence(AROUND * BEST, 1) - 0.5
+        for radius in RADII:
+            best = np.argsort(score)[:BEST]
+            near = np.repeat(unit[best], AROUND, axis=0) + 2 * radius * around
             near[:, 4] %= 1.0
             near = np.clip(near, 0.0, 1.0)
-            score, poses, s = self._score(belief, near, limits, weight)
-            for target in skipped:
-                score[self._alike(poses, target)] = np.inf
-            order = np.argsort(score)[:BEST]
-            unit = near
-            if score[order[0]] < best_score:
-                best, best_score = (poses.r[order[0]], poses.t[order[0]], s[order[0]]), score[order[0]]
-        before = symmetric_inverse(belief.information)
-        gain = float(np.sum(before * weight)) - float(best_score)
-        purpose = self._purpose(belief, before, best[2])
-        return TargetPose.seen(self.board, belief.camera, best[0], best[1], purpose, gain)
+            unit = np.concatenate([unit[best], near])
+            score = np.concatenate([score[best], self._score(belief, near, limits, goal)])
+        order = np.argsort(score)
+        if not np.isfinite(score[order[0]]):
+            return None
+        pick = unit[order[:1]]
+        poses = candidates.poses(pick, self.board, belief.sight, limits)
+        s, _ = self._information(belief, poses, ANY, thin=False)
+        return TargetPose.seen(
+            self.board, belief.camera, poses.r[0], poses.t[0], self._purpose(belief, s[0]), belief.gain(s[0])
+        )
 
     def _alike(self, poses: normal.Poses, target: TargetPose) -> Array:
         """Which poses (c) look much like a target: normals within 20 degrees and centres within 1.5 squares."""
@@ -197,8 +216,9 @@ class ProjectionUncertainty:
         alike: Array = (angle > np.cos(np.radians(20))) & (place < 1.5)
         return alike
 
-    def _purpose(self, belief: Belief, before: Array, s: Array) -> str:
+    def _purpose(self, belief: Belief, s: Array) -> str:
         """Name the group of parameters that the view pins down most."""
+        before = symmetric_inverse(belief.information)
         after = symmetric_inverse(belief.information + s / belief.noise**2)
         left = np.diagonal(after) / np.diagonal(before)
         groups = {

@@ -33,24 +33,132 @@ class Options:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Where the solver stands: intrinsics (p,), poses, residuals (v, 2, n) px and the Jacobian there."""
+    """Where the solver stands.
+
+    Attributes
+    ----------
+    k, poses
+        Intrinsics (p,) and poses.
+    r, length
+        Residuals (v, 2, n) and their lengths (v, n), px.
+    j
+        Jacobian (v, p + 6, 2, n) of the residuals.
+    belief, belief_j
+        Whitened residuals (m,) of the prior and their Jacobian (m, p).
+    converged
+        Whether the gradient allows no further decrease.
+    """
 
     k: Array
     poses: Poses
     r: Array
+    length: Array
     j: Array
+    belief: Array
+    belief_j: Array
     converged: bool = False
 
-    @property
-    def length(self) -> Array:
-        """Residual lengths (v, n), px."""
-        return np.sqrt(self.r[:, 0] ** 2 + self.r[:, 1] ** 2)
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What is fitted: a model to observations of one camera."""
+
+    model: Model
+    obs: Observations
+    img_size: tuple[int, int]
+
+    def at(self, k: Array, poses: Poses) -> State:
+        """Return the state at given intrinsics and poses."""
+        q, j = normal.design(self.model, k, poses, self.obs.points)
+        r = q - self.obs.pixels
+        length = np.sqrt(r[:, 0] ** 2 + r[:, 1] ** 2)
+        return State(k, poses, r, length, j, *prior.residuals(self.model, k, self.img_size))
+
+    def solve(self, state: State, weights: Array, options: Options) -> State:
+        """Iterate from `state` to the optimum for points of weight (v, n).
+
+        The result is `converged` where the gradient allows no further decrease, and is not where the iterations ran
+        out or no step led downhill.
+        """
+        damping, floor = 1e-4, 1e-6 * self.img_size[0]
+        for _ in range(options.iterations):
+            sigma = max(noise(state, weights), floor)
+            here = cost(state, weights, sigma, options)
+            system = System.of(state, weights, sigma, options)
+            while True:
+                dk, step, promised = system.step(damping)
+                if not promised > options.tolerance * here:
+                    return replace(state, converged=bool(np.isfinite(promised)))
+                k = state.k + dk
+                if k[:2].min() > 0:
+                    moved = self.at(k, state.poses.moved(step))
+                    if cost(moved, weights, sigma, options) < here:
+                        state, damping = moved, max(damping * 0.1, 1e-12)
+                        break
+                damping = max(damping, 1e-8) * 10
+                if damping > 1e8:
+                    return state
+        return state
 
 
-def at(model: Model, obs: Observations, k: Array, poses: Poses) -> State:
-    """Return the state at given intrinsics and poses."""
-    q, j = normal.design(model, k, poses, obs.points)
-    return State(k, poses, q - obs.pixels, j)
+@dataclass(frozen=True, eq=False)
+class System:
+    """Normal equations at one state, each unknown scaled to a unit diagonal (Marquardt's scaling).
+
+    a, ga: intrinsics (p, p), (p,); b: poses (v, 6, 6); c: poses by intrinsics, and the poses' gradient (v, 6, p + 1).
+    """
+
+    a: Array
+    ga: Array
+    b: Array
+    c: Array
+    scale_a: Array
+    scale_b: Array
+
+    @classmethod
+    def of(cls, state: State, weights: Array, sigma: float, options: Options) -> "System":
+        """Build the system for points of weight (v, n), Huber's weights on top where the run is robust."""
+        v, width, _, n = state.j.shape
+        size = width - 6
+        if options.robust:
+            weights = weights * np.minimum(1, HUBER * sigma / np.maximum(state.length, 1e-30))
+        root = np.sqrt(weights)
+        full = np.empty((v, width + 1, 2, n))
+        np.multiply(state.j, root[:, None, None, :], out=full[:, :width])
+        np.multiply(state.r, root[:, None, :], out=full[:, width])
+        flat = full.reshape(v, width + 1, 2 * n)
+        h = flat @ flat.transpose(0, 2, 1)
+        total = h[:, :size].sum(axis=0)
+        a, ga = total[:, :size], total[:, width]
+        if options.with_prior:
+            a = a + sigma * sigma * (state.belief_j.T @ state.belief_j)
+            ga = ga + sigma * sigma * (state.belief_j.T @ state.belief)
+        b = h[:, size:width, size:width]
+        diagonal = np.diagonal(b, axis1=1, axis2=2)
+        scale_b = 1 / np.sqrt(diagonal + 1e-13 * diagonal.max(axis=1, keepdims=True) + 1e-200)
+        scale_a = 1 / np.sqrt(np.diagonal(a) + 1e-200)
+        c = np.concatenate([h[:, size:width, :size] * scale_a, h[:, size:width, width:]], axis=2)
+        return cls(
+            a * scale_a[:, None] * scale_a,
+            ga * scale_a,
+            b * scale_b[:, :, None] * scale_b[:, None, :],
+            c * scale_b[:, :, None],
+            scale_a,
+            scale_b,
+        )
+
+    def step(self, damping: float) -> tuple[Array, Array, float]:
+        """Steps of the intrinsics (p,) and poses (v, 6), and the decrease of the cost that they promise."""
+        size = len(self.a)
+        lift = damping + 1e-14
+        solved = np.linalg.solve(self.b + lift * np.eye(6), self.c)
+        flat = self.c[:, :, :size].reshape(-1, size)
+        removed = flat.T @ solved.reshape(-1, size + 1)
+        lhs = self.a - removed[:, :size] + lift * np.eye(size)
+        dk = -np.linalg.solve(lhs, self.ga - removed[:, size])
+        dp = -(solved[:, :, size] + solved[:, :, :size] @ dk)
+        promised = -float(self.ga @ dk) - float(np.sum(self.c[:, :, size] * dp))
+        return dk * self.scale_a, dp * self.scale_b, promised
 
 
 def noise(state: State, weights: Array) -> float:
@@ -59,13 +167,12 @@ def noise(state: State, weights: Array) -> float:
     used = length.size * 2
     unknowns = state.k.size + 6 * len(state.r)
     correction = np.sqrt(used / max(used - unknowns, 0.1 * used))
-    return float(np.median(length) / RAYLEIGH_MEDIAN * correction)
+    middle = np.partition(length, length.size // 2)[length.size // 2]
+    return float(middle / RAYLEIGH_MEDIAN * correction)
 
 
-def cost(
-    model: Model, state: State, weights: Array, sigma: float, img_size: tuple[int, int], options: Options
-) -> float:
-    """Return the objective: px^2."""
+def cost(state: State, weights: Array, sigma: float, options: Options) -> float:
+    """Return the objective, px^2."""
     length = state.length
     if options.robust:
         delta = HUBER * sigma
@@ -74,73 +181,5 @@ def cost(
         rho = length * length
     total = float(np.sum(rho * weights))
     if options.with_prior:
-        e, _ = prior.residuals(model, state.k, img_size)
-        total += sigma * sigma * float(e @ e)
+        total += sigma * sigma * float(state.belief @ state.belief)
     return total
-
-
-def solve(
-    model: Model,
-    obs: Observations,
-    start: State,
-    weights: Array,
-    img_size: tuple[int, int],
-    options: Options,
-) -> State:
-    """Iterate from `start` to the optimum for points of weight (v, n).
-
-    `converged` is set where the gradient allows no further decrease; it is not where the iterations ran out.
-    """
-    size = model.size
-    v, width, _, n = start.j.shape
-    state, damping = start, 1e-4
-    floor = 1e-6 * img_size[0]
-    for _ in range(options.iterations):
-        sigma = max(noise(state, weights), floor)
-        w = weights
-        if options.robust:
-            w = weights * np.minimum(1, HUBER * sigma / np.maximum(state.length, 1e-30))
-        root = np.sqrt(w)
-        full = np.empty((v, width + 1, 2, n))
-        np.multiply(state.j, root[:, None, None, :], out=full[:, :width])
-        np.multiply(state.r, root[:, None, :], out=full[:, width])
-        flat = full.reshape(v, width + 1, 2 * n)
-        h = flat @ flat.transpose(0, 2, 1)
-        a = h[:, :size, :size].sum(axis=0)
-        g = h[:, :size, width].sum(axis=0)
-        if options.with_prior:
-            e, pj = prior.residuals(model, state.k, img_size)
-            a = a + sigma * sigma * (pj.T @ pj)
-            g = g + sigma * sigma * (pj.T @ e)
-        here = cost(model, state, weights, sigma, img_size, options)
-        b, gb = h[:, size:width, size:width], h[:, size:width, width]
-        c = h[:, size:width, :size]
-        diagonal_b = np.diagonal(b, axis1=1, axis2=2)
-        scale_b = 1 / np.sqrt(diagonal_b + 1e-13 * diagonal_b.max(axis=1, keepdims=True) + 1e-200)
-        unit = b * scale_b[:, :, None] * scale_b[:, None, :]
-        cs = np.concatenate([c, gb[:, :, None]], axis=2) * scale_b[:, :, None]
-        scale_a = 1 / np.sqrt(np.diagonal(a) + 1e-200)
-        while True:
-            solved = np.linalg.solve(unit + (damping + 1e-14) * np.eye(6), cs)
-            reduced = a - np.einsum("vij,vik->jk", cs[:, :, :size], solved[:, :, :size])
-            gradient = g - np.einsum("vij,vi->j", cs[:, :, :size], solved[:, :, size])
-            lhs = reduced * scale_a[:, None] * scale_a + (damping + 1e-14) * np.eye(size)
-            dk = -scale_a * np.linalg.solve(lhs, scale_a * gradient)
-            step = -scale_b * (solved[:, :, size] + np.einsum("vij,j->vi", solved[:, :, :size], dk))
-            promised = -(float(g @ dk) + float(np.sum(gb * step)))
-            if promised <= options.tolerance * here:
-                return replace(state, converged=bool(np.isfinite(promised)))
-            moved = (
-                at(model, obs, state.k + dk, state.poses.moved(step))
-                if (state.k + dk)[:2].min() > 0
-                else None
-            )
-            if moved is not None:
-                there = cost(model, moved, weights, sigma, img_size, options)
-                if there < here:
-                    state, damping = moved, max(damping * 0.1, 1e-12)
-                    break
-            damping = max(damping, 1e-8) * 10
-            if damping > 1e8:
-                return state
-    return state

@@ -47,11 +47,11 @@ def project(model: Model, k: Array, poses: Poses, points: Array) -> Array:
 
 
 def design(model: Model, k: Array, poses: Poses, points: Array) -> tuple[Array, Array]:
-    """Pixels (v, 2, n) of points (v, 3, n) and the Jacobian (v, p + 6, 2, n)."""
+    """Pixels (v, 2, n) of points (v, 3, n), or (3, n) for all, and the Jacobian (v, p + 6, 2, n)."""
     rotated = poses.r @ points
     p = rotated + poses.t[:, :, None]
     q, by_k, by_p = model.jacobian(k, p.transpose(1, 0, 2))
-    v, _, n = points.shape
+    v, n = len(poses.t), points.shape[-1]
     size = model.size
     j = np.empty((v, size + 6, 2, n))
     j[:, :size] = by_k.transpose(2, 0, 1, 3)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Array, Mask
+from .arrays import Array, IntArray, Mask
 from .view import View
 
 
@@ -52,6 +52,6 @@ class Observations:
         """Number of measured points."""
         return int(self.mask.sum())
 
-    def subset(self, index: Sequence[int] | slice) -> "Observations":
+    def subset(self, index: IntArray) -> "Observations":
         """Return the observations of some of the views."""
         return Observations(self.points[index], self.pixels[index], self.mask[index])

@@ -17,7 +17,7 @@ STRIDE = 8
 """Pixels between the rays that are computed; between them board coordinates are interpolated."""
 SQUARE = 32
 """Texture pixels a square."""
-QUALITY = 80
+QUALITY = 50
 
 Picture = npt.NDArray[np.uint8]
 

@@ -72,15 +72,26 @@ def plane_poses(points: Array, rays: Array, weights: Array) -> tuple[Poses, Arra
 
 def at(model: Model, obs: Observations, k: Array) -> Start:
     """Start from intrinsics k (p,)."""
-    rays = model.unproject(k, obs.pixels.transpose(1, 0, 2)).transpose(1, 0, 2)
-    poses, angle = plane_poses(obs.points, rays, obs.mask.astype(np.float64))
-    return Start(k, poses, float(np.median(angle[obs.mask]) * np.sqrt(k[0] * k[1])))
+    return tried(model, obs, [k])[0]
+
+
+def tried(model: Model, obs: Observations, many: list[Array]) -> list[Start]:
+    """Start from each of several intrinsics (p,), all solved at once."""
+    pixels = obs.pixels.transpose(1, 0, 2)
+    rays = np.concatenate([model.unproject(k, pixels).transpose(1, 0, 2) for k in many])
+    points, mask = np.tile(obs.points, (len(many), 1, 1)), np.tile(obs.mask, (len(many), 1))
+    poses, angle = plane_poses(points, rays, mask.astype(np.float64))
+    v = obs.view_count
+    out = []
+    for i, k in enumerate(many):
+        part = slice(i * v, (i + 1) * v)
+        error = float(np.median(angle[part][obs.mask]) * np.sqrt(k[0] * k[1]))
+        out.append(Start(k, Poses(poses.r[part], poses.t[part]), error))
+    return out
 
 
 def ladder(model: Model, obs: Observations, img_size: tuple[int, int]) -> list[Start]:
     """Starts from every rung of the model's focal lengths, best first, judged on at most ten of the views."""
     few = np.unique(np.linspace(0, obs.view_count - 1, min(10, obs.view_count)).astype(int))
-    part = obs.subset(few)  # type: ignore[arg-type]
     rungs = [model.start(f * img_size[0], img_size) for f in model.ladder]
-    tried = sorted((at(model, part, k) for k in rungs), key=lambda start: start.error)
-    return tried
+    return sorted(tried(model, obs.subset(few), rungs), key=lambda start: start.error)

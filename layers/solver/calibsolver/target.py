@@ -119,7 +119,8 @@ def hint(board: Board, camera: Camera, r: Array, t: Array) -> str:
     corners = board.outline @ r.T + t
     middles = (corners + np.roll(corners, -1, axis=0)) / 2
     center = corners.mean(axis=0)
-    toward = np.linalg.norm(center) - np.linalg.norm(middles, axis=1)
+    distance = np.linalg.norm(middles, axis=1)
+    toward = (np.roll(distance, 2) - distance) / 2  # than the opposite edge
     nearest = int(np.argmax(toward))
     parts = []
     length = np.linalg.norm(middles[nearest] - center)

@@ -1,14 +1,14 @@
 """Camera models by name. A new one is a file beside this one and a line in the registry."""
 
 from ..errors import CalibrationError
-from .base import Model, Prior
+from .base import Coefficient, Model, Prior
 from .fisheye import Fisheye
 from .rectilinear import Rectilinear
 
 REGISTRY: dict[str, Model] = {model.name: model for model in (Rectilinear(), Fisheye())}
 NAMES = tuple(REGISTRY)
 
-__all__ = ["NAMES", "REGISTRY", "Model", "Prior", "get"]
+__all__ = ["NAMES", "REGISTRY", "Coefficient", "Model", "Prior", "get"]
 
 
 def get(name: str) -> Model:

@@ -7,6 +7,7 @@ distortion coefficients in the order of the model's definition.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -14,26 +15,57 @@ from ..arrays import Array, Mask
 
 
 @dataclass(frozen=True)
+class Coefficient:
+    """What is believed of one distortion coefficient, around 0.
+
+    Attributes
+    ----------
+    sigma
+        Standard deviation on a narrow lens.
+    order
+        Power of the squared image radius (in focal lengths) that it multiplies; 0: the belief does not depend on it.
+    edge
+        Standard deviation of its effect at the corner of the image / distance of the corner from the centre: lenses
+        bend images by so much, whatever the focal length, so that wide ones have small coefficients.
+    """
+
+    sigma: float
+    order: int = 0
+    edge: float = 1.0
+
+
+@dataclass(frozen=True)
 class Prior:
     """What is believed about a camera before anything is seen: independent Gaussians.
+
+    The figures are rounded from what 7,700 published calibrations show (the lens profiles of Gyroflow, CC0): half of
+    the focal lengths lie within 0.55 to 1.3 image widths, 9 of 10 principal points within 3 % of the centre.
 
     Attributes
     ----------
     focal, focal_sigma
         Focal length / image width, and the standard deviation of its logarithm.
+    distortion
+        One belief per coefficient.
     aspect_sigma
         Of log(fx / fy): pixels are nearly square.
     center_sigma
         Of the principal point around the image centre / image width.
-    distortion_sigma
-        Of each coefficient around 0.
     """
 
     focal: float
     focal_sigma: float
-    distortion_sigma: tuple[float, ...]
-    aspect_sigma: float = 0.02
-    center_sigma: float = 0.04
+    distortion: tuple[Coefficient, ...]
+    aspect_sigma: float = 0.01
+    center_sigma: float = 0.03
+
+    @cached_property
+    def columns(self) -> tuple[Array, Array, Array]:
+        """Sigma, order, and 1 / edge (0 where the order is 0) of the coefficients, (m,) each."""
+        sigma, order, edge = np.array(
+            [(c.sigma, c.order, c.edge) for c in self.distortion], dtype=np.float64
+        ).T
+        return sigma, order, np.where(order > 0, 1 / edge, 0.0)
 
 
 class Model(ABC):

@@ -8,7 +8,7 @@ points beside and behind the camera are projected too: OpenCV's own x/z form end
 import numpy as np
 
 from ..arrays import Array, Mask
-from .base import Model, Prior, first_root
+from .base import Coefficient, Model, Prior, first_root
 
 TINY = 1e-200
 
@@ -18,7 +18,16 @@ class Fisheye(Model):
 
     name = "fisheye"
     coefficients = ("k1", "k2", "k3", "k4")
-    prior = Prior(focal=0.55, focal_sigma=0.6, distortion_sigma=(0.4, 0.4, 0.4, 0.4))
+    prior = Prior(
+        focal=0.6,
+        focal_sigma=0.6,
+        distortion=(
+            Coefficient(0.5, 1, 0.4),
+            Coefficient(2.0, 2, 0.3),
+            Coefficient(5.0, 3, 0.4),
+            Coefficient(10.0, 4, 0.4),
+        ),
+    )
     ladder = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.5)
 
     def distort(self, d: Array, p: Array) -> Array:
@@ -70,6 +79,11 @@ class Fisheye(Model):
 
     def undistort(self, d: Array, u: Array) -> Array:
         """Newton's method on the angle alone, from a table."""
+        if not d.any():
+            t = np.hypot(u[0], u[1])
+            t = np.where(t < np.pi, t, np.nan)
+            m = np.sinc(t / np.pi)
+            return np.stack([u[0] * m, u[1] * m, np.cos(t)])
         limit = self.angle(d)
         grid = np.linspace(0, limit, 513)
         s = grid * grid

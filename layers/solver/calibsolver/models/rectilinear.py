@@ -8,7 +8,7 @@ u = x g + 2 p1 x y + p2 (s + 2 x^2),  v = y g + p1 (s + 2 y^2) + 2 p2 x y
 import numpy as np
 
 from ..arrays import Array, Mask
-from .base import Model, Prior, first_root
+from .base import Coefficient, Model, Prior, first_root
 
 MAX_RADIUS = 50.0
 """tan of the largest angle from the axis, about 88.9 degrees, at which the model is used."""
@@ -19,7 +19,17 @@ class Rectilinear(Model):
 
     name = "rectilinear"
     coefficients = ("k1", "k2", "p1", "p2", "k3")
-    prior = Prior(focal=0.8, focal_sigma=0.4, distortion_sigma=(0.4, 0.4, 0.01, 0.01, 0.4))
+    prior = Prior(
+        focal=0.8,
+        focal_sigma=0.5,
+        distortion=(
+            Coefficient(0.5, 1, 0.4),
+            Coefficient(2.0, 2, 0.3),
+            Coefficient(0.006),
+            Coefficient(0.006),
+            Coefficient(5.0, 3, 0.3),
+        ),
+    )
     ladder = (0.35, 0.5, 0.7, 0.95, 1.3, 1.9, 2.8)
 
     def distort(self, d: Array, p: Array) -> Array:
@@ -72,6 +82,8 @@ class Rectilinear(Model):
 
     def undistort(self, d: Array, u: Array) -> Array:
         """Newton's method from the inverse of the radial part."""
+        if not d.any():
+            return np.stack([*u, np.ones_like(u[0])]) / np.sqrt(1 + u[0] * u[0] + u[1] * u[1])
         k1, k2, p1, p2, k3 = d
         limit = self.radius(d)
         # Dense near the axis where the image is, and still out to the limit.
