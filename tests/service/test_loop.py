@@ -2,6 +2,7 @@
 
 import json
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -183,6 +184,20 @@ class TestLookup:
         assert document["solver"]
         assert len(document["views"]) == len(known[0][0]["views"])
         assert all(len(view["ids"]) == len(view["points"]) for view in document["views"])
+
+
+def test_captures_that_end_at_once_all_count(stack: LocalStack) -> None:
+    """Every capture asks for the consensus; whichever computation comes last, it considered all of them."""
+
+    def run(seed: int) -> Any:
+        return Truth(seed=seed).calibrate(Client(stack), camera="Camera of six at once")
+
+    with ThreadPoolExecutor(6) as pool:
+        states = list(pool.map(run, range(6)))
+    assert len({state["calibration_id"] for state in states}) == 6
+    published(stack, states[0]["calibration_id"], 6)
+    answer = Client(stack).lookup(camera="Camera of six at once")
+    assert (answer.status, answer.json["calibrations"]) == (200, 6)
 
 
 def test_without_agreement_there_is_no_answer(stack: LocalStack) -> None:

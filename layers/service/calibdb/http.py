@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -24,6 +25,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
+from calibdb.accept import preferred
 from calibdb.errors import (
     PROBLEMS,
     CalibdbError,
@@ -31,7 +33,6 @@ from calibdb.errors import (
     ForbiddenError,
     InvalidError,
     MalformedError,
-    NotAcceptableError,
     TooLargeError,
     UnauthenticatedError,
 )
@@ -45,9 +46,9 @@ _MOST_FIELDS = 20  # of a body with ten thousand wrong points the first few say 
 _PROBLEM = "application/problem+json"
 _TEXT = ["text/", "application/json", _PROBLEM]  # everything else leaves as base64
 
+_log = logging.getLogger(__name__)
 _HOST = ("host", "x-forwarded-port")
 _FLAGS = {"1": True, "true": True, "0": False, "false": False}
-_WEIGHT = re.compile(r"[01](\.[0-9]{0,3})?")
 
 Model = TypeVar("Model", bound=BaseModel)
 LambdaHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
@@ -108,15 +109,8 @@ class Call:
         return int(text)
 
     def accepted(self, types: Sequence[str]) -> str:
-        """Return the media type, of those we have, that the caller likes best; the first where all are alike.
-
-        Raises NotAcceptableError. Precedence and weights after RFC 9110, 12.5.1.
-        """
-        weights = [(_weight(self.request.headers.get("accept") or "*/*", t), t) for t in types]
-        weight, best = max(weights, key=lambda pair: pair[0])
-        if weight <= 0:
-            raise NotAcceptableError(f"There is {', '.join(types)}.")
-        return best
+        """Return the media type, of those we have, that the caller likes best; NotAcceptableError if none."""
+        return preferred(self.request.headers.get("accept") or "*/*", types)
 
     def session(self) -> Ticket:
         """Return what the session id says; raises UnauthenticatedError or ForbiddenError."""
@@ -216,17 +210,6 @@ def _without_host(event: dict[str, Any]) -> dict[str, Any]:
     return {**event, "headers": headers}
 
 
-def _weight(accept: str, media_type: str) -> float:
-    """Return how much `accept` wants `media_type`: the weight of the most specific range that holds it."""
-    ranges = {}
-    for entry in accept.lower().split(","):
-        name, *parameters = (part.strip() for part in entry.split(";"))
-        weights = [p[2:] for p in parameters if p.startswith("q=")]
-        ranges[name] = float(weights[0]) if weights and _WEIGHT.fullmatch(weights[0]) else 1.0
-    family = media_type.partition("/")[0] + "/*"
-    return next((ranges[r] for r in (media_type, family, "*/*") if r in ranges), 0.0)
-
-
 def _service() -> Service:
     return Service.of(os.environ)
 
@@ -240,8 +223,13 @@ def _problem(error: CalibdbError) -> Response:
     )
 
 
-async def _known(_: Request, error: Exception) -> Response:
-    return _problem(cast("CalibdbError", error))
+async def _known(_: Request, raised: Exception) -> Response:
+    error = cast("CalibdbError", raised)
+    if (
+        error.status >= HTTPStatus.INTERNAL_SERVER_ERROR
+    ):  # not the caller's doing, so the operator hears of it
+        _log.error("%s", error.detail, exc_info=error)
+    return _problem(error)
 
 
 async def _starlette(_: Request, raised: Exception) -> Response:

@@ -1,0 +1,32 @@
+"""Choosing among media types by what the caller accepts, after RFC 9110, 12.5.1."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from calibdb.errors import NotAcceptableError
+
+_WEIGHT = re.compile(r"[01](\.[0-9]{0,3})?")
+
+
+def preferred(accept: str, types: Sequence[str]) -> str:
+    """Return the one of `types` that `accept` weighs most; of equals the first.
+
+    Raises NotAcceptableError when `accept` wants none of them.
+    """
+    weight, best = max(((_weight(accept, t), t) for t in types), key=lambda pair: pair[0])
+    if weight <= 0:
+        raise NotAcceptableError(f"There is {', '.join(types)}.")
+    return best
+
+
+def _weight(accept: str, media_type: str) -> float:
+    """Return the weight of the most specific range of `accept` that holds `media_type`; 0 where none does."""
+    ranges = {}
+    for entry in accept.lower().split(","):
+        name, *parameters = (part.strip() for part in entry.split(";"))
+        weights = [p[2:] for p in parameters if p.startswith("q=")]
+        ranges[name] = float(weights[0]) if weights and _WEIGHT.fullmatch(weights[0]) else 1.0
+    family = media_type.partition("/")[0] + "/*"
+    return next((ranges[r] for r in (media_type, family, "*/*") if r in ranges), 0.0)
