@@ -1,13 +1,15 @@
 """Made-up cameras and a clumsy user: the closed loop in which guidance is measured.
 
-The world is the one of the published comparison: 12 cameras with f = 500 to 1600 px at 1280 x 720 and k1 from -0.35 to
-+0.10, a 9 x 6 board, independent Gaussian noise on the corners, a user who misses each pose by some 3 degrees and 3 %.
+The world is the one of the published comparison: 12 cameras with f = 500 to 1600 px at 1280 x 720 and k1
+from -0.35 to +0.10, a 9 x 6 board, independent Gaussian noise on the corners, a user who misses each pose
+by some 3 degrees and 3 %.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from calibsolver import Board, Calibration, Camera, View
 from calibsolver import rotation as rotations
 from calibsolver.capture import Capture, Estimate
@@ -19,7 +21,7 @@ IMG_SIZE = (1280, 720)
 
 
 def rectilinear_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:
-    """Cameras from wide to narrow, each with some distortion of the range, one-to-one well beyond its image."""
+    """Cameras from wide to narrow, each with some distortion, one-to-one well beyond the image."""
     rng = np.random.default_rng(seed)
     w, h = img_size
     cameras = []
@@ -69,7 +71,7 @@ def seen(
     noise: float = 0.2,
     wild: float = 0.0,
 ) -> View:
-    """What a detector would report: corners inside the image with Gaussian noise, a share `wild` 3 to 50 px off."""
+    """What a detector would report: corners in the image, Gaussian noise, a share `wild` 3 to 50 px off."""
     q = camera.project(board.points @ rotations.matrix(rvec).T + tvec)
     w, h = camera.img_size
     inside = (q >= 2).all(axis=1) & (q[:, 0] <= w - 3) & (q[:, 1] <= h - 3)
@@ -90,7 +92,7 @@ class User:
     def hold(
         self, board: Board, target: TargetPose, rng: np.random.Generator
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The pose (rvec, tvec) that the target becomes in their hands; turns are about the board's centre."""
+        """The pose (rvec, tvec) that the target becomes in their hands, turned about the board's centre."""
         center = board.outline.mean(axis=0)
         r = rotations.matrix(target.rvec)
         place = r @ center + target.tvec

@@ -67,7 +67,7 @@ class Board:
     @cached_property
     def points(self) -> Array:
         """Inner corners in order of their ids, (n, 3), squares, board frame."""
-        w, h = self.squares
+        w = self.squares[0]
         row, column = np.divmod(np.arange(self.corner_count), w - 1)
         return frozen(np.stack([column + 1, row + 1, np.zeros(self.corner_count)], axis=1))
 

@@ -50,9 +50,9 @@ class Calibration:
     def projection_std(self, grid: tuple[int, int] = (20, 15)) -> Array:
         """Predicted error of a projection over the image, px, (rows, columns) for `grid` = (columns, rows).
 
-        At the centre of each cell: root of the trace of the 2x2 covariance of the projection of the ray seen there,
-        to first order, with the rotation of the camera frame that fits best over the grid removed. NaN outside the
-        model's one-to-one domain.
+        At the centre of each cell: root of the trace of the 2x2 covariance of the projection of the ray
+        seen there, to first order, with the rotation of the camera frame that fits best over the grid
+        removed. NaN outside the model's one-to-one domain.
         """
         model = models.get(self.camera.model)
         d = sensitivity(model, self.camera.intrinsics, self.camera.img_size, grid)
@@ -61,7 +61,7 @@ class Calibration:
         return std
 
     def uncertainty(self, grid: tuple[int, int] = (20, 15)) -> Uncertainty:
-        """Predict rms and maximum over the image of |true - estimated projection|, px (see `projection_std`)."""
+        """Predict rms and maximum of |true - estimated projection| over the image, px (`projection_std`)."""
         std = self.projection_std(grid)
         seen = std[np.isfinite(std)]
         if not seen.size:  # not even the middle of the image has a ray: nothing is known

@@ -72,7 +72,7 @@ class Camera:
         return np.ascontiguousarray(q.T)
 
     def unproject(self, pixels: Array) -> Array:
-        """Unit rays (n, 3), camera frame, of pixels (n, 2); NaN where no ray of the valid domain leads."""
+        """Return unit rays (n, 3), camera frame, of pixels (n, 2); NaN where the valid domain has none."""
         rays = models.get(self.model).unproject(self.intrinsics, np.asarray(pixels, dtype=np.float64).T)
         return np.ascontiguousarray(rays.T)
 

@@ -91,7 +91,7 @@ def sequence(count: int, offset: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """Rays over the image of one camera, looked up instead of solved for: a candidate's centre need not be exact.
+    """Rays over the image of one camera, looked up: the centre of a candidate need not be exact.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class Sight:
         return cls(np.ascontiguousarray(rays.transpose(1, 2, 0)), float(k[0]), img_size)
 
     def at(self, x: Array, y: Array) -> Array:
-        """Unit rays (c, 3) at places (c,) of [0, 1] across and down the image; NaN where there is none."""
+        """Return unit rays (c, 3) at places (c,) of [0, 1] across and down the image; NaN where none."""
         rows, columns, _ = self.rays.shape
         x, y = x * (columns - 1), y * (rows - 1)
         i, j = np.minimum(x.astype(int), columns - 2), np.minimum(y.astype(int), rows - 2)

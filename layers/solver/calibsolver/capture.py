@@ -43,8 +43,8 @@ class Estimate:
     uncertainty
         Predicted error of a projection over the image, px.
     progress
-        0 to 1; 1 where converged. It follows the predicted error and the number of views, so it grows with every
-        view that brings information; it may fall with one that shows more noise than was seen before.
+        0 to 1; 1 where converged. It follows the predicted error and the number of views, so it grows with
+        every view that brings information; it may fall with one that shows more noise than was seen before.
     converged
         Whether the predicted rms is below the target and at least four views are in.
     """
@@ -122,7 +122,7 @@ class Capture:
     def next_target(
         self, views: Sequence[View], estimate: Estimate, skipped: Sequence[TargetPose] = ()
     ) -> TargetPose:
-        """Choose where to hold the board next; unlike the `skipped` targets, and easier, where there are any."""
+        """Choose where to hold the board next; where targets were `skipped`, unlike them and easier."""
         return self.guide.next_pose(views, estimate.calibration, skipped)
 
     def judge(self, views: Sequence[View], target: TargetPose, view: View) -> Verdict:
@@ -200,8 +200,8 @@ def used_errors(calibration: Calibration) -> Array:
 def orientation(view: View) -> float:
     """Sign of the handedness of board to image: negative in a mirrored picture.
 
-    The determinant of the affine map that fits best; a homography's has the same sign wherever the whole board is
-    in front of the camera, and this one stays defined under strong distortion too.
+    The determinant of the affine map that fits best; a homography's has the same sign wherever the whole
+    board is in front of the camera, and this one stays defined under strong distortion too.
     """
     p = view.object_points[:, :2] - view.object_points[:, :2].mean(axis=0)
     q: Array = view.image_points - view.image_points.mean(axis=0)

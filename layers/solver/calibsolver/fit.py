@@ -53,8 +53,8 @@ def fit(
     model
         One of `models.NAMES`.
     robust
-        Huber weights on the way, then points beyond 4 sigma are cut and the rest fitted by least squares. Otherwise
-        plain least squares over all points.
+        Huber weights on the way, then points beyond 4 sigma are cut and the rest fitted by least squares.
+        Otherwise plain least squares over all points.
 
     Raises
     ------
@@ -173,8 +173,8 @@ class _Fit:
     def systematic(self, weights: Array) -> bool:
         """Whether the points cut are those at the rim of the image.
 
-        Corners that were found badly lie anywhere. Where the rim is cut it is the model that fails there, and without
-        these points it would fail unseen.
+        Corners that were found badly lie anywhere. Where the rim is cut it is the model that fails there,
+        and without these points it would fail unseen.
         """
         seen = self.obs.pixels - (np.asarray(self.img_size) / 2)[None, :, None]
         radius = np.where(self.obs.mask, np.hypot(seen[:, 0], seen[:, 1]), 0.0)

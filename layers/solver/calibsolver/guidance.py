@@ -1,9 +1,10 @@
 """Where to hold the board next: there where the projection over the image gains most.
 
 A view adds its information S to that of the intrinsics; the mean square projection error over the image is
-trace(covariance W) (`uncertainty.weight`). Of some hundred poses that a person can hold the one is taken after which
-that is least. The idea of choosing views by expected error is AprilCal's (Richardson, Strom, Olson, IROS 2013) and
-Calibration Wizard's (Peng, Sturm, ICCV 2019); the measure, the error over the image up to a rotation, is mrcal's.
+trace(covariance W) (`uncertainty.weight`). Of some hundred poses that a person can hold the one is taken
+after which that is least. The idea of choosing views by expected error is AprilCal's (Richardson, Strom,
+Olson, IROS 2013) and Calibration Wizard's (Peng, Sturm, ICCV 2019); the measure, the error over the image
+up to a rotation, is mrcal's.
 """
 
 from collections.abc import Sequence
@@ -79,7 +80,7 @@ class Belief:
         return uncertainty.weight(uncertainty.sensitivity(self.model, self.k, self.img_size, GRID))
 
     def gain(self, information: Array) -> float:
-        """px^2 by which views of `information` (p, p) at unit noise lower the mean square projection error."""
+        """Return how far views of `information` (p, p) at unit noise lower the mean square error, px^2."""
         w = self.weight
         before = symmetric_inverse(self.information)
         after = symmetric_inverse(self.information + information / self.noise**2)
@@ -169,11 +170,11 @@ class ProjectionUncertainty:
             )
             seen = seen[use]
             j = np.where(seen[:, None, None, :], j, 0.0)
-            s[use] = normal.information(j, seen * lattice.share)
+            s[use] = normal.information(j, seen.astype(np.float64) * lattice.share)
         return s, good
 
     def _score(self, belief: Belief, unit: Array, limits: Range, goal: Goal) -> Array:
-        """Mean square projection error (c,) px^2 after each candidate (c, 6), inf where it may not be asked for."""
+        """Mean square projection error (c,) px^2 after each candidate (c, 6), inf where it is no good."""
         poses = candidates.poses(unit, self.board, belief.sight, limits)
         s, good = self._information(belief, poses, limits, thin=True)
         score = np.full(len(unit), np.inf)
@@ -207,13 +208,13 @@ class ProjectionUncertainty:
             self.board, belief.camera, poses.r[0], poses.t[0], self._purpose(belief, s[0]), belief.gain(s[0])
         )
 
-    def _alike(self, poses: normal.Poses, target: TargetPose) -> Array:
-        """Which poses (c) look much like a target: normals within 20 degrees and centres within 1.5 squares."""
+    def _alike(self, poses: normal.Poses, target: TargetPose) -> Mask:
+        """Whether poses (c) are much like a target: normals within 20 degrees, centres within 1.5 squares."""
         r = rotation.matrix(target.rvec)
         center = self.board.outline.mean(axis=0)
         place = np.linalg.norm(poses.r @ center + poses.t - (r @ center + target.tvec), axis=1)
         angle = poses.r[:, :, 2] @ r[:, 2]
-        alike: Array = (angle > np.cos(np.radians(20))) & (place < 1.5)
+        alike: Mask = (angle > np.cos(np.radians(20))) & (place < 1.5)
         return alike
 
     def _purpose(self, belief: Belief, s: Array) -> str:

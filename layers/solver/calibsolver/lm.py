@@ -77,8 +77,8 @@ class Problem:
     def solve(self, state: State, weights: Array, options: Options) -> State:
         """Iterate from `state` to the optimum for points of weight (v, n).
 
-        The result is `converged` where the gradient allows no further decrease, and is not where the iterations ran
-        out or no step led downhill.
+        The result is `converged` where the gradient allows no further decrease, and is not where the
+        iterations ran out or no step led downhill.
         """
         damping, floor = 1e-4, 1e-6 * self.img_size[0]
         for _ in range(options.iterations):
@@ -105,7 +105,16 @@ class Problem:
 class System:
     """Normal equations at one state, each unknown scaled to a unit diagonal (Marquardt's scaling).
 
-    a, ga: intrinsics (p, p), (p,); b: poses (v, 6, 6); c: poses by intrinsics, and the poses' gradient (v, 6, p + 1).
+    Attributes
+    ----------
+    a, ga
+        Intrinsics, (p, p), and their gradient (p,).
+    b
+        Poses, (v, 6, 6).
+    c
+        Poses by intrinsics, and the gradient of the poses, (v, 6, p + 1).
+    scale_a, scale_b
+        What the steps are multiplied by, (p,) and (v, 6).
     """
 
     a: Array
@@ -148,7 +157,7 @@ class System:
         )
 
     def step(self, damping: float) -> tuple[Array, Array, float]:
-        """Steps of the intrinsics (p,) and poses (v, 6), and the decrease of the cost that they promise."""
+        """Solve for the steps of intrinsics (p,) and poses (v, 6), and the decrease that they promise."""
         size = len(self.a)
         lift = damping + 1e-14
         solved = np.linalg.solve(self.b + lift * np.eye(6), self.c)

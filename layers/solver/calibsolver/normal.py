@@ -1,8 +1,9 @@
 """Normal equations of the reprojection error, with the poses eliminated.
 
-Per view the Jacobian is [A | B] with A by the intrinsics (p) and B by the pose (6: a small rotation applied from
-the left in the camera frame, then the translation). Eliminating the pose leaves S = A'A - A'B (B'B)^-1 B'A, what
-the view tells about the intrinsics alone (Schur complement; Triggs et al., "Bundle adjustment", 2000).
+Per view the Jacobian is [A | B] with A by the intrinsics (p) and B by the pose (6: a small rotation applied
+from the left in the camera frame, then the translation). Eliminating the pose leaves S = A'A - A'B (B'B)^-1
+B'A, what the view tells about the intrinsics alone (Schur complement; Triggs et al., "Bundle adjustment",
+2000).
 """
 
 from dataclasses import dataclass
@@ -66,7 +67,7 @@ def design(model: Model, k: Array, poses: Poses, points: Array) -> tuple[Array, 
 
 
 def information(j: Array, weights: Array) -> Array:
-    """Per view S (v, p, p): what points of weight (v, n) and Jacobian (v, p + 6, 2, n) tell about the intrinsics."""
+    """Compute what views tell of the intrinsics, S (v, p, p): Jacobian (v, p + 6, 2, n), weights (v, n)."""
     v, width, _, n = j.shape
     weighted = (j * np.sqrt(weights)[:, None, None, :]).reshape(v, width, 2 * n)
     return eliminate(weighted @ weighted.transpose(0, 2, 1))

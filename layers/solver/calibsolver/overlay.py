@@ -27,9 +27,9 @@ def render(
 ) -> bytes:
     """Picture of `camera.img_size` with the board at the target pose, black elsewhere.
 
-    White squares are green and black ones magenta: two hues of similar brightness, made for the CSS blend mode
-    `color`, and no pixel of the board is black. PNG has an alpha channel that is 0 outside the board. Where the
-    model is not one-to-one nothing is drawn.
+    White squares are green and black ones magenta: two hues of similar brightness, made for the CSS blend
+    mode `color`, and no pixel of the board is black. PNG has an alpha channel that is 0 outside the board.
+    Where the model is not one-to-one nothing is drawn.
 
     Raises ValueError for an unknown format.
     """
@@ -77,7 +77,7 @@ def bounds(outline: Array, img_size: tuple[int, int]) -> tuple[int, int, int, in
 def board_coordinates(
     camera: Camera, target: TargetPose, box: tuple[int, int, int, int]
 ) -> npt.NDArray[np.float32]:
-    """Texture coordinates (y1 - y0, x1 - x0, 2) of the pixels of a box; far outside the texture where none is."""
+    """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; far outside where there are none."""
     x0, y0, x1, y1 = box
     columns, rows = -(-(x1 - x0) // STRIDE) + 1, -(-(y1 - y0) // STRIDE) + 1
     x, y = np.meshgrid(x0 + STRIDE * np.arange(columns), y0 + STRIDE * np.arange(rows))
@@ -104,7 +104,7 @@ def board_coordinates(
 
 @lru_cache(maxsize=16)
 def texture(board: Board) -> Picture:
-    """The board's picture, SQUARE px a square, channels (black, white) squares, (rows, columns, 2)."""
+    """Draw the board, SQUARE px a square, channels (black, white) squares, (rows, columns, 2)."""
     gray = image(board, SQUARE)
     return np.ascontiguousarray(np.stack([255 - gray, gray], axis=-1))
 

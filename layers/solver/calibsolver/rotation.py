@@ -39,9 +39,9 @@ def vector(r: Array) -> Array:
     k = np.empty((len(m), 4, 4))
     k[:, 0, 0] = 1 + trace
     for i in range(3):
-        j, l = (i + 1) % 3, (i + 2) % 3
+        j, n = (i + 1) % 3, (i + 2) % 3
         k[:, i + 1, i + 1] = 1 + 2 * diagonal[:, i] - trace
-        k[:, 0, i + 1] = k[:, i + 1, 0] = m[:, l, j] - m[:, j, l]
+        k[:, 0, i + 1] = k[:, i + 1, 0] = m[:, n, j] - m[:, j, n]
         k[:, i + 1, j + 1] = k[:, j + 1, i + 1] = m[:, i, j] + m[:, j, i]
     best = np.argmax(np.diagonal(k, axis1=1, axis2=2), axis=1)
     q = k[np.arange(len(m)), best]

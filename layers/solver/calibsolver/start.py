@@ -1,8 +1,9 @@
 """Where the solver starts: poses for a given focal length, and a focal length.
 
-For a model without distortion every pixel is a ray, and the rays of a plane's points are a homography of them:
-ray ~ H (X, Y, 1). That holds beyond 90 degrees from the axis too, as long as the ray keeps its sign, so one linear
-solution serves narrow lenses and fisheyes. (Hartley & Zisserman, "Multiple View Geometry", 4.1 and 8.1.)
+For a model without distortion every pixel is a ray, and the rays of a plane's points are a homography of
+them: ray ~ H (X, Y, 1). That holds beyond 90 degrees from the axis too, as long as the ray keeps its sign,
+so one linear solution serves narrow lenses and fisheyes. (Hartley & Zisserman, "Multiple View Geometry",
+4.1 and 8.1.)
 """
 
 from dataclasses import dataclass
@@ -91,7 +92,7 @@ def tried(model: Model, obs: Observations, many: list[Array]) -> list[Start]:
 
 
 def ladder(model: Model, obs: Observations, img_size: tuple[int, int]) -> list[Start]:
-    """Starts from every rung of the model's focal lengths, best first, judged on at most ten of the views."""
+    """Try every focal length of the model, on at most ten of the views: starts, best first."""
     few = np.unique(np.linspace(0, obs.view_count - 1, min(10, obs.view_count)).astype(int))
     rungs = [model.start(f * img_size[0], img_size) for f in model.ladder]
     return sorted(tried(model, obs.subset(few), rungs), key=lambda start: start.error)

@@ -115,7 +115,7 @@ def edge_points(board: Board) -> Array:
 
 
 def hint(board: Board, camera: Camera, r: Array, t: Array) -> str:
-    """What to do, in the words of someone who looks at the picture."""
+    """Say what to do, in the words of someone who looks at the picture."""
     corners = board.outline @ r.T + t
     middles = (corners + np.roll(corners, -1, axis=0)) / 2
     center = corners.mean(axis=0)

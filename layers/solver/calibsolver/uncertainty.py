@@ -1,8 +1,8 @@
 """How far a projection may be wrong: the covariance of the intrinsics seen in the image.
 
-A turn of the camera frame is no error of a calibration: whoever uses it estimates the pose anew. So the rotation
-that fits best over the whole image is projected out first (mrcal's "projection uncertainty" does the same with the
-poses of the boards; here the points lie at infinity and only a rotation remains).
+A turn of the camera frame is no error of a calibration: whoever uses it estimates the pose anew. So the
+rotation that fits best over the whole image is projected out first (mrcal's "projection uncertainty" does
+the same with the poses of the boards; here the points lie at infinity and only a rotation remains).
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ def pixel_grid(img_size: tuple[int, int], grid: tuple[int, int]) -> Array:
 
 
 def sensitivity(model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int]) -> Array:
-    """Derivative (n, 2, p) of the projection by the intrinsics, best rotation removed, over the grid.
+    """Compute the derivative (n, 2, p) of projection by intrinsics over a grid, best rotation removed.
 
     Rows are NaN where the pixel has no ray (outside the model's one-to-one domain). n = columns * rows.
     """

@@ -23,10 +23,12 @@ class Coefficient:
     sigma
         Standard deviation on a narrow lens.
     order
-        Power of the squared image radius (in focal lengths) that it multiplies; 0: the belief does not depend on it.
+        Power of the squared image radius (in focal lengths) that it multiplies; 0: the belief does not
+        depend on it.
     edge
-        Standard deviation of its effect at the corner of the image / distance of the corner from the centre: lenses
-        bend images by so much, whatever the focal length, so that wide ones have small coefficients.
+        Standard deviation of its effect at the corner of the image / distance of the corner from the
+        centre: lenses bend images by so much, whatever the focal length, so that wide ones have small
+        coefficients.
     """
 
     sigma: float
@@ -38,8 +40,9 @@ class Coefficient:
 class Prior:
     """What is believed about a camera before anything is seen: independent Gaussians.
 
-    The figures are rounded from what 7,700 published calibrations show (the lens profiles of Gyroflow, CC0): half of
-    the focal lengths lie within 0.55 to 1.3 image widths, 9 of 10 principal points within 3 % of the centre.
+    The figures are rounded from what 7,700 published calibrations show (the lens profiles of Gyroflow,
+    CC0): half of the focal lengths lie within 0.55 to 1.3 image widths, 9 of 10 principal points within 3 %
+    of the centre.
 
     Attributes
     ----------
@@ -92,7 +95,7 @@ class Model(ABC):
 
     @abstractmethod
     def undistort(self, d: Array, u: Array) -> Array:
-        """Unit rays (3, ...) that project to (2, ...); NaN where no ray of the valid domain does."""
+        """Return unit rays (3, ...) that project to (2, ...); NaN where no ray of the valid domain does."""
 
     @abstractmethod
     def valid(self, d: Array, p: Array) -> Mask:
@@ -121,7 +124,7 @@ class Model(ABC):
         return f * u + c, by_k, by_p * f
 
     def unproject(self, k: Array, q: Array) -> Array:
-        """Unit rays (3, ...) in the camera frame of pixels (2, ...); NaN outside the valid domain."""
+        """Return unit rays (3, ...) in the camera frame of pixels (2, ...); NaN outside the valid domain."""
         return self.undistort(k[4:], np.stack([(q[0] - k[2]) / k[0], (q[1] - k[3]) / k[1]]))
 
 

@@ -83,8 +83,9 @@ class Rectilinear(Model):
     def undistort(self, d: Array, u: Array) -> Array:
         """Newton's method from the inverse of the radial part."""
         if not d.any():
-            return np.stack([*u, np.ones_like(u[0])]) / np.sqrt(1 + u[0] * u[0] + u[1] * u[1])
-        k1, k2, p1, p2, k3 = d
+            plain: Array = np.stack([*u, np.ones_like(u[0])]) / np.sqrt(1 + u[0] * u[0] + u[1] * u[1])
+            return plain
+        k1, k2, k3 = d[0], d[1], d[4]
         limit = self.radius(d)
         # Dense near the axis where the image is, and still out to the limit.
         r = np.tan(np.linspace(0, np.arctan(limit), 513))
