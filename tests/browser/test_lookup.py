@@ -1,0 +1,60 @@
+"""From the page's calibrations to an answer for everybody."""
+
+import json
+import time
+from urllib.parse import parse_qs, urlsplit
+
+import httpx
+from playwright.sync_api import Page
+
+from .captures import capture
+from .truth import Truth
+
+CONSENSUS_WITHIN = 15.0  # seconds after the capture that completes it; it is computed apart from the request
+
+TRUTH = Truth(fx=960, k1=-0.22)
+
+
+def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack: str) -> None:
+    # The first through the page, so that the key is the one a browser makes.
+    page.goto(f"/calibrate/?{TRUTH.query(seed=2)}")
+    page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
+    first = json.loads(page.locator("#json").text_content() or "{}")
+    key = {name: first[name] for name in ("camera", "platform", "img_size", "zoom")}
+    for seed in range(3):
+        capture(api, TRUTH, key, seed)
+
+    # Four are too few: the answer leads to the guidance page, which knows what camera it is about.
+    answer = api.post("/lookup", json=key)
+    assert answer.status_code == 307
+    location = answer.headers["location"]
+    assert urlsplit(location).path == "/calibrate/"
+    assert parse_qs(urlsplit(location).query)["camera"] == [key["camera"]]
+    page.goto(location)
+    wanted = page.locator("#wanted")
+    wanted.wait_for()
+    assert key["camera"] in (wanted.text_content() or "")
+    assert "1280 × 720" in (wanted.text_content() or "")
+
+    # A browser that navigates to the lookup is taken there.
+    query = {"camera": key["camera"], "platform": key["platform"], "img_size": "1280x720", "key": "cdb_dev_local"}
+    page.goto(str(httpx.URL(f"{stack}/v1/lookup", params=query)))
+    page.locator("#wanted").wait_for()
+    assert urlsplit(page.url).path == "/calibrate/"
+
+    # The fifth makes it an answer, as soon as the consensus is computed.
+    assert capture(api, TRUTH, key, 3)["status"] == "converged"
+    deadline = time.monotonic() + CONSENSUS_WITHIN
+    while (answer := api.post("/lookup", json=key)).status_code != 200 and time.monotonic() < deadline:
+        time.sleep(0.2)
+    assert answer.status_code == 200, answer.text
+    assert answer.json()["reliable"] is True
+    found = page.evaluate(
+        """async (key) => (await import("/sdk/calibdb.js")).lookup(key, { token: "cdb_dev_local" })""", key
+    )
+    calibration = found["calibration"]
+    assert calibration == answer.json()
+    assert calibration["calibrations"] == 5
+    assert calibration["exact_size"] is True
+    assert abs(calibration["camera_matrix"][0][0] / TRUTH.fx - 1) < 0.005
+    assert found["guidanceUrl"] is None
