@@ -61,6 +61,7 @@ IN_A_SESSION: list[tuple[str, Any, str]] = [
     ("board", "9x6", "board"),
     ("board", {"squares": [9, 2]}, "board.squares.1"),  # one row of corners
     ("board", {"squares": [2, 6]}, "board.squares.0"),
+    ("board", {"squares": [3, 3]}, "board.squares"),  # four corners, too few for any view
     ("board", {"squares": [51, 6]}, "board.squares.0"),
     ("board", {"squares": [9]}, "board.squares.1"),
     ("board", {"squares": [9, 6.5]}, "board.squares.1"),

@@ -96,8 +96,12 @@ def test_a_type_that_nobody_has_is_not_acceptable(running: Client) -> None:
     assert answer.status == 406
 
 
-def test_the_picture_shows_the_pose(running: Client) -> None:
+@pytest.mark.parametrize("views", [0, 2])
+def test_the_picture_shows_the_pose(running: Client, views: int) -> None:
     """The board is drawn where the numbers say, in the size of the image, on black."""
+    truth = Truth(distortion=(-0.2, 0.05, 0.0, 0.0, 0.0))
+    for index in range(views):
+        assert running.view(index, *truth.see(running.pose().json)).json["accepted"]
     outline = np.array(running.pose().json["outline"])
     for media_type in ("image/jpeg", "image/png"):
         body = running.call("GET", "/v1/session/pose", headers={"accept": media_type}).body

@@ -13,6 +13,7 @@ from tests.client import CAMERA, TOKEN, Client
 FUZZ = settings(
     max_examples=120,
     deadline=None,
+    derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 SCALARS = (

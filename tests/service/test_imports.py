@@ -11,15 +11,15 @@ ROOT = Path(__file__).parents[2]
 SCRIPT = """
 import json, sys, time
 sys.path[:0] = {paths}
-start = time.perf_counter()
+start = time.process_time()
 import app
-took = time.perf_counter() - start
+took = time.process_time() - start
 print(json.dumps([took, sorted(name for name in sys.modules if "." not in name)]))
 """
 
 
 def imported(function: str, layers: tuple[str, ...]) -> tuple[float, set[str]]:
-    """Return seconds that the handler's import took, and the top-level modules it left; best of three."""
+    """Return CPU seconds that the handler's import took, best of three, and the top-level modules it left."""
     paths = [str(ROOT / "functions" / function), *(str(ROOT / "layers" / layer) for layer in layers)]
     best, modules = 1e9, set()
     for _ in range(3):

@@ -6,6 +6,7 @@ import re
 import pytest
 
 from calibdb import schema
+from calibsolver import Board, models
 from infra.local import LocalStack
 from infra.tools import openapi
 
@@ -48,7 +49,12 @@ def test_bodies_are_limited_and_refused_by_field(document: dict) -> None:
                 assert {"400", "413", "422"} <= operation["responses"].keys()
 
 
-def test_models_are_those_of_the_solver() -> None:
-    from calibsolver import models
-
+def test_what_is_accepted_is_what_the_solver_can_work_with() -> None:
     assert set(schema.DISTORTION_MODELS) == set(models.NAMES)
+    for dictionary in schema.DICTIONARIES:
+        Board(dictionary=dictionary)
+    for squares in ((50, 20), (3, 4), (4, 3)):
+        assert (
+            schema.Board(squares=squares, dictionary="DICT_4X4_1000").corner_count
+            == Board(squares, dictionary="DICT_4X4_1000").corner_count
+        )

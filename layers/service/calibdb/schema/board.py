@@ -18,6 +18,7 @@ Dictionary = Literal[
 ]
 # fmt: on
 DICTIONARIES: tuple[str, ...] = get_args(Dictionary)
+FEWEST_CORNERS = 6  # of a view that can be judged at all
 _ORIGINAL_MARKERS = 1024
 
 # Two rows of corners need three rows of squares; one row of corners is a line, and a line fixes no pose.
@@ -34,6 +35,15 @@ class Board(Strict):
     marker_ratio: float = Field(0.65, ge=0.3, le=0.95, description="Side of a marker over side of a square.")
     dictionary: Dictionary = Field("DICT_4X4_50", validate_default=True)
     legacy: bool = Field(False, description="Pattern as printed by OpenCV before 4.6.")
+
+    @field_validator("squares")
+    @classmethod
+    def _has_corners_enough(cls, value: tuple[int, int]) -> tuple[int, int]:
+        if (value[0] - 1) * (value[1] - 1) < FEWEST_CORNERS:
+            raise PydanticCustomError(
+                "too_few_corners", "a board has at least {least} inner corners", {"least": FEWEST_CORNERS}
+            )
+        return value
 
     @field_validator("dictionary")
     @classmethod
