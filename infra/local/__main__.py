@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import os
 import signal
@@ -9,10 +10,10 @@ import sys
 import threading
 from pathlib import Path
 
+from infra.local.intrinsics import TemplateError
 from infra.local.journal import JournalError
 from infra.local.server import PortInUseError
 from infra.local.stack import DEVELOPMENT_TOKEN, LocalStack
-from infra.local.template import TemplateError
 
 
 def main() -> int:
@@ -20,13 +21,20 @@ def main() -> int:
     logging.basicConfig(format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
     logging.getLogger("infra").setLevel(logging.INFO)
     stop = threading.Event()
+
+    def ask(number: int, _: object) -> None:
+        stop.set()
+        signal.signal(number, signal.SIG_DFL)  # who asks twice does not want to wait
+
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
+        signal.signal(number, ask)
     try:
         port = int(os.environ.get("PORT") or 8000)
         stack = LocalStack(Path(os.environ.get("DATA_DIR") or ".data"), port=port)
         with stack:
             stack.warm()
+            # What is there by now mostly stays; the collector need not walk it in the middle of requests.
+            gc.freeze()
             with stack.serve() as url:
                 print(f"calibDB is at {url}/")
                 print(f"API token, for this machine only: {DEVELOPMENT_TOKEN}", flush=True)

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
-from infra.local.template import REGION
+from infra.local.intrinsics import REGION
 
 # What would make boto3 look elsewhere than at the storage of this process: another endpoint, a developer's
 # own profile.

@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import parse_qsl, unquote
 
-from infra.local.template import ACCOUNT
+from infra.local.intrinsics import ACCOUNT
 
 API_ID = "local"
 

@@ -13,7 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from infra.local.template import ACCOUNT, REGION, FunctionSpec
+from infra.local.intrinsics import ACCOUNT, REGION
+from infra.local.template import FunctionSpec
 
 _log = logging.getLogger("infra.local.functions")
 

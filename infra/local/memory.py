@@ -18,8 +18,9 @@ from moto.dynamodb.models.dynamo_type import DynamoType, Item, LimitedSizeDict
 from moto.dynamodb.models.table import Table
 from moto.s3.models import FakeKey, S3Backend, s3_backends
 
+from infra.local.intrinsics import ACCOUNT, REGION, TemplateError
 from infra.local.journal import ITEM, OBJECT, Address, Change, Content
-from infra.local.template import ACCOUNT, REGION, BucketSpec, TableSpec, TemplateError
+from infra.local.template import BucketSpec, TableSpec
 
 
 class Memory:

@@ -22,19 +22,20 @@ from infra.local.events import Request, Response, message
 from infra.local.functions import Function, FunctionError
 from infra.local.gateway import INTEGRATION_TIMEOUT, Gateway
 from infra.local.intercept import Service, intercepting
+from infra.local.intrinsics import TemplateError
 from infra.local.invokes import Invokes
 from infra.local.journal import Journal
 from infra.local.pages import public_settings
 from infra.local.server import Front, bind, serving
 from infra.local.storage import Storage
-from infra.local.template import Template, TemplateError, load
+from infra.local.template import Template, load
 from infra.local.workers import Workers
 
 ROOT = Path(__file__).resolve().parents[2]
 # Accepted by a local stack only, where whoever can ask is on the machine anyway.
 DEVELOPMENT_TOKEN = "cdb_dev_local"  # noqa: S105
-# More than there are processors: a thread mostly waits for memory or disk.
-_THREADS = 16
+# A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
+_THREADS = max(4, 2 * (os.cpu_count() or 1))
 
 _log = logging.getLogger("infra.local")
 

@@ -7,20 +7,12 @@ an error, never a guess.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
-REGION = "us-east-1"
-ACCOUNT = "123456789012"
-
-
-class TemplateError(ValueError):
-    """The template says something that cannot be run locally."""
+from infra.local.intrinsics import Resolver, TemplateError, parse, text
 
 
 @dataclass(frozen=True)
@@ -138,9 +130,9 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
     TemplateError
         If a parameter without default has no value, or something cannot be resolved.
     """
-    document = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)  # noqa: S506  a SafeLoader
+    document = parse(path)
     resources: dict[str, Any] = document["Resources"]
-    resolve = _Resolver(_values(document.get("Parameters", {}), parameters), resources)
+    resolve = Resolver(_values(document.get("Parameters", {}), parameters), resources)
     globals_ = document.get("Globals", {})
     root = path.resolve().parent
 
@@ -169,7 +161,7 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
     return Template(functions, tuple(routes), cors, tuple(tables), tuple(buckets), tuple(layers))
 
 
-def _function(name: str, properties: Mapping[str, Any], root: Path, resolve: _Resolver) -> FunctionSpec:
+def _function(name: str, properties: Mapping[str, Any], root: Path, resolve: Resolver) -> FunctionSpec:
     variables = resolve(properties.get("Environment", {}).get("Variables", {}))
     return FunctionSpec(
         name=name,
@@ -177,12 +169,12 @@ def _function(name: str, properties: Mapping[str, Any], root: Path, resolve: _Re
         handler=properties["Handler"],
         timeout=float(properties.get("Timeout", 3)),
         memory=int(properties.get("MemorySize", 128)),
-        environment={key: _text(value) for key, value in variables.items()},
+        environment={key: text(value) for key, value in variables.items()},
         retries=int(properties.get("EventInvokeConfig", {}).get("MaximumRetryAttempts", 2)),
     )
 
 
-def _routes(function: str, properties: Mapping[str, Any], resolve: _Resolver) -> Iterable[RouteSpec]:
+def _routes(function: str, properties: Mapping[str, Any], resolve: Resolver) -> Iterable[RouteSpec]:
     for event in properties.get("Events", {}).values():
         if event["Type"] == "HttpApi":
             route = resolve(event["Properties"])
@@ -242,106 +234,3 @@ def _merge(base: Any, own: Any) -> Any:
     if isinstance(base, list) and isinstance(own, list):
         return base + own
     return own
-
-
-def _text(value: Any) -> str:
-    # CloudFormation hands numbers and booleans on as JSON writes them.
-    return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-@dataclass(frozen=True)
-class _Resolver:
-    """Replaces intrinsic functions by the values they have locally."""
-
-    parameters: Mapping[str, Any]
-    resources: Mapping[str, Any]
-    pseudo: Mapping[str, str] = field(
-        default_factory=lambda: {
-            "AWS::AccountId": ACCOUNT,
-            "AWS::Partition": "aws",
-            "AWS::Region": REGION,
-            "AWS::StackName": "calibdb",
-            "AWS::URLSuffix": "amazonaws.com",
-        }
-    )
-
-    def __call__(self, value: Any) -> Any:
-        if isinstance(value, list):
-            return [self(element) for element in value]
-        if not isinstance(value, Mapping):
-            return value
-        if len(value) == 1:
-            ((key, argument),) = value.items()
-            if key == "Ref":
-                return self.ref(argument)
-            if key == "Fn::GetAtt":
-                return self.attribute(*argument)
-            if key == "Fn::Sub":
-                return self.substitute(argument)
-            if key == "Fn::Join":
-                return argument[0].join(_text(self(part)) for part in argument[1])
-            if key.startswith("Fn::") or key == "Condition":
-                raise TemplateError(f"the local stack does not know {key}")
-        return {key: self(element) for key, element in value.items()}
-
-    def ref(self, name: str) -> Any:
-        for known in (self.parameters, self.pseudo):
-            if name in known:
-                return known[name]
-        if name not in self.resources:
-            raise TemplateError(f"!Ref {name} names nothing in the template")
-        # A function's name is its logical id, so that a log line leads back to the template; bucket and table
-        # names must be lower case and look like ones.
-        if self.resources[name]["Type"] == "AWS::Serverless::Function":
-            return name
-        return f"calibdb-{name.lower()}"
-
-    def attribute(self, name: str, attribute: str) -> str:
-        if attribute != "Arn":
-            raise TemplateError(f"the local stack does not know !GetAtt {name}.{attribute}")
-        kinds: dict[str, Callable[[str], str]] = {
-            "AWS::DynamoDB::Table": lambda n: f"arn:aws:dynamodb:{REGION}:{ACCOUNT}:table/{n}",
-            "AWS::S3::Bucket": lambda n: f"arn:aws:s3:::{n}",
-            "AWS::Serverless::Function": lambda n: f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{n}",
-        }
-        physical = self.ref(name)
-        kind = self.resources[name]["Type"]
-        if kind not in kinds:
-            raise TemplateError(f"the local stack does not know the Arn of a {kind}")
-        return kinds[kind](physical)
-
-    def substitute(self, argument: Any) -> str:
-        text, local = (argument, {}) if isinstance(argument, str) else argument
-
-        def replace(match: re.Match[str]) -> str:
-            name = match[1]
-            if name.startswith("!"):
-                return f"${{{name[1:]}}}"
-            if name in local:
-                return _text(self(local[name]))
-            resource, dot, attribute = name.partition(".")
-            return self.attribute(resource, attribute) if dot else _text(self.ref(name))
-
-        return re.sub(r"\$\{([^}]+)\}", replace, text)
-
-
-class _Loader(yaml.SafeLoader):
-    """YAML with CloudFormation's short forms: `!Ref X`, `!GetAtt X.Arn`, `!Sub …` become their long forms."""
-
-
-def _short_form(loader: yaml.SafeLoader, suffix: str, node: yaml.Node) -> dict[str, Any]:
-    value: Any
-    if isinstance(node, yaml.ScalarNode):
-        value = loader.construct_scalar(node)
-    elif isinstance(node, yaml.SequenceNode):
-        value = loader.construct_sequence(node, deep=True)
-    elif isinstance(node, yaml.MappingNode):
-        value = loader.construct_mapping(node, deep=True)
-    else:
-        raise TemplateError(f"!{suffix} has an argument that is neither scalar, list nor map")
-    if suffix == "GetAtt" and isinstance(value, str):
-        value = value.split(".", 1)
-    return {suffix if suffix in ("Ref", "Condition") else f"Fn::{suffix}": value}
-
-
-_Loader.add_multi_constructor("!", _short_form)

@@ -18,8 +18,8 @@ from pathlib import Path
 
 from infra.local import LocalStack
 from infra.local.environment import storage_is_elsewhere
+from infra.local.intrinsics import TemplateError
 from infra.local.journal import JournalError
-from infra.local.template import TemplateError
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -11,8 +11,8 @@ from botocore.exceptions import ClientError
 from moto.dynamodb.models import dynamodb_backends
 from moto.dynamodb.models.table import Table
 
+from infra.local.intrinsics import ACCOUNT, REGION
 from infra.local.journal import Journal
-from infra.local.template import ACCOUNT, REGION
 from tests.toy_storage import BUCKET, TABLE, dynamodb, get, put, s3, storage
 
 

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from infra.local.template import Expiration, RouteSpec, TemplateError, load
+from infra.local.intrinsics import TemplateError
+from infra.local.template import Expiration, RouteSpec, load
 
 ROOT = Path(__file__).parents[3]
 HEAD = """
