@@ -66,7 +66,9 @@ def deploy(place: Path, functions: Mapping[str, tuple[str, tuple[str, ...]]]) ->
         code = place / "functions" / name
         code.mkdir(parents=True, exist_ok=True)
         (code / "app.py").write_text(dedent(source))
-        block = FUNCTION.format(name=name) if routes else FUNCTION.format(name=name).replace("    Events:\n", "")
+        block = (
+            FUNCTION.format(name=name) if routes else FUNCTION.format(name=name).replace("    Events:\n", "")
+        )
         for number, route in enumerate(routes):
             method, path = route.split()
             block += EVENT.format(number=number, method=method, path=path)
