@@ -1,4 +1,8 @@
-"""boto3 clients, made when first used and then kept: a connection costs more than most requests."""
+"""AWS clients, made when first used and then kept: a connection costs more than most requests.
+
+They are botocore's, which boto3's are too; boto3 itself would add S3's transfer manager, a fifth of what a
+lookup imports, for which nothing here has a use.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +10,9 @@ import functools
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
-import boto3
+import botocore.session
 from botocore.config import Config
 from botocore.exceptions import BotoCoreError, ClientError
 
@@ -29,28 +33,35 @@ _STORAGE = Config(
 # A computation is asked for once: repeating it because it is slow would make it slower.
 _INVOKE = Config(connect_timeout=1, read_timeout=9, retries={"mode": "standard", "total_max_attempts": 1})
 
-_making = threading.Lock()  # boto3's session is not safe to make clients with in several threads
+_making = threading.Lock()  # a session is not safe to make clients with in several threads
 
 
 @functools.cache
 def dynamodb(region: str) -> DynamoDBClient:
     """Return the client of the index."""
-    with _making:
-        return boto3.client("dynamodb", region_name=region, config=_STORAGE)
+    return cast("DynamoDBClient", _make("dynamodb", region, _STORAGE))
 
 
 @functools.cache
 def s3(region: str) -> S3Client:
     """Return the client of the bucket."""
-    with _making:
-        return boto3.client("s3", region_name=region, config=_STORAGE)
+    return cast("S3Client", _make("s3", region, _STORAGE))
 
 
 @functools.cache
 def lambda_(region: str) -> LambdaClient:
     """Return the client that asks other functions."""
+    return cast("LambdaClient", _make("lambda", region, _INVOKE))
+
+
+@functools.cache
+def _session() -> botocore.session.Session:
+    return botocore.session.get_session()
+
+
+def _make(service: str, region: str, config: Config) -> object:
     with _making:
-        return boto3.client("lambda", region_name=region, config=_INVOKE)
+        return _session().create_client(service, region_name=region, config=config)
 
 
 def code(error: ClientError) -> str:
