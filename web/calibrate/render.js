@@ -18,7 +18,7 @@ export function findParts() {
   return {
     sheets: { welcome: html("welcome"), opening: html("opening"), failed: html("failed"), done: html("done") },
     stage: html("stage"), video: element("video", HTMLVideoElement), overlay: element("overlay", HTMLImageElement),
-    marks: svg("marks"), target: svg("target"), targetBack: svg("target-back"), targetCorner: svg("target-corner"),
+    marks: svg("marks"), pictureEdge: svg("picture-edge"), target: svg("target"), targetBack: svg("target-back"), targetCorner: svg("target-corner"),
     corners: svg("corners"), held: svg("held"), ring: svg("ring"),
     reticle: html("reticle"), instruction: html("instruction"), notice: html("notice"), facts: html("facts"),
     wanted: html("wanted"), camera: element("camera", HTMLSelectElement),
@@ -63,10 +63,12 @@ function renderCameras({ camera, wanted }, { cameras, wanted: { camera: name, im
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderCamera({ stage, marks, facts }, { key, mirrored, cropped, wanted }) {
+function renderCamera({ stage, marks, pictureEdge, facts }, { key, mirrored, cropped, wanted }) {
   stage.classList.toggle("mirrored", mirrored);
   if (!key) return text(facts, "");
   marks.setAttribute("viewBox", `-0.5 -0.5 ${key.img_size.join(" ")}`);
+  pictureEdge.setAttribute("width", String(key.img_size[0]));
+  pictureEdge.setAttribute("height", String(key.img_size[1]));
   const parts = [key.camera, key.img_size.join(" × ")];
   if (key.zoom) parts.push(`zoom ${key.zoom}`);
   if (cropped) parts.push("cropped by the browser");

@@ -1,0 +1,68 @@
+"""The detector in its Worker: right, steady in memory, and quick enough to follow a hand."""
+
+import numpy as np
+from playwright.sync_api import Page
+
+FRAMES = 200
+WATCH = """async (frames) => {
+  const { DEFAULT_BOARD, corners } = await import("/board/geometry.js");
+  const { Painter } = await import("/virtual/painter.js");
+  const { project } = await import("/virtual/lens.js");
+  const { transform } = await import("/virtual/pose.js");
+  const { Detector } = await import("/calibrate/detector.js");
+  const size = [1280, 720];
+  const lens = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
+  const pose = { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] };
+  const picture = new ImageData(...size);
+  new Painter(DEFAULT_BOARD, lens, size).paint(pose, picture.data);
+  const truth = corners(DEFAULT_BOARD).map(([x, y]) => project(lens, transform(pose, [x, y, 0])));
+
+  const progress = [];
+  const detector = await Detector.open(DEFAULT_BOARD, (part) => progress.push(part));
+  const one = async (full) => detector.detect(await createImageBitmap(picture), { full });
+  const full = await one(true);
+  const memory = [];
+  const elapsed = [];
+  for (let index = 0; index < frames; index++) {
+    const seen = await one(false);
+    memory.push(seen.memory);
+    elapsed.push(seen.elapsed);
+  }
+  detector.close();
+  return { truth, full, progress, memory, elapsed };
+}"""
+
+
+def test_detector_is_exact_and_keeps_its_memory(page: Page) -> None:
+    page.goto("/board/")
+    seen = page.evaluate(WATCH, FRAMES)
+    assert seen["full"]["ids"] == list(range(40))
+    errors = np.linalg.norm(np.array(seen["full"]["points"]) - np.array(seen["truth"]), axis=1)
+    rms = np.sqrt((errors**2).mean())
+    print(
+        f"corners {rms:.3f} px rms, {errors.max():.3f} max; {np.median(seen['elapsed']):.0f} ms a frame "
+        f"(95 %: {np.percentile(seen['elapsed'], 95):.0f}), full {seen['full']['elapsed']:.0f} ms; "
+        f"{seen['memory'][-1] / 1e6:.0f} MB"
+    )
+    assert rms < 0.1
+    assert errors.max() < 0.3
+    assert seen["memory"][-1] == seen["memory"][0], f"grows by {np.diff(seen['memory']).sum()} bytes"
+    assert seen["progress"][-1] == 1.0
+    assert seen["progress"] == sorted(seen["progress"])
+
+
+def test_a_detector_that_never_answers_is_reported(page: Page) -> None:
+    page.clock.install()
+    page.goto("/board/")
+    page.route("**/detector.worker.js", lambda route: route.fulfill(body="", content_type="text/javascript"))
+    page.evaluate(
+        """async () => {
+          const { Detector } = await import("/calibrate/detector.js");
+          const { DEFAULT_BOARD } = await import("/board/geometry.js");
+          window.outcome = Detector.open(DEFAULT_BOARD).catch((error) => error.message);
+          await new Promise((done) => requestAnimationFrame(done));
+        }"""
+    )
+    page.wait_for_timeout(500)
+    page.clock.fast_forward(25_000)
+    assert page.evaluate("window.outcome") == "the detector does not answer"

@@ -1,0 +1,103 @@
+"""Every page in every state: accessible, free of complaints, and pictured at a desk and in a hand."""
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import BrowserContext, Page
+
+from .conftest import OUTPUT, ROOT
+from .truth import Truth
+
+AXE = ROOT / "node_modules" / "axe-core" / "axe.min.js"
+SIZES = {"desk": {"width": 1440, "height": 900}, "hand": {"width": 390, "height": 844}}
+VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
+
+
+def violations(page: Page) -> list[str]:
+    # Evaluated rather than added as a script: the policy of the pages rightly refuses that.
+    page.evaluate(f"() => {{ if (!window.axe) {{ {AXE.read_text()} }} }}")
+    found = page.evaluate("async () => (await window.axe.run()).violations")
+    return [f"{v['id']}: {v['help']}: {[n['html'] for n in v['nodes']]}" for v in found]
+
+
+def picture(page: Page, name: str) -> None:
+    OUTPUT.mkdir(exist_ok=True)
+    for size, viewport in SIZES.items():
+        page.set_viewport_size(viewport)
+        page.wait_for_timeout(150)
+        page.screenshot(path=OUTPUT / f"{name}-{size}.png", full_page=name == "landing")
+        wide = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+        assert wide <= 0, f"{name} is {wide} px too wide at {viewport['width']}"
+        assert violations(page) == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_pages_one_reads(page: Page, scheme: str) -> None:
+    page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    suffix = "" if scheme == "light" else "-dark"
+    page.goto("/")
+    page.locator("#lens polyline").first.wait_for(state="attached")
+    picture(page, f"landing{suffix}")
+    page.goto("/board/")
+    page.locator("#papers a").first.wait_for()
+    picture(page, f"board{suffix}")
+
+
+def test_capture_in_all_its_states(page: Page) -> None:
+    page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=1280x720")
+    page.locator("#wanted").wait_for()
+    assert "C920" in (page.locator("#wanted").text_content() or "")
+    picture(page, "capture-before")
+
+    page.goto(VIRTUAL)
+    page.locator("#undo:enabled").wait_for()
+    page.locator("#overlay:not([hidden])").wait_for()
+    picture(page, "capture-during")
+    page.wait_for_selector("#done:not([hidden])")
+    picture(page, "capture-done")
+    assert page.evaluate("document.activeElement.id") == "verdict"
+
+
+def test_capture_by_keyboard(page: Page) -> None:
+    page.goto(VIRTUAL)
+    page.locator("#undo:enabled").wait_for()
+    with page.expect_response(lambda r: r.request.method == "DELETE") as undone:
+        page.keyboard.press("u")
+    assert undone.value.status == 200
+    with page.expect_response(lambda r: "skip=1" in r.url) as skipped:
+        page.wait_for_selector("#skip:enabled")
+        page.keyboard.press("n")
+    assert skipped.value.status == 200
+    page.wait_for_selector("#done:not([hidden])")
+
+
+def test_what_goes_wrong_is_said(context: BrowserContext) -> None:
+    # A page of its own: a refused request is an error in the console, and here it is meant to be one.
+    page = context.new_page()
+    problem = '{"title": "Forbidden", "status": 403, "detail": "The API token is not valid."}'
+    page.route("**/v1/auth", lambda route: route.fulfill(status=403, body=problem, content_type="application/problem+json"))
+    page.goto(VIRTUAL)
+    page.locator("#failed:not([hidden])").wait_for()
+    assert page.locator("#failure").text_content() == "The API token is not valid."
+    picture(page, "capture-failed")
+    page.unroute("**/v1/auth")
+    page.locator("#again").click()
+    page.locator("#start-virtual").click()
+    page.wait_for_selector("#done:not([hidden])")
+
+
+def test_without_a_camera_the_page_says_so(page: Page) -> None:
+    page.goto("/calibrate/")
+    page.locator("#camera").select_option(index=0)
+    assert "virtual camera" in (page.locator("#camera option").last.text_content() or "")
+    page.goto("/")
+    page.locator("#look").click()
+    page.locator("#outcome p", has_text="No camera was found").wait_for()
+
+
+def test_the_board_as_a_file(page: Page) -> None:
+    page.goto("/board/")
+    with page.expect_download() as download:
+        page.locator("#papers a", has_text="A4").click()
+    assert download.value.suggested_filename == "calibdb-board-a4.pdf"
+    assert Path(download.value.path()).read_bytes().startswith(b"%PDF-1.4")
