@@ -1,6 +1,7 @@
 """Poses of the board that a person can hold and a camera can see."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from .models import Model
 from .normal import Poses
 
 DIMENSIONS = 6
+BEYOND = 15.0
+"""Degrees."""
 
 
 @dataclass(frozen=True)
@@ -105,6 +108,15 @@ class Sight:
     focal: float
     img_size: tuple[int, int]
 
+    @cached_property
+    def reach(self) -> float:
+        """Cosine of the largest angle from the axis at which a part of the board may be.
+
+        A board may stick out of the picture, not lie beside the camera: that is BEYOND what the camera sees.
+        """
+        widest = np.degrees(np.arccos(np.nanmin(self.rays[:, :, 2])))
+        return float(np.cos(np.radians(min(widest + BEYOND, 180))))
+
     @classmethod
     def of(
         cls, model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int] = (17, 13)
@@ -198,6 +210,13 @@ def visible(
     good = seen.mean(axis=1) >= limits.inside
     good &= nearest >= limits.spacing * w
     good &= np.where(seen, facing, 1.0).min(axis=1) >= np.cos(np.radians(limits.oblique))
-    # No part of the board, seen or not, may be looked at from behind.
-    good &= facing.min(axis=1) > 0
     return seen, good
+
+
+def in_front(poses: Poses, board: Board, sight: Sight) -> Mask:
+    """Whether all of the board, seen or not, is in front of the camera and shows it the printed side (c,)."""
+    p = poses.r @ board.outline.T + poses.t[:, :, None]
+    length = np.sqrt(np.einsum("cin,cin->cn", p, p))
+    front = (p[:, 2] / length).min(axis=1) >= sight.reach
+    front &= np.einsum("ci,cin->cn", poses.r[:, :, 2], p).min(axis=1) > 0
+    return np.asarray(front, dtype=np.bool_)

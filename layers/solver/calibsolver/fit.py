@@ -31,8 +31,11 @@ WORST = 0.01
 """A fit whose rms exceeds this share of the image width explains nothing."""
 DOUBTFUL = 0.002
 """Above this share of the image width other starts are tried."""
-RIM, MOST = 0.03, 0.25
+RIM, MOST = 0.01, 0.4
 """Outermost share of the points, and the share of those that bad luck alone does not cut."""
+SMOOTH = 4.0
+"""Least squares over all points may have this many times the rms of those kept: the model is a little too
+simple. More than that, and the points cut were wrong."""
 NEAR = 1e-4
 """Relative decrease of the cost below which a stage hands over to the next."""
 SURPRISE = 3.0
@@ -156,7 +159,9 @@ class _Fit:
             if self.robust:
                 weights = self.cut(state)
                 if self.systematic(weights):
-                    return self.plain(state)
+                    whole = self.problem.solve(state, self.everything, Options())
+                    if self.rms(whole, self.everything) < SMOOTH * self.rms(state, weights):
+                        return replace(self, robust=False).finish(whole)
             state = self.problem.solve(state, weights, Options(tolerance=NEAR))
             with_prior = not self.enough(state, weights)
             state = self.problem.solve(state, weights, Options(with_prior=with_prior))
@@ -166,19 +171,19 @@ class _Fit:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
         return self.result(state, weights, with_prior)
 
-    def plain(self, state: State) -> Calibration:
-        """Finish by least squares over all points."""
-        return replace(self, robust=False).finish(state)
+    def rms(self, state: State, weights: Array) -> float:
+        """Root mean square residual, px, of points of weight (v, n)."""
+        return float(np.sqrt(np.sum(weights * state.length**2) / np.sum(weights)))
 
     def systematic(self, weights: Array) -> bool:
         """Whether the points cut are those at the rim of the image.
 
-        Corners that were found badly lie anywhere. Where the rim is cut it is the model that fails there,
+        Corners that were found badly lie anywhere. Where the rim is cut it may be the model that fails there,
         and without these points it would fail unseen.
         """
         seen = self.obs.pixels - (np.asarray(self.img_size) / 2)[None, :, None]
         radius = np.where(self.obs.mask, np.hypot(seen[:, 0], seen[:, 1]), 0.0)
-        share = max(RIM, min(20 / self.obs.count, 1.0))  # of a few points one or two say nothing
+        share = max(RIM, min(12 / self.obs.count, 1.0))  # of a few points one or two say nothing
         rim = radius >= np.quantile(radius[self.obs.mask], 1 - share)
         return bool(np.mean(weights[rim] < 1) > MOST)
 

@@ -162,6 +162,7 @@ class ProjectionUncertainty:
         seen, good = candidates.visible(
             p, q, poses.r[:, :, 2], lattice, belief.model, belief.k, self.img_size, limits
         )
+        good &= (thin is False) | candidates.in_front(poses, self.board, belief.sight)
         use = np.flatnonzero(good)
         s = np.zeros((len(good), belief.model.size, belief.model.size))
         if use.size:

@@ -81,13 +81,15 @@ class Problem:
         iterations ran out or no step led downhill.
         """
         damping, floor = 1e-4, 1e-6 * self.img_size[0]
+        # Below a billionth of the image per point it is rounding that is fitted.
+        least = self.obs.count * (1e-9 * self.img_size[0]) ** 2
         for _ in range(options.iterations):
             sigma = max(noise(state, weights), floor)
             here = cost(state, weights, sigma, options)
             system = System.of(state, weights, sigma, options)
             while True:
                 dk, step, promised = system.step(damping)
-                if not promised > options.tolerance * here:
+                if not promised > options.tolerance * here + least:
                     return replace(state, converged=bool(np.isfinite(promised)))
                 k = state.k + dk
                 if k[:2].min() > 0:

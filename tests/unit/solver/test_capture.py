@@ -1,0 +1,179 @@
+"""The rules of a capture: what is taken, what is refused and why, when it ends."""
+
+import numpy as np
+import pytest
+
+from calibsolver import Board, View, models, rotation
+from calibsolver.capture import Capture
+from calibsolver.guidance import TargetPose
+from tests import synthetic
+
+BOARD = Board()
+CAMERA = synthetic.rectilinear_cameras()[6]
+
+
+@pytest.fixture(scope="module")
+def session() -> synthetic.Session:
+    return synthetic.run(CAMERA, np.random.default_rng(0), views=4)
+
+
+def capture() -> Capture:
+    return Capture(BOARD, CAMERA.img_size)
+
+
+def hold(target: TargetPose, seed: int = 9) -> View:
+    return synthetic.seen(BOARD, CAMERA, target.rvec, target.tvec, np.random.default_rng(seed))
+
+
+def test_begins_with_nothing() -> None:
+    c = capture()
+    estimate = c.estimate([])
+    assert estimate.calibration is None
+    assert (estimate.progress, estimate.converged, estimate.view_errors) == (0.0, False, ())
+    assert c.camera(estimate).matrix[0, 0] == pytest.approx(0.8 * 1280)
+
+
+def test_progress_grows_to_one(session: synthetic.Session) -> None:
+    c = capture()
+    progress = [c.estimate(session.views[:n]).progress for n in range(5)]
+    assert progress[0] == 0
+    assert (np.diff(progress) > 0).all()
+    assert progress[4] == 1.0
+    last = c.estimate(session.views)
+    assert last.converged
+    assert last.uncertainty is not None
+    assert last.uncertainty.rms < 0.3
+
+
+def test_three_views_never_converge_however_good(session: synthetic.Session) -> None:
+    generous = Capture(BOARD, CAMERA.img_size, target_error=50.0)
+    assert not generous.estimate(session.views[:3]).converged
+    assert generous.estimate(session.views).converged
+
+
+def test_honest_view_is_taken_with_its_estimate(session: synthetic.Session) -> None:
+    c = capture()
+    views = session.views[:2]
+    target = c.next_target(views, c.estimate(views))
+    verdict = c.judge(views, target, hold(target))
+    assert verdict.accepted
+    assert verdict.reason is None
+    assert verdict.estimate is not None
+    assert len(verdict.estimate.view_errors) == 3
+
+
+def refusals(session: synthetic.Session) -> dict[str, View]:
+    c, views = capture(), session.views[:3]
+    target = c.next_target(views, c.estimate(views))
+    good, rng = hold(target), np.random.default_rng(1)
+    p, q = good.object_points, good.image_points
+    row = p[:, 1] == p[0, 1]
+    tilted, apart = np.array([0.2, -0.1, 0.0]), np.array([-4.5, -3, 14.0])
+    other = synthetic.seen(Board(squares=(8, 8)), CAMERA, tilted, apart, rng)
+    assert len(other) == 49
+    return {
+        "too_few_points": View(p[:5], q[:5]),
+        "degenerate": View(p[row], q[row]),
+        "degenerate far away": View(p, 400 + 0.005 * q),
+        "mirrored": View(p, np.array([1279, 0]) + q * [-1, 1]),
+        "outlier: another board's ids": View(BOARD.points, other.image_points[:40]),
+        "outlier: shaken": View(p, q + 3 * rng.normal(size=q.shape)),
+        "outlier: mixed up": View(p, q[rng.permutation(len(q))]),
+        "no_information": synthetic.seen(
+            BOARD, CAMERA, np.array([0.0, 0.0, 0.0]), np.array([-4.5, -3, 30.0]), rng
+        ),
+    }
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "too_few_points",
+        "degenerate",
+        "degenerate far away",
+        "mirrored",
+        "outlier: another board's ids",
+        "outlier: shaken",
+        "outlier: mixed up",
+        "no_information",
+    ],
+)
+def test_bad_view_is_refused_by_its_reason(session: synthetic.Session, kind: str) -> None:
+    c, views = capture(), session.views[:3]
+    target = c.next_target(views, c.estimate(views))
+    verdict = c.judge(views, target, refusals(session)[kind])
+    assert not verdict.accepted
+    expected = kind.split(":")[0].split(" ")[0]
+    assert verdict.reason in ({expected, "mirrored"} if "mixed" in kind or "another" in kind else {expected})
+    assert verdict.estimate is None
+    # The session goes on as if nothing had happened.
+    assert c.judge(views, target, hold(target)).accepted
+
+
+def test_nine_copies_of_a_good_view_are_not_ten_views(session: synthetic.Session) -> None:
+    c, views = capture(), list(session.views[:1])
+    for _ in range(9):
+        target = c.next_target(views, c.estimate(views))
+        verdict = c.judge(views, target, views[0])
+        if verdict.accepted:
+            views.append(views[0])
+    assert not c.estimate(views).converged
+    assert len(views) < 4
+
+
+def test_mirrored_stream_is_refused_from_the_first_view_in_any_pose() -> None:
+    c, rng = capture(), np.random.default_rng(4)
+    target = c.next_target([], c.estimate([]))
+    for _ in range(20):
+        rvec = rng.normal(size=3) * [0.6, 0.6, 1.5]
+        center = rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
+        view = synthetic.seen(BOARD, CAMERA, rvec, np.array([0, 0, 12.0]) - center, rng)
+        if len(view) < 30:
+            continue
+        assert c.judge([], target, view).reason != "mirrored"
+        flipped = View(view.object_points, [1279, 0] + view.image_points * [-1, 1])
+        assert c.judge([], target, flipped).reason == "mirrored"
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_hostile_numbers_end_in_refusals(model: str) -> None:
+    c, rng = Capture(BOARD, (1280, 720), model), np.random.default_rng(0)
+    target = c.next_target([], c.estimate([]))
+    p = BOARD.points
+    for q in (
+        rng.uniform(0, 1279, (40, 2)),
+        np.full((40, 2), 100.0),
+        np.repeat(rng.uniform(0, 700, (2, 2)), 20, axis=0),
+        1e300 * rng.normal(size=(40, 2)),
+        1e-300 * rng.normal(size=(40, 2)),
+        100 + 20 * p[:, :2] + 500 * rng.normal(size=(40, 2)),
+    ):
+        verdict = c.judge([], target, View(p, q))
+        assert not verdict.accepted
+        assert c.estimate([View(p, q)]).converged is False
+
+
+def test_an_honest_user_converges_after_a_hostile_one() -> None:
+    c, rng = capture(), np.random.default_rng(8)
+    views: list[View] = []
+    for i in range(16):
+        estimate = c.estimate(views)
+        if estimate.converged:
+            break
+        target = c.next_target(views, estimate)
+        asked = synthetic.match_picture(BOARD, c.camera(estimate), CAMERA, target)
+        good = synthetic.seen(BOARD, CAMERA, asked.rvec, asked.tvec, rng)
+        bad = View(good.object_points, good.image_points[rng.permutation(len(good))])
+        view = bad if i % 2 == 0 else good
+        verdict = c.judge(views, target, view)
+        assert verdict.accepted == (view is good)
+        if verdict.accepted:
+            views.append(view)
+    assert c.estimate(views).converged
+    error = synthetic.projection_error(CAMERA, c.camera(c.estimate(views)))
+    assert error.mean() < 0.6
+
+
+def test_unknown_names_are_refused() -> None:
+    with pytest.raises(ValueError, match="guidance"):
+        Capture(BOARD, (1280, 720), guidance="random")

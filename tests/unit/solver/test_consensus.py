@@ -1,0 +1,126 @@
+"""Pooling: agreement, reliability, and a minority that lies."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calibsolver import CalibrationError, Camera, View, fit
+from calibsolver.consensus import Member, Rule, compare, pool
+from tests import synthetic
+from tests.data import corner_set
+
+SIZE = (1280, 720)
+
+
+def unit(seed: int, focal: float = 1.0) -> Camera:
+    """One specimen of a product: focal length 0.5 %, principal point 5 px from its siblings'."""
+    rng = np.random.default_rng(seed)
+    k = synthetic.rectilinear_cameras()[6].intrinsics
+    k[:2] *= focal * (1 + 0.005 * rng.normal())
+    k[2:4] += 5 * rng.normal(size=2)
+    return Camera.from_intrinsics("rectilinear", k, SIZE)
+
+
+def member(seed: int, focal: float = 1.0, contributor: str | None = None, views: int = 4) -> Member:
+    session = synthetic.run(unit(seed, focal), np.random.default_rng(seed), views=views)
+    return Member(f"m{seed}", contributor or f"c{seed}", tuple(session.views))
+
+
+@pytest.fixture(scope="module")
+def honest() -> list[Member]:
+    return [member(seed) for seed in range(7)]
+
+
+def test_five_that_agree_are_reliable_and_four_are_not(honest: list[Member]) -> None:
+    five = pool(honest[:5], SIZE, "rectilinear")
+    assert (five.reliable, five.total, five.contributors) == (True, 5, 5)
+    assert five.members == ("m0", "m1", "m2", "m3", "m4")
+    four = pool(honest[:4], SIZE, "rectilinear")
+    assert (four.reliable, four.total) == (False, 4)
+    truth = synthetic.rectilinear_cameras()[6]
+    assert five.calibration.camera.matrix[0, 0] == pytest.approx(truth.matrix[0, 0], rel=0.01)
+
+
+def test_contributors_count(honest: list[Member]) -> None:
+    one = [Member(m.id, "same", m.views) for m in honest[:5]]
+    assert pool(one, SIZE, "rectilinear").reliable
+    assert not pool(one, SIZE, "rectilinear", Rule(min_contributors=3)).reliable
+
+
+def test_a_minority_that_lies_changes_nothing(honest: list[Member]) -> None:
+    """Three of ten agree with each other on another focal length; one more sends noise."""
+    liars = [member(50 + i, focal=1.15, contributor="mallory") for i in range(3)]
+    rng = np.random.default_rng(0)
+    noise = Member(
+        "noise",
+        "mallory",
+        tuple(View(v.object_points, rng.uniform(0, 700, v.image_points.shape)) for v in honest[0].views),
+    )
+    together = pool([*liars, *honest, noise], SIZE, "rectilinear")
+    alone = pool(honest, SIZE, "rectilinear")
+    assert together.members == alone.members == tuple(m.id for m in honest)
+    assert (together.total, together.reliable) == (11, True)
+    np.testing.assert_array_equal(together.calibration.camera.intrinsics, alone.calibration.camera.intrinsics)
+
+
+def test_no_majority_is_not_reliable(honest: list[Member]) -> None:
+    """Five agree, and as many agree on something else."""
+    others = [member(60 + i, focal=1.2) for i in range(5)]
+    split = pool([*honest[:5], *others], SIZE, "rectilinear")
+    assert len(split.members) == 5
+    assert not split.reliable
+
+
+def test_another_model_is_fitted_from_the_same_views(honest: list[Member]) -> None:
+    fisheye = pool(honest[:5], SIZE, "fisheye")
+    assert fisheye.calibration.camera.model == "fisheye"
+    assert fisheye.reliable
+    assert fisheye.calibration.avg_reprojection_error < 1.5
+
+
+def test_difference_is_in_pixels_after_the_best_turn() -> None:
+    camera = synthetic.rectilinear_cameras()[6]
+    session = synthetic.run(camera, np.random.default_rng(0), views=6)
+    c = session.calibration
+    assert c is not None
+    shifted = camera.intrinsics
+    shifted[0] *= 1.01
+    shifted[2] += 8
+    other = replace(c, camera=Camera.from_intrinsics("rectilinear", shifted, SIZE))
+    same = replace(c, camera=camera)
+    d = compare([same, other])
+    error = synthetic.projection_error(camera, other.camera, (12, 9))
+    assert d[0, 1] == pytest.approx(
+        np.sqrt(np.mean(error**2)), rel=0.1
+    )  # angles are turned together, not pixels
+    assert d[0, 0] == 0
+
+
+def test_one_physical_camera_at_two_resolutions_is_two_cameras() -> None:
+    """The views of one webcam at 640x480 pooled with themselves agree; the focal lengths are cv2's."""
+    data = corner_set("pv_charuco_480")
+    views = [View(v["obj"], v["img"]) for v in data["views"]]
+    members = [Member(str(i), "lab", tuple(views[i::3])) for i in range(3)]
+    pooled = pool(members, (640, 480), "rectilinear")
+    whole = fit(views, (640, 480))
+    np.testing.assert_allclose(pooled.calibration.camera.matrix, whole.camera.matrix, rtol=1e-3, atol=0.5)
+    assert not pooled.reliable
+
+
+def test_nothing_to_pool_is_an_error() -> None:
+    with pytest.raises(CalibrationError) as caught:
+        pool([], SIZE, "rectilinear")
+    assert caught.value.code == "no_members"
+    few = Member("x", "y", (View(np.zeros((2, 3)), np.zeros((2, 2))),))
+    with pytest.raises(CalibrationError) as caught:
+        pool([few], SIZE, "rectilinear")
+    assert caught.value.code == "too_few_points"
+
+
+def test_fifty_calibrations_take_seconds(honest: list[Member]) -> None:
+    many = [Member(f"{i}", f"{i}", (*honest[i % 7].views, *honest[i % 7].views)) for i in range(50)]
+    begin = time.process_time()
+    assert pool(many, SIZE, "rectilinear").total == 50
+    assert time.process_time() - begin < 10

@@ -1,0 +1,220 @@
+"""Fits of real photographs against OpenCV, and what is never returned."""
+
+import cv2
+import numpy as np
+import pytest
+
+from calibsolver import Board, CalibrationError, Camera, View, fit
+from calibsolver.fit import MIN_POINTS
+from tests import synthetic
+from tests.data import corner_set
+
+RECTILINEAR = [
+    "opencv_left",
+    "opencv_right",
+    "pv_charuco_480",
+    "pv_charuco_1280",
+    "pv_picam_320",
+    "pv_picam_640",
+    "pv_picam_960",
+    "pv_picam_1920",
+    "jy_left",
+    "derlunz",
+    "mint_isaw",
+    "arizonat_fe",
+]
+FISHEYE = ["opencv_left", "opencv_right", "pv_charuco_480", "jy_left", "derlunz", "mint_isaw"]
+
+
+def load(name: str) -> tuple[list[View], tuple[int, int]]:
+    data = corner_set(name)
+    w, h = data["image_size"]
+    return [View(v["obj"], v["img"]) for v in data["views"]], (w, h)
+
+
+@pytest.mark.parametrize("name", RECTILINEAR)
+def test_rectilinear_equals_opencv(name: str) -> None:
+    views, size = load(name)
+    objects = [v.object_points.astype(np.float32) for v in views]
+    pixels = [v.image_points.astype(np.float32) for v in views]
+    rms, matrix, _, _, _ = cv2.calibrateCamera(objects, pixels, size, None, None)
+    ours = fit(views, size, robust=False)
+    assert ours.avg_reprojection_error == pytest.approx(rms, abs=1e-4)
+    np.testing.assert_allclose(ours.camera.matrix, matrix, atol=0.05)
+
+
+@pytest.mark.parametrize("name", FISHEYE)
+def test_fisheye_equals_opencv(name: str) -> None:
+    views, size = load(name)
+    objects = [v.object_points[None] for v in views]
+    pixels = [v.image_points[None] for v in views]
+    rms, matrix, _, _, _ = cv2.fisheye.calibrate(
+        objects,
+        pixels,
+        size,
+        None,
+        None,
+        flags=cv2.CALIB_RECOMPUTE_EXTRINSIC | cv2.CALIB_FIX_SKEW,
+        criteria=(cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 200, 1e-10),
+    )
+    ours = fit(views, size, "fisheye", robust=False)
+    assert ours.avg_reprojection_error == pytest.approx(rms, abs=1e-4)
+    assert ours.camera.matrix[0, 0] == pytest.approx(matrix[0, 0], abs=0.05)
+
+
+@pytest.mark.parametrize(("name", "bound"), [("babel_ov_plane", 0.49), ("ocam_fisheye2", 0.33)])
+def test_fisheye_works_where_opencv_throws(name: str, bound: float) -> None:
+    views, size = load(name)
+    ours = fit(views, size, "fisheye", robust=False)
+    assert ours.avg_reprojection_error <= bound
+    assert ours.camera.distortion.shape == (4,)
+
+
+@pytest.mark.parametrize("name", ["pv_charuco_480", "pv_charuco_1280", "jy_left"])
+def test_robust_fit_of_clean_views_is_the_same_camera(name: str) -> None:
+    views, size = load(name)
+    model = "fisheye" if name == "jy_left" else "rectilinear"
+    plain, robust = fit(views, size, model, robust=False), fit(views, size, model)
+    np.testing.assert_allclose(robust.camera.matrix, plain.camera.matrix, rtol=0.005, atol=1e-9)
+    assert robust.avg_reprojection_error < 1.02 * plain.avg_reprojection_error
+
+
+@pytest.mark.parametrize("name", ["pv_charuco_480", "pv_charuco_1280", "opencv_right"])
+def test_wild_points_hardly_move_the_projection(name: str) -> None:
+    """One point in twenty is 3 to 50 px off: the error counts them all, the camera hardly feels them.
+
+    A twentieth of the measurements is lost with them, so the bound is a share of what the clean views leave open.
+    """
+    views, size = load(name)
+    clean = fit(views, size)
+    rng = np.random.default_rng(5)
+    dirty = []
+    for view in views:
+        angle, bad = rng.uniform(0, 2 * np.pi, len(view)), rng.uniform(size=len(view)) < 0.05
+        off = rng.uniform(3, 50, len(view))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        dirty.append(View(view.object_points, view.image_points + np.where(bad[:, None], off, 0)))
+    found = fit(dirty, size)
+    assert found.avg_reprojection_error > 10 * clean.avg_reprojection_error
+    assert synthetic.projection_error(clean.camera, found.camera).mean() < 0.6 * clean.uncertainty().rms
+    # What least squares makes of it, to show that the points are wild enough to matter.
+    if name == "opencv_right":
+        with pytest.raises(CalibrationError, match="explains nothing"):
+            fit(dirty, size, robust=False)
+    else:
+        plain = fit(dirty, size, robust=False)
+        assert synthetic.projection_error(clean.camera, plain.camera).mean() > 0.5
+
+
+def test_error_is_over_all_points_and_poses_are_board_to_camera() -> None:
+    views, size = load("pv_charuco_480")
+    c = fit(views, size)
+    square, count = 0.0, 0
+    for view, (rx, ry, rz, *t), rms in zip(views, c.poses, c.view_errors, strict=True):
+        q, _ = cv2.projectPoints(
+            view.object_points, np.array([rx, ry, rz]), np.array(t), c.camera.matrix, c.camera.distortion
+        )
+        e = np.sum((q[:, 0] - view.image_points) ** 2, axis=1)
+        assert rms == pytest.approx(np.sqrt(e.mean()), rel=1e-6)
+        square, count = square + e.sum(), count + len(e)
+    assert c.avg_reprojection_error == pytest.approx(np.sqrt(square / count), rel=1e-9)
+
+
+def test_order_of_views_and_points_does_not_matter() -> None:
+    views, size = load("pv_charuco_480")
+    rng = np.random.default_rng(1)
+    mixed = []
+    for i in rng.permutation(len(views)):
+        order = rng.permutation(len(views[i]))
+        mixed.append(View(views[i].object_points[order], views[i].image_points[order]))
+    a, b = fit(views, size), fit(mixed, size)
+    np.testing.assert_allclose(a.camera.intrinsics, b.camera.intrinsics, rtol=1e-6, atol=1e-6)
+
+
+def test_scale_of_the_board_only_scales_translations() -> None:
+    views, size = load("opencv_right")
+    a = fit(views, size)
+    b = fit([View(25.4 * v.object_points, v.image_points) for v in views], size)
+    np.testing.assert_allclose(a.camera.intrinsics, b.camera.intrinsics, rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(25.4 * a.poses[:, 3:], b.poses[:, 3:], rtol=1e-6)
+    np.testing.assert_allclose(a.poses[:, :3], b.poses[:, :3], atol=1e-7)
+
+
+@pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
+@pytest.mark.parametrize("name", ["opencv_left", "pv_charuco_480", "jy_left", "arizonat_fe"])
+def test_one_real_view_is_a_whole_camera(name: str, model: str) -> None:
+    """The prior carries what a single view does not: near the truth, and the uncertainty is owned up to."""
+    views, size = load(name)
+    truth = fit(views, size, "fisheye" if name == "jy_left" else model, robust=False).camera
+    for view in views[:4]:
+        c = fit([view], size, model)
+        assert c.prior_used
+        assert 0.5 < c.camera.matrix[0, 0] / truth.matrix[0, 0] < 2
+        assert c.uncertainty().rms > 0.002 * size[0]
+
+
+def test_truth_without_noise_is_found() -> None:
+    board, rng = Board(), np.random.default_rng(2)
+    camera = synthetic.rectilinear_cameras()[4]
+    views = synthetic.run(camera, rng, noise=0.0, views=8).views
+    c = fit(views, camera.img_size, robust=False)
+    assert len(c.poses) == 8
+    assert c.avg_reprojection_error < 1e-6
+    np.testing.assert_allclose(c.camera.intrinsics, camera.intrinsics, rtol=1e-6, atol=1e-6)
+    assert len(views[0].object_points) <= board.corner_count
+
+
+def good_view() -> View:
+    board = Board()
+    camera = Camera(
+        "rectilinear", np.array([[900, 0, 640], [0, 900, 360], [0, 0, 1.0]]), np.zeros(5), (1280, 720)
+    )
+    q = camera.project(board.points @ np.eye(3) + [-4.5, -3, 8.0])
+    return View(board.points, q)
+
+
+def bad_views() -> dict[str, list[View]]:
+    good, rng = good_view(), np.random.default_rng(0)
+    p, q = good.object_points, good.image_points
+    return {
+        "no_views": [],
+        "too_few_points": [good, View(p[: MIN_POINTS - 1], q[: MIN_POINTS - 1])],
+        "degenerate": [View(p[:8], q[:8])],
+        "degenerate ": [View(p, np.full_like(q, 300.0))],
+        "not_planar": [View(p + rng.normal(size=p.shape), q)],
+        "out_of_range": [View(p, 1e300 * q)],
+        "out_of_range ": [View(1e200 * p, q)],
+        "not_believable": [View(p, rng.uniform(0, 700, q.shape))],
+        "not_believable ": [View(p, rng.uniform(0, 700, q.shape)) for _ in range(9)],
+    }
+
+
+@pytest.mark.parametrize("code", list(bad_views()))
+@pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
+def test_nonsense_is_refused_with_a_reason(code: str, model: str) -> None:
+    with pytest.raises(CalibrationError) as caught:
+        fit(bad_views()[code], (1280, 720), model)
+    assert caught.value.code in (code.strip(), "no_fit", "not_converged")
+    assert caught.value.message
+
+
+def test_sizes_of_no_image_are_refused() -> None:
+    for size in ((0, 720), (100_000, 720)):
+        with pytest.raises(CalibrationError, match="px cannot be calibrated"):
+            fit([good_view()], size)
+
+
+def test_record_is_what_files_hold() -> None:
+    views, size = load("pv_charuco_480")
+    record = fit(views, size).record()
+    assert set(record) == {
+        "img_size",
+        "camera_matrix",
+        "distortion_coefficients",
+        "distortion_model",
+        "avg_reprojection_error",
+        "uncertainty",
+    }
+    assert record["img_size"] == [640, 480]
+    assert np.shape(record["camera_matrix"]) == (3, 3)
+    assert len(record["distortion_coefficients"]) == 5
+    assert 0 < record["uncertainty"]["rms"] < record["uncertainty"]["max"]

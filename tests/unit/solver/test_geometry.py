@@ -1,0 +1,82 @@
+"""Rotations, boards and views."""
+
+import cv2
+import numpy as np
+import pytest
+
+from calibsolver import Board, View, rotation
+
+
+def test_rotations_equal_opencv() -> None:
+    rng = np.random.default_rng(0)
+    rvec = rng.normal(size=(50, 3))
+    for v, r in zip(rvec, rotation.matrix(rvec), strict=True):
+        np.testing.assert_allclose(r, cv2.Rodrigues(v)[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-5, 1e-3, 1.0, 3.0, np.pi - 1e-9, np.pi])
+def test_rotation_vectors_survive(angle: float) -> None:
+    axis = np.array([[1.0, 2.0, -2.0]]) / 3
+    r = rotation.matrix(angle * axis)
+    again = rotation.vector(r)
+    np.testing.assert_allclose(rotation.matrix(again), r, atol=1e-12)
+    assert np.linalg.norm(again) == pytest.approx(angle, abs=1e-9)
+
+
+def test_nearest_is_a_rotation_even_of_a_reflection() -> None:
+    for m in (np.eye(3) + 0.1, np.diag([1.0, 1.0, -1.0])):
+        r = rotation.nearest(m)
+        np.testing.assert_allclose(r @ r.T, np.eye(3), atol=1e-12)
+        assert np.linalg.det(r) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("squares", [(9, 6), (8, 8), (5, 7)])
+def test_corners_are_opencvs(squares: tuple[int, int]) -> None:
+    board = Board(squares=squares)
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    theirs = cv2.aruco.CharucoBoard(squares, 1.0, 0.65, dictionary).getChessboardCorners()
+    np.testing.assert_allclose(board.points, np.asarray(theirs), atol=1e-6)
+    columns = squares[0] - 1
+    for identity in (0, columns - 1, columns, board.corner_count - 1):
+        row, column = divmod(identity, columns)
+        np.testing.assert_array_equal(board.points[identity], [column + 1, row + 1, 0])
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"squares": (9, 1)},
+        {"squares": (2, 6)},
+        {"squares": (9, 100)},
+        {"squares": (20, 20)},  # 200 markers, 50 in the dictionary
+        {"marker_ratio": 1.0},
+        {"marker_ratio": 0.0},
+        {"marker_ratio": float("nan")},
+        {"dictionary": "DICT_9X9_50"},
+    ],
+)
+def test_impossible_boards_are_refused(values: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=r"board|marker|dictionary"):
+        Board(**values)  # type: ignore[arg-type]
+
+
+def test_views_of_a_board() -> None:
+    board = Board()
+    view = board.view([0, 39], [[10.0, 20.0], [30.0, 40.0]])
+    np.testing.assert_array_equal(view.object_points, [[1, 1, 0], [8, 5, 0]])
+    for ids in ([0, 0], [0, 40], [-1, 3]):
+        with pytest.raises(ValueError, match="id"):
+            board.view(ids, [[10.0, 20.0], [30.0, 40.0]])
+    with pytest.raises(ValueError, match="image_points"):
+        board.view([0, 1, 2], [[10.0, 20.0]])
+
+
+def test_views_hold_finite_numbers_that_nobody_can_change() -> None:
+    with pytest.raises(ValueError, match="finite"):
+        View(np.zeros((1, 3)), np.array([[np.nan, 0.0]]))
+    points = np.zeros((1, 3))
+    view = View(points, np.zeros((1, 2)))
+    points[0, 0] = 5
+    assert view.object_points[0, 0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        view.object_points[0, 0] = 1

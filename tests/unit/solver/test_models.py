@@ -1,0 +1,132 @@
+"""Every model: derivatives, round trips, OpenCV's own projection, and the edge of the domain."""
+
+import cv2
+import numpy as np
+import pytest
+
+from calibsolver import CalibrationError, Camera, models
+from calibsolver.arrays import Array
+
+INTRINSICS = {
+    "rectilinear": np.array([812.0, 809.0, 645.0, 352.0, -0.31, 0.12, 0.0012, -0.0007, -0.021]),
+    "fisheye": np.array([391.0, 393.0, 633.0, 371.0, -0.031, 0.006, -0.002, 0.0002]),
+}
+WIDEST = {"rectilinear": 50.0, "fisheye": 125.0}
+
+
+def rays(name: str, count: int = 400) -> Array:
+    """Points (3, n) at 0.5 to 20 units, up to the widest angle from the axis."""
+    rng = np.random.default_rng(3)
+    angle = np.radians(WIDEST[name]) * np.sqrt(rng.uniform(size=count))
+    azimuth = rng.uniform(0, 2 * np.pi, count)
+    v = np.stack([np.sin(angle) * np.cos(azimuth), np.sin(angle) * np.sin(azimuth), np.cos(angle)])
+    scaled: Array = v * rng.uniform(0.5, 20, count)
+    return scaled
+
+
+@pytest.mark.parametrize("name", models.NAMES)
+def test_jacobians_equal_finite_differences(name: str) -> None:
+    model, k, p = models.get(name), INTRINSICS[name], rays(name)
+    q, by_k, by_p = model.jacobian(k, p)
+    np.testing.assert_array_equal(q.shape, (2, p.shape[1]))
+    np.testing.assert_allclose(q, model.project(k, p), rtol=1e-13)
+
+    for i in range(model.size):
+        step = np.zeros(model.size)
+        step[i] = 1e-5 * max(abs(k[i]), 0.01)
+        numeric = (model.project(k + step, p) - model.project(k - step, p)) / (2 * step[i])
+        np.testing.assert_allclose(by_k[i], numeric, atol=1e-6 * np.abs(numeric).max(), rtol=1e-6)
+    length = np.linalg.norm(p, axis=0)
+    for i in range(3):
+        h = 1e-5 * length
+        step = np.zeros_like(p)
+        step[i] = h
+        numeric = (model.project(k, p + step) - model.project(k, p - step)) / (2 * h)
+        np.testing.assert_allclose(by_p[i] * length, numeric * length, atol=1e-5 * 800, rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", models.NAMES)
+def test_axis_is_no_exception(name: str) -> None:
+    model, k = models.get(name), INTRINSICS[name]
+    q, by_k, by_p = model.jacobian(k, np.array([[0.0], [0.0], [2.0]]))
+    np.testing.assert_allclose(q[:, 0], k[2:4], atol=1e-12)
+    np.testing.assert_allclose(by_p[:2, :, 0], np.diag(k[:2] / 2), atol=1e-9)
+    assert np.isfinite(by_k).all()
+
+
+@pytest.mark.parametrize("name", models.NAMES)
+def test_round_trip(name: str) -> None:
+    model, k = models.get(name), INTRINSICS[name]
+    p = rays(name)
+    q = model.project(k, p)
+    v = model.unproject(k, q)
+    np.testing.assert_allclose(v, p / np.linalg.norm(p, axis=0), atol=1e-12)
+    np.testing.assert_allclose(model.project(k, v), q, atol=1e-9)
+
+
+def test_rectilinear_equals_opencv() -> None:
+    k, p = INTRINSICS["rectilinear"], rays("rectilinear")
+    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
+    theirs, _ = cv2.projectPoints(p.T, np.zeros(3), np.zeros(3), matrix, k[4:])
+    np.testing.assert_allclose(models.get("rectilinear").project(k, p).T, theirs[:, 0], atol=1e-9)
+
+
+def test_fisheye_equals_opencv_in_front() -> None:
+    k, p = INTRINSICS["fisheye"], rays("fisheye")
+    p = p[:, p[2] > 0.1 * np.linalg.norm(p, axis=0)]
+    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
+    theirs, _ = cv2.fisheye.projectPoints(p.T[:, None], np.zeros(3), np.zeros(3), matrix, k[4:])
+    np.testing.assert_allclose(models.get("fisheye").project(k, p).T, theirs[:, 0], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "distortion", "edge"),
+    [
+        ("rectilinear", [-0.4, 0.0, 0.0, 0.0, 0.0], np.arctan(np.sqrt(1 / 1.2))),
+        ("fisheye", [-0.2, 0.0, 0.0, 0.0], np.sqrt(1 / 0.6)),
+    ],
+)
+def test_fold_is_found_and_never_crossed(name: str, distortion: list[float], edge: float) -> None:
+    """Where the radial part stops growing, at a closed-form angle, projection and unprojection end."""
+    camera = Camera(
+        name, np.array([[500, 0, 640], [0, 500, 360], [0, 0, 1.0]]), np.array(distortion), (1280, 720)
+    )
+
+    def at(angle: float) -> Array:
+        return np.array([[np.sin(angle), 0.0, np.cos(angle)]])
+
+    inside, outside = camera.project(at(edge - 1e-6)), camera.project(at(edge + 1e-6))
+    assert np.isfinite(inside).all()
+    assert np.isnan(outside).all()
+    beyond = camera.unproject(inside + np.array([1.0, 0.0]))
+    assert np.isnan(beyond).all()
+    back = camera.unproject(camera.project(at(edge - 0.05)))
+    np.testing.assert_allclose(back, at(edge - 0.05), atol=1e-9)
+
+
+def test_rectilinear_sees_nothing_behind_and_fisheye_does() -> None:
+    behind = np.array([[1.0, 0.2, -0.1]])
+    for name, seen in (("rectilinear", False), ("fisheye", True)):
+        camera = Camera.from_intrinsics(name, INTRINSICS[name], (1280, 720))
+        assert np.isfinite(camera.project(behind)).all() == seen
+        assert camera.valid(behind)[0] == seen
+
+
+def test_unknown_model_is_refused_by_name() -> None:
+    with pytest.raises(CalibrationError, match="no camera model is called 'pinhole'") as caught:
+        models.get("pinhole")
+    assert caught.value.code == "unknown_model"
+
+
+def test_camera_survives_its_record() -> None:
+    camera = Camera.from_intrinsics("fisheye", INTRINSICS["fisheye"], (1280, 720))
+    record = {
+        "img_size": [1280, 720],
+        "camera_matrix": camera.matrix.tolist(),
+        "distortion_coefficients": camera.distortion.tolist(),
+        "distortion_model": "fisheye",
+    }
+    again = Camera.from_record(record)
+    np.testing.assert_array_equal(again.intrinsics, INTRINSICS["fisheye"])
+    with pytest.raises(CalibrationError):
+        Camera("rectilinear", camera.matrix, camera.distortion, (1280, 720))
