@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -58,7 +59,10 @@ class LocalProcess:
                 text=True,
             )
         assert self.process.stdout
+        watchdog = threading.Timer(60, self.process.kill)
+        watchdog.start()
         line = self.process.stdout.readline()
+        watchdog.cancel()
         found = re.search(r"http://127\.0\.0\.1:\d+", line)
         if not found:
             self.__exit__(None, None, None)

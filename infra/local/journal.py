@@ -106,9 +106,11 @@ class Journal:
         execute(f"PRAGMA user_version = {_VERSION}")
         execute("COMMIT")
 
-    def load(self) -> Iterator[Change]:
-        """Yield all there is, in the order it first came."""
-        rows = self._connection.execute("SELECT kind, container, key, about, body FROM state ORDER BY rowid")
+    def load(self, kind: str) -> Iterator[Change]:
+        """Yield all there is of a kind, in the order it first came."""
+        rows = self._connection.execute(
+            "SELECT kind, container, key, about, body FROM state WHERE kind = ? ORDER BY rowid", (kind,)
+        )
         for kind, container, key, about, body in rows:
             yield Change(Address(kind, container, key), Content(body, about))
 

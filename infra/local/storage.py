@@ -112,7 +112,7 @@ class Storage:
     def remembered(self, kind: str) -> list[Change]:
         """Return what is kept of a kind of its own, in the order it came."""
         with self._journal_lock:
-            return [change for change in self._journal.load() if change.address.kind == kind]
+            return list(self._journal.load(kind))
 
     def limit(self, pages: int) -> None:
         """Let the journal grow to so many pages at most; for rehearsing a full disk."""
@@ -202,14 +202,13 @@ class Storage:
     def _restore(self, now: float) -> int:
         expired: list[Change] = []
         restored = 0
-        for change in self._journal.load():
-            if change.address.kind not in (ITEM, OBJECT):
-                continue
-            restored += 1
-            if self._is_expired(change, now):
-                expired.append(Change(change.address, None))
-            elif change.address.container in (self._tables if change.address.kind == ITEM else self._buckets):
-                self._memory.write(change)
+        for kind, containers in ((ITEM, self._tables), (OBJECT, self._buckets)):
+            for change in self._journal.load(kind):
+                restored += 1
+                if self._is_expired(change, now):
+                    expired.append(Change(change.address, None))
+                elif change.address.container in containers:
+                    self._memory.write(change)
         self._memory.forget_instances()
         if expired:
             self._journal.commit(expired)

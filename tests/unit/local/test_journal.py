@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from infra.local.journal import Journal, JournalError
+from infra.local.journal import ITEM, Journal, JournalError
 from tests.toy_storage import dynamodb, put, storage
 
 
@@ -38,7 +38,7 @@ def test_opening_costs_by_state_not_by_history(tmp_path: Path) -> None:
         for version in range(600):
             put(client, f"{version % 3}", version={"N": str(version)}, padding={"S": "x" * 5000})
     journal = Journal(tmp_path / "data" / "journal.sqlite")
-    changes = list(journal.load())
+    changes = list(journal.load(ITEM))
     journal.close()
     assert len(changes) == 3
     size = sum(file.stat().st_size for file in (tmp_path / "data").iterdir())
