@@ -57,7 +57,8 @@ def test_a_session_takes_everything_the_contract_names(client: Client) -> None:
         "guidance": "projection-uncertainty",
         "target_error": 0.7,
     }
-    answer = client.open(**asked, track={**track, "frameRate": 30})
+    settings = {**track, "frameRate": 30, "deviceId": "what a page need not send is passed over"}
+    answer = client.open(**asked, track=settings)
     assert answer.status == 201
     assert {name: answer.json[name] for name in asked} == asked
 

@@ -44,8 +44,11 @@ class SessionOpened(Open):
     expires_at: int = Field(description="Unix time, seconds.")
 
 
-class Track(Strict):
-    """What else the browser knew of the MediaStreamTrack: stored, never part of the camera's key."""
+class Track(Open):
+    """What else the browser knew of the MediaStreamTrack: stored, never part of the camera's key.
+
+    A page may send all settings of the track; what is not listed here, such as ids of devices, is not kept.
+    """
 
     focusMode: Fact | None = None  # noqa: N815 - names of the MediaStreamTrack's settings
     focusDistance: Quantity | None = None  # noqa: N815

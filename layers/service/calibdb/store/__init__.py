@@ -1,4 +1,4 @@
-"""Storage: S3 is the truth, DynamoDB an index rebuilt from it. The only place that knows boto3."""
+"""Storage: S3 is the truth, DynamoDB an index rebuilt from it. The only place that knows AWS."""
 
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.consensus import Consensuses
