@@ -14,6 +14,7 @@ from typing import Any
 
 import uvicorn
 from starlette.applications import Starlette
+from starlette.requests import ClientDisconnect
 from starlette.requests import Request as WebRequest
 from starlette.responses import JSONResponse
 from starlette.responses import Response as WebResponse
@@ -95,7 +96,10 @@ class Front:
             )
 
     async def _api(self, scope: Scope, receive: Receive, send: Send) -> None:
-        request = await _read(scope, receive)
+        try:
+            request = await _read(scope, receive)
+        except ClientDisconnect:
+            return  # nobody is left to answer
         if request is None:
             response = message(413, "Request Entity Too Large")
         else:

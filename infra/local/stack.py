@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import logging
 import os
 import sys
 import time
@@ -13,8 +11,6 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Self
-
-import boto3
 
 from infra.local import environment as env
 from infra.local import keys
@@ -36,8 +32,6 @@ ROOT = Path(__file__).resolve().parents[2]
 DEVELOPMENT_TOKEN = "cdb_dev_local"  # noqa: S105
 # A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
 _THREADS = max(4, 2 * (os.cpu_count() or 1))
-
-_log = logging.getLogger("infra.local")
 
 
 class LocalStack:
@@ -151,21 +145,15 @@ class LocalStack:
 
     def _admit_development_token(self) -> None:
         if "TABLE_NAME" not in self.environment:
-            return
+            return  # another deployment, which knows no tokens
+        # Here and not above: the layers are on the path only now.
+        from calibdb.settings import Settings
+        from calibdb.store import Store
+        from calibdb.tokens import ApiToken, secret_hash
+
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
-        table = boto3.client("dynamodb")
-        key = {"pk": {"S": f"TOKEN#{token_id}"}, "sk": {"S": "META"}}
-        if "Item" not in table.get_item(TableName=self.environment["TABLE_NAME"], Key=key):
-            table.put_item(
-                TableName=self.environment["TABLE_NAME"],
-                Item={
-                    **key,
-                    "secret_sha256": {"S": hashlib.sha256(secret.encode()).hexdigest()},
-                    "origins": {"L": []},
-                    "plan": {"S": "development"},
-                    "created": {"N": str(int(self._clock()))},
-                },
-            )
+        token = ApiToken(token_id, secret_hash(secret), plan="development", created=int(self._clock()))
+        Store.of(Settings.from_environment(self.environment)).tokens.create(token)
 
     def warm(self) -> tuple[str, ...]:
         """Load all functions now; return the names of those that could not be, and that will answer 500."""

@@ -121,10 +121,13 @@ class Storage:
 
     def close(self) -> None:
         """Let go of journal and memory."""
-        with self._journal_lock, self._memory_lock:
-            self._broken = True
-            self._journal.close()
-            self._memory.reset()
+        with self._journal_lock:
+            if self._open.changes:
+                self._flush()  # changes that nobody waited for
+            with self._memory_lock:
+                self._broken = True
+                self._journal.close()
+                self._memory.reset()
 
     def _ask_moto(self, request: AWSPreparedRequest) -> Answer:
         answer = self._moto.process_request(request)

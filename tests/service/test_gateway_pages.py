@@ -1,7 +1,9 @@
 """Over real sockets: the API and the pages on one origin, with the headers and the log of a deployment."""
 
 import socket
+import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +24,19 @@ ECHO = """
                 "cookies": ["a=1; Secure", "b=2"]}
 """
 
+SLOW = """
+    import time
+
+    def handler(event, context):
+        time.sleep(0.3)
+        return "done"
+"""
+
 
 @pytest.fixture(scope="module")
 def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalStack]:
     place = tmp_path_factory.mktemp("pages")
-    template = deploy(place, {"Echo": (ECHO, ("GET /v1/echo",))})
+    template = deploy(place, {"Echo": (ECHO, ("GET /v1/echo",)), "Slow": (SLOW, ("GET /v1/slow",))})
     web = place / "web"
     (web / "calibrate").mkdir(parents=True)
     (web / "index.html").write_text("<!doctype html>home")
@@ -158,3 +168,29 @@ def test_answers_are_not_held_back_by_nagle(stack: LocalStack, monkeypatch: pyte
     with serving(Front(stack._gateway, stack._workers, Path(), {}), listener):
         assert httpx.get(f"http://127.0.0.1:{listener.getsockname()[1]}/v1/echo").status_code == 200
     assert seen == [1]
+
+
+def test_a_request_under_way_is_finished_at_the_end(stack: LocalStack) -> None:
+    listener = bind(0)
+    url = f"http://127.0.0.1:{listener.getsockname()[1]}"
+    with ThreadPoolExecutor(1) as pool:
+        with serving(Front(stack._gateway, stack._workers, Path(), {}), listener):
+            under_way = pool.submit(httpx.get, f"{url}/v1/slow")
+            time.sleep(0.15)
+        assert under_way.result().text == "done"
+    with pytest.raises(httpx.ConnectError):
+        httpx.get(f"{url}/v1/slow")
+
+
+def test_a_client_that_leaves_in_the_middle_is_no_error(
+    stack: LocalStack, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level("INFO", "infra.local.access")
+    listener = bind(0)
+    with serving(Front(stack._gateway, stack._workers, Path(), {}), listener):
+        with socket.create_connection(listener.getsockname()) as gone:
+            gone.sendall(b"POST /v1/echo HTTP/1.1\r\nhost: x\r\ncontent-length: 100\r\n\r\nhalf")
+        while not caplog.records:
+            time.sleep(0.005)
+    assert [record.levelname for record in caplog.records] == ["INFO"]
+    assert caplog.records[0].getMessage().startswith("POST /v1/echo aborted ")
