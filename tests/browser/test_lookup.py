@@ -37,7 +37,12 @@ def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack:
     assert "1280 × 720" in (wanted.text_content() or "")
 
     # A browser that navigates to the lookup is taken there.
-    query = {"camera": key["camera"], "platform": key["platform"], "img_size": "1280x720", "key": "cdb_dev_local"}
+    query = {
+        "camera": key["camera"],
+        "platform": key["platform"],
+        "img_size": "1280x720",
+        "key": "cdb_dev_local",
+    }
     page.goto(str(httpx.URL(f"{stack}/v1/lookup", params=query)))
     page.locator("#wanted").wait_for()
     assert urlsplit(page.url).path == "/calibrate/"

@@ -65,7 +65,6 @@ def test_capture_by_keyboard(page: Page) -> None:
         page.keyboard.press("u")
     assert undone.value.status == 200
     with page.expect_response(lambda r: "skip=1" in r.url) as skipped:
-        page.wait_for_selector("#skip:enabled")
         page.keyboard.press("n")
     assert skipped.value.status == 200
     page.wait_for_selector("#done:not([hidden])")
@@ -75,7 +74,10 @@ def test_what_goes_wrong_is_said(context: BrowserContext) -> None:
     # A page of its own: a refused request is an error in the console, and here it is meant to be one.
     page = context.new_page()
     problem = '{"title": "Forbidden", "status": 403, "detail": "The API token is not valid."}'
-    page.route("**/v1/auth", lambda route: route.fulfill(status=403, body=problem, content_type="application/problem+json"))
+    page.route(
+        "**/v1/auth",
+        lambda route: route.fulfill(status=403, body=problem, content_type="application/problem+json"),
+    )
     page.goto(VIRTUAL)
     page.locator("#failed:not([hidden])").wait_for()
     assert page.locator("#failure").text_content() == "The API token is not valid."

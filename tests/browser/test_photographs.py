@@ -33,7 +33,8 @@ def detect(context: BrowserContext, page: Page) -> list[dict[str, Any]]:
     photographs = sorted((data_dir() / "photos" / "charuco_640x480").glob("*.jpg"))
     assert len(photographs) == 17
     context.route(
-        "**/photographs/*", lambda route: route.fulfill(path=photographs[int(route.request.url.split("/")[-1])])
+        "**/photographs/*",
+        lambda route: route.fulfill(path=photographs[int(route.request.url.split("/")[-1])]),
     )
     page.goto("/board/")
     found: list[dict[str, Any]] = page.evaluate(DETECT, [len(photographs), BOARD])
@@ -56,8 +57,8 @@ def submit(
 ) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Post views as the page does; the last state, and the views accepted.
 
-    What brings too little beside the current target is refused, and may bring enough beside a later one: refused
-    views are offered again until none is taken.
+    What brings too little beside the current target is refused, and may bring enough beside a later one:
+    refused views are offered again until none is taken.
     """
     request = {
         "camera": "Microsoft LifeCam HD-3000 (045e:0779)",

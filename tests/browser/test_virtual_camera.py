@@ -46,7 +46,7 @@ def test_chromium_from_the_first_click_to_the_result(page: Page, api: httpx.Clie
     assert json.loads(saved) == calibration
     assert api.get(f"/calibrations/{calibration['id']}").json() == calibration
 
-    # Corner positions leave the device, pictures never: nothing that was sent is anywhere near a picture's size.
+    # Corner positions leave the device, pictures never: nothing that was sent is near a picture's size.
     bodies = [body for body in sent if body]
     assert bodies
     assert max(map(len, bodies)) < 4096

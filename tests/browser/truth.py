@@ -38,7 +38,7 @@ class Truth:
 
 
 def projection_errors(truth: Truth, calibration: dict[str, Any], grid: tuple[int, int] = (20, 15)) -> Array:
-    """Pixel distance of true and estimated projection of the same rays, (grid points,), after the best rotation.
+    """Distance of true and estimated projection of the same rays after the best rotation, px, (points,).
 
     A turn of the camera frame is no error: a user of the calibration cannot tell it from a turned camera.
     """

@@ -84,10 +84,11 @@ test("convergence ends the capture", () => {
   assert.equal(reduce(done, { type: "frame", detection: frame(THERE), time: 1 }), done);
 });
 
-test("a target not reached for 15 s is given up", () => {
-  const state = capturing(frames(NOTHING, 200));
+test("a target not reached for 15 s is given up, unless no board is in sight", () => {
+  const state = capturing(frames(frame(FACING), 200));
   assert.equal(decide(state, 14_999), null);
   assert.equal(decide(state, 15_001), "skip");
+  assert.equal(decide(capturing(frames(NOTHING, 200)), 60_000), null);
 });
 
 test("instructions say what is missing, and stand for 400 ms", () => {

@@ -34,15 +34,17 @@ function boardFrom(query) {
 
 /** Draws the board so that a cell's edge falls on a device pixel, and one canvas pixel is one device pixel. */
 function draw() {
-  const [columns, rows] = board.squares;
   const full = document.fullscreenElement === frame;
   const density = window.devicePixelRatio || 1;
   const room = full ? [screen.width, screen.height] : [frame.clientWidth, Infinity];
+  const turned = full && screen.width < screen.height !== board.squares[0] < board.squares[1];
+  const [columns, rows] = turned ? [...board.squares].reverse() : board.squares;
   const scale = Math.max(8, Math.floor(Math.min(
     (room[0] * density) / (columns + 2 * MARGIN),
     (room[1] * density) / (rows + 2 * MARGIN),
   )));
-  const { width, height, data } = raster(board, scale, Math.round(MARGIN * scale));
+  const upright = raster(board, scale, Math.round(MARGIN * scale));
+  const { width, height, data } = turned ? quarterTurn(upright) : upright;
   canvas.width = width;
   canvas.height = height;
   canvas.style.width = full ? `${width / density}px` : "";
@@ -55,6 +57,15 @@ function draw() {
     pixels[index] = value ? 0xffffffff : 0xff000000;
   });
   context.putImageData(picture, 0, 0);
+}
+
+/** Clockwise: on a phone held upright the board is larger so. @param {ReturnType<typeof raster>} picture */
+function quarterTurn({ width, height, data }) {
+  const turned = new Uint8Array(data.length);
+  for (let y = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) turned[x * height + height - 1 - y] = data[y * width + x];
+  }
+  return { width: height, height: width, data: turned };
 }
 
 /** A screen that dims in the middle of a capture ends it. */

@@ -123,6 +123,8 @@ class Guide {
   #camera;
   #signal;
   #focused = false;
+  /** The conversation with the service that is going on. */
+  #talk = Promise.resolve();
 
   /** @param {CaptureSession} session @param {Detector} detector @param {import("./camera.js").OpenCamera} camera @param {AbortSignal} signal */
   constructor(session, detector, camera, signal) {
@@ -133,7 +135,7 @@ class Guide {
     const on = (/** @type {HTMLElement} */ button, /** @type {() => void} */ action) =>
       button.addEventListener("click", action, { signal });
     on(parts.undo, () => this.#undo());
-    on(parts.skip, () => this.#nextPose({ skip: true }));
+    on(parts.skip, () => this.#skip());
     document.addEventListener("keydown", (event) => this.#key(event), { signal });
   }
 
@@ -184,17 +186,28 @@ class Guide {
     });
   }
 
+  async #skip() {
+    await this.#silence();
+    if (state.phase === "capturing") await this.#nextPose({ skip: true });
+  }
+
   async #undo() {
-    if (!state.session?.views.length) return;
+    await this.#silence();
+    if (state.phase !== "capturing" || !state.session?.views.length) return;
     await this.#exclusive(async () => {
       dispatch({ type: "undone", session: await this.#session.undo(), time: performance.now() });
     });
     await this.#nextPose();
   }
 
-  /** One conversation with the service at a time. @param {() => Promise<void>} action */
-  async #exclusive(action) {
-    if (state.busy) return;
+  /** One conversation with the service at a time; what the page does by itself does not queue. @param {() => Promise<void>} action */
+  #exclusive(action) {
+    if (!state.busy) this.#talk = this.#converse(action);
+    return this.#talk;
+  }
+
+  /** @param {() => Promise<void>} action */
+  async #converse(action) {
     dispatch({ type: "busy" });
     try {
       await action();
@@ -204,11 +217,16 @@ class Guide {
     }
   }
 
+  /** What a person asked for waits for its turn. */
+  async #silence() {
+    while (state.busy && !this.#signal.aborted) await this.#talk;
+  }
+
   /** @param {KeyboardEvent} event */
   #key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === "u" || event.key === "Backspace") void this.#undo();
-    else if (event.key === "n") void this.#nextPose({ skip: true });
+    else if (event.key === "n") void this.#skip();
     else return;
     event.preventDefault();
   }

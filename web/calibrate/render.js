@@ -94,7 +94,7 @@ function renderTarget({ overlay, target, targetBack, targetCorner }, state, befo
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 function renderCapture(parts, state, before) {
-  const { corners, session, notice, patience, instruction, busy } = state;
+  const { corners, session, notice, patience, instruction } = state;
   const views = session?.views.length ?? 0;
   if (corners !== before?.corners) dots(parts.corners, corners.points);
   const held = Math.round(100 * holdProgress(state));
@@ -107,8 +107,8 @@ function renderCapture(parts, state, before) {
   parts.progress.value = state.progress;
   const accuracy = session?.uncertainty ? ` · ± ${session.uncertainty.rms.toFixed(2)} px` : "";
   text(parts.counts, `${views} ${views === 1 ? "view" : "views"}${accuracy}`);
-  parts.undo.disabled = busy || views === 0;
-  parts.skip.disabled = busy || !state.pose;
+  // Not while busy: a button that is disabled under the finger loses the keyboard's focus.
+  parts.undo.disabled = views === 0;
 }
 
 /** @param {Parts} parts @param {State} state */

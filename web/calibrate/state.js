@@ -206,5 +206,6 @@ export function decide(state, time) {
   if (state.phase !== "capturing" || state.busy || !state.pose) return null;
   const required = requiredHold(state);
   if (required !== null && state.stillness.held >= required && state.stillness.frames >= FRAMES) return "submit";
-  return time - state.posedAt > STUCK ? "skip" : null;
+  // Where no board is in sight, another pose would not help.
+  return state.corners.ids.length > 0 && time - state.posedAt > STUCK ? "skip" : null;
 }
