@@ -21,7 +21,7 @@ IMG_SIZE = (1280, 720)
 
 
 def rectilinear_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:
-    """Cameras from wide to narrow, each with some distortion, one-to-one well beyond the image."""
+    """Cameras from wide to narrow, each with some distortion, as far as real ones bend."""
     rng = np.random.default_rng(seed)
     w, h = img_size
     cameras = []
@@ -35,14 +35,21 @@ def rectilinear_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int
         cx = (w - 1) / 2 + 0.012 * w * rng.normal()
         cy = (h - 1) / 2 + 0.012 * w * rng.normal()
         matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
-        corners = np.array([[x, y] for x in (-0.15 * w, 1.15 * w) for y in (-0.15 * h, 1.15 * h)])
-        while True:
-            camera = Camera("rectilinear", matrix, np.array([k1, k2, p1, p2, 0.0]), img_size)
-            if np.isfinite(camera.unproject(corners)).all():
-                break
-            k1, k2 = 0.95 * k1, k2 + 0.002  # a lens this wide does not bend that much
+        # Real wide lenses draw the corners a third as large as the middle, not smaller: one that is
+        # about to fold there (its radial stretch near 0) does not bend that much.
+        while stretch_at_corner(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], img_size)) < 0.3:
+            k1, k2 = 0.95 * k1, k2 + 0.002
         cameras.append(camera)
     return cameras
+
+
+def stretch_at_corner(camera: Camera) -> float:
+    """Radial magnification at the farthest corner / that in the middle; 0 where nothing is seen."""
+    w, h = camera.img_size
+    rays = camera.unproject(np.array([[x, y] for x in (0.0, w - 1.0) for y in (0.0, h - 1.0)]))
+    s = ((rays[:, 0] ** 2 + rays[:, 1] ** 2) / rays[:, 2] ** 2).max()
+    k1, k2, k3 = camera.distortion[[0, 1, 4]]
+    return float(1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3))) if np.isfinite(s) else 0.0
 
 
 def fisheye_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:

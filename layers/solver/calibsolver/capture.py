@@ -6,13 +6,13 @@ from typing import Literal
 
 import numpy as np
 
-from . import fit as fitting
 from . import models, normal, start
 from .arrays import Array
 from .board import Board
 from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
+from .fit import MIN_POINTS, check, fit
 from .guidance import Belief, ProjectionUncertainty
 from .observations import Observations
 from .target import TargetPose
@@ -109,7 +109,7 @@ class Capture:
         if not views:
             return Estimate(None, (), None, 0.0, False)
         try:
-            calibration = fitting.fit(views, self.img_size, self.model)
+            calibration = fit(views, self.img_size, self.model)
         except CalibrationError:
             return Estimate(None, (None,) * len(views), None, 0.0, False)
         u = calibration.uncertainty()
@@ -144,10 +144,10 @@ class Capture:
 
     def _unfit(self, view: View) -> Reason | None:
         """Reason why a view is refused whatever came before it."""
-        if len(view) < fitting.MIN_POINTS:
+        if len(view) < MIN_POINTS:
             return "too_few_points"
         try:
-            fitting.check([view], self.img_size)
+            check([view], self.img_size)
         except CalibrationError:
             return "degenerate"
         if (

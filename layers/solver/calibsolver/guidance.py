@@ -25,10 +25,10 @@ from .view import View
 
 __all__ = ["Belief", "ProjectionUncertainty", "TargetPose"]
 
-CANDIDATES = 256
-BEST, AROUND = 4, 12
+CANDIDATES = 128
+BEST, AROUND = 4, 16
 """How many of the candidates are refined, and how many are tried around each."""
-RADII = (0.2, 0.17, 0.14, 0.12, 0.1, 0.08, 0.06, 0.04, 0.03)
+RADII = (0.2, 0.14, 0.1, 0.06, 0.03)
 """How far around, in units of a candidate's range."""
 GRID = (12, 9)
 NOMINAL_NOISE = 0.3 / 1280
@@ -103,7 +103,7 @@ class ProjectionUncertainty:
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model)
         self._all = Lattice.of(board, None)
-        self._thin = Lattice.of(board, 6)
+        self._thin = Lattice.of(board, 5)
 
     def next_pose(
         self,

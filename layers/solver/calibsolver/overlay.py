@@ -1,5 +1,6 @@
 """The picture of a target pose: the board through the full camera model."""
 
+import math
 from functools import lru_cache
 from typing import Literal
 
@@ -9,14 +10,14 @@ import numpy.typing as npt
 
 from . import rotation
 from .arrays import Array
-from .board import DICTIONARIES, Board
+from .board import Board
 from .camera import Camera
 from .target import TargetPose
 
 STRIDE = 8
 """Pixels between the rays that are computed; between them board coordinates are interpolated."""
 SQUARE = 32
-"""Texture pixels a square."""
+"""Texture pixels a square, at least."""
 QUALITY = 50
 
 Picture = npt.NDArray[np.uint8]
@@ -40,7 +41,7 @@ def render(
     box = bounds(target.outline, camera.img_size)
     if box is not None:
         x0, y0, x1, y1 = box
-        coordinates = board_coordinates(camera, target, box)
+        coordinates = board_coordinates(camera, target, box, resolution(board))
         patch = cv2.remap(
             texture(board),
             coordinates,
@@ -74,8 +75,13 @@ def bounds(outline: Array, img_size: tuple[int, int]) -> tuple[int, int, int, in
     return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
 
 
+def resolution(board: Board) -> int:
+    """Texture pixels a square: enough for one a cell of the smallest marker."""
+    return max(SQUARE, math.ceil((board.marker_size + 2) / board.marker_ratio))
+
+
 def board_coordinates(
-    camera: Camera, target: TargetPose, box: tuple[int, int, int, int]
+    camera: Camera, target: TargetPose, box: tuple[int, int, int, int], square: int
 ) -> npt.NDArray[np.float32]:
     """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; far outside where there are none."""
     x0, y0, x1, y1 = box
@@ -88,7 +94,7 @@ def board_coordinates(
     with np.errstate(divide="ignore", invalid="ignore"):
         s = t[2] / v[:, 2]
         xy = np.where((s > 0)[:, None], s[:, None] * v[:, :2] - t[:2], np.nan)
-    coarse = (xy * SQUARE - 0.5).reshape(rows, columns, 2).astype(np.float32)
+    coarse = (xy * square - 0.5).reshape(rows, columns, 2).astype(np.float32)
     step = np.array([[1 / STRIDE, 0, 0], [0, 1 / STRIDE, 0]])
     fine = cv2.warpAffine(
         np.clip(coarse, -1e5, 1e5),
@@ -104,22 +110,17 @@ def board_coordinates(
 
 @lru_cache(maxsize=16)
 def texture(board: Board) -> Picture:
-    """Draw the board, SQUARE px a square, channels (black, white) squares, (rows, columns, 2)."""
-    gray = image(board, SQUARE)
+    """Draw the board, `resolution` px a square, channels (black, white) squares, (rows, columns, 2)."""
+    gray = image(board, resolution(board))
     return np.ascontiguousarray(np.stack([255 - gray, gray], axis=-1))
 
 
 def image(board: Board, square: int) -> Picture:
     """Black and white picture of the whole board without margin, `square` px a square."""
     w, h = board.size
-    bits = board.marker_size
-    if board.dictionary not in DICTIONARIES:
-        raise ValueError(f"unknown dictionary {board.dictionary!r}")
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
     charuco = cv2.aruco.CharucoBoard((w, h), 1.0, board.marker_ratio, dictionary)
     charuco.setLegacyPattern(board.legacy)
-    if square * board.marker_ratio < bits + 2:
-        raise ValueError("a square must have a pixel for every cell of its marker")
     return np.asarray(
         charuco.generateImage((w * square, h * square), marginSize=0, borderBits=1), dtype=np.uint8
     )

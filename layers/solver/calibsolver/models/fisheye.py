@@ -70,7 +70,7 @@ class Fisheye(Model):
 
     def angle(self, d: Array) -> float:
         """Largest angle from the axis, radians, up to which the image radius grows."""
-        return float(np.sqrt(first_root(d * (3, 5, 7, 9), np.pi**2)))
+        return float(np.sqrt(first_root(tuple((d * (3, 5, 7, 9)).tolist()), np.pi**2)))
 
     def valid(self, d: Array, p: Array) -> Mask:
         """See `Model.valid`."""

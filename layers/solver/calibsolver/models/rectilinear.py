@@ -73,7 +73,7 @@ class Rectilinear(Model):
 
     def radius(self, d: Array) -> float:
         """Largest tan(angle) up to which the radial part grows: beyond it the image would fold."""
-        return float(np.sqrt(first_root((3 * d[0], 5 * d[1], 7 * d[4]), MAX_RADIUS**2)))
+        return float(np.sqrt(first_root((3 * float(d[0]), 5 * float(d[1]), 7 * float(d[4])), MAX_RADIUS**2)))
 
     def valid(self, d: Array, p: Array) -> Mask:
         """See `Model.valid`."""
