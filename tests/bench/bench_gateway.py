@@ -12,6 +12,7 @@ from tests.client import CAMERA, TOKEN, Client, Truth
 from tests.processes import LocalProcess
 
 REQUESTS = 2000
+RATE = 150  # lookups a second
 
 
 def rows() -> Iterator[Row]:
@@ -25,12 +26,13 @@ def rows() -> Iterator[Row]:
         with LocalProcess(data_dir) as server:
             yield Row("second start, until healthy", server.start_seconds, 5, "s")
             drive(server.url, lookup, 200, 4)
-            one, eight = (drive(server.url, lookup, REQUESTS, clients) for clients in (1, 8))
+            alone = drive(server.url, lookup, REQUESTS // 4, 1)
+            paced = drive(server.url, lookup, REQUESTS, 8, rate=RATE)
+            most = drive(server.url, lookup, REQUESTS, 8)
             health = drive(server.url, "/healthz", REQUESTS, 8)
-    yield Row("lookup over a socket, 1 client, p50", one.percentile(0.5), None, "ms")
-    # 150 lookups a second.
-    yield Row(
-        "lookup over sockets, 8 clients, each", eight.each, 1000 / 150, "ms", f"{1e3 / eight.each:.0f}/s"
-    )
-    yield Row("lookup over sockets, 8 clients, p99", eight.percentile(0.99), 50, "ms")
-    yield Row("health over sockets, 8 clients, each", health.each, None, "ms", f"{1e3 / health.each:.0f}/s")
+    yield Row("lookup over a socket, 1 client, p50", alone.percentile(0.5), None, "ms")
+    yield Row(f"lookups over sockets, {RATE} a second, p99", paced.percentile(0.99), 50, "ms")
+    note = f"{1e3 / most.each:.0f}/s"
+    yield Row("lookups over sockets, as many as can be, each", most.each, 1e3 / RATE, "ms", note)
+    note = f"{1e3 / health.each:.0f}/s"
+    yield Row("health over sockets, as many as can be, each", health.each, None, "ms", note)

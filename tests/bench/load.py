@@ -24,10 +24,14 @@ class Load:
         return self.latencies[min(len(self.latencies) - 1, int(share * len(self.latencies)))]
 
 
-def drive(url: str, path: str, requests: int, clients: int) -> Load:
-    """Send GET requests from another process; every answer must be a 200."""
+def drive(url: str, path: str, requests: int, clients: int, rate: float = 0) -> Load:
+    """Send GET requests from another process; every answer must be a 200.
+
+    `rate`: requests a second, of all clients together, whether the server keeps up or not; latency then
+    counts from the moment at which a request was due. 0: as fast as answers come.
+    """
     done = subprocess.run(
-        [sys.executable, "-m", "tests.bench.load", url, path, str(requests), str(clients)],
+        [sys.executable, "-m", "tests.bench.load", url, path, *map(str, (requests, clients, rate))],
         cwd=ROOT,
         check=True,
         capture_output=True,
@@ -36,13 +40,15 @@ def drive(url: str, path: str, requests: int, clients: int) -> Load:
     return Load(**json.loads(done.stdout))
 
 
-def client(address: str, path: str, requests: int) -> list[float]:
+def client(address: str, path: str, due: list[float]) -> list[float]:
     connection = http.client.HTTPConnection(address)
     connection.connect()
     connection.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     latencies = []
-    for _ in range(requests):
-        start = time.perf_counter()
+    for moment in due:
+        if moment:
+            time.sleep(max(0, moment - time.perf_counter()))
+        start = moment or time.perf_counter()
         connection.request("GET", path)
         response = connection.getresponse()
         body = response.read()
@@ -53,16 +59,16 @@ def client(address: str, path: str, requests: int) -> list[float]:
     return latencies
 
 
-def main(url: str, path: str, requests: str, clients: str) -> None:
-    count = int(clients)
-    with ThreadPoolExecutor(count) as pool:
+def main(url: str, path: str, requests: int, clients: int, rate: float) -> None:
+    with ThreadPoolExecutor(clients) as pool:
         start = time.perf_counter()
-        share = int(requests) // count
-        each = [pool.submit(client, url.removeprefix("http://"), path, share) for _ in range(count)]
+        due = [start + number / rate if rate else 0.0 for number in range(requests)]
+        address = url.removeprefix("http://")
+        each = [pool.submit(client, address, path, due[n::clients]) for n in range(clients)]
         latencies = sorted(latency for future in each for latency in future.result())
         elapsed = time.perf_counter() - start
     print(json.dumps({"each": elapsed * 1e3 / len(latencies), "latencies": latencies}))
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]), float(sys.argv[5]))
