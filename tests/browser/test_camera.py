@@ -48,7 +48,7 @@ def video(path: Path, grey: np.ndarray) -> Path:
     return path
 
 
-def test_first_view_through_a_real_camera(playwright: Playwright, stack: str, tmp_path: Path) -> None:
+def test_first_view_and_lookup_through_a_real_camera(playwright: Playwright, stack: str, tmp_path: Path) -> None:
     grey, truth = board_seen()
     source = video(tmp_path / "board.y4m", grey)
     flags = [
@@ -69,6 +69,12 @@ def test_first_view_through_a_real_camera(playwright: Playwright, stack: str, tm
     mirrored = page.locator("#stage.mirrored").count()
     page.locator("#stop").click()
     page.locator("#welcome:not([hidden])").wait_for()
+
+    page.goto("/")
+    page.locator("#look").click()
+    page.locator("#outcome a").click()
+    page.locator("#wanted").wait_for()
+    wanted = page.locator("#wanted").text_content()
     browser.close()
     errors = np.linalg.norm(np.array(sent["points"]) - truth[sent["ids"]], axis=1)
     print(f"{len(errors)} corners, {np.sqrt((errors**2).mean()):.3f} px rms; camera {state['camera']!r}")
@@ -77,3 +83,4 @@ def test_first_view_through_a_real_camera(playwright: Playwright, stack: str, tm
     assert state["img_size"] == [WIDTH, HEIGHT]
     assert state["camera"]
     assert mirrored == 1
+    assert state["camera"] in (wanted or "")

@@ -67,6 +67,16 @@ test("nothing is sent while a view is on its way, nor the same hold twice", () =
   assert.equal(decide(better, 2000 + HOLD), "submit");
 });
 
+test("a target refused in its own place is given up after 3 s", () => {
+  const held = capturing(frames(frame(THERE), HOLD));
+  const answer = { ...SESSION, accepted: false, reason: "no_information" };
+  const refused = reduce(held, { type: "answer", answer, corners: held.corners, time: 600 });
+  assert.equal(decide(refused, 3_500), null);
+  assert.equal(decide(refused, 3_700), "skip");
+  const elsewhere = reduce(capturing(frames(frame(ELSEWHERE), LONG_HOLD)), { type: "answer", answer, corners: frame(ELSEWHERE), time: 1600 });
+  assert.equal(decide(elsewhere, 14_000), null);
+});
+
 test("an accepted view takes the target away, and progress never falls but by undo", () => {
   const views = [{ index: 0, points: 40, rms: 0.1 }];
   const held = capturing(frames(frame(THERE), HOLD));

@@ -262,3 +262,5 @@ for (const button of [parts.again, parts.onceMore, parts.stop]) button.addEventL
 navigator.mediaDevices?.addEventListener("devicechange", listCameras);
 await listCameras();
 if (parameters.has("virtual")) void capture("virtual");
+// The detector arrives while the visitor reads. If it does not, capture() asks again and says why.
+else openDetector().catch((error) => console.info("detector not loaded yet:", error.message));

@@ -39,6 +39,7 @@ import { instruct, SILENT } from "./instruction.js";
  * @property {number} overlap with the target, 0…1
  * @property {import("./stillness.js").Stillness} stillness
  * @property {Corners | null} answered the hold that was sent last: the same is not sent twice
+ * @property {boolean} futile a view in the target's place was refused: the target cannot be answered from there
  * @property {boolean} busy a view or a pose is on its way
  * @property {{text: string, kind: "good" | "bad"} | null} notice what became of the last view
  * @property {number} noticedAt ms
@@ -69,6 +70,7 @@ const TILTED = 0.08; // foreshortening from which a pose other than the target m
 const FRAMES = 3; // in a hold at least: a video that delivers nothing new is not a steady hand
 const NEW_PLACE = 8; // px at 1280 px image width from the hold that was sent last
 const STUCK = 15_000; // ms without an accepted view, then another kind of pose is asked for
+const FUTILE = 3_000; // ms after a refusal in the target's place: time to read why
 const NOTICE = 4_000; // ms a notice stays
 
 /** What a refusal means to the person holding the board. @type {Record<string, string>} */
@@ -86,7 +88,7 @@ export function initial(board, wanted) {
     phase: "welcome", board, wanted, cameras: [], key: null, mirrored: false, cropped: false, loading: 0,
     session: null, progress: 0, pose: null, picture: null, posedAt: 0,
     corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0, stillness: MOVING,
-    answered: null, busy: false, notice: null, noticedAt: 0, patience: 0, instruction: SILENT, failure: null,
+    answered: null, futile: false, busy: false, notice: null, noticedAt: 0, patience: 0, instruction: SILENT, failure: null,
   };
 }
 
@@ -104,7 +106,10 @@ export function reduce(state, event) {
     case "session":
       return inSession(state, event.session);
     case "pose":
-      return { ...state, pose: event.pose, picture: event.picture, posedAt: event.time, busy: false, overlap: overlap(state.outline, event.pose, state.key) };
+      return {
+        ...state, pose: event.pose, picture: event.picture, posedAt: event.time, futile: false, busy: false,
+        overlap: overlap(state.outline, event.pose, state.key),
+      };
     case "frame":
       return state.phase === "capturing" ? seen(state, event) : state;
     case "busy":
@@ -160,13 +165,16 @@ function seen(state, { detection, time }) {
 
 /** @param {State} state @param {{answer: ViewAnswer, corners: Corners, time: number}} event @returns {State} */
 function answered(state, { answer, corners, time }) {
+  // With no other view to contradict, it is the view by itself that no camera could be fitted to.
+  const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
   /** @type {State["notice"]} */
   const notice = answer.accepted
     ? { text: `View ${answer.views.length} taken.`, kind: "good" }
-    : { text: REFUSALS[answer.reason ?? ""] ?? "That view was not taken.", kind: "bad" };
+    : { text: REFUSALS[reason ?? ""] ?? "That view was not taken.", kind: "bad" };
   return {
     ...inSession(state, answer),
     answered: corners,
+    futile: !answer.accepted && state.overlap > OVERLAP,
     busy: false,
     notice,
     noticedAt: time,
@@ -207,5 +215,7 @@ export function decide(state, time) {
   const required = requiredHold(state);
   if (required !== null && state.stillness.held >= required && state.stillness.frames >= FRAMES) return "submit";
   // Where no board is in sight, another pose would not help.
-  return state.corners.ids.length > 0 && time - state.posedAt > STUCK ? "skip" : null;
+  if (state.corners.ids.length === 0) return null;
+  const stuck = state.futile ? time - state.noticedAt > FUTILE : time - state.posedAt > STUCK;
+  return stuck ? "skip" : null;
 }
