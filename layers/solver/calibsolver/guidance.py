@@ -28,7 +28,7 @@ __all__ = ["Belief", "ProjectionUncertainty", "TargetPose"]
 CANDIDATES = 128
 BEST, AROUND = 4, 16
 """How many of the candidates are refined, and how many are tried around each."""
-RADII = (0.2, 0.14, 0.1, 0.06, 0.03)
+RADII = (0.3, 0.22, 0.16, 0.12, 0.08, 0.06, 0.04)
 """How far around, in units of a candidate's range."""
 GRID = (12, 9)
 NOMINAL_NOISE = 0.3 / 1280

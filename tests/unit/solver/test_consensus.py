@@ -98,14 +98,15 @@ def test_difference_is_in_pixels_after_the_best_turn() -> None:
     assert d[0, 0] == 0
 
 
-def test_one_physical_camera_at_two_resolutions_is_two_cameras() -> None:
-    """The views of one webcam at 640x480 pooled with themselves agree; the focal lengths are cv2's."""
+def test_real_views_in_three_parts_pool_to_the_fit_of_all() -> None:
+    """The photographs of one webcam, dealt out to three members: they agree, and nothing is lost."""
     data = corner_set("pv_charuco_480")
     views = [View(v["obj"], v["img"]) for v in data["views"]]
     members = [Member(str(i), "lab", tuple(views[i::3])) for i in range(3)]
     pooled = pool(members, (640, 480), "rectilinear")
     whole = fit(views, (640, 480))
     np.testing.assert_allclose(pooled.calibration.camera.matrix, whole.camera.matrix, rtol=1e-3, atol=0.5)
+    assert len(pooled.members) == 3
     assert not pooled.reliable
 
 
