@@ -48,7 +48,9 @@ def video(path: Path, grey: np.ndarray) -> Path:
     return path
 
 
-def test_first_view_and_lookup_through_a_real_camera(playwright: Playwright, stack: str, tmp_path: Path) -> None:
+def test_first_view_and_lookup_through_a_real_camera(
+    playwright: Playwright, stack: str, tmp_path: Path
+) -> None:
     grey, truth = board_seen()
     source = video(tmp_path / "board.y4m", grey)
     flags = [

@@ -30,6 +30,11 @@ def assert_true(calibration: dict[str, Any], views: int, seconds: float, where: 
 def test_chromium_from_the_first_click_to_the_result(page: Page, api: httpx.Client) -> None:
     sent: list[str] = []
     page.on("request", lambda request: sent.append(request.post_data or ""))
+    states: list[dict[str, Any]] = []
+    page.on(
+        "response",
+        lambda answer: states.append(answer.json()) if answer.url.endswith("/session/views") else None,
+    )
     page.goto(f"/calibrate/?{TRUTH.query()}")
     start = time.monotonic()
     page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
@@ -37,6 +42,7 @@ def test_chromium_from_the_first_click_to_the_result(page: Page, api: httpx.Clie
     assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
     calibration = json.loads(page.locator("#json").text_content() or "")
     views = int((page.locator("#counts").text_content() or "0").split()[0])
+    assert views == len(states[-1]["views"])
     assert_true(calibration, views, seconds, "Chromium")
 
     assert page.locator("#verdict").is_visible()

@@ -11,7 +11,7 @@ const CALIBRATION = {
 test("the verdict follows the error at 1280 px width", () => {
   const word = (rms, width) => verdict({ ...CALIBRATION, uncertainty: { rms, max: 3 * rms }, img_size: [width, 720] }).word;
   assert.deepEqual([word(0.1, 1280), word(0.3, 1280), word(0.3, 640), word(3, 1280)], ["Excellent", "Good", "Fair", "Rough"]);
-  assert.match(verdict(CALIBRATION).sentence, /0\.2 px, 0\.6 px/);
+  assert.match(verdict(CALIBRATION).sentence, /0\.2 px off .* 0\.6 px at/);
 });
 
 test("90° is 90°", () => {

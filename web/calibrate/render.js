@@ -48,6 +48,7 @@ export function render(parts, state, before) {
   text(parts.openingText, state.key ? "Loading the board detector, 12 MB the first time." : "Waiting for the camera.");
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);
+  if (state.session !== before?.session || state.progress !== before?.progress) renderProgress(parts, state);
   if (phase === "done" && before?.phase !== "done") renderResult(parts, state);
 }
 
@@ -94,8 +95,7 @@ function renderTarget({ overlay, target, targetBack, targetCorner }, state, befo
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 function renderCapture(parts, state, before) {
-  const { corners, session, notice, patience, instruction } = state;
-  const views = session?.views.length ?? 0;
+  const { corners, notice, patience, instruction } = state;
   if (corners !== before?.corners) dots(parts.corners, corners.points);
   const held = Math.round(100 * holdProgress(state));
   parts.held.setAttribute("stroke-dasharray", `${held} 100`);
@@ -104,7 +104,12 @@ function renderCapture(parts, state, before) {
   parts.notice.hidden = !notice;
   text(parts.notice, notice?.text ?? "");
   parts.notice.classList.toggle("bad", notice?.kind === "bad");
-  parts.progress.value = state.progress;
+}
+
+/** @param {Parts} parts @param {State} state */
+function renderProgress(parts, { session, progress }) {
+  const views = session?.views.length ?? 0;
+  parts.progress.value = progress;
   const accuracy = session?.uncertainty ? ` · ± ${session.uncertainty.rms.toFixed(2)} px` : "";
   text(parts.counts, `${views} ${views === 1 ? "view" : "views"}${accuracy}`);
   // Not while busy: a button that is disabled under the finger loses the keyboard's focus.

@@ -18,8 +18,7 @@ export function verdict({ uncertainty: { rms, max }, img_size: [width] }) {
   const word = relative <= 0.15 ? "Excellent" : relative <= 0.35 ? "Good" : relative <= 1 ? "Fair" : "Rough";
   return {
     word,
-    sentence: `A point in the picture is where this calibration says to within ${pixels(rms)}, ` +
-      `${pixels(max)} at the worst place.`,
+    sentence: `Expected to be ${pixels(rms)} off on average over the picture, and ${pixels(max)} at the worst place.`,
   };
 }
 
