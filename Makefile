@@ -50,7 +50,7 @@ setup: .build/python .build/node .build/vendor
 	npm ci --silent
 	@mkdir -p .build && touch $@
 
-.build/vendor: .build/node infra/tools/vendor.mjs
+.build/vendor: .build/node infra/tools/vendor.mjs web/openapi.json
 	node infra/tools/vendor.mjs
 	@touch $@
 
