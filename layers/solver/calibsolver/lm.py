@@ -19,6 +19,9 @@ RAYLEIGH_MEDIAN = 1.1774100225154747
 HUBER = 3.0
 """Residual length, in sigmas of one coordinate, from which a point counts less."""
 
+KEPT = 0.25
+"""Share of the promised decrease below which the next step is a shorter one."""
+
 
 @dataclass(frozen=True)
 class Options:
@@ -94,8 +97,13 @@ class Problem:
                 k = state.k + dk
                 if k[:2].min() > 0:
                     moved = self.at(k, state.poses.moved(step))
-                    if cost(moved, weights, sigma, options) < here:
-                        state, damping = moved, max(damping * 0.1, 1e-12)
+                    gained = here - cost(moved, weights, sigma, options)
+                    if gained > 0:
+                        state = moved
+                        # A step that keeps little of its promise went from one side of a valley to the other.
+                        damping = (
+                            max(damping * 0.1, 1e-12) if gained > KEPT * promised else 10 * max(damping, 1e-8)
+                        )
                         break
                 damping = max(damping, 1e-8) * 10
                 if damping > 1e8:
