@@ -27,36 +27,34 @@ unit: setup
 service: setup
 	$(PY) -m pytest tests/service
 
-browser: setup .build/browsers
+browser: setup
+	@bash infra/tools/browsers.sh
 	$(PY) -m pytest tests/browser
 
 # One core for both sides of every ratio: libraries differ in how many they would take.
 bench: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench
 
-openapi: .build/python
+openapi: .venv/.made
 	$(PY) -m infra.tools.openapi
 
 # ---- what the above need, made once and again when its lock file changes
-setup: .build/python .build/node .build/vendor
+# (the marks stand inside what they mark, so that removing it is enough to have it made anew)
+setup: .venv/.made node_modules/.made web/vendor/.made
 
-.build/python: requirements.lock
+.venv/.made: requirements.lock
 	@test -n "$(PYTHON)" || { echo "calibDB needs Python 3.11 to 3.13"; exit 1; }
 	@test -x $(PY) || $(PYTHON) -m venv .venv
 	$(PY) -m pip install --quiet --require-hashes -r requirements.lock
-	@mkdir -p .build && touch $@
-
-.build/node: package-lock.json
-	npm ci --silent
-	@mkdir -p .build && touch $@
-
-.build/vendor: .build/node infra/tools/vendor.mjs web/openapi.json
-	node infra/tools/vendor.mjs
 	@touch $@
 
-.build/browsers:
-	bash infra/tools/browsers.sh
-	@mkdir -p .build && touch $@
+node_modules/.made: package-lock.json
+	npm ci --silent
+	@touch $@
+
+web/vendor/.made: node_modules/.made infra/tools/vendor.mjs web/openapi.json
+	node infra/tools/vendor.mjs
+	@touch $@
 
 # ---- upkeep
 UV := .build/uv/bin/uv
