@@ -13,7 +13,7 @@ from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
 from .fit import MIN_POINTS, check, fit
-from .guidance import Belief, ProjectionUncertainty
+from .guidance import LEAST_NOISE, Belief, ProjectionUncertainty
 from .observations import Observations
 from .target import TargetPose
 from .uncertainty import Uncertainty
@@ -112,12 +112,18 @@ class Capture:
             calibration = fit(views, self.img_size, self.model)
         except CalibrationError:
             return Estimate(None, (None,) * len(views), None, 0.0, False)
-        u = calibration.uncertainty()
+        u = self._uncertainty(calibration)
         converged = u.rms < self.target_error and len(views) >= MIN_VIEWS
         span = np.log(self._unknown / self.target_error)
         sure = float(np.clip(np.log(self._unknown / max(u.rms, 1e-9)) / span, 0, 1)) if span > 0 else 1.0
         progress = 1.0 if converged else min(0.95 * sure, len(views) / MIN_VIEWS, 0.95)
         return Estimate(calibration, tuple(calibration.view_errors.tolist()), u, progress, converged)
+
+    def _uncertainty(self, calibration: Calibration) -> Uncertainty:
+        """Predicted error; residuals below what any detector reaches are luck, or copies of one view."""
+        u = calibration.uncertainty()
+        luck = max(1.0, LEAST_NOISE * self.img_size[0] / max(calibration.noise, 1e-12))
+        return Uncertainty(u.rms * luck, u.max * luck)
 
     def next_target(
         self, views: Sequence[View], estimate: Estimate, skipped: Sequence[TargetPose] = ()

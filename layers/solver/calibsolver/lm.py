@@ -19,6 +19,8 @@ RAYLEIGH_MEDIAN = 1.1774100225154747
 HUBER = 3.0
 """Residual length, in sigmas of one coordinate, from which a point counts less."""
 
+UNSEEN = 1e-6
+"""Decrease of the cost, in squares of sigma, that is a thousandth of a standard deviation from the optimum."""
 KEPT = 0.25
 """Share of the promised decrease below which the next step is a shorter one."""
 
@@ -80,12 +82,13 @@ class Problem:
     def solve(self, state: State, weights: Array, options: Options) -> State:
         """Iterate from `state` to the optimum for points of weight (v, n).
 
-        The result is `converged` where the gradient allows no further decrease, and is not where the
-        iterations ran out or no step led downhill.
+        The result is `converged` where the gradient allows no further decrease, and is not where no step led
+        downhill, or the iterations ran out before what the gradient still promised was too little to see.
         """
         damping, floor = 1e-4, 1e-6 * self.img_size[0]
         # Below a billionth of the image per point it is rounding that is fitted.
         least = self.obs.count * (1e-9 * self.img_size[0]) ** 2
+        promised = sigma = np.inf
         for _ in range(options.iterations):
             sigma = max(noise(state, weights), floor)
             here = cost(state, weights, sigma, options)
@@ -108,7 +111,8 @@ class Problem:
                 damping = max(damping, 1e-8) * 10
                 if damping > 1e8:
                     return state
-        return state
+        # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
+        return replace(state, converged=bool(promised < UNSEEN * sigma * sigma))
 
 
 @dataclass(frozen=True, eq=False)

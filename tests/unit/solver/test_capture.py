@@ -1,15 +1,18 @@
 """The rules of a capture: what is taken, what is refused and why, when it ends."""
 
+import itertools
+
 import numpy as np
 import pytest
 
-from calibsolver import Board, View, models, rotation
+from calibsolver import Board, Camera, View, models, rotation
 from calibsolver.capture import Capture
 from calibsolver.guidance import TargetPose
 from tests import synthetic
 
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]
+SIZE, D = CAMERA.img_size, np.zeros(5)
 
 
 @pytest.fixture(scope="module")
@@ -119,6 +122,37 @@ def test_nine_copies_of_a_good_view_are_not_ten_views(session: synthetic.Session
             views.append(views[0])
     assert not c.estimate(views).converged
     assert len(views) < 4
+
+
+@pytest.mark.parametrize("focal", [500, 1000, 1600])
+def test_copies_without_any_noise_do_not_end_a_capture(focal: int) -> None:
+    # Their residuals are nothing, so by these alone a single pose would seem to tell everything.
+    c = capture()
+    camera = Camera("rectilinear", np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1]]), D, SIZE)
+    target = c.next_target([], c.estimate([]))
+    copy = synthetic.seen(BOARD, camera, target.rvec, target.tvec, np.random.default_rng(0), noise=0)
+    views: list[View] = []
+    for _ in range(9):
+        if c.judge(views, target, copy).accepted:
+            views.append(copy)
+        estimate = c.estimate(views)
+        assert not estimate.converged
+        target = c.next_target(views, estimate)
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+@pytest.mark.parametrize("tilt", [0, 2, 5, 10, 20])
+def test_a_first_view_of_any_tilt_and_size_is_fitted(model: str, tilt: int) -> None:
+    # Facing the camera it tells little: `no_information` then, never an outlier for want of a fit.
+    c, rng = Capture(BOARD, SIZE, model), np.random.default_rng(tilt)
+    target = c.next_target([], c.estimate([]))
+    for focal, width in itertools.product((500, 1000, 2000), (0.3, 0.5, 0.7, 0.9)):
+        camera = Camera("rectilinear", np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1]]), D, SIZE)
+        rvec = np.radians(tilt) * np.array([0.6, 0.8, 0.0])
+        place = np.array([0, 0, 9 * focal / (width * 1280)])
+        tvec = place - rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
+        verdict = c.judge([], target, synthetic.seen(BOARD, camera, rvec, tvec, rng))
+        assert verdict.reason in (None, "no_information"), (focal, width)
 
 
 def test_mirrored_stream_is_refused_from_the_first_view_in_any_pose() -> None:
