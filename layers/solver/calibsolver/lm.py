@@ -20,7 +20,7 @@ HUBER = 3.0
 """Residual length, in sigmas of one coordinate, from which a point counts less."""
 
 UNSEEN = 1e-6
-"""Decrease of the cost, in squares of sigma, that is a thousandth of a standard deviation from the optimum."""
+"""Decrease of the cost, in squares of sigma, a thousandth of a standard deviation from the optimum."""
 KEPT = 0.25
 """Share of the promised decrease below which the next step is a shorter one."""
 
