@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners, outline } from "../../web/board/geometry.js";
 import { HOLD, LONG_HOLD, decide, holdProgress, initial, reduce } from "../../web/calibrate/state.js";
+import { asMirrored } from "../../web/calibrate/instruction.js";
 import { project } from "../../web/virtual/lens.js";
 import { transform } from "../../web/virtual/pose.js";
 
@@ -110,6 +111,16 @@ test("instructions say what is missing, and stand for 400 ms", () => {
   assert.equal(later.instruction.text, "Tilt the board");
   const there = frames(frame(THERE), 450, 1100).reduce(reduce, later);
   assert.equal(there.instruction.text, "Hold still");
+});
+
+test("in a mirrored preview left is right", () => {
+  const hint = "Tilt the left edge towards the camera in the top right of the picture. Left upright.";
+  assert.equal(asMirrored(hint), "Tilt the right edge towards the camera in the top left of the picture. Right upright.");
+  const mirrored = reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false });
+  const aimed = { type: "pose", pose: { ...target(THERE), hint: "Tilt the left edge" }, picture: "blob:2", time: 0 };
+  const shown = (state) => [aimed, ...frames(frame(ELSEWHERE), 450)].reduce(reduce, state).instruction.text;
+  assert.equal(shown(mirrored), "Tilt the right edge");
+  assert.equal(shown(capturing()), "Tilt the left edge");
 });
 
 test("starting over keeps the cameras and forgets the rest", () => {

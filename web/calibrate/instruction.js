@@ -25,9 +25,21 @@ export function instruct(state, holding, time) {
 }
 
 /** @param {import("./state.js").State} state @param {boolean} holding */
-function choose({ pose, corners, markers, outline }, holding) {
+function choose({ pose, corners, markers, outline, mirrored }, holding) {
   if (!pose) return "Good. Wait a moment";
   if (corners.ids.length === 0) return markers > 0 ? "Closer, or a little slower" : "Show the board to the camera";
   if (!outline) return "Show more of the board";
-  return holding ? "Hold still" : pose.hint;
+  if (holding) return "Hold still";
+  return mirrored ? asMirrored(pose.hint) : pose.hint;
+}
+
+/** @type {Record<string, string>} */
+const OTHER_SIDE = { left: "right", right: "left", Left: "Right", Right: "Left" };
+
+/**
+ * Directions as they look in a mirror: what is said must agree with the preview, and hints speak of the camera's picture.
+ * @param {string} words
+ */
+export function asMirrored(words) {
+  return words.replace(/\b(left|right)\b/gi, (side) => OTHER_SIDE[side] ?? side);
 }
