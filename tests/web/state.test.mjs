@@ -123,6 +123,18 @@ test("in a mirrored preview left is right", () => {
   assert.equal(shown(capturing()), "Tilt the left edge");
 });
 
+test("a picture of another size ends the capture, and nothing of it is ever sent", () => {
+  const turned = { ...frame(THERE), size: [720, 1280] };
+  const held = capturing(frames(frame(THERE), HOLD));
+  assert.equal(decide(held, HOLD), "submit");
+  const state = reduce(held, { type: "frame", detection: turned, time: HOLD + 50 });
+  assert.equal(state.phase, "failed");
+  assert.match(state.failure, /size changed/);
+  assert.equal(decide(state, HOLD + 50), null);
+  const later = frames(frame(THERE), 3 * LONG_HOLD, HOLD + 100).reduce(reduce, state);
+  assert.deepEqual([later.phase, decide(later, 6_000)], ["failed", null]);
+});
+
 test("starting over keeps the cameras and forgets the rest", () => {
   const state = reduce(capturing(frames(frame(THERE), 200)), { type: "cameras", cameras: [{ id: "a", label: "A" }] });
   const fresh = reduce(state, { type: "restart" });

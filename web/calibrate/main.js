@@ -7,7 +7,7 @@ import { CameraError, cameras, facts, lockFocus, open } from "./camera.js";
 import { Detector, DetectorError, grab } from "./detector.js";
 import { findParts, render } from "./render.js";
 import { CaptureSession } from "./session.js";
-import { decide, initial, reduce } from "./state.js";
+import { decide, initial, isOfSize, reduce } from "./state.js";
 import { motion } from "./stillness.js";
 
 /**
@@ -67,8 +67,8 @@ function openDetector() {
 /** @param {string} choice id of a camera */
 async function capture(choice) {
   run?.abort();
-  run = new AbortController();
-  const { signal } = run;
+  const own = run = new AbortController();
+  const { signal } = own;
   dispatch({ type: "open" });
   try {
     const camera = await open(choice, {
@@ -78,7 +78,9 @@ async function capture(choice) {
     if (signal.aborted) return camera.close();
     parts.video.srcObject = camera.stream;
     await parts.video.play();
-    const key = cameraKey(camera.track);
+    // What arrives is what is calibrated: on a turned device some browsers' settings still speak of the sensor.
+    const { videoWidth, videoHeight } = parts.video;
+    const key = { ...cameraKey(camera.track), img_size: /** @type {[number, number]} */ ([videoWidth, videoHeight]) };
     dispatch({ type: "opened", key, mirrored: camera.mirrored, cropped: camera.cropped });
     camera.track.addEventListener("ended", () => fail(new CameraError("The camera was unplugged."), signal));
 
@@ -94,7 +96,7 @@ async function capture(choice) {
     );
     dispatch({ type: "session", session: await session.start() });
     await new Guide(session, finder, camera, signal).run();
-    camera.close();
+    own.abort();
   } catch (error) {
     fail(error, signal);
   }
@@ -165,13 +167,15 @@ class Guide {
   async #submit() {
     const { pose, key, corners } = state;
     if (!pose || !key) return;
-    const { ids, points } = await this.#detector.detect(await grab(parts.video), { full: true });
-    // The hold may have ended between the two frames.
+    const detection = await this.#detector.detect(await grab(parts.video), { full: true });
+    const { ids, points, size } = detection;
+    // Between the two frames the device may have been turned, or the hold may have ended.
+    if (!isOfSize(size, key)) return dispatch({ type: "frame", detection, time: performance.now() });
     const view = { ids, points };
     if (ids.length === 0 || motion(corners, view) > (STEADY * key.img_size[0]) / 1280) return;
     await this.#exclusive(async () => {
       const answer = await this.#session.submit(pose.index, view);
-      dispatch({ type: "answer", answer, corners: view, time: performance.now() });
+      this.#tell({ type: "answer", answer, corners: view, time: performance.now() });
     });
     if (state.phase === "capturing" && !state.pose) this.#nextPose();
   }
@@ -195,9 +199,14 @@ class Guide {
     await this.#silence();
     if (state.phase !== "capturing" || !state.session?.views.length) return;
     await this.#exclusive(async () => {
-      dispatch({ type: "undone", session: await this.#session.undo(), time: performance.now() });
+      this.#tell({ type: "undone", session: await this.#session.undo(), time: performance.now() });
     });
     await this.#nextPose();
+  }
+
+  /** What arrives after the run has ended is of no use to the next one. @param {Event} event */
+  #tell(event) {
+    if (!this.#signal.aborted) dispatch(event);
   }
 
   /** One conversation with the service at a time; what the page does by itself does not queue. @param {() => Promise<void>} action */
@@ -211,7 +220,7 @@ class Guide {
     dispatch({ type: "busy" });
     try {
       await action();
-      dispatch({ type: "idle" });
+      this.#tell({ type: "idle" });
     } catch (error) {
       fail(error, this.#signal);
     }

@@ -82,6 +82,10 @@ export const REFUSALS = {
   no_information: "That view adds nothing new. Follow the outline.",
 };
 
+/** A device that was turned delivers another picture, of other intrinsics. */
+export const RESIZED = "The picture's size changed. Hold the device as it was and try again, or go on with the new size: " +
+  "that is a calibration of its own.";
+
 /** @param {Board} board @param {Wanted} wanted @returns {State} */
 export function initial(board, wanted) {
   return {
@@ -148,6 +152,7 @@ function inSession(state, session) {
 /** @param {State} state @param {{detection: Detection, time: number}} event @returns {State} */
 function seen(state, { detection, time }) {
   const { ids, points, markers, size } = detection;
+  if (!isOfSize(size, state.key)) return reduce(state, { type: "failed", message: RESIZED });
   const corners = { ids, points };
   const outline = observedOutline(state.board, corners);
   /** @type {State} */
@@ -181,6 +186,11 @@ function answered(state, { answer, corners, time }) {
     // The answered target is gone at once; the next one is fetched. A refused one stays.
     ...(answer.accepted ? { pose: null, picture: null } : {}),
   };
+}
+
+/** @param {[number, number]} size of a frame, px @param {CameraKey | null} key */
+export function isOfSize([width, height], key) {
+  return width === key?.img_size[0] && height === key.img_size[1];
 }
 
 /** @param {[number, number][] | null} outline @param {Pose | null} pose @param {CameraKey | null} key */
