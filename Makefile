@@ -40,7 +40,7 @@ openapi: .venv/.made
 
 # ---- what the above need, made once and again when its lock file changes
 # (the marks stand inside what they mark, so that removing it is enough to have it made anew)
-setup: .venv/.made node_modules/.made web/vendor/.made
+setup: .venv/.made node_modules/.made web/vendor/api.d.ts
 
 .venv/.made: requirements.lock
 	@test -n "$(PYTHON)" || { echo "calibDB needs Python 3.11 to 3.13"; exit 1; }
@@ -52,7 +52,7 @@ node_modules/.made: package-lock.json
 	npm ci --silent
 	@touch $@
 
-web/vendor/.made: node_modules/.made infra/tools/vendor.mjs web/openapi.json
+web/vendor/api.d.ts: node_modules/.made infra/tools/vendor.mjs web/openapi.json
 	node infra/tools/vendor.mjs
 	@touch $@
 

@@ -29,7 +29,7 @@ def main() -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, ask)
     try:
-        port = int(os.environ.get("PORT") or 8000)
+        port = _port(os.environ.get("PORT") or "8000")
         stack = LocalStack(Path(os.environ.get("DATA_DIR") or ".data"), port=port)
         with stack:
             stack.warm()
@@ -44,6 +44,12 @@ def main() -> int:
         print(f"calibDB cannot start: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal():
+        raise ValueError(f"PORT is a number, not {text!r}")
+    return int(text)
 
 
 if __name__ == "__main__":

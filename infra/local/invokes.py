@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import logging
 import threading
+import time
 import uuid
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -23,6 +24,7 @@ from infra.local.storage import Answer, NotDurableError, Storage
 from infra.local.workers import Workers
 
 INVOKE = "invoke"
+GRACE = 5.0  # seconds for which waiting calls still get their turn once the stack is told to stop
 
 _log = logging.getLogger("infra.local.invokes")
 
@@ -36,15 +38,25 @@ class Invokes:
         By name.
     outbox
         Where accepted asynchronous calls survive; None: nowhere.
+    lasting
+        Whether the outbox outlives the process.
     pauses
         Seconds before the first retry and before the later ones. Lambda waits one and two minutes; who tries
         something out on their own machine need not.
     """
 
-    def __init__(self, functions: Mapping[str, Function], outbox: Storage | None, pauses: Sequence[float]):
+    def __init__(
+        self,
+        functions: Mapping[str, Function],
+        outbox: Storage | None,
+        lasting: bool,
+        pauses: Sequence[float],
+    ):
         self._functions = functions
         self._outbox = outbox
+        self._lasting = lasting
         self._pauses = pauses
+        self._deadline = 0.0
         self._closing = threading.Event()
         # Two at once: more would only take the processor from the requests that someone waits for.
         self._workers = Workers(2, "invoke")
@@ -78,7 +90,8 @@ class Invokes:
         return len(remembered)
 
     def close(self) -> None:
-        """Let accepted calls finish. What waits for a retry stays in the outbox for the next start."""
+        """Finish what is under way or has its turn soon; the rest, and retries, wait for the next start."""
+        self._deadline = time.monotonic() + GRACE
         self._closing.set()
         self._workers.close()
 
@@ -103,6 +116,8 @@ class Invokes:
 
     def _deliver(self, address: Address, event: Any) -> None:
         function = self._functions[address.container]
+        if self._lasting and self._closing.is_set() and time.monotonic() > self._deadline:
+            return
         for attempt in range(1 + function.spec.retries):
             if attempt and self._closing.wait(self._pauses[min(attempt, len(self._pauses)) - 1]):
                 _log.warning("%s: a call that failed is left for the next start", address.container)

@@ -70,9 +70,12 @@ class Journal:
 
     def __init__(self, path: Path | None):
         if path is not None:
-            path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            # SQLite gives its log the database's permissions.
-            os.close(os.open(path, os.O_CREAT | os.O_RDWR, 0o600))
+            try:
+                path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                # SQLite gives its log the database's permissions.
+                os.close(os.open(path, os.O_CREAT | os.O_RDWR, 0o600))
+            except OSError as error:
+                raise JournalError(f"{path.parent} cannot hold the data: {error.strerror}") from error
         self._connection = sqlite3.connect(
             path or ":memory:", timeout=0.0, isolation_level=None, check_same_thread=False
         )

@@ -25,6 +25,9 @@ _POLICY = {
 # in there.
 _WORKER_POLICY = _POLICY | {"script-src": "'self' 'unsafe-eval' 'wasm-unsafe-eval'"}
 _WORKER_SUFFIX = ".worker.js"
+# What pages of other origins load: a module is always asked for with CORS, whoever asks.
+SHARED = ("/sdk/", "/openapi.json")
+_FOR_EVERYONE = {"access-control-allow-origin": "*", "cross-origin-resource-policy": "cross-origin"}
 
 # What the machine's own tables may lack or call otherwise; a browser is particular about these.
 _TYPES = {
@@ -60,6 +63,8 @@ class Pages(StaticFiles):
         if isinstance(response, FileResponse):
             response.headers["content-type"] = media_type(path)
         response.headers.update(headers(path))
+        if scope["path"].startswith(SHARED):
+            response.headers.update(_FOR_EVERYONE)
         return response
 
 

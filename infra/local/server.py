@@ -147,6 +147,8 @@ def bind(port: int) -> socket.socket:
         If another program has the port.
     """
     # asyncio sets TCP_NODELAY on a connection, but only where the protocol is named and not left to default.
+    if not 0 <= port < 2**16:
+        raise PortInUseError(f"port {port} does not exist: choose one from 1 to 65535")
     taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:

@@ -122,7 +122,7 @@ class LocalStack:
         if self.storage:
             stack.callback(self.storage.close)
             services = {name: _bound(self.storage, name) for name in ("dynamodb", "s3")}
-        invokes = Invokes(self.functions, self.storage, self._retry_pauses)
+        invokes = Invokes(self.functions, self.storage, self._data_dir is not None, self._retry_pauses)
         stack.enter_context(intercepting(services | {"lambda": invokes.handle}))
         stack.callback(invokes.close)
         self._workers = Workers(_THREADS, "function")

@@ -36,6 +36,8 @@ IN_A_CAMERA: list[tuple[str, Any, str]] = [
     ("img_size", [0, 720], "img_size.0"),
     ("img_size", [1280, 0], "img_size.1"),
     ("img_size", [100_000, 720], "img_size.0"),
+    ("img_size", [16384, 16384], "img_size"),  # more than a picture of the pose could show
+    ("img_size", [64, 4096], "img_size"),  # no camera's
     ("img_size", [-1280, 720], "img_size.0"),
     ("img_size", [1280.5, 720], "img_size.0"),
     ("img_size", [True, 720], "img_size.0"),

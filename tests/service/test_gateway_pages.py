@@ -42,7 +42,10 @@ def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalStack]:
     (web / "index.html").write_text("<!doctype html>home")
     (web / "calibrate" / "index.html").write_text("<!doctype html>calibrate")
     (web / "calibrate" / "detector.worker.js").write_text("self.x = 1")
+    (web / "sdk").mkdir()
     for name in (
+        "sdk/calibdb.js",
+        "openapi.json",
         "app.js",
         "sdk.mjs",
         "opencv.wasm",
@@ -109,6 +112,15 @@ def test_scripts_may_not_eval_but_the_opencv_worker_may(client: httpx.Client) ->
     assert "frame-ancestors 'none'" in page
     worker = client.get("/calibrate/detector.worker.js").headers["content-security-policy"]
     assert "script-src 'self' 'unsafe-eval' 'wasm-unsafe-eval';" in worker
+
+
+def test_pages_of_other_origins_may_load_the_sdk_and_nothing_else(client: httpx.Client) -> None:
+    for path in ("/sdk/calibdb.js", "/openapi.json"):
+        headers = client.get(path, headers={"origin": "https://shop.example"}).headers
+        assert headers["access-control-allow-origin"] == "*", path
+        assert headers["cross-origin-resource-policy"] == "cross-origin", path
+    assert "access-control-allow-origin" not in client.get("/").headers
+    assert "access-control-allow-origin" not in client.get("/config.json").headers
 
 
 def test_pages_are_asked_for_again_conditionally(client: httpx.Client) -> None:

@@ -2,7 +2,9 @@
 
 import json
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -29,6 +31,22 @@ def published(stack: LocalStack, calibration_id: str, total: int) -> None:
         return {c.distortion_model for c in known if c.total >= total} == set(schema.DISTORTION_MODELS)
 
     until(counted)
+
+
+@contextmanager
+def storage_calls(stack: LocalStack) -> Iterator[list[str]]:
+    """What the functions ask of table and bucket within the block."""
+    asked: list[str] = []
+    region = Settings.from_environment(stack.environment).region
+    for storage in (clients.dynamodb(region), clients.s3(region)):
+        storage.meta.events.register(
+            "before-call.*", lambda model, **_: asked.append(model.name), unique_id="count"
+        )
+    try:
+        yield asked
+    finally:
+        for storage in (clients.dynamodb(region), clients.s3(region)):
+            storage.meta.events.unregister("before-call.*", unique_id="count")
 
 
 @pytest.fixture(scope="module")
@@ -89,19 +107,23 @@ def test_the_answer(known: list[Any]) -> None:
 class TestLookup:
     def test_a_hit_is_one_query_and_nothing_else(self, stack: LocalStack, client: Client) -> None:
         client.lookup()  # the token is remembered for a minute
-        asked: list[str] = []
-        region = Settings.from_environment(stack.environment).region
-        for storage in (clients.dynamodb(region), clients.s3(region)):
-            storage.meta.events.register(
-                "before-call.*", lambda model, **_: asked.append(model.name), unique_id="count"
-            )
-        try:
+        with storage_calls(stack) as asked:
             assert client.lookup().status == 200
             assert client.lookup(img_size=[640, 360]).status == 200
-        finally:
-            for storage in (clients.dynamodb(region), clients.s3(region)):
-                storage.meta.events.unregister("before-call.*", unique_id="count")
         assert asked == ["Query", "Query"]
+
+    def test_a_consensus_with_nothing_new_is_not_computed_again(
+        self, stack: LocalStack, known: list[Any]
+    ) -> None:
+        store = Store.of(Settings.from_environment(stack.environment))
+        key = known[-1][0]["calibration_id"].rpartition("-")[0]
+        asked_for = schema.RefitRequest(
+            camera=key, img_size=(1280, 720), zoom=0.0, models=schema.DISTORTION_MODELS
+        )
+        first = store.refit.now(asked_for)
+        with storage_calls(stack) as asked:
+            assert store.refit.now(asked_for) == first
+        assert asked == ["Query", "Query"]  # neither keypoints read nor anything written
 
     def test_get_answers_like_post_and_may_be_cached_for_a_minute(self, client: Client) -> None:
         query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"

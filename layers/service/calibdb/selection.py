@@ -47,7 +47,9 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
         wanted = here.get((size, model))
         if wanted is not None and wanted.reliable:
             return Choice(found=wanted)
-        if wanted is None and any(c.reliable for (other, _), c in here.items() if other == size):
+        others = [c for (other, _), c in here.items() if other == size and c.reliable]
+        # Not computed yet, or not since the calibrations came in that made another model reliable.
+        if any(wanted is None or (wanted.total, wanted.latest) < (c.total, c.latest) for c in others):
             return Choice(missing_at=size)
     exact = [c.reason for (size, _), c in here.items() if size == img_size and c.reason]
     return Choice(reason=exact[0] if exact else "too_few" if here else "unknown_camera")

@@ -10,7 +10,7 @@ import boto3
 import pytest
 from botocore.exceptions import ClientError
 
-from infra.local import LocalStack
+from infra.local import LocalStack, invokes
 from infra.local.invokes import Invokes
 from tests.toy_stack import deploy
 
@@ -141,6 +141,22 @@ def test_a_call_that_waits_for_a_retry_is_left_for_the_next_start(
     assert time.monotonic() - started < 30
     with LocalStack(tmp_path / "data", template=template):
         wait_for(lambda: len(calls()) == 2)
+
+
+def test_a_long_queue_does_not_keep_the_stack_from_stopping(
+    template: Path, tmp_path: Path, calls: Callable[[], list[Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(invokes, "GRACE", 0.2)
+    with LocalStack(tmp_path / "data", template=template):
+        for number in range(40):
+            invoke({"n": number, "sleep": 0.1}, "Event")
+        started = time.monotonic()
+    assert time.monotonic() - started < 1.5
+    assert len(calls()) < 40
+    monkeypatch.setattr(invokes, "GRACE", 30.0)
+    with LocalStack(tmp_path / "data", template=template):
+        pass
+    assert sorted(event["n"] for event, _ in calls()) == list(range(40))
 
 
 def test_one_stack_at_a_time(template: Path) -> None:

@@ -7,7 +7,11 @@ from calibdb.selection import choose
 
 
 def stored(
-    size: tuple[int, int], model: str = "rectilinear", reason: str | None = None, zoom: float = 0.0
+    size: tuple[int, int],
+    model: str = "rectilinear",
+    reason: str | None = None,
+    zoom: float = 0.0,
+    total: int = 5,
 ) -> ConsensusDocument:
     calibration = Calibration(
         img_size=size,
@@ -31,7 +35,7 @@ def stored(
         img_size=size,
         zoom=zoom,
         distortion_model=model,
-        total=5,
+        total=total,
         latest=0,
         reason=reason,
         calibration=calibration,
@@ -77,6 +81,12 @@ def test_a_model_that_is_not_stored_is_to_be_computed_where_another_is_reliable(
     both = [stored(HD), stored(HD, "fisheye", reason="disagree")]
     choice = choose(both, HD, 0.0, "fisheye")
     assert (choice.missing_at, choice.reason) == (None, "disagree")
+
+
+def test_a_model_computed_before_the_latest_calibrations_is_to_be_computed_anew() -> None:
+    # A session asks for both models; between the two a lookup must not hear yesterday's answer.
+    known = [stored(HD), stored(HD, "fisheye", reason="too_few", total=4)]
+    assert choose(known, HD, 0.0, "fisheye").missing_at == HD
 
 
 def test_another_zoom_never_answers() -> None:

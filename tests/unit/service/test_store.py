@@ -208,7 +208,8 @@ def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, obje
     )
     calibrations.publish(documents[0].model_copy(update={"zoom": 0.5, "id": documents[0].id[:-4] + "eeee"}))
     found = calibrations.newest(documents[0].camera_key, (1280, 720), 0.0, 5)
-    assert found == documents[:-6:-1]
+    assert found == [document.id for document in documents[:-6:-1]]
+    assert calibrations.read(found) == documents[:-6:-1]
 
 
 def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:

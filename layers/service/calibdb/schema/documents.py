@@ -102,7 +102,8 @@ class CalibrationDocument(Open):
 class ConsensusDocument(Open):
     """What all calibrations of one camera at one size and zoom agree on, for one model.
 
-    `total` and `latest` say which calibrations were considered: an older computation never replaces a newer.
+    `total` and `latest` say how many calibrations were considered: an older computation never replaces a
+    newer. `basis` stands for which they were, and by which rule they were pooled: equal, nothing is new.
     """
 
     layout: Literal[1] = 1
@@ -112,6 +113,7 @@ class ConsensusDocument(Open):
     distortion_model: DistortionModel
     total: int
     latest: int  # unix seconds
+    basis: str = ""
     reason: Reason | None = None  # why it is not reliable
     calibration: Calibration | None = None  # None: nothing believable came out
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+from pydantic_core import PydanticCustomError
 
 MAX_CORNERS = 49 * 49  # of the largest board
 SMALLEST_SIDE, LARGEST_SIDE = 16, 16384  # px
+MOST_PIXELS = 2**26  # an overlay is drawn at the size of the image
+LONGEST = 8  # sides of an image: no camera's is a strip
 MAX_INDEX = 100_000
 
 
@@ -34,7 +37,19 @@ Guidance = Literal["projection-uncertainty"]
 
 Label = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=256)]
 Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE)]
-ImgSize = Annotated[tuple[Side, Side], Field(description="Width and height, px.")]
+
+
+def _camera_like(size: tuple[int, int]) -> tuple[int, int]:
+    if size[0] * size[1] > MOST_PIXELS:
+        raise PydanticCustomError("too_many_pixels", "an image may have {most} pixels", {"most": MOST_PIXELS})
+    if max(size) > LONGEST * min(size):
+        raise PydanticCustomError("strip", "one side may be {longest} times the other", {"longest": LONGEST})
+    return size
+
+
+ImgSize = Annotated[
+    tuple[Side, Side], Field(description="Width and height, px."), AfterValidator(_camera_like)
+]
 Zoom = Annotated[
     float,
     Field(ge=0, le=1e6, description="`zoom` of the track's settings; 0 where there is none."),

@@ -35,10 +35,8 @@ class Calibrations:
         """Write the index item; it follows from the document, so that writing it again changes nothing."""
         self._table.put(_item(document))
 
-    def newest(
-        self, camera_key: str, img_size: tuple[int, int], zoom: float, limit: int
-    ) -> list[CalibrationDocument]:
-        """Return at most `limit` calibrations of a camera at one size and zoom, those begun last first."""
+    def newest(self, camera_key: str, img_size: tuple[int, int], zoom: float, limit: int) -> list[str]:
+        """Return ids of at most `limit` calibrations of a camera at one size and zoom, last begun first."""
         items = self._table.query(
             camera_pk(camera_key),
             calibrations_prefix(img_size, zoom),
@@ -46,9 +44,11 @@ class Calibrations:
             limit=limit,
             consistent=True,
         )
-        return [
-            d for d in self._read([str(item["sk"]).rpartition("#")[2] for item in items]) if d is not None
-        ]
+        return [str(item["sk"]).rpartition("#")[2] for item in items]
+
+    def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
+        """Return the calibrations with these ids, those that there are, in their order."""
+        return [document for document in self._read(ids) if document is not None]
 
     def all(self) -> Iterator[CalibrationDocument]:
         """Yield every calibration in the bucket: what the index is rebuilt from."""
