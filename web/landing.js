@@ -3,7 +3,8 @@ import { CameraError, open } from "./calibrate/camera.js";
 import { DEFAULT_BOARD } from "./board/geometry.js";
 import { LookupError, lookup } from "./sdk/calibdb.js";
 import { drawLine, gridThrough } from "./figure.js";
-import { loadSettings } from "./settings.js";
+import { OfflineError, reach } from "./network.js";
+import { SettingsError, loadSettings } from "./settings.js";
 
 /** @type {[number, number]} */
 const SIZE = [640, 400];
@@ -25,7 +26,8 @@ async function lookUpMine(outcome) {
     parameters: new URLSearchParams(), size: [1280, 720], place: document.body, board: DEFAULT_BOARD,
   });
   try {
-    const { calibration, guidanceUrl } = await lookup(camera.track, { token, api: new URL(api, location.href) });
+    const options = { token, api: new URL(api, location.href), fetch: reach };
+    const { calibration, guidanceUrl } = await lookup(camera.track, options);
     const name = camera.track.label;
     if (calibration) outcome.replaceChildren(paragraph(`Yes: ${name}. ${calibration.calibrations} calibrations agree.`), json(calibration));
     else outcome.replaceChildren(paragraph(`Not yet: ${name}. `, link("Calibrate it", guidanceUrl ?? "./calibrate/")));
@@ -69,7 +71,7 @@ if (button instanceof HTMLButtonElement && outcome) {
     try {
       await lookUpMine(outcome);
     } catch (error) {
-      const known = error instanceof CameraError || error instanceof LookupError;
+      const known = [CameraError, LookupError, OfflineError, SettingsError].some((type) => error instanceof type);
       if (!known) console.error(error);
       outcome.replaceChildren(paragraph(error instanceof Error ? error.message : String(error)));
     } finally {

@@ -70,6 +70,8 @@ def test_first_view_and_lookup_through_a_real_camera(
     sent = json.loads(view.value.post_data or "")
     mirrored = page.locator("#stage.mirrored").count()
     page.locator("#stop").click()
+    if state["views"]:  # a stop that loses views is asked for twice
+        page.locator("#stop").click()
     page.locator("#welcome:not([hidden])").wait_for()
 
     page.goto("/")

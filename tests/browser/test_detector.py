@@ -65,4 +65,4 @@ def test_a_detector_that_never_answers_is_reported(page: Page) -> None:
     )
     page.wait_for_timeout(500)
     page.clock.fast_forward(25_000)
-    assert page.evaluate("window.outcome") == "the detector does not answer"
+    assert page.evaluate("window.outcome") == "The board detector does not answer. Reload the page."

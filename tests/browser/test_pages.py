@@ -84,7 +84,6 @@ def test_what_goes_wrong_is_said(context: BrowserContext) -> None:
     picture(page, "capture-failed")
     page.unroute("**/v1/auth")
     page.locator("#again").click()
-    page.locator("#start-virtual").click()
     page.wait_for_selector("#done:not([hidden])")
 
 

@@ -24,7 +24,7 @@ function service(answers) {
 
 test("a lost network and a busy service are waited for, and asked the same again", async () => {
   const { api, calls, waits } = service([
-    new TypeError("fetch failed"), json(503, {}), json(429, {}, { "retry-after": "3" }), json(200, { views: [] }),
+    new OfflineError(), json(503, {}), json(429, {}, { "retry-after": "3" }), json(200, { views: [] }),
   ]);
   assert.deepEqual(await api.json("POST", "/session/views", "sid", { body: { index: 1 } }), { views: [] });
   assert.equal(new Set(calls.map(({ body }) => JSON.stringify(body))).size, 1);
@@ -32,7 +32,7 @@ test("a lost network and a busy service are waited for, and asked the same again
 });
 
 test("patience ends after a minute", async () => {
-  const { api, waits } = service(() => new TypeError("fetch failed"));
+  const { api, waits } = service(() => new OfflineError());
   await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);
   assert.equal(waits.reduce((sum, ms) => sum + ms), 60_500);
 });
@@ -70,6 +70,42 @@ test("an expired session is begun anew with the views it had", async () => {
   await capture.submit(2, { ids: [3], points: [[3, 3]] });
   assert.deepEqual([...known].filter(([key]) => key.startsWith("s2")).map(([, ids]) => ids), [[1], [2], [3]]);
   assert.equal(calls.filter(({ call }) => call === "POST /v1/auth").length, 2);
+});
+
+test("a capture is taken up again with the views it had, also one whose answer was lost", async () => {
+  const taken = new Map();
+  let broken = false;
+  const { api } = service(({ call, body }) => {
+    if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
+    if (call === "POST /v1/session/views") taken.set(body.index, body.ids);
+    if (call.startsWith("DELETE")) taken.delete(Number(call.split("/").at(-1)));
+    if (broken) return new OfflineError();
+    return json(200, { accepted: true, status: "capturing", views: [...taken.keys()].map((index) => ({ index })) });
+  });
+  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
+  await capture.start();
+  await capture.submit(0, { ids: [1], points: [[1, 1]] });
+  broken = true;
+  await assert.rejects(capture.submit(1, { ids: [2], points: [[2, 2]] }), OfflineError);
+  broken = false;
+  assert.deepEqual((await capture.resume(api)).views, [{ index: 0 }, { index: 1 }]);
+  await capture.undo();
+  assert.deepEqual([...taken.keys()], [0], "the view whose answer was lost is the last one");
+});
+
+test("nothing more is asked once the run has ended", async () => {
+  const run = new AbortController();
+  let asked = 0;
+  const api = new Api("/v1", {
+    fetch: async () => {
+      asked += 1;
+      throw new OfflineError();
+    },
+    wait: async () => run.abort(),
+    signal: run.signal,
+  });
+  await assert.rejects(api.json("GET", "/session", "sid"), { name: "AbortError" });
+  assert.equal(asked, 1);
 });
 
 test("the picture is asked for as JPEG, and a skip is asked for once", async () => {

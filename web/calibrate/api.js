@@ -1,9 +1,14 @@
 // HTTP to the service: bearer credentials, problems as errors, patience when the network fails.
 
+import { OfflineError, reach } from "../network.js";
+
+export { OfflineError };
+
 /**
  * @typedef {object} Transport what the outside world gives; replaced in tests
- * @property {typeof globalThis.fetch} fetch
+ * @property {typeof reach} fetch rejects with OfflineError when there is no network, and only then we may try again
  * @property {(ms: number) => Promise<void>} wait
+ * @property {AbortSignal} [signal] after which nothing more is asked
  * @property {(patience: {attempt: number} | null) => void} onPatience told before each new attempt, and when it got through
  */
 
@@ -22,14 +27,6 @@ export class ApiError extends Error {
   }
 }
 
-/** The service could not be reached, however often we asked. */
-export class OfflineError extends Error {
-  constructor() {
-    super("calibDB cannot be reached. Check the connection and try again.");
-    this.name = "OfflineError";
-  }
-}
-
 export class Api {
   #base;
   #transport;
@@ -38,7 +35,7 @@ export class Api {
   constructor(base, transport = {}) {
     this.#base = base.replace(/\/$/, "");
     this.#transport = {
-      fetch: (/** @type {[RequestInfo | URL, RequestInit?]} */ ...args) => globalThis.fetch(...args),
+      fetch: reach,
       wait: (/** @type {number} */ ms) => new Promise((/** @type {(value: void) => void} */ done) => setTimeout(done, ms)),
       onPatience: () => {},
       ...transport,
@@ -56,9 +53,10 @@ export class Api {
     /** @type {HeadersInit} */
     const headers = { authorization: `Bearer ${credential}`, accept };
     if (body) headers["content-type"] = "application/json";
-    const request = { method, headers, body: body && JSON.stringify(body) };
+    const { signal } = this.#transport;
+    const request = { method, headers, body: body && JSON.stringify(body), signal };
     for (let attempt = 0; ; attempt++) {
-      const response = await this.#transport.fetch(this.#base + path, request).catch(networkFailure);
+      const response = await this.#transport.fetch(this.#base + path, request).catch(noNetwork);
       if (response && !PASSING.has(response.status)) {
         if (attempt > 0) this.#transport.onPatience(null);
         if (response.ok) return response;
@@ -71,6 +69,7 @@ export class Api {
       this.#transport.onPatience({ attempt: attempt + 1 });
       const asked = Number(response?.headers.get("retry-after"));
       await this.#transport.wait(1000 * (asked > 0 ? Math.min(asked, 60) : PAUSES[attempt]));
+      signal?.throwIfAborted();
     }
   }
 
@@ -81,9 +80,9 @@ export class Api {
   }
 }
 
-/** `fetch` rejects with a TypeError when there is no network, and only then may we try again. @param {unknown} error */
-function networkFailure(error) {
-  if (error instanceof TypeError) return null;
+/** @param {unknown} error */
+function noNetwork(error) {
+  if (error instanceof OfflineError) return null;
   throw error;
 }
 

@@ -57,6 +57,9 @@ export async function open(id, { parameters, size: [width, height], place, board
     return opened(stream, null);
   } catch (error) {
     if (!(error instanceof DOMException)) throw error;
+    if (id && error instanceof OverconstrainedError && error.constraint === "deviceId") {
+      throw new CameraError("This camera is not there any more. Plug it in, or choose another camera.");
+    }
     throw new CameraError(REFUSALS[error.name] ?? `The camera could not be opened (${error.message}).`);
   }
 }

@@ -1,4 +1,5 @@
 // The board detector as the page sees it: one call a frame, answered from a Worker.
+import { reach } from "../network.js";
 
 /**
  * @typedef {import("../board/geometry.js").Board} Board
@@ -29,7 +30,7 @@ export class Detector {
     this.#onProgress = onProgress;
     this.#worker = new Worker(new URL("./detector.worker.js", import.meta.url), { type: "module" });
     this.#worker.onmessage = ({ data }) => this.#receive(data);
-    this.#worker.onerror = (event) => this.#fail(event.message || "the detector could not be started");
+    this.#worker.onerror = (event) => this.#fail(event.message || "The board detector could not be started. Reload the page.");
   }
 
   /**
@@ -38,8 +39,8 @@ export class Detector {
    * @param {(fraction: number) => void} [onProgress] 0…1 while OpenCV arrives
    */
   static async open(board, onProgress) {
-    const response = await fetch(new URL("opencv.json", OPENCV));
-    if (!response.ok) throw new DetectorError(`OpenCV is not there (${response.status})`);
+    const response = await reach(new URL("opencv.json", OPENCV));
+    if (!response.ok) throw new DetectorError(`The board detector is not there (${response.status}). Try again later.`);
     const { bytes } = await response.json();
     const detector = new Detector(onProgress);
     try {
@@ -68,7 +69,7 @@ export class Detector {
 
   close() {
     this.#worker.terminate();
-    this.#fail("the detector was closed");
+    this.#fail("The board detector was closed.");
   }
 
   /** @param {object} message @param {Transferable[]} transfer @returns {Promise<any>} */
@@ -83,7 +84,7 @@ export class Detector {
 
   /** @param {number} id */
   #silent(id) {
-    this.#waiting.get(id)?.reject(new DetectorError("the detector does not answer"));
+    this.#waiting.get(id)?.reject(new DetectorError("The board detector does not answer. Reload the page."));
     this.#waiting.delete(id);
   }
 

@@ -17,8 +17,8 @@ let finder = null;
 
 /** Compiles the WebAssembly while it arrives. @param {string} address @param {number} bytes its size, uncompressed */
 async function loadOpenCV(address, bytes) {
-  const response = await fetch(address);
-  if (!response.ok || !response.body) throw new Error(`OpenCV could not be loaded (${response.status})`);
+  const response = await fetch(address).catch(lost);
+  if (!response.ok || !response.body) throw new Error(`The board detector is not there (${response.status}). Try again later.`);
   let loaded = 0;
   let reported = 0;
   const counted = response.body.pipeThrough(new TransformStream({
@@ -32,7 +32,7 @@ async function loadOpenCV(address, bytes) {
     },
   }));
   const wasm = new Response(counted, { headers: { "content-type": "application/wasm" } });
-  const compiled = await WebAssembly.compileStreaming(wasm);
+  const compiled = await WebAssembly.compileStreaming(wasm).catch(lost);
   return createOpenCV({
     /** @param {WebAssembly.Imports} imports @param {(instance: WebAssembly.Instance, module: WebAssembly.Module) => void} done */
     instantiateWasm(imports, done) {
@@ -40,6 +40,12 @@ async function loadOpenCV(address, bytes) {
       return {};
     },
   });
+}
+
+/** Rejections of `fetch` and of the stream it fills are TypeErrors. @param {unknown} error @returns {never} */
+function lost(error) {
+  if (!(error instanceof TypeError)) throw error;
+  throw new Error("The board detector could not be loaded. Check the connection and try again.");
 }
 
 /**

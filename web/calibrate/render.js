@@ -1,5 +1,6 @@
 // Puts the state into the page. Reads nothing back, decides nothing.
 import { holdProgress } from "./state.js";
+import * as words from "./words.js";
 import { fieldOfView, fileName, numbers, verdict } from "./result.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -23,8 +24,10 @@ export function findParts() {
     reticle: html("reticle"), instruction: html("instruction"), notice: html("notice"), facts: html("facts"),
     wanted: html("wanted"), camera: element("camera", HTMLSelectElement),
     start: element("start", HTMLButtonElement), startVirtual: element("start-virtual", HTMLButtonElement),
-    again: element("again", HTMLButtonElement), onceMore: element("once-more", HTMLButtonElement),
-    loading: element("loading", HTMLProgressElement), openingText: html("opening-text"), failure: html("failure"),
+    cancel: element("cancel", HTMLButtonElement), again: element("again", HTMLButtonElement),
+    other: element("other", HTMLButtonElement), failedVirtual: element("failed-virtual", HTMLButtonElement), onceMore: element("once-more", HTMLButtonElement),
+    loading: element("loading", HTMLProgressElement), openingText: html("opening-text"), failure: html("failure"), kept: html("kept"),
+    loadingMeter: html("loading-meter"),
     controls: html("controls"), progress: element("progress", HTMLProgressElement), counts: html("counts"),
     undo: element("undo", HTMLButtonElement), skip: element("skip", HTMLButtonElement), stop: element("stop", HTMLButtonElement),
     verdict: html("verdict"), sentence: html("verdict-sentence"), caption: html("numbers-caption"),
@@ -40,16 +43,30 @@ export function render(parts, state, before) {
   if (phase !== before?.phase) {
     for (const [name, sheet] of Object.entries(parts.sheets)) sheet.hidden = name !== phase;
     parts.reticle.hidden = parts.controls.hidden = phase !== "capturing";
-    if (phase === "failed") parts.failure.textContent = state.failure;
+    if (phase === "failed") renderFailure(parts, state);
   }
   if (state.cameras !== before?.cameras) renderCameras(parts, state);
   if (state.key !== before?.key || state.cropped !== before?.cropped) renderCamera(parts, state);
   parts.loading.value = state.loading;
-  text(parts.openingText, state.key ? "Loading the board detector, 12 MB the first time." : "Waiting for the camera.");
+  if (phase === "opening") renderOpening(parts, state);
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);
   if (state.session !== before?.session || state.progress !== before?.progress) renderProgress(parts, state);
   if (phase === "done" && before?.phase !== "done") renderResult(parts, state);
+}
+
+/** @param {Parts} parts @param {State} state */
+function renderOpening({ openingText, loadingMeter }, state) {
+  loadingMeter.hidden = state.waiting !== "detector";
+  text(openingText, words.opening(state));
+}
+
+/** @param {Parts} parts @param {State} state */
+function renderFailure({ failure, kept, failedVirtual }, state) {
+  text(failure, state.failure ?? "");
+  text(kept, words.kept(state));
+  kept.hidden = words.kept(state) === "";
+  failedVirtual.hidden = !state.failure?.includes("virtual camera");
 }
 
 /** @param {Parts} parts @param {State} state */
@@ -104,16 +121,15 @@ function renderCapture(parts, state, before) {
   parts.notice.hidden = !notice;
   text(parts.notice, notice?.text ?? "");
   parts.notice.classList.toggle("bad", notice?.kind === "bad");
+  text(parts.stop, words.stopping(state));
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderProgress(parts, { session, progress }) {
-  const views = session?.views.length ?? 0;
-  parts.progress.value = progress;
-  const accuracy = session?.uncertainty ? ` · ± ${session.uncertainty.rms.toFixed(2)} px` : "";
-  text(parts.counts, `${views} ${views === 1 ? "view" : "views"}${accuracy}`);
+function renderProgress(parts, state) {
+  parts.progress.value = state.progress;
+  text(parts.counts, words.counts(state));
   // Not while busy: a button that is disabled under the finger loses the keyboard's focus.
-  parts.undo.disabled = views === 0;
+  parts.undo.disabled = !state.session?.views.length;
 }
 
 /** @param {Parts} parts @param {State} state */

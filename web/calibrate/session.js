@@ -16,6 +16,8 @@ export class CaptureSession {
   #credential = "";
   /** @type {Map<number, Corners>} accepted views by index */
   #views = new Map();
+  /** The view that was sent last: its answer may be lost. @type {{index: number, corners: Corners} | null} */
+  #sent = null;
 
   /** @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request */
   constructor(api, token, request) {
@@ -29,6 +31,20 @@ export class CaptureSession {
     const { session_id } = await this.#api.json("POST", "/auth", this.#token);
     this.#credential = session_id;
     return this.#api.json("POST", "/session", session_id, { body: this.#request });
+  }
+
+  /**
+   * Goes on after the camera or the network was lost: by another connection, with the views taken so far.
+   * @param {import("./api.js").Api} api @returns {Promise<SessionState>}
+   */
+  resume(api) {
+    this.#api = api;
+    return this.#lasting(async () => {
+      const state = /** @type {SessionState} */ (await this.#call("GET", "/session"));
+      const sent = this.#sent;
+      if (sent && state.views.some(({ index }) => index === sent.index)) this.#views.set(sent.index, sent.corners);
+      return state;
+    });
   }
 
   /**
@@ -66,6 +82,7 @@ export class CaptureSession {
 
   /** @param {number} index @param {Corners} corners @returns {Promise<ViewAnswer>} */
   async #submit(index, { ids, points }) {
+    this.#sent = { index, corners: { ids, points } };
     const answer = await this.#call("POST", "/session/views", { index, ids, points });
     if (answer.accepted) this.#views.set(index, { ids, points });
     return answer;
@@ -93,6 +110,7 @@ export class CaptureSession {
   async #restore() {
     const views = [...this.#views.values()];
     this.#views.clear();
+    this.#sent = null;
     await this.start();
     for (const view of views) {
       const { index } = await this.#call("GET", "/session/pose");

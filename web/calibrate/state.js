@@ -27,6 +27,7 @@ import { instruct, SILENT } from "./instruction.js";
  * @property {CameraKey | null} key of the open camera
  * @property {boolean} mirrored
  * @property {boolean} cropped
+ * @property {"camera" | "detector" | "service"} waiting what a capture that begins waits for
  * @property {number} loading 0…1, how much of OpenCV has arrived
  * @property {SessionState | null} session
  * @property {number} progress 0…1, never falls but by an undo
@@ -45,10 +46,12 @@ import { instruct, SILENT } from "./instruction.js";
  * @property {number} noticedAt ms
  * @property {number} patience attempts to reach the service since it last answered
  * @property {import("./instruction.js").Instruction} instruction
+ * @property {number | null} stopAsked ms, when a stop was asked for that would lose views
  * @property {string | null} failure
  *
  * @typedef {{type: "cameras", cameras: Choice[]}
  *   | {type: "open"}
+ *   | {type: "waiting", waiting: State["waiting"]}
  *   | {type: "loading", fraction: number}
  *   | {type: "opened", key: CameraKey, mirrored: boolean, cropped: boolean}
  *   | {type: "session", session: SessionState}
@@ -59,6 +62,7 @@ import { instruct, SILENT } from "./instruction.js";
  *   | {type: "answer", answer: ViewAnswer, corners: Corners, time: number}
  *   | {type: "undone", session: SessionState, time: number}
  *   | {type: "patience", attempt: number}
+ *   | {type: "stop", time: number}
  *   | {type: "failed", message: string}
  *   | {type: "restart"}} Event
  */
@@ -72,6 +76,7 @@ const NEW_PLACE = 8; // px at 1280 px image width from the hold that was sent la
 const STUCK = 15_000; // ms without an accepted view, then another kind of pose is asked for
 const FUTILE = 3_000; // ms after a refusal in the target's place: time to read why
 const NOTICE = 4_000; // ms a notice stays
+const STOP = 5_000; // ms in which a stop must be asked for once more
 
 /** What a refusal means to the person holding the board. @type {Record<string, string>} */
 export const REFUSALS = {
@@ -89,10 +94,10 @@ export const RESIZED = "The picture's size changed. Hold the device as it was an
 /** @param {Board} board @param {Wanted} wanted @returns {State} */
 export function initial(board, wanted) {
   return {
-    phase: "welcome", board, wanted, cameras: [], key: null, mirrored: false, cropped: false, loading: 0,
+    phase: "welcome", board, wanted, cameras: [], key: null, mirrored: false, cropped: false, waiting: "camera", loading: 0,
     session: null, progress: 0, pose: null, picture: null, posedAt: 0,
     corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0, stillness: MOVING,
-    answered: null, futile: false, busy: false, notice: null, noticedAt: 0, patience: 0, instruction: SILENT, failure: null,
+    answered: null, futile: false, busy: false, notice: null, noticedAt: 0, patience: 0, instruction: SILENT, stopAsked: null, failure: null,
   };
 }
 
@@ -102,7 +107,10 @@ export function reduce(state, event) {
     case "cameras":
       return { ...state, cameras: event.cameras };
     case "open":
-      return { ...state, phase: "opening", failure: null };
+      // The last session, if any, is named until the service answers: it may be taken up again.
+      return { ...afresh(state), phase: "opening", session: state.session };
+    case "waiting":
+      return { ...state, waiting: event.waiting };
     case "loading":
       return { ...state, loading: event.fraction };
     case "opened":
@@ -128,12 +136,27 @@ export function reduce(state, event) {
         notice: { text: "The last view was taken back.", kind: "good" }, noticedAt: event.time,
       };
     case "patience":
-      return { ...state, patience: event.attempt };
+      // What became of the last view is old by now, and would be read as the state of the connection.
+      return { ...state, patience: event.attempt, notice: event.attempt > 0 ? null : state.notice };
+    case "stop":
+      return stopped(state, event.time);
     case "failed":
-      return { ...state, phase: "failed", failure: event.message, busy: false };
+      return { ...state, phase: "failed", failure: event.message, busy: false, patience: 0 };
     case "restart":
-      return { ...initial(state.board, state.wanted), cameras: state.cameras, loading: state.loading };
+      return afresh(state);
   }
+}
+
+/** All forgotten but what belongs to the page. @param {State} state @returns {State} */
+function afresh({ board, wanted, cameras, loading }) {
+  return { ...initial(board, wanted), cameras, loading };
+}
+
+/** Views are lost at the second press only. @param {State} state @param {number} time @returns {State} */
+function stopped(state, time) {
+  if (state.phase !== "capturing" || !state.session?.views.length || state.stopAsked !== null) return afresh(state);
+  const notice = /** @type {const} */ ({ text: "Press once more to stop.", kind: "bad" });
+  return { ...state, stopAsked: time, notice, noticedAt: time };
 }
 
 /** @param {State} state @param {SessionState} session @returns {State} */
@@ -164,6 +187,7 @@ function seen(state, { detection, time }) {
     overlap: overlap(outline, state.pose, state.key),
     stillness: observe(state.stillness, corners, time, size[0]),
     notice: time - state.noticedAt > NOTICE ? null : state.notice,
+    stopAsked: state.stopAsked !== null && time - state.stopAsked > STOP ? null : state.stopAsked,
   };
   return { ...next, instruction: instruct(next, requiredHold(next) === HOLD, time) };
 }
