@@ -23,7 +23,7 @@ class Range:
     Attributes
     ----------
     width
-        Smallest and largest apparent width of the board / image width.
+        Smallest and largest apparent length of the board's longer side / the image's longer side.
     tilt
         Largest angle between the board's normal and the line of sight to its centre, degrees.
     roll
@@ -147,18 +147,25 @@ def poses(unit: Array, board: Board, sight: Sight, limits: Range) -> Poses:
     low, high = limits.width
     # Close, tilted and near the middle is what tells most: look there more often, and everywhere still.
     ray = sight.at(middling(unit[:, 0]), middling(unit[:, 1]))
-    width = (low + (high - low) * np.sqrt(unit[:, 2])) * sight.img_size[0]
+    length = (low + (high - low) * np.sqrt(unit[:, 2])) * max(sight.img_size)
     tilt = np.radians(limits.tilt) * np.sqrt(unit[:, 3])
     azimuth = 2 * np.pi * unit[:, 4]
     roll = np.radians(limits.roll) * (2 * middling(unit[:, 5]) - 1)
+    if across(board, sight.img_size):
+        roll = roll + np.pi / 2
     nothing = np.zeros(len(unit))
     lean = np.stack([tilt * np.cos(azimuth), tilt * np.sin(azimuth), nothing], axis=1)
     spin = np.stack([nothing, nothing, roll], axis=1)
     turned = rotation.matrix(np.stack([turn_to(ray), lean, spin]))
     r = turned[0] @ turned[1] @ turned[2]
-    distance = sight.focal * board.size[0] / width
+    distance = sight.focal * max(board.size) / length
     center = board.outline.mean(axis=0)
     return Poses(r, ray * distance[:, None] - r @ center)
+
+
+def across(board: Board, img_size: tuple[int, int]) -> bool:
+    """Whether the board must be turned by a quarter for its longer side to lie along the image's."""
+    return (board.size[0] - board.size[1]) * (img_size[0] - img_size[1]) < 0
 
 
 def middling(u: Array) -> Array:

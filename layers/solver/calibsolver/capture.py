@@ -183,7 +183,7 @@ class Capture:
             return True
         # Below this the corners are as good as a webcam's ever are, and a ratio says nothing.
         floor = 0.3 * self.img_size[0] / 1280
-        if calibration.used[-1].mean() < 0.75:
+        if calibration.used[-1].mean() < 0.75 and calibration.view_errors[-1] > floor:
             return True  # wild points are cut, a few: not a good part of the view
         errors = used_errors(calibration)
         if len(errors) == 1:

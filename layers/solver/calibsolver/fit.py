@@ -23,9 +23,6 @@ MIN_POINTS = 6
 """A view has six unknowns of its own; fewer points say nothing about the camera."""
 CUT = 4.0
 """Sigmas beyond which a point is an outlier: one in 3000 good ones."""
-FINEST = 4e-5
-"""Noise of one coordinate / image width that no detector undercuts: beside a view that happens to have less,
-one with as much noise as others have is no outlier."""
 ENOUGH = 0.01
 """Many views go without the prior where they alone predict projections to this share of the image width."""
 MANY = 8
@@ -193,7 +190,8 @@ class _Fit:
     def cut(self, state: State) -> Array:
         """Weights (v, n) without the points beyond CUT sigmas."""
         mask = self.everything
-        sigma = max(lm.noise(state, mask), FINEST * self.img_size[0])
+        # Beside a view that happens to have less noise, one with as much as others have is no outlier.
+        sigma = max(lm.noise(state, mask), lm.FINEST * self.img_size[0])
         # Real residuals have longer tails than the median promises; what is kept says how long.
         for _ in range(3):
             kept = state.length[(state.length <= CUT * sigma) & self.obs.mask]

@@ -137,11 +137,10 @@ class ProjectionUncertainty:
             return chosen
 
     def _first(self, belief: Belief) -> TargetPose:
-        """Easy: all of the board in the middle, two thirds of the width, tilted about a diagonal."""
-        w, h = self.img_size
-        aspect = self.board.size[1] / self.board.size[0]
-        width = min(0.68, 0.68 * h / (w * aspect))
-        limits = Range(width=(width, width), tilt=40.0, roll=0.0)
+        """Easy: all of the board in the middle, two thirds of the image, tilted about a diagonal."""
+        image, board = sorted(self.img_size), sorted(self.board.size)
+        length = min(0.68, 0.68 * image[0] * board[1] / (image[1] * board[0]))
+        limits = Range(width=(length, length), tilt=40.0, roll=0.0)
         unit = np.array([[0.5, 0.5, 0.5, 1.0, 0.82, 0.5]])
         poses = candidates.poses(unit, self.board, belief.sight, limits)
         s, _ = self._information(belief, poses, ANY, thin=False)

@@ -19,8 +19,10 @@ RAYLEIGH_MEDIAN = 1.1774100225154747
 HUBER = 3.0
 """Residual length, in sigmas of one coordinate, from which a point counts less."""
 
-UNSEEN = 1e-6
-"""Decrease of the cost, in squares of sigma, a thousandth of a standard deviation from the optimum."""
+FINEST = 4e-5
+"""Noise of one coordinate / image width that no detector undercuts."""
+UNSEEN = 1e-5
+"""Decrease of the cost, in squares of sigma, a three-hundredth of a standard deviation from the optimum."""
 KEPT = 0.25
 """Share of the promised decrease below which the next step is a shorter one."""
 
@@ -111,8 +113,9 @@ class Problem:
                 damping = max(damping, 1e-8) * 10
                 if damping > 1e8:
                     return state
+        seen = max(sigma, FINEST * self.img_size[0])
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
-        return replace(state, converged=bool(promised < UNSEEN * sigma * sigma))
+        return replace(state, converged=bool(promised < UNSEEN * seen * seen))
 
 
 @dataclass(frozen=True, eq=False)

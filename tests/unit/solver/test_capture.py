@@ -140,6 +140,25 @@ def test_copies_without_any_noise_do_not_end_a_capture(focal: int) -> None:
         target = c.next_target(views, estimate)
 
 
+@pytest.mark.parametrize("width", [0.1, 0.2, 0.6])
+def test_a_first_view_without_noise_does_not_make_outliers_of_the_rest(width: float) -> None:
+    c, rng = capture(), np.random.default_rng(3)
+    target, rvec = c.next_target([], c.estimate([])), np.array([0.3, 0.4, 0.0])
+    place = np.array([0, 0, 9 * CAMERA.matrix[0, 0] / (width * 1280)])
+    tvec = place - rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
+    views = [synthetic.seen(BOARD, CAMERA, rvec, tvec, rng, noise=0)]
+    assert c.judge([], target, views[0]).accepted
+    estimate = c.estimate(views)
+    for _ in range(6):
+        target = c.next_target(views, estimate)
+        asked = synthetic.match_picture(BOARD, c.camera(estimate), CAMERA, target)
+        view = synthetic.seen(BOARD, CAMERA, *synthetic.User().hold(BOARD, asked, rng), rng, noise=0.15)
+        verdict = c.judge(views, target, view)
+        if verdict.accepted and verdict.estimate:
+            views, estimate = [*views, view], verdict.estimate
+    assert estimate.converged
+
+
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize("tilt", [0, 2, 5, 10, 20])
 def test_a_first_view_of_any_tilt_and_size_is_fitted(model: str, tilt: int) -> None:

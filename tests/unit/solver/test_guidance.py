@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from calibsolver import Board, Calibration, guidance, models, rotation
+from calibsolver import Board, Calibration, Camera, guidance, models, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose
 from tests import synthetic
 
@@ -157,3 +157,16 @@ def test_choosing_takes_no_time_to_speak_of() -> None:
         guide.next_pose(session.views, session.calibration)
         times.append(time.process_time() - begin)
     assert np.median(times) < 0.020
+
+
+@pytest.mark.parametrize("img_size", [(720, 1280), (1080, 1920), (480, 640)])
+def test_an_upright_picture_needs_no_more_views_than_a_wide_one(img_size: tuple[int, int]) -> None:
+    # The default board is wide: it is asked for on its side, or its long side would never fill the picture.
+    focal = 0.8 * max(img_size)
+    matrix = np.array([[focal, 0, img_size[0] / 2], [0, focal, img_size[1] / 2], [0, 0, 1]])
+    camera = Camera("rectilinear", matrix, np.array([-0.1, 0.02, 0, 0, 0]), img_size)
+    for seed in range(3):
+        target_error = 0.3 * max(img_size) / 1280
+        session = synthetic.run(camera, np.random.default_rng(seed), noise=0.15, target_error=target_error)
+        assert session.stopped is not None
+        assert session.stopped <= 5
