@@ -1,0 +1,57 @@
+"""The README's example as it stands, on a page of another origin, with the browser's own made-up camera."""
+
+import re
+import threading
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+import pytest
+from playwright.sync_api import Playwright
+
+from .conftest import CHROMIUM, ROOT, executable
+
+FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """Keeps its requests to itself."""
+
+    def log_message(self, *_: object) -> None:
+        """Print nothing."""
+
+
+@pytest.fixture
+def elsewhere(tmp_path: Path, stack: str) -> Iterator[str]:
+    """Address of a page on another port, another origin, that holds the README's example."""
+    example = re.search(r"```html\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert example is not None
+    page = example[1].replace("http://127.0.0.1:8000", stack)
+    (tmp_path / "index.html").write_text(f'<!doctype html><link rel="icon" href="data:,">{page}')
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(tmp_path)))
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    yield f"http://127.0.0.1:{server.server_address[1]}/"
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
+def test_the_readmes_example_runs_on_another_origin(
+    playwright: Playwright, elsewhere: str, stack: str
+) -> None:
+    browser = playwright.chromium.launch(
+        executable_path=executable("chromium"), args=[*CHROMIUM, *FAKE_CAMERA]
+    )
+    page = browser.new_page()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(elsewhere)
+    page.wait_for_url(f"{stack}/calibrate/?**")
+    asked = parse_qs(urlsplit(page.url).query)
+    assert asked["camera"][0].startswith("fake_device")
+    assert asked["img_size"] == ["640x480"]
+    assert errors == []
+    browser.close()
