@@ -15,7 +15,8 @@ const FACING = { rvec: [0, 0, 0], tvec: [-8, -5, 22] };
 
 const see = (pose, points) => points.map(([x, y]) => project(PINHOLE, transform(pose, [x, y, 0])));
 const target = (pose, index = 0) => ({
-  index, rvec: pose.rvec, tvec: pose.tvec, ids: [], corners: [], outline: see(pose, outline(DEFAULT_BOARD)),
+  index, rvec: pose.rvec, tvec: pose.tvec, ids: corners(DEFAULT_BOARD).map((_, id) => id),
+  corners: see(pose, corners(DEFAULT_BOARD)), outline: see(pose, outline(DEFAULT_BOARD)),
   purpose: "focal length", hint: "Tilt the board",
 });
 const frame = (pose) => {
@@ -61,19 +62,24 @@ test("nothing is sent while a view is on its way, nor the same hold twice", () =
   const refused = reduce(held, { type: "answer", answer, corners: held.corners, time: 600 });
   const again = frames(frame(THERE), HOLD, 650).reduce(reduce, refused);
   assert.equal(decide(again, 650 + HOLD), null);
-  assert.match(refused.notice.text, /nothing new/);
+  assert.match(refused.notice.text, /better pose/);
   assert.equal(refused.pose.index, 0, "a refused view leaves the target where it is");
   const moved = { rvec: [0.45, -0.5, 0.1], tvec: [-4.3, -3, 12] };
   const better = frames(frame(moved), HOLD, 2000).reduce(reduce, again);
   assert.equal(decide(better, 2000 + HOLD), "submit");
 });
 
-test("a target refused in its own place is given up after 3 s", () => {
+test("a target refused in its own place is given up soon: after 1 s where nothing can be done about it, after 3 s to read why else", () => {
   const held = capturing(frames(frame(THERE), HOLD));
   const answer = { ...SESSION, accepted: false, reason: "no_information" };
   const refused = reduce(held, { type: "answer", answer, corners: held.corners, time: 600 });
-  assert.equal(decide(refused, 3_500), null);
-  assert.equal(decide(refused, 3_700), "skip");
+  assert.equal(decide(refused, 1_500), null);
+  assert.equal(decide(refused, 1_700), "skip");
+  const unlike = { ...answer, reason: "outlier", views: [{ index: 0, points: 40, rms: 0.1 }] };
+  const doubted = reduce(held, { type: "answer", answer: unlike, corners: held.corners, time: 600 });
+  assert.match(doubted.notice.text, /flat/);
+  assert.equal(decide(doubted, 3_500), null);
+  assert.equal(decide(doubted, 3_700), "skip");
   const elsewhere = reduce(capturing(frames(frame(ELSEWHERE), LONG_HOLD)), { type: "answer", answer, corners: frame(ELSEWHERE), time: 1600 });
   assert.equal(decide(elsewhere, 14_000), null);
 });
@@ -108,7 +114,7 @@ test("instructions say what is missing, and stand for 400 ms", () => {
   const first = reduce(blind, { type: "frame", detection: frame(ELSEWHERE), time: 550 });
   assert.equal(first.instruction.text, "Show the board to the camera");
   const later = frames(frame(ELSEWHERE), 400, 600).reduce(reduce, first);
-  assert.equal(later.instruction.text, "Tilt the board");
+  assert.equal(later.instruction.text, "Move down and right");
   const there = frames(frame(THERE), 450, 1100).reduce(reduce, later);
   assert.equal(there.instruction.text, "Hold still");
 });
@@ -117,10 +123,14 @@ test("in a mirrored preview left is right", () => {
   const hint = "Tilt the left edge towards the camera in the top right of the picture. Left upright.";
   assert.equal(asMirrored(hint), "Tilt the right edge towards the camera in the top left of the picture. Right upright.");
   const mirrored = reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false });
-  const aimed = { type: "pose", pose: { ...target(THERE), hint: "Tilt the left edge" }, picture: "blob:2", time: 0 };
-  const shown = (state) => [aimed, ...frames(frame(ELSEWHERE), 450)].reduce(reduce, state).instruction.text;
-  assert.equal(shown(mirrored), "Tilt the right edge");
-  assert.equal(shown(capturing()), "Tilt the left edge");
+  const shown = (state, pose) => [pose, ...frames(frame(ELSEWHERE), 450)].reduce(reduce, state).instruction.text;
+  const known = { type: "pose", pose: target(THERE), picture: "blob:2", time: 0 };
+  assert.equal(shown(capturing(), known), "Move down and right");
+  assert.equal(shown(mirrored, known), "Move down and left");
+  // Where the target is hardly in the picture, the service's own hint is all there is.
+  const hinted = { ...known, pose: { ...target(THERE), ids: [], corners: [], hint: "Tilt the left edge" } };
+  assert.equal(shown(capturing(), hinted), "Tilt the left edge");
+  assert.equal(shown(mirrored, hinted), "Tilt the right edge");
 });
 
 test("a picture of another size ends the capture, and nothing of it is ever sent", () => {

@@ -1,4 +1,5 @@
 // One short instruction at a time, the most important first, and none that flickers.
+import { advice } from "./target.js";
 
 /**
  * @typedef {object} Instruction
@@ -25,12 +26,13 @@ export function instruct(state, holding, time) {
 }
 
 /** @param {import("./state.js").State} state @param {boolean} holding */
-function choose({ pose, corners, markers, outline, mirrored }, holding) {
+function choose({ pose, corners, markers, outline, aim, mirrored }, holding) {
   if (!pose) return "Good. Wait a moment";
   if (corners.ids.length === 0) return markers > 0 ? "Closer, or a little slower" : "Show the board to the camera";
   if (!outline) return "Show more of the board";
   if (holding) return "Hold still";
-  return mirrored ? asMirrored(pose.hint) : pose.hint;
+  const words = aim ? advice(outline, aim) || "Match the outline" : pose.hint;
+  return mirrored ? asMirrored(words) : words;
 }
 
 /** @type {Record<string, string>} */

@@ -120,7 +120,7 @@ function renderCapture(parts, state, before) {
   text(parts.instruction, patience > 0 ? "Connection lost. Trying again" : instruction.text);
   parts.notice.hidden = !notice;
   text(parts.notice, notice?.text ?? "");
-  parts.notice.classList.toggle("bad", notice?.kind === "bad");
+  for (const kind of ["bad", "plain"]) parts.notice.classList.toggle(kind, notice?.kind === kind);
   text(parts.stop, words.stopping(state));
 }
 

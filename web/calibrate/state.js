@@ -2,6 +2,7 @@
 import { MOVING, motion, observe } from "./stillness.js";
 import { foreshortening, observedOutline } from "./area.js";
 import { jaccard } from "./jaccard.js";
+import { difference } from "./target.js";
 import { instruct, SILENT } from "./instruction.js";
 
 /**
@@ -32,6 +33,7 @@ import { instruct, SILENT } from "./instruction.js";
  * @property {SessionState | null} session
  * @property {number} progress 0…1, never falls but by an undo
  * @property {Pose | null} pose
+ * @property {[number, number][] | null} aim the board's outline in that pose, px; null where too little of it is in the picture
  * @property {string | null} picture address of the pose's overlay
  * @property {number} posedAt ms
  * @property {Corners} corners of the last frame
@@ -40,9 +42,9 @@ import { instruct, SILENT } from "./instruction.js";
  * @property {number} overlap with the target, 0…1
  * @property {import("./stillness.js").Stillness} stillness
  * @property {Corners | null} answered the hold that was sent last: the same is not sent twice
- * @property {boolean} futile a view in the target's place was refused: the target cannot be answered from there
+ * @property {number | null} futile ms to wait since a view in the target's place was refused: it cannot be answered from there
  * @property {boolean} busy a view or a pose is on its way
- * @property {{text: string, kind: "good" | "bad"} | null} notice what became of the last view
+ * @property {{text: string, kind: "good" | "bad" | "plain"} | null} notice what became of the last view
  * @property {number} noticedAt ms
  * @property {number} patience attempts to reach the service since it last answered
  * @property {import("./instruction.js").Instruction} instruction
@@ -69,12 +71,14 @@ import { instruct, SILENT } from "./instruction.js";
 
 export const HOLD = 500; // ms still in the target's place
 export const LONG_HOLD = 1500; // ms still anywhere else: the service judges whether it helps all the same
-const OVERLAP = 0.6; // Jaccard index with the target that counts as there
+const OVERLAP = 0.6; // Jaccard index with the target that counts as there,
+const DIFFERENCE = 0.08; // where the board also lies as the target does
 const TILTED = 0.08; // foreshortening from which a pose other than the target may be worth sending
 const FRAMES = 3; // in a hold at least: a video that delivers nothing new is not a steady hand
 const NEW_PLACE = 8; // px at 1280 px image width from the hold that was sent last
 const STUCK = 15_000; // ms without an accepted view, then another kind of pose is asked for
 const FUTILE = 3_000; // ms after a refusal in the target's place: time to read why
+const USELESS = 1_000; // ms after one that nothing can be done about
 const NOTICE = 4_000; // ms a notice stays
 const STOP = 5_000; // ms in which a stop must be asked for once more
 
@@ -95,9 +99,9 @@ export const RESIZED = "The picture's size changed. Hold the device as it was an
 export function initial(board, wanted) {
   return {
     phase: "welcome", board, wanted, cameras: [], key: null, mirrored: false, cropped: false, waiting: "camera", loading: 0,
-    session: null, progress: 0, pose: null, picture: null, posedAt: 0,
+    session: null, progress: 0, pose: null, aim: null, picture: null, posedAt: 0,
     corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0, stillness: MOVING,
-    answered: null, futile: false, busy: false, notice: null, noticedAt: 0, patience: 0, instruction: SILENT, stopAsked: null, failure: null,
+    answered: null, futile: null, busy: false, notice: null, noticedAt: 0, patience: 0, instruction: SILENT, stopAsked: null, failure: null,
   };
 }
 
@@ -119,7 +123,8 @@ export function reduce(state, event) {
       return inSession(state, event.session);
     case "pose":
       return {
-        ...state, pose: event.pose, picture: event.picture, posedAt: event.time, futile: false, busy: false,
+        ...state, pose: event.pose, picture: event.picture, posedAt: event.time, futile: null, busy: false,
+        aim: observedOutline(state.board, { ids: event.pose.ids, points: event.pose.corners }),
         overlap: overlap(state.outline, event.pose, state.key),
       };
     case "frame":
@@ -155,7 +160,7 @@ function afresh({ board, wanted, cameras, loading }) {
 /** Views are lost at the second press only. @param {State} state @param {number} time @returns {State} */
 function stopped(state, time) {
   if (state.phase !== "capturing" || !state.session?.views.length || state.stopAsked !== null) return afresh(state);
-  const notice = /** @type {const} */ ({ text: "Press once more to stop.", kind: "bad" });
+  const notice = /** @type {const} */ ({ text: "Press once more to stop.", kind: "plain" });
   return { ...state, stopAsked: time, notice, noticedAt: time };
 }
 
@@ -196,14 +201,16 @@ function seen(state, { detection, time }) {
 function answered(state, { answer, corners, time }) {
   // With no other view to contradict, it is the view by itself that no camera could be fitted to.
   const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
+  // Who has done what was asked is not told to do it.
+  const useless = reason === "no_information" && isThere(state);
   /** @type {State["notice"]} */
   const notice = answer.accepted
     ? { text: `View ${answer.views.length} taken.`, kind: "good" }
-    : { text: REFUSALS[reason ?? ""] ?? "That view was not taken.", kind: "bad" };
+    : useless ? { text: "Looking for a better pose.", kind: "plain" } : { text: REFUSALS[reason ?? ""] ?? "That view was not taken.", kind: "bad" };
   return {
     ...inSession(state, answer),
     answered: corners,
-    futile: !answer.accepted && state.overlap > OVERLAP,
+    futile: answer.accepted || !isThere(state) ? null : useless ? USELESS : FUTILE,
     busy: false,
     notice,
     noticedAt: time,
@@ -222,14 +229,20 @@ function overlap(outline, pose, key) {
   return outline && pose && key ? jaccard(outline, pose.outline, key.img_size) : 0;
 }
 
+/** Is the board where the target is, and as it is? @param {State} state */
+function isThere({ overlap: there, outline, aim }) {
+  return there > OVERLAP && outline !== null && (aim === null || difference(outline, aim) < DIFFERENCE);
+}
+
 /**
  * How long the board must be held still where it is now; null: as long as one likes, it will not be taken.
  * @param {State} state
  */
-export function requiredHold({ key, pose, outline, overlap: there, answered: sent, corners }) {
+export function requiredHold(state) {
+  const { key, pose, outline, answered: sent, corners } = state;
   if (!key || !pose || !outline) return null;
   if (sent && motion(sent, corners) < (NEW_PLACE * key.img_size[0]) / 1280) return null;
-  if (there > OVERLAP) return HOLD;
+  if (isThere(state)) return HOLD;
   return foreshortening(outline) > TILTED ? LONG_HOLD : null;
 }
 
@@ -250,6 +263,6 @@ export function decide(state, time) {
   if (required !== null && state.stillness.held >= required && state.stillness.frames >= FRAMES) return "submit";
   // Where no board is in sight, another pose would not help.
   if (state.corners.ids.length === 0) return null;
-  const stuck = state.futile ? time - state.noticedAt > FUTILE : time - state.posedAt > STUCK;
+  const stuck = state.futile !== null ? time - state.noticedAt > state.futile : time - state.posedAt > STUCK;
   return stuck ? "skip" : null;
 }

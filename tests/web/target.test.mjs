@@ -1,0 +1,60 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { DEFAULT_BOARD, outline } from "../../web/board/geometry.js";
+import { jaccard } from "../../web/calibrate/jaccard.js";
+import { advice, difference } from "../../web/calibrate/target.js";
+import { project } from "../../web/virtual/lens.js";
+import { misplaced, seeded, transform } from "../../web/virtual/pose.js";
+
+const LENS = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 };
+const CENTRE = [4.5, 3, 0];
+const see = (pose) => outline(DEFAULT_BOARD).map(([x, y]) => project(LENS, transform(pose, [x, y, 0])));
+/** The board turned so about its centre, which is there in the camera's frame. */
+function held(rvec, centre) {
+  const turned = transform({ rvec, tvec: [0, 0, 0] }, CENTRE);
+  return { rvec, tvec: centre.map((value, axis) => value - turned[axis]) };
+}
+const TILTED = held([0.5, 0.5, 0], [0.5, 0.5, 11]);
+
+test("a hand that follows a target lies as it does; a board facing the camera in its place does not", () => {
+  const random = seeded(3);
+  for (let i = 0; i < 200; i++) {
+    assert.ok(difference(see(misplaced(TILTED, 1, random, CENTRE)), see(TILTED)) < 0.08);
+  }
+  let inPlace = 0;
+  for (let z = 9; z < 16; z += 0.25) {
+    const facing = see(held([0, 0, 0], [0.5, 0.5, z]));
+    if (jaccard(facing, see(TILTED), [1280, 720]) <= 0.6) continue;
+    inPlace += 1;
+    assert.ok(difference(facing, see(TILTED)) > 0.08, `at ${z}`);
+  }
+  assert.ok(inPlace > 5, "overlap alone takes it for there");
+});
+
+test("the other way up is as good", () => {
+  const [a, b, c, d] = see(TILTED);
+  assert.ok(difference([c, d, a, b], see(TILTED)) < 1e-12);
+  assert.equal(advice([c, d, a, b], see(TILTED)), "");
+});
+
+test("place first, then distance, then turn, then tilt; six words at most", () => {
+  const target = see(held([0, 0.5, 0], [0, 0, 11]));
+  const said = (rvec, centre) => advice(see(held(rvec, centre)), target);
+  assert.equal(said([0, 0, 0], [3, 2.5, 15]), "Move up and left");
+  assert.equal(said([0, 0, 0], [-3, 0, 11]), "Move right");
+  assert.equal(said([0, 0, 0], [0, 0, 17]), "Closer to the camera");
+  assert.equal(said([0, 0, 0], [0, 0, 7]), "Further from the camera");
+  assert.equal(said([0, 0, -0.4], [0, 0, 11]), "Turn to the right");
+  assert.equal(said([0, 0, 0], [0, 0, 11]), "Right edge closer");
+  assert.equal(said([0, 0.5, 0], [0, 0, 11]), "");
+});
+
+test("the edge named is the one that is nearer in the target", () => {
+  const facing = see(held([0, 0, 0], [0, 0, 11]));
+  for (const [rvec, name] of [[[0, 0.5, 0], "Right"], [[0, -0.5, 0], "Left"], [[0.5, 0, 0], "Top"], [[-0.5, 0, 0], "Bottom"]]) {
+    const target = held(rvec, [0, 0, 11]);
+    const side = { Right: [9, 3], Left: [0, 3], Top: [4.5, 0], Bottom: [4.5, 6] }[name];
+    assert.ok(transform(target, [...side, 0])[2] < 11, `${name} is nearer`);
+    assert.equal(advice(facing, see(target)), `${name} edge closer`);
+  }
+});

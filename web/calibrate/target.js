@@ -1,0 +1,92 @@
+// How far the board is from its target, and what would bring it there. Outlines are quadrilaterals in pixels: the
+// board's corners, clockwise from its first.
+
+/** @typedef {number[][]} Quadrilateral */
+
+const FAR = 0.2; // of the board's size, between the middles
+const LARGER = 1.25; // in length
+const TURNED = 0.14; // rad
+const TILTED = 0.06; // difference in the logarithm of how much longer one side is than the opposite one
+
+/** Held the other way up, a board says the same about the camera. @param {Quadrilateral} seen @param {Quadrilateral} target */
+function upright(seen, target) {
+  const turned = [...seen.slice(2), ...seen.slice(0, 2)];
+  return spread(turned, target) < spread(seen, target) ? turned : seen;
+}
+
+/** @param {Quadrilateral} a @param {Quadrilateral} b */
+const spread = (a, b) => a.reduce((sum, [x, y], index) => sum + Math.hypot(x - b[index][0], y - b[index][1]), 0) / a.length;
+
+/**
+ * How differently the board lies: mean distance of its corners from the target's, once the middles and the sizes have
+ * been made the same (where and how large it is, the overlap tells), as a share of the board's size.
+ *
+ * A hand that misses by 3° is below 0.07; a board that faces the camera in a target tilted by 35° or more is above 0.085.
+ * @param {Quadrilateral} seen @param {Quadrilateral} target
+ */
+export function difference(seen, target) {
+  const alike = (/** @type {Quadrilateral} */ quadrilateral) => {
+    const [[x, y], unit] = [middle(quadrilateral), size(quadrilateral)];
+    return quadrilateral.map(([u, v]) => [(u - x) / unit, (v - y) / unit]);
+  };
+  return spread(alike(upright(seen, target)), alike(target));
+}
+
+/**
+ * The next thing to do: first where, then how far away, then which way round, then how tilted.
+ * @param {Quadrilateral} outline as seen @param {Quadrilateral} target
+ * @returns {string} at most six words about the camera's picture; "" where nothing is left to say
+ */
+export function advice(outline, target) {
+  const seen = upright(outline, target);
+  const [from, to] = [middle(seen), middle(target)];
+  const [right, down] = [0, 1].map((axis) => (to[axis] - from[axis]) / size(target));
+  if (Math.hypot(right, down) > FAR) {
+    const ways = [Math.abs(down) > FAR / 2 && (down > 0 ? "down" : "up"), Math.abs(right) > FAR / 2 && (right > 0 ? "right" : "left")];
+    return `Move ${ways.filter(Boolean).join(" and ")}`;
+  }
+  const larger = size(target) / size(seen);
+  if (larger > LARGER) return "Closer to the camera";
+  if (larger < 1 / LARGER) return "Further from the camera";
+  const turn = Math.atan2(...direction(target)) - Math.atan2(...direction(seen));
+  const shortest = Math.atan2(Math.sin(turn), Math.cos(turn));
+  if (Math.abs(shortest) > TURNED) return shortest > 0 ? "Turn to the right" : "Turn to the left";
+  return tilt(seen, target);
+}
+
+/** The nearer side of a board looks longer. @param {Quadrilateral} seen @param {Quadrilateral} target */
+function tilt(seen, target) {
+  const ratio = (/** @type {Quadrilateral} */ quadrilateral, /** @type {number} */ side) =>
+    Math.log(length(quadrilateral, side) / length(quadrilateral, side + 2));
+  const [first, second] = [0, 1].map((side) => ratio(target, side) - ratio(seen, side));
+  if (Math.max(Math.abs(first), Math.abs(second)) < TILTED) return "";
+  const side = Math.abs(first) > Math.abs(second) ? (first > 0 ? 0 : 2) : second > 0 ? 1 : 3;
+  const [a, b] = [target[side], target[(side + 1) % 4]];
+  const [cx, cy] = middle(target);
+  const [x, y] = [(a[0] + b[0]) / 2 - cx, (a[1] + b[1]) / 2 - cy];
+  const name = Math.abs(x) > Math.abs(y) ? (x < 0 ? "Left" : "Right") : y < 0 ? "Top" : "Bottom";
+  return `${name} edge closer`;
+}
+
+/** @param {Quadrilateral} quadrilateral */
+const middle = (quadrilateral) => [0, 1].map((axis) => quadrilateral.reduce((sum, point) => sum + point[axis], 0) / 4);
+
+/** Square root of the area, px. @param {Quadrilateral} quadrilateral */
+function size(quadrilateral) {
+  const doubled = quadrilateral.reduce((sum, [x, y], index) => {
+    const [u, v] = quadrilateral[(index + 1) % 4];
+    return sum + x * v - u * y;
+  }, 0);
+  return Math.sqrt(Math.abs(doubled) / 2);
+}
+
+/** Along the board's rows, y first. @param {Quadrilateral} quadrilateral @returns {[number, number]} */
+function direction([a, b, c, d]) {
+  return [b[1] - a[1] + c[1] - d[1], b[0] - a[0] + c[0] - d[0]];
+}
+
+/** @param {Quadrilateral} quadrilateral @param {number} side from this corner to the next */
+function length(quadrilateral, side) {
+  const [[x, y], [u, v]] = [quadrilateral[side % 4], quadrilateral[(side + 1) % 4]];
+  return Math.hypot(u - x, v - y);
+}
