@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { existsSync } from "node:fs";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { DEFAULT_BOARD, blackRectangles, corners, markers, raster } from "../../web/board/geometry.js";
+import { DEFAULT_BOARD, blackRectangles, boardFrom, boardQuery, corners, markers, raster } from "../../web/board/geometry.js";
 
 const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));
 
@@ -61,4 +61,23 @@ test("black rectangles do not overlap and stay on the board", () => {
 test("a dictionary that is unknown, or too small for the board, is refused by name", () => {
   assert.throws(() => blackRectangles({ ...DEFAULT_BOARD, dictionary: "DICT_9X9_50" }), /DICT_9X9_50/);
   assert.throws(() => blackRectangles({ ...DEFAULT_BOARD, squares: [20, 20] }), /DICT_4X4_50 has 50 markers/);
+});
+
+test("an address and its board lead to each other", () => {
+  const board = { squares: [8, 11], marker_ratio: 0.75, dictionary: "DICT_5X5_100", legacy: true };
+  assert.deepEqual(boardFrom(new URLSearchParams(boardQuery(board).toString())), { board, problem: "" });
+  assert.equal(boardQuery(DEFAULT_BOARD).toString(), "");
+  assert.deepEqual(boardFrom(new URLSearchParams("virtual=1")), { board: DEFAULT_BOARD, problem: "" });
+});
+
+test("a board that cannot be is named, and the default taken", () => {
+  for (const [query, reason] of [
+    ["squares=2x9", /3 to 64/], ["squares=9", /columns and rows/], ["squares=axb", /columns and rows/], ["squares=65x3", /3 to 64/], ["squares=3x3", /six inner corners/],
+    ["marker_ratio=1", /0.3 to 0.95/], ["marker_ratio=wide", /0.3 to 0.95/], ["dictionary=DICT_9X9_50", /unknown marker dictionary/],
+    ["squares=12x12", /DICT_4X4_50 has 50 markers, and it needs 72/],
+  ]) {
+    const { board, problem } = boardFrom(new URLSearchParams(query));
+    assert.equal(board, DEFAULT_BOARD, query);
+    assert.match(problem, reason);
+  }
 });

@@ -14,6 +14,56 @@ import { TABLES } from "./dictionaries.js";
 /** @type {Required<import("../vendor/api.js").Board>} */
 export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false };
 
+/**
+ * The board an address asks for: `squares=9x6`, `marker_ratio`, `dictionary`, `legacy=true`; of each the default where it
+ * asks for none.
+ * @param {URLSearchParams} query
+ * @returns {{board: Required<import("../vendor/api.js").Board>, problem: string}} problem: why it is the default board all
+ *   the same, "" where it is not
+ */
+export function boardFrom(query) {
+  const [squares, ratio] = [query.get("squares"), query.get("marker_ratio")];
+  const sides = (squares ?? DEFAULT_BOARD.squares.join("x")).split("x").map(Number);
+  const asked = {
+    squares: /** @type {[number, number]} */ (sides),
+    marker_ratio: ratio === null ? DEFAULT_BOARD.marker_ratio : Number(ratio),
+    dictionary: query.get("dictionary") ?? DEFAULT_BOARD.dictionary,
+    legacy: ["true", "1"].includes(query.get("legacy") ?? ""),
+  };
+  const reason = impossible(asked);
+  const instead = `The board asked for cannot be: ${reason}. This is the default one.`;
+  if (reason) return { board: DEFAULT_BOARD, problem: instead };
+  return { board: /** @type {typeof DEFAULT_BOARD} */ (asked), problem: "" };
+}
+
+/** The parameters that lead to this board. @param {Board} board @returns {URLSearchParams} without those of the default */
+export function boardQuery({ squares, marker_ratio, dictionary, legacy }) {
+  const query = new URLSearchParams();
+  if (squares.join("x") !== DEFAULT_BOARD.squares.join("x")) query.set("squares", squares.join("x"));
+  if (marker_ratio !== DEFAULT_BOARD.marker_ratio) query.set("marker_ratio", String(marker_ratio));
+  if (dictionary !== DEFAULT_BOARD.dictionary) query.set("dictionary", dictionary);
+  if (legacy) query.set("legacy", "true");
+  return query;
+}
+
+/** Why there is no such board, by the limits of the service; "" where there may be. @param {Board} board */
+function impossible(board) {
+  const { squares, marker_ratio } = board;
+  if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= 3 && count <= 64)) {
+    return "squares are columns and rows, 3 to 64 of each, such as 9x6";
+  }
+  if ((squares[0] - 1) * (squares[1] - 1) < 6) return "it has at least six inner corners";
+  if (!(marker_ratio >= 0.3 && marker_ratio <= 0.95)) return "a marker is 0.3 to 0.95 of its square";
+  try {
+    const { count } = dictionaryTable(board.dictionary);
+    const needed = markers(board).length;
+    return needed > count ? `${board.dictionary} has ${count} markers, and it needs ${needed}` : "";
+  } catch (error) {
+    if (!(error instanceof RangeError)) throw error;
+    return error.message;
+  }
+}
+
 /** Inner corners in the order of their ids: row by row. @param {Board} board @returns {[number, number][]} */
 export function corners({ squares: [columns, rows] }) {
   /** @type {[number, number][]} */
@@ -53,7 +103,7 @@ export function markerBits(dictionary, id) {
 
 /** @param {string} dictionary */
 function dictionaryTable(dictionary) {
-  const [, size, number] = /^DICT_(\dX\d|ARUCO_ORIGINAL)(?:_(\d+))?$/.exec(dictionary) ?? [];
+  const [, size, number] = /^DICT_(\dX\d|ARUCO_ORIGINAL)(?:_(50|100|250|1000))?$/.exec(dictionary) ?? [];
   const table = TABLES[size];
   if (!table || (number === undefined) !== (size === "ARUCO_ORIGINAL")) {
     throw new RangeError(`unknown marker dictionary ${dictionary}`);

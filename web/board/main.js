@@ -1,43 +1,28 @@
 // The board page: full screen at whole device pixels, and PDF.
-import { DEFAULT_BOARD, blackRectangles, raster } from "./geometry.js";
+import { boardFrom, boardQuery, raster } from "./geometry.js";
 import { PAPERS, boardPdf, squareSide } from "./pdf.js";
 
-/** @typedef {import("./geometry.js").Board} Board */
-
 const MARGIN = 0.5; // squares of white around the board on a screen
-const board = boardFrom(new URLSearchParams(location.search));
+const { board, problem } = boardFrom(new URLSearchParams(location.search));
 const frame = /** @type {HTMLElement} */ (document.getElementById("frame"));
 const canvas = /** @type {HTMLCanvasElement} */ (document.getElementById("board"));
 const status = /** @type {HTMLElement} */ (document.getElementById("status"));
 /** @type {WakeLockSentinel | null} */
 let awake = null;
+/** Does the board fill the window, where no full screen is to be had? */
+let filling = false;
 
-/** The board an address asks for; the default where it asks for one that does not exist. @param {URLSearchParams} query @returns {Board} */
-function boardFrom(query) {
-  const [, columns, rows] = /^(\d{1,2})x(\d{1,2})$/.exec(query.get("squares") ?? "") ?? [];
-  /** @type {Board} */
-  const asked = {
-    squares: columns ? [Number(columns), Number(rows)] : DEFAULT_BOARD.squares,
-    marker_ratio: Number(query.get("marker_ratio")) || DEFAULT_BOARD.marker_ratio,
-    dictionary: query.get("dictionary") ?? DEFAULT_BOARD.dictionary,
-    legacy: query.get("legacy") === "true",
-  };
-  try {
-    if (Math.min(...asked.squares) < 3 || !(asked.marker_ratio >= 0.3 && asked.marker_ratio <= 0.95)) throw new RangeError();
-    blackRectangles(asked);
-    return asked;
-  } catch (error) {
-    if (!(error instanceof RangeError)) throw error;
-    return DEFAULT_BOARD;
-  }
+function isFull() {
+  return filling || document.fullscreenElement === frame;
 }
 
 /** Draws the board so that a cell's edge falls on a device pixel, and one canvas pixel is one device pixel. */
 function draw() {
-  const full = document.fullscreenElement === frame;
+  const full = isFull();
   const density = window.devicePixelRatio || 1;
-  const room = full ? [screen.width, screen.height] : [frame.clientWidth, Infinity];
-  const turned = full && screen.width < screen.height !== board.squares[0] < board.squares[1];
+  const whole = filling ? [innerWidth, innerHeight] : [screen.width, screen.height];
+  const room = full ? whole : [frame.clientWidth, Infinity];
+  const turned = full && whole[0] < whole[1] !== board.squares[0] < board.squares[1];
   const [columns, rows] = turned ? [...board.squares].reverse() : board.squares;
   const scale = Math.max(8, Math.floor(Math.min(
     (room[0] * density) / (columns + 2 * MARGIN),
@@ -79,14 +64,35 @@ async function stayAwake() {
   }
 }
 
-document.getElementById("full-screen")?.addEventListener("click", async () => {
-  await frame.requestFullscreen({ navigationUI: "hide" });
-});
-document.addEventListener("fullscreenchange", async () => {
+/** Draws the board anew, and keeps the screen bright for as long as it is all that is shown. */
+async function arrange() {
+  frame.classList.toggle("filling", filling);
   draw();
-  if (document.fullscreenElement) await stayAwake();
-  else await awake?.release();
+  if (isFull()) return stayAwake();
+  const held = awake;
+  awake = null;
+  await held?.release();
+}
+
+/** @param {boolean} whether */
+function fill(whether) {
+  if (filling === whether) return;
+  filling = whether;
+  void arrange();
+}
+
+document.getElementById("full-screen")?.addEventListener("click", (event) => {
+  event.stopPropagation(); // or this very click would close it again
+  // iPhones have full screen for videos only, and a page in a frame may be refused it.
+  if (!frame.requestFullscreen) return fill(true);
+  frame.requestFullscreen({ navigationUI: "hide" }).catch(() => fill(true));
 });
+document.addEventListener("click", () => fill(false));
+document.addEventListener("keydown", ({ key }) => key === "Escape" && fill(false));
+document.addEventListener("fullscreenchange", arrange);
+// The lock is lost with the page's being seen.
+document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && isFull() && stayAwake());
+window.addEventListener("resize", draw);
 new ResizeObserver(draw).observe(frame);
 
 const papers = document.getElementById("papers");
@@ -99,6 +105,14 @@ for (const [name, size] of Object.entries(PAPERS)) {
   link.download = `calibdb-board-${name.toLowerCase()}.pdf`;
   papers?.append(link);
 }
+const complaint = document.getElementById("problem");
+if (complaint) {
+  complaint.textContent = problem;
+  complaint.hidden = problem === "";
+}
+/** @type {HTMLAnchorElement | null} */
+const calibrate = document.querySelector('nav a[href="../calibrate/"]');
+if (calibrate) calibrate.search = boardQuery(board).toString();
 const description = document.getElementById("description");
 if (description) {
   const [columns, rows] = board.squares;

@@ -1,5 +1,5 @@
 // The capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows it.
-import { DEFAULT_BOARD } from "../board/geometry.js";
+import { boardFrom, boardQuery } from "../board/geometry.js";
 import { cameraKey } from "../sdk/calibdb.js";
 import { SettingsError, loadSettings } from "../settings.js";
 import { Api, ApiError, OfflineError } from "./api.js";
@@ -17,9 +17,10 @@ import { initial, reduce } from "./state.js";
 
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
+const { board, problem } = boardFrom(parameters);
 
 /** @type {State} */
-let state = initial(boardFrom(parameters), wantedFrom(parameters));
+let state = initial(board, wantedFrom(parameters));
 /** @type {State | null} */
 let shown = null;
 /** One run of the capture; a new one makes all that is still on its way for the old one meaningless. */
@@ -50,12 +51,6 @@ function wantedFrom(query) {
     img_size: width ? [Number(width), Number(height)] : null,
     distortion_model: query.get("distortion_model") === "fisheye" ? "fisheye" : "rectilinear",
   };
-}
-
-/** @param {URLSearchParams} query @returns {State["board"]} */
-function boardFrom(query) {
-  const [, columns, rows] = /^(\d{1,2})x(\d{1,2})$/.exec(query.get("squares") ?? "") ?? [];
-  return columns ? { ...DEFAULT_BOARD, squares: [Number(columns), Number(rows)] } : DEFAULT_BOARD;
 }
 
 /** OpenCV is loaded once; a detector that failed is made anew. @returns {Promise<Detector>} */
@@ -168,6 +163,9 @@ parts.again.addEventListener("click", () => capture(chosen));
 parts.onceMore.addEventListener("click", () => restart({ keep: false }));
 parts.stop.addEventListener("click", stop);
 navigator.mediaDevices?.addEventListener("devicechange", listCameras);
+parts.problem.textContent = problem;
+parts.problem.hidden = problem === "";
+for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
 await listCameras();
 if (parameters.has("virtual")) void capture("virtual");
 // The detector arrives while the visitor reads. If it does not, capture() asks again and says why.
