@@ -8,7 +8,7 @@ up to a rotation, is mrcal's.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,8 @@ LEAST_NOISE = 0.05 / 1280
 """No detector is better than this; views that fit by luck do not promise it either."""
 ANY = Range(inside=0.0, oblique=90.0, spacing=0.0)
 """Whatever comes: for a pose that has been chosen already."""
+PLENTY = 10
+"""Corners that a target shows at least, of a board that has so many: a hand misses by some."""
 EASY = Range(width=(0.45, 0.75), tilt=30.0, roll=15.0, inside=1.0)
 """A pose for someone who could not reach the last one: little tilt, all of the board in the picture."""
 
@@ -129,15 +131,20 @@ class ProjectionUncertainty:
         # Estimates may be wild at first: what overflows is refused as invisible.
         with np.errstate(all="ignore"):
             if not views and not skipped:
-                return self._first(belief)
+                return self._first(belief, belief)
             limits = limits or (EASY if skipped else Range())
+            whole = min(1.0, PLENTY / self.board.corner_count)
+            limits = replace(limits, inside=max(limits.inside, whole))
             chosen = self._best(belief, len(views), limits, Goal(belief.weight, tuple(skipped)))
             if chosen is None:
-                return self._first(Belief.of(self.model.name, self.img_size, None))
+                return self._first(Belief.of(self.model.name, self.img_size, None), belief)
             return chosen
 
-    def _first(self, belief: Belief) -> TargetPose:
-        """Easy: all of the board in the middle, two thirds of the image, tilted about a diagonal."""
+    def _first(self, belief: Belief, known: Belief) -> TargetPose:
+        """Easy: all of the board in the middle, two thirds of the image, tilted about a diagonal.
+
+        Placed by one belief; what it would bring is told by what is `known`.
+        """
         image, board = sorted(self.img_size), sorted(self.board.size)
         length = min(0.68, 0.68 * image[0] * board[1] / (image[1] * board[0]))
         limits = Range(width=(length, length), tilt=40.0, roll=0.0)
@@ -145,7 +152,7 @@ class ProjectionUncertainty:
         poses = candidates.poses(unit, self.board, belief.sight, limits)
         s, _ = self._information(belief, poses, ANY, thin=False)
         return TargetPose.seen(
-            self.board, belief.camera, poses.r[0], poses.t[0], "a first look", belief.gain(s[0])
+            self.board, belief.camera, poses.r[0], poses.t[0], "a first look", known.gain(s[0])
         )
 
     def _information(

@@ -170,3 +170,14 @@ def test_an_upright_picture_needs_no_more_views_than_a_wide_one(img_size: tuple[
         session = synthetic.run(camera, np.random.default_rng(seed), noise=0.15, target_error=target_error)
         assert session.stopped is not None
         assert session.stopped <= 5
+
+
+@pytest.mark.parametrize(
+    ("squares", "most"), [((4, 4), 7), ((5, 4), 6), ((3, 12), 7), ((30, 20), 5), ((44, 44), 7)]
+)
+def test_boards_small_long_and_fine_end_too(squares: tuple[int, int], most: int) -> None:
+    board = Board(squares, dictionary="DICT_4X4_1000")
+    camera = synthetic.rectilinear_cameras()[6]
+    session = synthetic.run(camera, np.random.default_rng(0), board=board, noise=0.15, views=8)
+    assert session.stopped is not None
+    assert session.stopped <= most
