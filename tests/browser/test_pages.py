@@ -47,6 +47,8 @@ def test_capture_in_all_its_states(page: Page) -> None:
     page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=1280x720")
     page.locator("#wanted").wait_for()
     assert "C920" in (page.locator("#wanted").text_content() or "")
+    assert "No camera was found here" in (page.locator("#wanted").text_content() or "")
+    assert page.locator("#camera").input_value() == "", "the virtual camera does not stand in for a real one"
     picture(page, "capture-before")
 
     page.goto(VIRTUAL)
@@ -56,6 +58,8 @@ def test_capture_in_all_its_states(page: Page) -> None:
     page.wait_for_selector("#done:not([hidden])")
     picture(page, "capture-done")
     assert page.evaluate("document.activeElement.id") == "verdict"
+    assert "practice run" in (page.locator("#summary").text_content() or "")
+    assert page.locator("#done .another").is_hidden()
 
 
 def test_capture_by_keyboard(page: Page) -> None:
@@ -65,9 +69,40 @@ def test_capture_by_keyboard(page: Page) -> None:
         page.keyboard.press("u")
     assert undone.value.status == 200
     with page.expect_response(lambda r: "skip=1" in r.url) as skipped:
-        page.keyboard.press("n")
+        page.keyboard.press("N")
     assert skipped.value.status == 200
     page.wait_for_selector("#done:not([hidden])")
+
+
+def test_the_focus_goes_where_the_page_goes(page: Page) -> None:
+    def focused(where: str) -> None:
+        page.locator(f"#{where}:focus").wait_for(timeout=10_000)
+
+    page.goto(f"{VIRTUAL}&target_error=0.05&error=4")
+    focused("instruction")
+    page.locator("#undo:enabled").wait_for()
+    page.locator("#undo").focus()
+    with page.expect_response(lambda r: r.request.method == "DELETE"):
+        page.keyboard.press("Enter")
+    # At the first view the button is disabled, and the focus goes on; after that it stays.
+    page.locator("#instruction:focus, #undo:enabled:focus").wait_for(timeout=10_000)
+    page.evaluate(
+        "document.getElementById('video').srcObject.getVideoTracks()[0].dispatchEvent(new Event('ended'))"
+    )
+    focused("failed-title")
+    page.locator("#other").click()
+    focused("welcome-title")
+
+
+def test_another_camera_than_was_asked_for_is_said_to_be_one(page: Page) -> None:
+    page.goto(f"{VIRTUAL}&camera=C920")
+    page.locator(
+        "#another:not([hidden])", has_text="Asked for: C920. Opened: calibDB virtual camera"
+    ).wait_for()
+    page.wait_for_selector("#done:not([hidden])")
+    assert "Asked for: C920" in (page.locator("#done .another").text_content() or "")
+    assert page.locator("#done .another").is_visible()
+    picture(page, "capture-done-another")
 
 
 def test_what_goes_wrong_is_said(context: BrowserContext) -> None:

@@ -1,10 +1,11 @@
 // The camera: which there are, opening one as it is built, and what can go wrong in words a person can act on.
-import { setupFrom, labelOf, VirtualCamera } from "../virtual/camera.js";
+import { VirtualCamera, isVirtual, labelOf, setupFrom } from "../virtual/camera.js";
 
 /**
  * @typedef {object} Choice
  * @property {string} id device id, "" for the browser's own choice, "virtual"
  * @property {string} label
+ * @property {boolean} [named] the browser tells its name: it does once the camera was permitted
  *
  * @typedef {object} OpenCamera
  * @property {MediaStream} stream
@@ -31,8 +32,22 @@ export async function cameras(parameters) {
   const devices = (await navigator.mediaDevices?.enumerateDevices()) ?? [];
   const real = devices.filter(({ kind }) => kind === "videoinput");
   // Before permission is given labels are empty and there is at most one entry: the browser's own choice.
-  const choices = real.map(({ deviceId, label }, index) => ({ id: deviceId, label: label || `Camera ${index + 1}` }));
+  const choices = real.map(({ deviceId, label }, index) => ({
+    id: deviceId, label: label || `Camera ${index + 1}`, named: label !== "",
+  }));
   return [...choices, { id: "virtual", label: labelOf(setupFrom(parameters)) }];
+}
+
+/**
+ * The camera to propose: what was chosen, else what was asked for, else a real one. The virtual one never stands in for a
+ * real one that was asked for.
+ * @param {Choice[]} choices @param {string | null} asked label @param {string} chosen id, "" for none yet
+ * @returns {string} id; "" for none
+ */
+export function propose(choices, asked, chosen) {
+  const found = choices.find(({ id }) => id === chosen && chosen !== "") ?? choices.find(({ label }) => label === asked);
+  const real = choices.find(({ id }) => id !== "virtual");
+  return (found ?? real)?.id ?? (asked && !isVirtual(asked) ? "" : "virtual");
 }
 
 /**

@@ -1,7 +1,8 @@
 // Puts the state into the page. Reads nothing back, decides nothing.
 import { holdProgress } from "./state.js";
 import * as words from "./words.js";
-import { fieldOfView, fileName, numbers, verdict } from "./result.js";
+import { propose } from "./camera.js";
+import { fileName, numbers, verdict } from "./result.js";
 
 /** @typedef {import("./state.js").State} State */
 
@@ -23,6 +24,7 @@ export function findParts() {
     corners: svg("corners"), held: svg("held"), ring: svg("ring"),
     reticle: html("reticle"), instruction: html("instruction"), notice: html("notice"), facts: html("facts"),
     wanted: html("wanted"), problem: html("problem"),
+    another: html("another"), anothers: /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".another")),
     boardLinks: /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href="../board/"]')),
     camera: element("camera", HTMLSelectElement),
     start: element("start", HTMLButtonElement), startVirtual: element("start-virtual", HTMLButtonElement),
@@ -45,6 +47,8 @@ export function render(parts, state, before) {
   if (phase !== before?.phase) {
     for (const [name, sheet] of Object.entries(parts.sheets)) sheet.hidden = name !== phase;
     parts.reticle.hidden = parts.controls.hidden = phase !== "capturing";
+    // What had the focus is gone: go on where the page goes on. Not when it is first shown.
+    if (before) focus(parts, phase);
     if (phase === "failed") renderFailure(parts, state);
   }
   if (state.cameras !== before?.cameras) renderCameras(parts, state);
@@ -55,6 +59,12 @@ export function render(parts, state, before) {
   if (phase === "capturing") renderCapture(parts, state, before);
   if (state.session !== before?.session || state.progress !== before?.progress) renderProgress(parts, state);
   if (phase === "done" && before?.phase !== "done") renderResult(parts, state);
+}
+
+/** @param {Parts} parts @param {State["phase"]} phase */
+function focus({ instruction, sheets }, phase) {
+  if (phase === "capturing") instruction.focus();
+  else sheets[phase].querySelector("h1")?.focus();
 }
 
 /** @param {Parts} parts @param {State} state */
@@ -72,18 +82,22 @@ function renderFailure({ failure, kept, failedVirtual }, state) {
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderCameras({ camera, wanted }, { cameras, wanted: { camera: name, img_size: size } }) {
-  const chosen = camera.value;
-  camera.replaceChildren(...cameras.map(({ id, label }) => new Option(label, id)));
-  const asked = cameras.find(({ label }) => label === name);
-  const keep = cameras.find(({ id }) => id === chosen && chosen !== "");
-  camera.value = (keep ?? asked ?? cameras[0])?.id ?? "";
-  wanted.hidden = !name;
-  text(wanted, name ? `Asked for: ${name}${size ? ` at ${size.join(" × ")}` : ""}` : "");
+function renderCameras({ camera, wanted }, state) {
+  const proposed = propose(state.cameras, state.wanted.camera, camera.value);
+  camera.replaceChildren(...state.cameras.map(({ id, label }) => new Option(label, id)));
+  if (proposed === "" && state.cameras.every(({ id }) => id !== "")) camera.prepend(new Option("No camera found", ""));
+  camera.value = proposed;
+  text(wanted, words.wanted(state));
+  wanted.hidden = words.wanted(state) === "";
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderCamera({ stage, marks, pictureEdge, facts }, { key, mirrored, cropped, wanted }) {
+function renderCamera({ stage, marks, pictureEdge, facts, anothers }, state) {
+  const { key, mirrored, cropped } = state;
+  for (const place of anothers) {
+    text(place, words.another(state));
+    place.hidden = words.another(state) === "";
+  }
   stage.classList.toggle("mirrored", mirrored);
   if (!key) return text(facts, "");
   marks.setAttribute("viewBox", `-0.5 -0.5 ${key.img_size.join(" ")}`);
@@ -92,7 +106,6 @@ function renderCamera({ stage, marks, pictureEdge, facts }, { key, mirrored, cro
   const parts = [key.camera, key.img_size.join(" × ")];
   if (key.zoom) parts.push(`zoom ${key.zoom}`);
   if (cropped) parts.push("cropped by the browser");
-  if (wanted.camera && wanted.camera !== key.camera) parts.push(`not ${wanted.camera}, which was asked for`);
   text(facts, parts.join(" · "));
 }
 
@@ -131,11 +144,17 @@ function renderProgress(parts, state) {
   parts.progress.value = state.progress;
   text(parts.counts, words.counts(state));
   // Not while busy: a button that is disabled under the finger loses the keyboard's focus.
-  parts.undo.disabled = !state.session?.views.length;
+  const none = !state.session?.views.length;
+  // Read by the time the first view is taken; after the last one it is said again.
+  text(parts.another, words.another(state));
+  parts.another.hidden = !none || words.another(state) === "";
+  if (none && document.activeElement === parts.undo) parts.instruction.focus();
+  parts.undo.disabled = none;
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderResult(parts, { session }) {
+function renderResult(parts, state) {
+  const { session } = state;
   const calibration = session?.calibration;
   if (!session || !calibration) return;
   const { word, sentence } = verdict(calibration);
@@ -150,16 +169,12 @@ function renderResult(parts, { session }) {
     row.children[2].className = "unit";
     return row;
   }));
-  const { horizontal, vertical } = fieldOfView(calibration);
-  text(parts.summary, `${session.views.length} views. The lens sees ${horizontal.toFixed(1)}° across and ` +
-    `${vertical.toFixed(1)}° down, distortion aside. The corner positions were added to the database: once five ` +
-    "calibrations of this camera model agree, every web page can look it up.");
+  text(parts.summary, words.summary(state));
   const json = `${JSON.stringify(calibration, null, 2)}\n`;
   text(parts.json, json);
   URL.revokeObjectURL(parts.download.href);
   parts.download.href = URL.createObjectURL(new Blob([json], { type: "application/json" }));
   parts.download.download = fileName(calibration);
-  parts.verdict.focus();
 }
 
 /** @param {string} name @param {string} content */

@@ -50,12 +50,17 @@ export function setupFrom(parameters) {
   };
 }
 
+const NAME = "calibDB virtual camera";
+
+/** @param {string} label of a camera */
+export const isVirtual = (label) => label.startsWith(NAME);
+
 /** The name it reports: another lens is another camera. @param {Setup} setup */
 export function labelOf({ size, lens }) {
   const text = JSON.stringify([size, ...Object.entries(lens).flat()]);
   let hash = 0x811c9dc5; // FNV-1a
   for (const character of text) hash = Math.imul(hash ^ character.charCodeAt(0), 0x01000193) >>> 0;
-  return `calibDB virtual camera ${hash.toString(16).padStart(8, "0")}`;
+  return `${NAME} ${hash.toString(16).padStart(8, "0")}`;
 }
 
 export class VirtualCamera {

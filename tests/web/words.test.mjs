@@ -1,0 +1,54 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { DEFAULT_BOARD } from "../../web/board/geometry.js";
+import { propose } from "../../web/calibrate/camera.js";
+import { initial } from "../../web/calibrate/state.js";
+import * as words from "../../web/calibrate/words.js";
+import { labelOf, setupFrom } from "../../web/virtual/camera.js";
+
+const VIRTUAL = { id: "virtual", label: labelOf(setupFrom(new URLSearchParams())) };
+const BUILT_IN = { id: "a", label: "Integrated Camera", named: true };
+const C920 = { id: "b", label: "C920", named: true };
+const wanted = { camera: "C920", img_size: [1280, 720], distortion_model: "rectilinear" };
+const state = { ...initial(DEFAULT_BOARD, wanted), cameras: [BUILT_IN, VIRTUAL] };
+const key = { camera: "C920", platform: "X11", img_size: [1280, 720], zoom: 0 };
+
+test("the camera asked for is proposed, and the virtual one never in its place", () => {
+  assert.equal(propose([BUILT_IN, C920, VIRTUAL], "C920", ""), "b");
+  assert.equal(propose([BUILT_IN, C920, VIRTUAL], "C920", "a"), "a", "a choice stands");
+  assert.equal(propose([BUILT_IN, VIRTUAL], "C920", ""), "a");
+  assert.equal(propose([VIRTUAL], "C920", ""), "");
+  assert.equal(propose([VIRTUAL], VIRTUAL.label, ""), "virtual");
+  assert.equal(propose([VIRTUAL], null, ""), "virtual");
+});
+
+test("a camera that is not there is said not to be, as soon as names are known", () => {
+  assert.equal(words.wanted(state), "Asked for: C920 at 1280 × 720. It is not among the cameras found here.");
+  assert.equal(words.wanted({ ...state, cameras: [C920, VIRTUAL] }), "Asked for: C920 at 1280 × 720");
+  const nameless = { id: "", label: "Camera 1", named: false };
+  assert.equal(words.wanted({ ...state, cameras: [nameless, VIRTUAL] }), "Asked for: C920 at 1280 × 720");
+  assert.match(words.wanted({ ...state, cameras: [VIRTUAL] }), /No camera was found here/);
+});
+
+test("another camera, or another size, than was asked for is said to be opened", () => {
+  assert.equal(words.another({ ...state, key }), "");
+  assert.match(words.another({ ...state, key: { ...key, camera: "Integrated Camera" } }), /C920 at 1280 × 720. Opened: Integrated Camera/);
+  assert.match(words.another({ ...state, key: { ...key, img_size: [640, 480] } }), /Opened: C920 at 640 × 480/);
+  assert.equal(words.another({ ...state, key, wanted: { ...wanted, camera: null } }), "");
+});
+
+test("a practice run promises nothing to others", () => {
+  const calibration = { camera_matrix: [[1000, 0, 640], [0, 1000, 360], [0, 0, 1]], img_size: [1280, 720] };
+  const session = { calibration, views: [1, 2, 3, 4] };
+  assert.match(words.summary({ ...state, key, session }), /every web page can look it up/);
+  const practice = words.summary({ ...state, key: { ...key, camera: VIRTUAL.label }, session });
+  assert.match(practice, /practice run with a made-up camera/);
+  assert.doesNotMatch(practice, /every web page/);
+});
+
+test("what is waited for is named", () => {
+  assert.match(words.opening({ ...state, waiting: "camera" }), /If your browser asks, allow it/);
+  assert.match(words.opening({ ...state, waiting: "detector", loading: 0.5 }), /Loading the board detector/);
+  assert.match(words.opening({ ...state, waiting: "service" }), /Asking calibDB/);
+  assert.match(words.opening({ ...state, waiting: "service", patience: 2 }), /lost. Trying again/);
+});
