@@ -5,6 +5,7 @@ import re
 
 from playwright.sync_api import BrowserContext, Page, Request
 
+from .pictures import picture
 from .truth import Truth
 
 VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
@@ -46,6 +47,7 @@ def test_a_lost_camera_loses_no_views(page: Page) -> None:
         r"(1 view is|\d views are) kept. Try again with the same camera to go on.",
         page.locator("#kept").text_content() or "",
     )
+    picture(page, "capture-kept")
     before = int((page.locator("#counts").text_content() or "0").split()[0])
     page.locator("#again").click()
     page.locator("#controls:not([hidden])").wait_for()
@@ -60,6 +62,7 @@ def test_a_stop_that_would_lose_views_is_asked_for_twice(page: Page) -> None:
     page.locator("#stop").click()
     assert re.fullmatch(r"Stop and lose \d views?\?", page.locator("#stop").text_content() or "")
     assert page.locator("#controls").is_visible()
+    picture(page, "capture-stop")
     page.locator("#stop", has_text=re.compile("^Stop$")).wait_for(timeout=10_000)
     page.locator("#stop").click()
     page.locator("#stop").click()
@@ -73,6 +76,7 @@ def test_waiting_for_the_service_is_said_and_can_be_ended(context: BrowserContex
     page.route("**/v1/auth", lambda route: route.abort())
     page.goto(VIRTUAL)
     page.locator("#opening-text", has_text="connection to calibDB is lost. Trying again").wait_for()
+    picture(page, "capture-offline")
     page.locator("#cancel").click()
     page.locator("#welcome:not([hidden])").wait_for()
     before = len(asked)

@@ -31,7 +31,7 @@ export function boardFrom(query) {
     legacy: ["true", "1"].includes(query.get("legacy") ?? ""),
   };
   const reason = impossible(asked);
-  const instead = `The board asked for cannot be: ${reason}. This is the default one.`;
+  const instead = `The board asked for cannot be: ${reason}. The default board is taken instead.`;
   if (reason) return { board: DEFAULT_BOARD, problem: instead };
   return { board: /** @type {typeof DEFAULT_BOARD} */ (asked), problem: "" };
 }
