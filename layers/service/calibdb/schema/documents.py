@@ -41,13 +41,10 @@ class Finish(Open):
     solver: str
 
 
-class SessionDocument(Open):
-    """All of a running session: `sessions/<sid>/<version>.json`."""
+class CaptureDocument(Open):
+    """What was captured with what, as a session was started."""
 
     layout: Literal[1] = 1
-    session: str
-    first_version: int = 1  # differs between a session and the one started anew under its id
-    started: int  # unix seconds
     camera_key: str
     camera: str
     platform: str
@@ -58,6 +55,14 @@ class SessionDocument(Open):
     guidance: Guidance
     target_error: float
     track: Track
+
+
+class SessionDocument(CaptureDocument):
+    """All of a running session: `sessions/<sid>/<version>.json`."""
+
+    session: str
+    first_version: int = 1  # differs between a session and the one started anew under its id
+    started: int  # unix seconds
     next_index: int = 0
     views: tuple[ViewDocument, ...] = ()
     target: dict[str, JsonValue] | None = None
@@ -66,21 +71,10 @@ class SessionDocument(Open):
     finish: Finish | None = None
 
 
-class CalibrationDocument(Open):
+class CalibrationDocument(CaptureDocument):
     """All of a finished session: `calibrations/<camera key>/<id>.json`. Never overwritten."""
 
-    layout: Literal[1] = 1
     id: str
-    camera_key: str
-    camera: str
-    platform: str
-    img_size: ImgSize
-    zoom: float
-    distortion_model: DistortionModel
-    board: Board
-    guidance: Guidance
-    target_error: float
-    track: Track
     views: tuple[ViewDocument, ...]
     fits: dict[DistortionModel, FitRecord]
     solver: str
