@@ -1,0 +1,83 @@
+import assert from "node:assert/strict";
+import { readFileSync, readdirSync } from "node:fs";
+import { test } from "node:test";
+import { LANGUAGES, choose, known, learn, say } from "../../web/i18n.js";
+
+const WEB = new URL("../../web/", import.meta.url);
+const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: true })
+  .map((name) => name.replaceAll("\\", "/"))
+  .filter((name) => name.endsWith(kind) && !name.startsWith("vendor/"));
+const names = files("words/", ".js").map((name) => name.slice(0, -3));
+const rooms = Object.fromEntries(await Promise.all(names.map(async (name) =>
+  [name, (await import(new URL(`words/${name}.js`, WEB))).default])));
+const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("words/") && name !== "i18n.js")
+  .map((name) => readFileSync(new URL(name, WEB), "utf8"));
+const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
+/** What a text needs of whoever says it: values in braces, children of the element. */
+const needs = (text) => [...new Set(texts(text).flatMap((form) => form.match(/\{\w+\}|<\d>/g) ?? []))].sort();
+
+learn(rooms);
+
+test("every text is there in every language, with the same values", () => {
+  for (const [name, room] of Object.entries(rooms)) {
+    assert.deepEqual(Object.keys(room).sort(), Object.keys(LANGUAGES).sort(), name);
+    for (const language of Object.keys(LANGUAGES)) {
+      assert.deepEqual(Object.keys(room[language]).sort(), Object.keys(room.en).sort(), `${name}, ${language}`);
+      for (const [key, text] of Object.entries(room[language])) {
+        assert.deepEqual(needs(text), needs(room.en[key]), `${language} ${name}.${key}`);
+        for (const form of texts(text)) assert.ok(form.trim() === form && form !== "", `${language} ${name}.${key}`);
+      }
+    }
+  }
+});
+
+test("plural forms are those that the language has", () => {
+  for (const [name, room] of Object.entries(rooms)) {
+    for (const language of Object.keys(LANGUAGES)) {
+      const forms = new Intl.PluralRules(language).resolvedOptions().pluralCategories;
+      for (const [key, text] of Object.entries(room[language])) {
+        if (typeof text !== "string") assert.deepEqual(Object.keys(text).sort(), [...forms].sort(), `${language} ${name}.${key}`);
+      }
+    }
+  }
+});
+
+test("every text is used, and every text used is there", () => {
+  const all = new Set(Object.entries(rooms).flatMap(([name, room]) => Object.keys(room.en).map((key) => `${name}.${key}`)));
+  const mentioned = new Set(sources.flatMap((source) => source.match(new RegExp(`(?<=["'\`])(${names.join("|")})\\.[a-z0-9_.]+`, "g")) ?? []));
+  // `room.part_${code}` uses all that begin like that.
+  const begun = [...mentioned].filter((key) => /[._]$/.test(key) && [...all].some((text) => text.startsWith(key)));
+  const unused = [...all].filter((key) => !mentioned.has(key) && !begun.some((start) => key.startsWith(start)));
+  assert.deepEqual(unused, []);
+  const keys = new Set(sources.flatMap((source) =>
+    [...source.matchAll(/(?:\bt\(|data-t(?:-label|-title|-content)?=)"([a-z0-9_]+\.[a-z0-9_.]+)"/g)].map(([, key]) => key)));
+  assert.deepEqual([...keys].filter((key) => !known(key)), []);
+});
+
+test("a page reads in English before its script has run", () => {
+  for (const name of files("", ".html")) {
+    const page = readFileSync(new URL(name, WEB), "utf8");
+    for (const [, key, content] of page.matchAll(/<\w+[^>]* data-t="([^"]+)"[^>]*>([^]*?)<\/(?:p|h\d|a|button|label|span|th|td|li|summary|legend|figcaption|option|title|strong|dt|dd|caption)>/g)) {
+      const text = say(key, {}, "en").replace(/<\/?\d>/g, "");
+      const shown = content.replace(/<[^>]*>/g, "").replace(/\s+/g, " ").trim();
+      if (shown && !content.includes("data-t")) assert.ok(text.startsWith(shown) || shown === text, `${name}: ${key}: ${shown} / ${text}`);
+    }
+  }
+});
+
+test("the language is the one asked for, else the one kept, else the browser's first that there is", () => {
+  assert.equal(choose("de", "uk", ["en"]), "de");
+  assert.equal(choose("fr", "uk", ["en"]), "uk");
+  assert.equal(choose(null, null, ["fr-FR", "de-AT", "en"]), "de");
+  assert.equal(choose(null, null, ["fr"]), "en");
+});
+
+test("values and plural forms are put in", () => {
+  const views = { en: { one: "{count} view", other: "{count} views" }, de: { one: "{count} Ansicht", other: "{count} Ansichten" },
+    uk: { one: "{count} вигляд", few: "{count} вигляди", many: "{count} виглядів", other: "{count} вигляду" } };
+  learn({ trial: { en: { views: views.en }, de: { views: views.de }, uk: { views: views.uk } } });
+  assert.equal(say("trial.views", { count: 1 }, "en"), "1 view");
+  assert.equal(say("trial.views", { count: 3 }, "uk"), "3 вигляди");
+  assert.equal(say("trial.views", { count: 5 }, "uk"), "5 виглядів");
+  assert.equal(say("trial.none", {}, "en"), "trial.none");
+});

@@ -1,0 +1,162 @@
+// What the pages say, in the visitor's language.
+//
+//     import { learn, t, translate } from "../i18n.js";
+//     import board from "../words/board.js";
+//     learn({ board });
+//     t("board.full_screen"); t("board.views", { count: 3 });
+//
+// A room of words is { en: {key: text}, de: {…}, uk: {…} } with the same keys in each. A text has its values in braces,
+// "{count} views"; one that depends on a number is an object of plural forms, chosen by the value `count`.
+// In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title. Where the element has
+// children of its own, "<0>…</0>" in the text is the first of them, "<1>…</1>" the second.
+
+/**
+ * @typedef {"en" | "de" | "uk"} Language
+ * @typedef {string | Partial<Record<Intl.LDMLPluralRule, string>>} Text
+ * @typedef {Record<Language, Record<string, Text>>} Room
+ */
+
+/** The languages by their own names. @type {Record<Language, string>} */
+export const LANGUAGES = { en: "English", de: "Deutsch", uk: "Українська" };
+const CHOICE = { en: "Language", de: "Sprache", uk: "Мова" };
+const KEPT = "calibdb.language";
+
+/** @type {Map<string, Room>} */
+const rooms = new Map();
+/** @type {Set<(language: Language) => void>} */
+const listeners = new Set();
+/** @type {WeakMap<Element, Element[]>} an element's own children, in the order of the page */
+const children = new WeakMap();
+/** @type {Language | null} */
+let current = null;
+
+/** Adds rooms of words, by their names. @param {Record<string, Room>} named */
+export function learn(named) {
+  for (const [name, room] of Object.entries(named)) rooms.set(name, room);
+}
+
+/** The language spoken now. @returns {Language} */
+export function language() {
+  current ??= choose(asked(), keep(), globalThis.navigator?.languages ?? []);
+  return current;
+}
+
+/**
+ * The first of these that there is: asked for in the address, chosen before, preferred in the browser; else English.
+ * @param {string | null} wanted @param {string | null} kept @param {readonly string[]} preferred BCP 47, best first
+ * @returns {Language}
+ */
+export function choose(wanted, kept, preferred) {
+  const known = [wanted, kept, ...preferred].map((tag) => tag?.toLowerCase().split("-")[0] ?? "").find((tag) => tag in LANGUAGES);
+  return /** @type {Language} */ (known ?? "en");
+}
+
+/** Speaks another language from now on, on this page and the next ones. @param {Language} chosen */
+export function setLanguage(chosen) {
+  current = chosen;
+  keep(chosen);
+  if (globalThis.document) translate(document.documentElement);
+  for (const listener of listeners) listener(chosen);
+}
+
+/** @param {(language: Language) => void} listener called after each change @returns {() => void} ends it */
+export function onLanguage(listener) {
+  listeners.add(listener);
+  return () => listeners.delete(listener);
+}
+
+/**
+ * A text in the language spoken now.
+ * @param {string} key "room.key" @param {Record<string, string | number>} [values] for what is in braces
+ * @returns {string} the key itself where there is no such text
+ */
+export function t(key, values = {}) {
+  return say(key, values, language());
+}
+
+/** @param {string} key @param {Record<string, string | number>} values @param {Language} spoken */
+export function say(key, values, spoken) {
+  const dot = key.indexOf(".");
+  const text = rooms.get(key.slice(0, dot))?.[spoken]?.[key.slice(dot + 1)];
+  if (text === undefined) return key;
+  const form = typeof text === "string" ? text : text[new Intl.PluralRules(spoken).select(Number(values.count))] ?? text.other ?? key;
+  return form.replace(/\{(\w+)\}/g, (braces, name) => (name in values ? String(values[name]) : braces));
+}
+
+/** Whether there is such a text. @param {string} key */
+export function known(key) {
+  return say(key, {}, "en") !== key;
+}
+
+/** A number as it is written in the language spoken now. @param {number} value @param {number} digits after the point */
+export function number(value, digits) {
+  return value.toLocaleString(language(), { minimumFractionDigits: digits, maximumFractionDigits: digits });
+}
+
+/** Puts the texts into all marked elements in and below one; sets the page's language too. @param {Element} root */
+export function translate(root) {
+  root.ownerDocument.documentElement.lang = language();
+  for (const element of [root, ...root.querySelectorAll("[data-t], [data-t-label], [data-t-title], [data-t-content]")]) {
+    const { t: text, tLabel, tTitle, tContent } = /** @type {HTMLElement} */ (element).dataset ?? {};
+    if (text) write(element, t(text));
+    if (tLabel) element.setAttribute("aria-label", t(tLabel));
+    if (tTitle) element.setAttribute("title", t(tTitle));
+    if (tContent) element.setAttribute("content", t(tContent));
+  }
+}
+
+/** Makes a select the place where the language is chosen. @param {HTMLSelectElement} select */
+export function offerLanguages(select) {
+  select.replaceChildren(...Object.entries(LANGUAGES).map(([code, name]) => {
+    const option = new Option(name, code);
+    option.lang = code;
+    return option;
+  }));
+  const show = () => {
+    select.value = language();
+    select.setAttribute("aria-label", CHOICE[language()]);
+  };
+  select.addEventListener("change", () => setLanguage(/** @type {Language} */ (select.value)));
+  onLanguage(show);
+  show();
+}
+
+/** A text around the element's own children, which keep what they do. @param {Element} element @param {string} text */
+function write(element, text) {
+  const own = children.get(element) ?? [...element.children];
+  children.set(element, own);
+  const parts = text.split(/<(\d)>(.*?)<\/\1>/);
+  if (parts.length === 1 && own.length === 0) {
+    // Written only where it changed: a live region speaks on every write.
+    if (element.textContent !== text) element.textContent = text;
+    return;
+  }
+  /** @type {(string | Element)[]} */
+  const content = [];
+  for (let at = 0; at < parts.length; at += 3) {
+    content.push(parts[at]);
+    const child = own[Number(parts[at + 1])];
+    if (!child) continue;
+    child.textContent = parts[at + 2];
+    content.push(child);
+  }
+  element.replaceChildren(...content);
+}
+
+/** The language that the address asks for. */
+function asked() {
+  return globalThis.location ? new URLSearchParams(location.search).get("lang") : null;
+}
+
+/** Keeps the choice, and tells the one kept before. @param {Language} [chosen] @returns {string | null} */
+function keep(chosen) {
+  try {
+    const kept = globalThis.localStorage?.getItem(KEPT) ?? null;
+    if (chosen) globalThis.localStorage?.setItem(KEPT, chosen);
+    return kept;
+  } catch (error) {
+    // A browser that keeps nothing for pages refuses the very question.
+    if (!(error instanceof DOMException)) throw error;
+    return null;
+  }
+}
