@@ -66,9 +66,36 @@ function plainSchema(node, named = false) {
   return plain;
 }
 
-/** Types of the API's bodies, from the document that the service publishes. */
-async function vendorTypes() {
-  const { components } = JSON.parse(readFileSync(`${root}web/openapi.json`, "utf8"));
+/** One variable font: Latin, and Cyrillic that only those load who read it. */
+function vendorFont() {
+  const from = `${root}node_modules/@fontsource-variable/sofia-sans/`;
+  mkdirSync(`${vendor}font`, { recursive: true });
+  for (const script of ["latin", "cyrillic"]) {
+    copyFileSync(`${from}files/sofia-sans-${script}-wght-normal.woff2`, `${vendor}font/sofia-sans-${script}.woff2`);
+  }
+  copyFileSync(`${from}LICENSE`, `${vendor}font/LICENSE`);
+}
+
+/** The QR encoder. */
+function vendorQr() {
+  const from = `${root}node_modules/uqr/`;
+  mkdirSync(`${vendor}uqr`, { recursive: true });
+  copyFileSync(`${from}dist/index.mjs`, `${vendor}uqr/uqr.js`);
+  copyFileSync(`${from}dist/index.d.ts`, `${vendor}uqr/uqr.d.ts`);
+  copyFileSync(`${from}LICENSE`, `${vendor}uqr/LICENSE`);
+}
+
+/** @param {any} document OpenAPI: the formats in which it hands out a calibration */
+function vendorFormats({ paths }) {
+  const { parameters } = paths["/v1/calibrations/{id}"].get;
+  const { schema } = parameters.find((/** @type {{name: string}} */ { name }) => name === "format");
+  const banner = "// Made from web/openapi.json by infra/tools/vendor.mjs.\n";
+  writeFileSync(`${vendor}formats.js`, `${banner}export const FORMATS = ${JSON.stringify(schema.enum)};\n`);
+  writeFileSync(`${vendor}formats.d.ts`, `${banner}export const FORMATS: string[];\n`);
+}
+
+/** Types of the API's bodies. @param {any} document OpenAPI */
+async function vendorTypes({ components }) {
   const definitions = Object.fromEntries(
     Object.entries(components.schemas).map(([name, schema]) => [name, plainSchema(schema, true)]),
   );
@@ -84,5 +111,9 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   rmSync(vendor, { recursive: true, force: true });
   mkdirSync(vendor, { recursive: true });
   vendorOpenCV();
-  await vendorTypes();
+  vendorFont();
+  vendorQr();
+  const api = JSON.parse(readFileSync(`${root}web/openapi.json`, "utf8"));
+  vendorFormats(api);
+  await vendorTypes(api);
 }
