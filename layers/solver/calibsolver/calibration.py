@@ -1,6 +1,8 @@
 """The result of a fit."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -35,6 +37,8 @@ class Calibration:
         For each view (n,) whether a point took part in the final fit.
     prior_used
         Whether the data were too few to go without the prior.
+    cut_views
+        Views wholly left out of the fit: index -> why.
     """
 
     camera: Camera
@@ -46,6 +50,7 @@ class Calibration:
     residuals: tuple[Array, ...]
     used: tuple[Mask, ...]
     prior_used: bool
+    cut_views: Mapping[int, str] = field(default_factory=lambda: MappingProxyType({}))
 
     def projection_std(self, grid: tuple[int, int] = (20, 15)) -> Array:
         """Predicted error of a projection over the image, px, (rows, columns) for `grid` = (columns, rows).

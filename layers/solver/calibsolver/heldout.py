@@ -1,0 +1,74 @@
+"""The error on views that took no part in the fit: what a calibration is worth elsewhere."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .arrays import Array, frozen
+from .errors import CalibrationError
+from .fit import fit
+from .score import score
+from .view import View
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """The result of a cross-validation.
+
+    Attributes
+    ----------
+    rms
+        px, root of the mean square distance over all points of the views left out.
+    folds
+        px, the same for each fold.
+    view_errors
+        (v,) px, rms of each view when it was left out; NaN where it never was.
+    """
+
+    rms: float
+    folds: tuple[float, ...]
+    view_errors: Array
+
+
+def held_out(
+    views: Sequence[View],
+    img_size: tuple[int, int],
+    model: str = "rectilinear",
+    folds: int = 5,
+    split: Sequence[int] | None = None,
+) -> HeldOut:
+    """Cross-validate: intrinsics from the training views, the poses of the views left out fitted anew.
+
+    Parameters
+    ----------
+    views, img_size, model
+        As for `fit`.
+    folds
+        Number of parts; every view is left out once, view i in part i mod folds. With fewer views than
+        that, every view makes a part.
+    split
+        Part of each view, counted from 0, in place of that; negative: always in the training.
+
+    Raises
+    ------
+    CalibrationError
+        ``too_few_views`` where no training view would be left, or what the fit of a part raises.
+    """
+    part = np.arange(len(views)) % max(min(folds, len(views)), 1) if split is None else np.asarray(split)
+    if part.shape != (len(views),):
+        raise ValueError("split must name a part for each view")
+    parts = [np.flatnonzero(part == p).tolist() for p in np.unique(part[part >= 0])]
+    if not parts or any(len(left) == len(views) for left in parts):
+        raise CalibrationError("too_few_views", "without the views left out there are none to fit")
+    errors, counts = np.full(len(views), np.nan), np.array([len(view) for view in views])
+    for left in parts:
+        camera = fit([view for i, view in enumerate(views) if i not in left], img_size, model).camera
+        errors[left] = score(camera, [views[i] for i in left]).view_errors
+
+    def rms(index: list[int]) -> float:
+        return float(np.sqrt(np.average(errors[index] ** 2, weights=counts[index])))
+
+    return HeldOut(
+        rms([i for left in parts for i in left]), tuple(rms(left) for left in parts), frozen(errors)
+    )
