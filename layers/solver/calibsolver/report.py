@@ -1,0 +1,81 @@
+"""What a calibration is worth, in figures for a page that shows them."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from .arrays import Array
+from .calibration import Calibration
+from .verdict import Assessment, Reason, assess, residual_vectors
+from .view import View
+
+__all__ = ["Assessment", "Reason", "assess", "describe"]
+
+
+def describe(
+    calibration: Calibration,
+    views: Sequence[View],
+    indices: Sequence[int] | None = None,
+    held_out: float | None = None,
+) -> dict[str, Any]:
+    """Describe a calibration for a page that shows it: plain JSON values, rounded to what they carry.
+
+    Parameters
+    ----------
+    calibration, views
+        The fit, and what was fitted.
+    indices
+        The views' names in the capture they come from; counted from 0 where there are none.
+    held_out
+        px, rms of a cross-validation, where there is one.
+
+    Returns
+    -------
+    ``verdict`` (level, reasons), ``std`` (standard deviations of the intrinsics), ``error_map`` (predicted
+    projection error over the image, px, null where the model has no ray), ``held_out`` (px), ``views``: per
+    view its ``index``, ``rms``, ``points`` (px), ``residuals`` (measured minus predicted, px), ``rvec``,
+    ``tvec`` (board -> camera), ``cut`` (numbers of the points left out), ``reason`` (why the whole view was
+    left out, or null).
+    """
+    verdict = assess(calibration, views, held_out)
+    std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
+    grid = (20, 15)
+    vectors = residual_vectors(calibration, views)
+    return {
+        "verdict": {
+            "level": verdict.level,
+            "reasons": [{"code": r.code, "text": r.text} for r in verdict.reasons],
+        },
+        "std": {
+            **{name: _digits(value) for name, value in zip(("fx", "fy", "cx", "cy"), std, strict=False)},
+            "distortion": [_digits(value) for value in std[4:]],
+        },
+        "error_map": {
+            "grid": list(grid),
+            "px": _nested(calibration.projection_std(grid), _digits),
+        },
+        "held_out": None if held_out is None else round(held_out, 4),
+        "views": [
+            {
+                "index": i if indices is None else indices[i],
+                "rms": round(float(calibration.view_errors[i]), 4),
+                "points": _nested(view.image_points, lambda x: round(x, 2)),
+                "residuals": _nested(vectors[i], lambda x: round(x, 3)),
+                "rvec": [round(float(x), 6) for x in calibration.poses[i, :3]],
+                "tvec": [_digits(x, 6) for x in calibration.poses[i, 3:]],
+                "cut": np.flatnonzero(~calibration.used[i]).tolist(),
+                "reason": calibration.cut_views.get(i),
+            }
+            for i, view in enumerate(views)
+        ],
+    }
+
+
+def _digits(value: float, digits: int = 3) -> float | None:
+    """Round to so many significant digits; None where it is no number."""
+    return float(f"{float(value):.{digits}g}") if np.isfinite(value) else None
+
+
+def _nested(values: Array, rounded: Callable[[float], float | None]) -> list[list[float | None]]:
+    return [[rounded(float(x)) if np.isfinite(x) else None for x in row] for row in values]

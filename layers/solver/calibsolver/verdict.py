@@ -1,0 +1,194 @@
+"""Whether a calibration can be trusted, and why not, in plain words."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from . import models
+from .arrays import Array
+from .calibration import Calibration
+from .normal import Poses, project
+from .observations import Observations
+from .uncertainty import pixel_grid
+from .view import View
+
+Level = Literal["good", "fair", "poor"]
+Code = Literal[
+    "too_few_views",
+    "no_tilt",
+    "edges_not_covered",
+    "uncertain",
+    "over_fitted",
+    "model_too_simple",
+    "noisy",
+    "outliers",
+    "views_left_out",
+]
+
+REFERENCE = 1280.0
+"""Image width at which the lengths below are meant, px; they scale with it."""
+REACH = 0.12
+"""Of the image's diagonal: how far a corner speaks for its surroundings."""
+NOTICED = 0.1
+"""px, differences below which nobody feels."""
+# The first of two makes a calibration fair, the second poor.
+FEW_VIEWS = (4, 2)
+TILT = (15.0, 5.0)
+"""Degrees between sight line and board normal: below it focal length and distance trade places."""
+COVERED = (0.6, 0.2)
+"""Share of the rim of the image that has seen corners."""
+UNCERTAIN = (0.6, 2.0)
+"""px, predicted rms projection error."""
+OVER_FITTED = (1.4, 2.5)
+"""Error on views left out / error on those fitted."""
+SYSTEMATIC = 0.3
+"""Share of the residuals' length that is the same in all views."""
+NOISY = (0.5, 1.5)
+"""px, noise of one coordinate."""
+OUTLIERS = (0.05, 0.2)
+"""Share of the points left out."""
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a calibration is not good: a code for programs, a sentence for people."""
+
+    code: Code
+    text: str
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """A verdict and what it rests on; no reasons where it is good."""
+
+    level: Level
+    reasons: tuple[Reason, ...]
+
+
+def assess(calibration: Calibration, views: Sequence[View], held_out: float | None = None) -> Assessment:
+    """Judge a calibration by its fit and by its views.
+
+    Parameters
+    ----------
+    calibration, views
+        The fit, and what was fitted.
+    held_out
+        px, rms of a cross-validation (`heldout.held_out`), where there is one.
+    """
+    found: list[tuple[Level, Reason]] = []
+
+    def note(level: Level, code: Code, text: str) -> None:
+        if level != "good":
+            found.append((level, Reason(code, text)))
+
+    scale = calibration.camera.img_size[0] / REFERENCE
+    left_out = len(calibration.cut_views)
+    count = len(views) - left_out
+    note(_below(count, FEW_VIEWS), "too_few_views", f"{count} views can agree by chance; 4 hardly do")
+
+    tilt = float(np.degrees(tilts(calibration, views).max()))
+    text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
+    note(_below(tilt, TILT), "no_tilt", text)
+
+    seen = rim_covered(views, calibration.camera.img_size)
+    text = f"the board came near {seen:.0%} of the rim of the image"
+    note(_below(seen, COVERED), "edges_not_covered", text)
+
+    error = calibration.uncertainty().rms
+    text = f"projections are expected to be {error:.1f} px off: more views would help"
+    note(_above(error / scale, UNCERTAIN), "uncertain", text)
+
+    train = calibration.avg_reprojection_error
+    if held_out is not None and held_out - train > NOTICED * scale:
+        text = f"views left out of the fit are explained to {held_out:.2f} px, those in it to {train:.2f} px"
+        note(_above(held_out / max(train, 1e-12), OVER_FITTED), "over_fitted", text)
+
+    share, common = systematic(calibration, views)
+    if common > NOTICED * scale:
+        text = f"all views err in the same way by {common:.1f} px: the model {calibration.camera.model}"
+        text += " cannot follow this lens, or the board is not flat"
+        note(_above(share, (SYSTEMATIC, np.inf)), "model_too_simple", text)
+
+    text = f"corners were found to {calibration.noise:.1f} px only: blur, motion, or a board that is not flat"
+    note(_above(calibration.noise / scale, NOISY), "noisy", text)
+
+    cut = 1 - sum(int(u.sum()) for u in calibration.used) / sum(len(view) for view in views)
+    text = f"{cut:.0%} of the corners contradict the others and were left out"
+    note(_above(cut, OUTLIERS), "outliers", text)
+    text = f"{left_out} of {len(views)} views contradict the others and were left out"
+    note(_above(left_out, (0, len(views) / 2)), "views_left_out", text)
+
+    level: Level = "good"
+    if found:
+        level = "poor" if any(each == "poor" for each, _ in found) else "fair"
+    return Assessment(level, tuple(reason for _, reason in found))
+
+
+def _above(value: float, bounds: tuple[float, float]) -> Level:
+    fair, poor = bounds
+    return "poor" if value > poor else "fair" if value > fair else "good"
+
+
+def _below(value: float, bounds: tuple[float, float]) -> Level:
+    fair, poor = bounds
+    return _above(-value, (-fair, -poor))
+
+
+def residual_vectors(calibration: Calibration, views: Sequence[View]) -> list[Array]:
+    """Measured minus predicted pixel of every point: for each view (n, 2), px."""
+    obs = Observations.of(views)
+    model, k = models.get(calibration.camera.model), calibration.camera.intrinsics
+    q = project(model, k, Poses.of_vectors(calibration.poses), obs.points)
+    return [(obs.pixels[i] - q[i]).T[obs.mask[i]] for i in range(len(views))]
+
+
+def tilts(calibration: Calibration, views: Sequence[View]) -> Array:
+    """Angle (v,) between each board's normal and the line of sight to its middle, radians."""
+    poses = Poses.of_vectors(calibration.poses)
+    middle = np.stack([view.object_points.mean(axis=0) for view in views])[:, :, None]
+    sight = poses.camera_points(middle)[:, :, 0]
+    cosine = np.abs(np.einsum("vi,vi->v", poses.r[:, :, 2], sight)) / np.linalg.norm(sight, axis=1)
+    angle: Array = np.arccos(np.clip(cosine, 0, 1))
+    return angle
+
+
+def rim_covered(views: Sequence[View], img_size: tuple[int, int], grid: tuple[int, int] = (12, 9)) -> float:
+    """Share of the outermost cells of the image that have a corner near."""
+    cells = pixel_grid(img_size, grid)
+    rim = np.ones((grid[1], grid[0]), dtype=bool)
+    rim[1:-1, 1:-1] = False
+    centers = cells[:, rim].T
+    points = np.concatenate([view.image_points for view in views])
+    distance = np.linalg.norm(centers[:, None] - points[None], axis=2).min(axis=1)
+    return float(np.mean(distance < REACH * np.hypot(*img_size)))
+
+
+def systematic(
+    calibration: Calibration, views: Sequence[View], grid: tuple[int, int] = (8, 6)
+) -> tuple[float, float]:
+    """Part of the residuals that depends on the place in the image alone: share of their rms, and px rms.
+
+    The mean over a cell of independent residuals has their variance / n; what is more than that the model
+    leaves unexplained. A board that is bent shows in each view elsewhere, and counts little.
+    """
+    w, h = calibration.camera.img_size
+    used = np.concatenate(calibration.used)
+    e = np.concatenate(residual_vectors(calibration, views))[used]
+    q = np.concatenate([view.image_points for view in views])[used]
+    column = np.clip(((q[:, 0] + 0.5) / w * grid[0]).astype(int), 0, grid[0] - 1)
+    row = np.clip(((q[:, 1] + 0.5) / h * grid[1]).astype(int), 0, grid[1] - 1)
+    cell = row * grid[0] + column
+    cells = grid[0] * grid[1]
+    n = np.bincount(cell, minlength=cells)
+    total = np.stack([np.bincount(cell, e[:, axis], cells) for axis in (0, 1)])
+    enough = n >= 4
+    between = float(np.sum(total[:, enough] ** 2 / n[enough]))  # sum of n |mean|^2
+    inside = float(np.sum(e**2))
+    count, filled = float(n[enough].sum()), int(enough.sum())
+    if count <= filled or inside <= 0:
+        return 0.0, 0.0
+    within = (inside - between) / (len(e) - filled)
+    common = max(between - filled * within, 0.0) / count
+    return float(np.sqrt(common / (inside / len(e)))), float(np.sqrt(common))
