@@ -1,16 +1,34 @@
-"""Finished calibrations: objects that are never overwritten, and the index items that find them."""
+"""Finished calibrations: objects that are never overwritten, and the index items that find them.
+
+One that was withdrawn keeps its object; a tombstone beside it, `<id>.withdrawn.json`, says so, and its item
+is marked. It counts for nothing any more, and publishing it again does not bring it back.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
+from pydantic import ValidationError
+
 from calibdb.schema import CalibrationDocument
-from calibdb.store.keys import calibration_object, calibrations_prefix, camera_pk
+from calibdb.store.keys import (
+    WITHDRAWN,
+    Mode,
+    calibration_object,
+    calibrations_prefix,
+    camera_pk,
+    parse_calibration_sk,
+    tombstone_object,
+)
 from calibdb.store.objects import Objects
-from calibdb.store.table import Item, Table
+from calibdb.store.table import Condition, Item, Table
 
 _READERS = 8  # objects read at a time
+_MOST_ITEMS = 2_000  # of a mode that are looked through for those that count
+_CROPPED = "crop-and-scale"
+_NOT_WITHDRAWN = Condition("attribute_not_exists(withdrawn)")
 
 
 class Calibrations:
@@ -21,41 +39,83 @@ class Calibrations:
         self._objects = objects
 
     def get(self, calibration_id: str) -> CalibrationDocument | None:
-        """Return the calibration, None when there is none."""
+        """Return the calibration, None when there is none that this version can read."""
         name = calibration_object(calibration_id)
         content = self._objects.get(name) if name else None
-        return CalibrationDocument.model_validate_json(content) if content is not None else None
+        return _document(content) if content is not None else None
 
     def publish(self, document: CalibrationDocument) -> None:
         """Store the calibration and let the index find it; done twice, it is done once."""
         self._objects.create(_name(document.id), document.model_dump_json().encode())
         self.index(document)
 
-    def index(self, document: CalibrationDocument) -> None:
-        """Write the index item; it follows from the document, so that writing it again changes nothing."""
-        self._table.put(_item(document))
+    def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
+        """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
+        if withdrawn:
+            self._table.put({**_item(document), "withdrawn": 1})
+        else:
+            self._table.put(_item(document), _NOT_WITHDRAWN)
 
-    def newest(self, camera_key: str, img_size: tuple[int, int], zoom: float, limit: int) -> list[str]:
-        """Return ids of at most `limit` calibrations of a camera at one size and zoom, last begun first."""
-        items = self._table.query(
-            camera_pk(camera_key),
-            calibrations_prefix(img_size, zoom),
-            newest_first=True,  # ids sort by the time at which the session was started
-            limit=limit,
-            consistent=True,
+    def withdraw(self, document: CalibrationDocument, reason: str, now: int) -> bool:
+        """Let the calibration count for nothing any more; False when it was withdrawn before."""
+        content = json.dumps({"layout": 1, "id": document.id, "reason": reason, "time": now})
+        created = self._objects.create(_tombstone(document.id), content.encode())
+        self.index(document, withdrawn=True)
+        return created
+
+    def newest(
+        self, camera_key: str, img_size: tuple[int, int], zoom: float, limit: int, period: int = 0
+    ) -> list[str]:
+        """Return ids of at most `limit` calibrations of a camera at one size and zoom, last begun first.
+
+        Only those that count: not withdrawn, of the stream as the camera gives it, and one of each
+        contributor in `period` seconds (0: all of them).
+        """
+        place = camera_pk(camera_key), calibrations_prefix(img_size, zoom)
+        ids: list[str] = []
+        # Mostly all of them count; where they do not, one is not kept out by many that are passed over.
+        for most in (limit + limit // 4, _MOST_ITEMS):
+            # Ids sort by the time at which the session was started.
+            items = self._table.query(*place, newest_first=True, limit=most, consistent=True)
+            ids = _counting(items, period)[:limit]
+            if len(ids) == limit or len(items) < most:
+                break
+        return ids
+
+    def modes(self, camera_key: str) -> list[Mode]:
+        """Return the sizes and zooms at which the camera was calibrated."""
+        items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
+        parsed = (parse_calibration_sk(str(item["sk"])) for item in items if "withdrawn" not in item)
+        return sorted(
+            {Mode(camera_key, found[0], found[1]) for found in parsed if found},
+            key=lambda mode: (mode.img_size, mode.zoom),
         )
-        return [str(item["sk"]).rpartition("#")[2] for item in items]
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
         """Return the calibrations with these ids, those that there are, in their order."""
         return [document for document in self._read(ids) if document is not None]
 
     def all(self) -> Iterator[CalibrationDocument]:
-        """Yield every calibration in the bucket: what the index is rebuilt from."""
-        for name in self._objects.names("calibrations/"):
-            content = self._objects.get(name)
-            if content is not None:
-                yield CalibrationDocument.model_validate_json(content)
+        """Yield every calibration in the bucket, withdrawn or not."""
+        for document, _ in self.everything():
+            yield document
+
+    def everything(self) -> Iterator[tuple[CalibrationDocument, bool]]:
+        """Yield every calibration in the bucket, and whether it was withdrawn: what the index is made of."""
+        names = iter([*self._names(), ""])
+        name = next(names)
+        while name:
+            following = next(names)
+            # A tombstone sorts directly after what it is of.
+            withdrawn = following == name.removesuffix(".json") + WITHDRAWN
+            content = None if name.endswith(WITHDRAWN) else self._objects.get(name)
+            document = _document(content) if content is not None else None
+            if document is not None:
+                yield document, withdrawn
+            name = next(names) if withdrawn else following
+
+    def _names(self) -> list[str]:
+        return sorted(self._objects.names("calibrations/"))
 
     def _read(self, ids: Sequence[str]) -> list[CalibrationDocument | None]:
         if len(ids) < 2:
@@ -64,8 +124,36 @@ class Calibrations:
             return list(readers.map(self.get, ids))
 
 
+def _counting(items: Sequence[Item], period: int) -> list[str]:
+    ids, heard = [], set()
+    for item in items:
+        if "withdrawn" in item or item.get("native", 1) == 0:
+            continue
+        if period:
+            who = item["contributor"], int(str(item["time"])) // period
+            if who in heard:
+                continue
+            heard.add(who)
+        ids.append(str(item["sk"]).rpartition("#")[2])
+    return ids
+
+
+def _document(content: bytes) -> CalibrationDocument | None:
+    try:
+        return CalibrationDocument.model_validate_json(content)
+    except ValidationError:  # of a later version, whose models this one does not know
+        return None
+
+
 def _name(calibration_id: str) -> str:
     name = calibration_object(calibration_id)
+    if name is None:
+        raise ValueError(f"not the id of a calibration: {calibration_id!r}")
+    return name
+
+
+def _tombstone(calibration_id: str) -> str:
+    name = tombstone_object(calibration_id)
     if name is None:
         raise ValueError(f"not the id of a calibration: {calibration_id!r}")
     return name
@@ -77,5 +165,6 @@ def _item(document: CalibrationDocument) -> Item:
         "sk": calibrations_prefix(document.img_size, document.zoom) + document.id,
         "contributor": document.contributor,
         "model": document.distortion_model,
+        "native": int(document.track.resizeMode != _CROPPED),
         "time": document.time,
     }

@@ -3,9 +3,32 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
+
+WITHDRAWN = ".withdrawn.json"  # what the name of a tombstone ends with
 
 _CONSENSUS_ID = re.compile(r"(c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12})~([0-9]+)x([0-9]+)~([0-9.]+)~([a-z]+)")
+_CALIBRATION_SK = re.compile(r"CALIBRATION#([0-9]+)x([0-9]+)#([0-9.]+)#([0-9a-z-]+)")
 _CALIBRATION_ID = re.compile(r"(c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12})-[0-9a-f]{20}")
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A camera (its key) at one image size and zoom: what a consensus is of."""
+
+    camera_key: str
+    img_size: tuple[int, int]
+    zoom: float
+
+    @property
+    def pk(self) -> str:
+        """Partition of the camera."""
+        return camera_pk(self.camera_key)
+
+    @property
+    def text(self) -> str:
+        """`1280x720#0`, as it is written in every `sk`."""
+        return f"{size_text(self.img_size)}#{zoom_text(self.zoom)}"
 
 
 def size_text(img_size: tuple[int, int]) -> str:
@@ -33,6 +56,17 @@ def consensus_sk(img_size: tuple[int, int], zoom: float, model: str) -> str:
     return f"CONSENSUS#{size_text(img_size)}#{zoom_text(zoom)}#{model}"
 
 
+def groups_sk(img_size: tuple[int, int], zoom: float, model: str) -> str:
+    """Return the `sk` of what is known of the calibrations behind a consensus."""
+    return f"GROUPS#{size_text(img_size)}#{zoom_text(zoom)}#{model}"
+
+
+def parse_calibration_sk(sk: str) -> tuple[tuple[int, int], float, str] | None:
+    """Return size, zoom and id of the calibration under this `sk`, None when it is no such `sk`."""
+    match = _CALIBRATION_SK.fullmatch(sk)
+    return ((int(match[1]), int(match[2])), float(match[3]), match[4]) if match else None
+
+
 def consensus_id(camera_key: str, img_size: tuple[int, int], zoom: float, model: str) -> str:
     """Return the id under which a consensus can be asked for."""
     return f"{camera_key}~{size_text(img_size)}~{zoom_text(zoom)}~{model}"
@@ -50,3 +84,14 @@ def calibration_object(calibration_id: str) -> str | None:
     """Return the object's name of the calibration with this id, None when it is no such id."""
     match = _CALIBRATION_ID.fullmatch(calibration_id)
     return f"calibrations/{match[1]}/{calibration_id}.json" if match else None
+
+
+def tombstone_object(calibration_id: str) -> str | None:
+    """Return the name of the object that says that the calibration was withdrawn; None as above."""
+    name = calibration_object(calibration_id)
+    return name and name.removesuffix(".json") + WITHDRAWN
+
+
+def vote_object(camera_key: str, vote_id: str) -> str:
+    """Return the object's name of a vote."""
+    return f"votes/{camera_key}/{vote_id}.json"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
@@ -50,19 +50,12 @@ class Table:
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
         """Write the item; False, and nothing written, when `condition` does not hold."""
-        options: dict[str, Any] = {}
-        if condition is not None:
-            options["ConditionExpression"] = condition.expression
-            if condition.values:
-                options["ExpressionAttributeValues"] = {
-                    f":{k}": _encoded(v) for k, v in condition.values.items()
-                }
-            if condition.names:
-                options["ExpressionAttributeNames"] = {f"#{k}": v for k, v in condition.names.items()}
         with available():
             try:
                 self._client().put_item(
-                    TableName=self._name, Item={k: _encoded(v) for k, v in item.items()}, **options
+                    TableName=self._name,
+                    Item={k: _encoded(v) for k, v in item.items()},
+                    **_options(condition),
                 )
             except ClientError as error:
                 if code(error) != "ConditionalCheckFailedException":
@@ -70,10 +63,72 @@ class Table:
                 return False
         return True
 
-    def delete(self, pk: str, sk: str) -> None:
-        """Remove the item, if there is one."""
+    def put_together(self, items: Sequence[Item], condition: Condition) -> bool:
+        """Write all items or none; False, and nothing written, when `condition` does not hold of the first.
+
+        Of two writers at once one is told False.
+        """
+        puts: list[dict[str, Any]] = [
+            {"TableName": self._name, "Item": {k: _encoded(v) for k, v in item.items()}} for item in items
+        ]
+        puts[0] |= _options(condition)
         with available():
-            self._client().delete_item(TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}})
+            try:
+                self._client().transact_write_items(TransactItems=[{"Put": put} for put in puts])
+            except ClientError as error:
+                if not _lost(error):
+                    raise
+                return False
+        return True
+
+    def add(
+        self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
+    ) -> int | None:
+        """Add to the counter `name` of an item, both made where there is none; return what it became.
+
+        None, and nothing added, where it would exceed `limit`. An addition whose answer got lost is repeated
+        and counts twice: for what need not be exact.
+        """
+        if limit is not None and amount > limit:
+            return None
+        names, values = {"#name": name}, {":amount": _encoded(amount)}
+        options: dict[str, Any] = {}
+        update = "ADD #name :amount"
+        if ttl is not None:
+            update += " SET #ttl = :ttl"
+            names["#ttl"], values[":ttl"] = "ttl", _encoded(ttl)
+        if limit is not None:
+            options["ConditionExpression"] = "attribute_not_exists(#name) OR #name <= :room"
+            values[":room"] = _encoded(limit - amount)
+        with available():
+            try:
+                changed = self._client().update_item(
+                    TableName=self._name,
+                    Key={"pk": {"S": pk}, "sk": {"S": sk}},
+                    UpdateExpression=update,
+                    ExpressionAttributeNames=names,
+                    ExpressionAttributeValues=values,
+                    ReturnValues="UPDATED_NEW",
+                    **options,
+                )
+            except ClientError as error:
+                if code(error) != "ConditionalCheckFailedException":
+                    raise
+                return None
+        return int(str(_decoded(changed["Attributes"])[name]))
+
+    def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
+        """Remove the item, if there is one; False, and nothing removed, when `condition` does not hold."""
+        with available():
+            try:
+                self._client().delete_item(
+                    TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}}, **_options(condition)
+                )
+            except ClientError as error:
+                if code(error) != "ConditionalCheckFailedException":
+                    raise
+                return False
+        return True
 
     def query(
         self,
@@ -114,6 +169,27 @@ class Table:
             if "LastEvaluatedKey" not in page:
                 return
             options["ExclusiveStartKey"] = page["LastEvaluatedKey"]
+
+
+def _lost(error: ClientError) -> bool:
+    """Tell whether a transaction failed for its condition, or for another writer of the same items."""
+    reasons = [str(r.get("Code")) for r in error.response.get("CancellationReasons", [])]
+    return code(error) == "TransactionCanceledException" and set(reasons) <= {
+        "None",
+        "ConditionalCheckFailed",
+        "TransactionConflict",
+    }
+
+
+def _options(condition: Condition | None) -> dict[str, Any]:
+    if condition is None:
+        return {}
+    options: dict[str, Any] = {"ConditionExpression": condition.expression}
+    if condition.values:
+        options["ExpressionAttributeValues"] = {f":{k}": _encoded(v) for k, v in condition.values.items()}
+    if condition.names:
+        options["ExpressionAttributeNames"] = {f"#{k}": v for k, v in condition.names.items()}
+    return options
 
 
 def _encoded(value: Value) -> AttributeValueTypeDef:
