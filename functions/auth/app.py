@@ -9,8 +9,8 @@ from calibdb.schema import Health, SessionOpened
 
 
 def open_session(call: http.Call) -> Response:
-    """Answer with a session id. Nothing is written: the id carries all there is to know."""
-    token = call.api_token()
+    """Answer with a session id. Only that one more was opened is written: the id carries the rest."""
+    token = call.api_token(charge="sessions")
     session_id, expires_at = call.service.session_ids.issue(call.service.ticket(token, call.origin))
     return http.answer(SessionOpened(session_id=session_id, expires_at=expires_at), 201)
 

@@ -28,7 +28,7 @@ from calibsolver.capture import Capture, Estimate
 
 def submit(call: http.Call) -> Response:
     """Answer whether the view became part of the session, and the session's state."""
-    ticket = call.session()
+    ticket = call.session(charge="views")
     view = call.json(ViewRequest)
     service = call.service
     who = contributor(service.settings.contributor_secret, call.address, ticket.token)
@@ -54,7 +54,7 @@ def submit(call: http.Call) -> Response:
 
 def remove(call: http.Call) -> Response:
     """Undo: answer with the state of the session without one of its views."""
-    sid = call.session().sid
+    sid = call.session(charge="views").sid
     index = call.index("index")
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:

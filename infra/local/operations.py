@@ -34,6 +34,7 @@ READS: Mapping[str, frozenset[str]] = {
             "HeadBucket",
             "HeadObject",
             "ListBuckets",
+            "ListObjectVersions",
             "ListObjects",
             "ListObjectsV2",
         }

@@ -153,7 +153,9 @@ class LocalStack:
 
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
         token = ApiToken(token_id, secret_hash(secret), plan="development", created=int(self._clock()))
-        Store.of(Settings.from_environment(self.environment)).tokens.create(token)
+        tokens = Store.of(Settings.from_environment(self.environment)).tokens
+        if tokens.get(token_id) is None:
+            tokens.change(token)
 
     def warm(self) -> tuple[str, ...]:
         """Load all functions now; return the names of those that could not be, and that will answer 500."""

@@ -66,10 +66,10 @@ def _run(asked: argparse.Namespace, stack: LocalStack) -> int:
                 day = time.strftime("%Y-%m-%d", time.gmtime(token.created))
                 print(f"{token.id}  {day}  {token.plan}  {' '.join(token.origins) or 'any origin'}")
         case "token", "revoke":
-            if store.tokens.get(asked.id) is None:
+            if (token := store.tokens.get(asked.id)) is None:
                 print(f"calibDB: there is no token {asked.id}", file=sys.stderr)
                 return 1
-            store.tokens.revoke(asked.id)
+            store.tokens.revoke(token, int(time.time()))
         case "reindex", _:
             report = reindex(store, settings.table_name, print)
             print(

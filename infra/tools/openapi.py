@@ -30,6 +30,7 @@ _PROBLEMS = {
     409: "The request does not fit the state that things are in.",
     413: f"The body is larger than {MAX_BODY} bytes.",
     422: "Fields are not what they must be; `errors` names them.",
+    429: "The plan's calls of this hour are used up; `Retry-After` says when the next begins.",
     500: "Something went wrong here, not in the request.",
     503: "Storage or another function did not answer; try again.",
 }
@@ -91,7 +92,7 @@ _KEY = (
 )
 _STATE = Content("The session's state.", schema.SessionState)
 _TOKEN, _SESSION = ("apiToken",), ("sessionId",)
-_ASKED = (401, 403, 500, 503)
+_ASKED = (401, 403, 429, 500, 503)
 _FOUND = {
     200: Content("The calibration.", schema.Calibration),
     307: Content("Nothing reliable is known: to the guidance page.", schema.Miss, headers=("Location",)),

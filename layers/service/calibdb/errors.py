@@ -133,6 +133,17 @@ class InvalidError(CalibdbError):
         return cls((FieldError(field, detail),))
 
 
+class TooManyError(CalibdbError):
+    """The plan's calls of this hour are used up, or this contributor's share of them."""
+
+    status, kind, title = 429, "quota", "Quota used up"
+
+    def __init__(self, retry_after: int) -> None:
+        super().__init__(
+            "The calls of this hour are used up.", headers={"Retry-After": str(max(1, retry_after))}
+        )
+
+
 class UnavailableError(CalibdbError):
     """Storage or another function did not answer; the same request may succeed a moment later."""
 

@@ -36,6 +36,7 @@ from calibdb.errors import (
     TooLargeError,
     UnauthenticatedError,
 )
+from calibdb.plans import Kind
 from calibdb.schema.fields import MAX_INDEX
 from calibdb.service import Service
 from calibdb.tokens import ApiToken, Ticket
@@ -112,14 +113,21 @@ class Call:
         """Return the media type, of those we have, that the caller likes best; NotAcceptableError if none."""
         return preferred(self.request.headers.get("accept") or "*/*", types)
 
-    def session(self) -> Ticket:
-        """Return what the session id says; raises UnauthenticatedError or ForbiddenError."""
-        return self.service.session_ids.verify(self._bearer(), self.origin)
+    def session(self, charge: Kind | None = None) -> Ticket:
+        """Return what the session id says, the call counted as one of `charge`.
 
-    def api_token(self, credential: str | None = None) -> ApiToken:
-        """Return the API token sent as bearer, or else `credential`.
+        Raises UnauthenticatedError, ForbiddenError, or TooManyError.
+        """
+        ticket = self.service.session_ids.verify(self._bearer(), self.origin)
+        token = self.service.token_of(ticket)
+        if charge is not None:
+            self.service.charge(token, charge, self.address)
+        return ticket
 
-        Raises UnauthenticatedError or ForbiddenError.
+    def api_token(self, credential: str | None = None, charge: Kind = "lookups") -> ApiToken:
+        """Return the API token sent as bearer, or else `credential`, the call counted as one of `charge`.
+
+        Raises UnauthenticatedError, ForbiddenError, or TooManyError.
         """
         if credential is not None and "authorization" not in self.request.headers:
             sent = credential
@@ -128,6 +136,10 @@ class Call:
         token = self.service.api_token(sent)
         if not token.admits(self.origin):
             raise ForbiddenError("The token is not for pages of this origin.", kind="origin")
+        if charge == "lookups":
+            self.service.count_lookup(token, self.address)
+        else:
+            self.service.charge(token, charge, self.address)
         return token
 
     @property

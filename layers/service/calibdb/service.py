@@ -8,13 +8,12 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from calibdb.errors import ForbiddenError
+from calibdb.errors import ForbiddenError, TooManyError
+from calibdb.plans import Kind, plan
 from calibdb.settings import Settings
 from calibdb.store import Store
-from calibdb.tokens import ApiToken, SessionIds, Ticket, matches, parse
-
-TOKEN_MEMORY = 60.0  # seconds after which a revoked token is refused
-_MOST_TOKENS = 1024
+from calibdb.token_memory import TokenMemory, retry_after
+from calibdb.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse
 
 
 @dataclass(frozen=True)
@@ -26,7 +25,7 @@ class Service:
     session_ids: SessionIds
     clock: Callable[[], float]
     random_hex: Callable[[int], str]  # of so many bytes
-    _known_tokens: dict[str, tuple[ApiToken, float]]
+    _tokens: TokenMemory
 
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Service:
@@ -43,7 +42,7 @@ class Service:
     ) -> Service:
         """Put a service together from its parts."""
         ids = SessionIds(settings.session_secrets, clock)
-        return cls(settings, store, ids, clock, random_hex, {})
+        return cls(settings, store, ids, clock, random_hex, TokenMemory(store.tokens, store.quotas, clock))
 
     @property
     def now(self) -> int:
@@ -60,23 +59,39 @@ class Service:
         A token once read is remembered for a minute: a lookup then costs one Query and nothing else.
         """
         parts = parse(text)
-        token = self._token(parts[0]) if parts else None
-        if parts is None or token is None or not matches(token, parts[1]):
+        token = self._tokens.get(parts[0]) if parts else None
+        if parts is None or token is None or not matches(token, parts[1], self.clock()):
             raise ForbiddenError("The API token is not valid.")
         return token
 
-    def _token(self, token_id: str) -> ApiToken | None:
-        now = self.clock()
-        known = self._known_tokens.get(token_id)
-        if known is not None and now < known[1]:
-            return known[0]
-        self._known_tokens.pop(token_id, None)
-        token = self.store.tokens.get(token_id)
-        if token is not None:
-            if len(self._known_tokens) >= _MOST_TOKENS:
-                self._known_tokens.clear()
-            self._known_tokens[token_id] = (token, now + TOKEN_MEMORY)
+    def token_of(self, ticket: Ticket) -> ApiToken:
+        """Return the token that opened a session; raises ForbiddenError once it is revoked."""
+        token = self._tokens.get(ticket.token)
+        if token is None:
+            raise ForbiddenError("The API token that opened this session is not valid any more.")
         return token
+
+    def contributor(self, address: str, token_id: str) -> str:
+        """Return who asks, as a keyed hash."""
+        return contributor(self.settings.contributor_secret, address, token_id)
+
+    def count_lookup(self, token: ApiToken, address: str) -> None:
+        """Count a read with an API token, in memory; raises TooManyError."""
+        self._tokens.count_lookup(token, address)
+
+    def charge(self, token: ApiToken, kind: Kind, address: str) -> None:
+        """Count a call against this hour's share of the contributor, then of all; raises TooManyError.
+
+        In this order, so that who has used up their own share takes nothing from the others any more.
+        """
+        allowed = plan(token.plan)
+        now = self.now
+        for limit, who in (
+            (getattr(allowed.each, kind), self.contributor(address, token.id)),
+            (getattr(allowed.together, kind), ""),
+        ):
+            if limit is not None and not self.store.quotas.take(token.id, kind, now, limit, who):
+                raise TooManyError(retry_after(now))
 
 
 @functools.lru_cache(maxsize=8)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import hmac
+import ipaddress
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -32,6 +33,9 @@ class ApiToken:
     origins: tuple[str, ...] = ()  # empty: any origin
     plan: str = "free"
     created: int = 0
+    # The secret before it was exchanged, and the unix time until which it still opens.
+    former_sha256: str | None = None
+    former_until: int = 0
 
     def admits(self, origin: str | None) -> bool:
         """Tell whether a page of `origin` may use the token.
@@ -56,9 +60,13 @@ def secret_hash(secret: str) -> str:
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
-def matches(token: ApiToken, secret: str) -> bool:
-    """Tell whether `secret` is the token's, in constant time."""
-    return hmac.compare_digest(token.secret_sha256, secret_hash(secret))
+def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
+    """Tell whether `secret` is the token's at unix time `now`, in constant time."""
+    sent = secret_hash(secret)
+    if hmac.compare_digest(token.secret_sha256, sent):
+        return True
+    former = token.former_sha256
+    return former is not None and now < token.former_until and hmac.compare_digest(former, sent)
 
 
 @dataclass(frozen=True)
@@ -132,5 +140,21 @@ class SessionIds:
 
 
 def contributor(secret: str, address: str, token_id: str) -> str:
-    """Return the keyed hash that stands for a contributor: HMAC-SHA-256 of address and token, in hex."""
-    return hmac.new(secret.encode(), f"{address}\n{token_id}".encode(), hashlib.sha256).hexdigest()
+    """Return the keyed hash that stands for a contributor: HMAC-SHA-256 of address and token, in hex.
+
+    Of an IPv6 address only the first 64 bits count: the rest are one household's to choose (RFC 4291, 2.5.4),
+    which would otherwise be as many contributors as it likes.
+    """
+    return hmac.new(secret.encode(), f"{_site(address)}\n{token_id}".encode(), hashlib.sha256).hexdigest()
+
+
+def _site(address: str) -> str:
+    try:
+        parsed = ipaddress.ip_address(address)
+    except ValueError:
+        return address
+    if isinstance(parsed, ipaddress.IPv4Address):
+        return str(parsed)
+    if parsed.ipv4_mapped is not None:
+        return str(parsed.ipv4_mapped)
+    return str(ipaddress.ip_network((int(parsed) >> 64 << 64, 64)))

@@ -1,6 +1,7 @@
 """Storage by its promises: crashes leave orphans, races have one winner, what is published stays."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import boto3
@@ -18,7 +19,7 @@ from calibdb.schema import (
     SessionRequest,
     Uncertainty,
 )
-from calibdb.store import Calibrations, Consensuses, Objects, Sessions, Table, Tokens
+from calibdb.store import Calibrations, Consensuses, Objects, Quotas, Sessions, Table, Tokens
 from calibdb.tokens import ApiToken
 
 NOW = 1_700_000_000
@@ -235,15 +236,53 @@ def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:
     assert consensuses.of("k") == [rests_on(3, NOW + 1)]
 
 
-def test_tokens(table: Table) -> None:
-    tokens = Tokens(table)
+def test_tokens(table: Table, objects: Objects) -> None:
+    tokens = Tokens(table, objects)
     token = ApiToken("id", "hash", ("https://a.example",), "free", NOW)
     assert tokens.get("id") is None
     assert tokens.create(token) is True
     assert tokens.create(token) is False
     assert tokens.get("id") == token
-    tokens.revoke("id")
+    exchanged = replace(token, secret_sha256="new", former_sha256="hash", former_until=NOW + 9)
+    tokens.change(exchanged)
+    assert tokens.get("id") == exchanged
+    assert list(tokens.all()) == [exchanged]
+    tokens.revoke(exchanged, NOW)
     assert tokens.get("id") is None
+    assert list(tokens.all()) == []
+    assert tokens.create(token) is False  # an id is never another's
+
+
+def test_a_counter_stops_at_its_limit(table: Table) -> None:
+    quotas = Quotas(table)
+    assert [quotas.take("t", "views", NOW, 3) for _ in range(5)] == [True, True, True, False, False]
+    assert quotas.take("t", "views", NOW, 3, "someone")  # counted apart
+    assert quotas.take("t", "sessions", NOW, 3)
+    assert quotas.take("t", "views", NOW + 3600, 3)  # the next hour
+    assert not quotas.take("t", "views", NOW, 0)
+    assert quotas.add("t", "lookups", NOW, 250) == 250
+    assert quotas.add("t", "lookups", NOW, 250) == 500
+    assert table.get("TOKEN#t", "QUOTA#2023-11-14T22") == {
+        "pk": "TOKEN#t",
+        "sk": "QUOTA#2023-11-14T22",
+        "views": 3,
+        "sessions": 1,
+        "lookups": 500,
+        "ttl": 1_700_002_800 + 7200,
+    }
+
+
+def test_nothing_of_an_erased_object_is_left(objects: Objects) -> None:
+    client = boto3.client("s3", REGION)
+    client.put_bucket_versioning(Bucket="bucket", VersioningConfiguration={"Status": "Enabled"})
+    for content in (b"1", b"2"):
+        objects.put("a/b", content)
+    objects.put("a/bc", b"3")
+    objects.delete(["a/b"])
+    assert objects.erase(["a/b", "a/none"]) == 3  # two versions and the mark of the deletion
+    left = client.list_object_versions(Bucket="bucket")
+    assert [found["Key"] for found in left["Versions"]] == ["a/bc"]
+    assert "DeleteMarkers" not in left
 
 
 def failing(error: Exception) -> Callable[[], Any]:

@@ -25,6 +25,7 @@ from calibdb.schema.session import (
     ViewRequest,
     ViewState,
 )
+from calibdb.schema.token import TokenDocument
 
 __all__ = [
     "DICTIONARIES",
@@ -49,6 +50,7 @@ __all__ = [
     "SessionOpened",
     "SessionRequest",
     "SessionState",
+    "TokenDocument",
     "Track",
     "Uncertainty",
     "ViewAnswer",

@@ -3,6 +3,7 @@
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.consensus import Consensuses
 from calibdb.store.objects import Objects
+from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
 from calibdb.store.sessions import Sessions
 from calibdb.store.store import Store
@@ -14,6 +15,7 @@ __all__ = [
     "Condition",
     "Consensuses",
     "Objects",
+    "Quotas",
     "Refit",
     "Sessions",
     "Store",

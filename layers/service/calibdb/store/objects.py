@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from botocore.exceptions import ClientError
@@ -53,6 +53,44 @@ class Objects:
                     raise
                 return False
         return True
+
+    def put(self, name: str, content: bytes) -> None:
+        """Write the object, over the one with its name if there is one. For operators."""
+        with available():
+            self._client().put_object(
+                Bucket=self._bucket, Key=name, Body=content, ContentType="application/json"
+            )
+
+    def erase(self, names: Iterable[str]) -> int:
+        """Remove the objects with every version that the bucket keeps of them; return how many those were.
+
+        For operators: what a person wants forgotten must not survive as a version.
+        """
+        removed = 0
+        for name in names:
+            versions = list(self._versions(name))
+            for start in range(0, len(versions), _MOST_AT_ONCE):
+                with available():
+                    self._client().delete_objects(
+                        Bucket=self._bucket,
+                        Delete={
+                            "Objects": [
+                                {"Key": name, "VersionId": version}
+                                for version in versions[start : start + _MOST_AT_ONCE]
+                            ],
+                            "Quiet": True,
+                        },
+                    )
+            removed += len(versions)
+        return removed
+
+    def _versions(self, name: str) -> Iterator[str]:
+        with available():
+            pages = self._client().get_paginator("list_object_versions")
+            for page in pages.paginate(Bucket=self._bucket, Prefix=name):
+                for found in (*page.get("Versions", []), *page.get("DeleteMarkers", [])):
+                    if found["Key"] == name:  # others may begin with it
+                        yield found["VersionId"]
 
     def delete(self, names: Sequence[str]) -> None:
         """Remove the objects, those that there are."""

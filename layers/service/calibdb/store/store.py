@@ -10,6 +10,7 @@ from calibdb.store import clients
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.consensus import Consensuses
 from calibdb.store.objects import Objects
+from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
 from calibdb.store.sessions import Sessions
 from calibdb.store.table import Table
@@ -21,6 +22,7 @@ class Store:
     """What is kept, noun by noun."""
 
     tokens: Tokens
+    quotas: Quotas
     sessions: Sessions
     calibrations: Calibrations
     consensuses: Consensuses
@@ -32,7 +34,8 @@ class Store:
         table = Table(functools.partial(clients.dynamodb, settings.region), settings.table_name)
         objects = Objects(functools.partial(clients.s3, settings.region), settings.bucket_name)
         return cls(
-            tokens=Tokens(table),
+            tokens=Tokens(table, objects),
+            quotas=Quotas(table),
             sessions=Sessions(table, objects),
             calibrations=Calibrations(table, objects),
             consensuses=Consensuses(table),

@@ -1,0 +1,52 @@
+"""What a token may use in an hour. A plan is one line here and a word in the token."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal["sessions", "views", "lookups"]
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """Calls in one hour by kind; None: as many as are wanted.
+
+    `sessions`: captures opened. `views`: requests that are fitted (submitted, undone, checked). `lookups`:
+    everything that reads with the API token.
+    """
+
+    sessions: int | None
+    views: int | None
+    lookups: int | None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What all of a token's users may use together, and what each single one of them may."""
+
+    together: Allowance
+    each: Allowance
+
+
+# A capture is four to six views and a few refused ones; who calibrates all cameras in the house needs ten
+# captures an hour. The token of a page is public: one stranger who copies it gets the share of one user, and
+# many of them exhaust that page's plan, nobody else's.
+_EACH = Allowance(sessions=20, views=400, lookups=600)
+_NONE = Allowance(None, None, None)
+
+PLANS: dict[str, Plan] = {
+    "free": Plan(Allowance(sessions=60, views=1_500, lookups=10_000), _EACH),
+    "page": Plan(Allowance(sessions=1_000, views=25_000, lookups=200_000), _EACH),
+    # A server of someone's own, which asks for many users from one address.
+    "partner": Plan(
+        Allowance(sessions=5_000, views=100_000, lookups=2_000_000),
+        Allowance(sessions=5_000, views=100_000, lookups=2_000_000),
+    ),
+    "development": Plan(_NONE, _NONE),
+}
+
+
+def plan(name: str) -> Plan:
+    """Return the plan; the smallest where the name is of a plan that is no more."""
+    return PLANS.get(name, PLANS["free"])

@@ -1,0 +1,141 @@
+"""Tokens remembered for a minute, and their lookups counted without a write for each.
+
+A lookup that hits is one Query. So its token is read once a minute, and what was looked up is counted in
+memory and written down when the token is read anew: once for some hundred lookups, or after some minutes. A
+function has no time of its own after its answer, and one that is ended takes along what it had not written:
+the count is a little low, in favour of those who ask.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from calibdb.errors import TooManyError, UnavailableError
+from calibdb.plans import Kind, plan
+from calibdb.tokens import ApiToken
+
+MEMORY = 60.0  # seconds after which a revoked token is refused
+BATCH = 250  # lookups that are written down together
+PATIENCE = 600.0  # seconds after which fewer are
+HOUR = 3600
+_MOST_TOKENS = 1024
+_MOST_SOURCES = 4096  # of one token and hour
+
+
+class Tokens(Protocol):
+    """Where tokens are read."""
+
+    def get(self, token_id: str) -> ApiToken | None:
+        """Return the token, None when there is none (any more)."""
+
+
+class Quotas(Protocol):
+    """Where use is written down."""
+
+    def add(self, token_id: str, kind: Kind, now: int, amount: int) -> int:
+        """Count `amount` more; return how many it are by now, in this hour."""
+
+
+@dataclass
+class _Known:
+    token: ApiToken
+    read_again: float  # unix seconds
+    counted: float  # unix seconds at which lookups were last written down
+    lookups: int = 0  # since then
+    hour: int = 0
+    used_up: bool = False  # in this hour
+    sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
+
+
+class TokenMemory:
+    """What one instance of a function knows of tokens. Safe from many threads at once.
+
+    Parameters
+    ----------
+    tokens, quotas
+        Where tokens are read and use is written down.
+    clock
+        Unix time, seconds.
+    """
+
+    def __init__(self, tokens: Tokens, quotas: Quotas, clock: Callable[[], float]) -> None:
+        self._tokens = tokens
+        self._quotas = quotas
+        self._clock = clock
+        self._known: dict[str, _Known] = {}
+        self._lock = threading.Lock()
+
+    def get(self, token_id: str) -> ApiToken | None:
+        """Return the token as it was at most a minute ago, None when there is none (any more)."""
+        now = self._clock()
+        with self._lock:
+            known = self._known.get(token_id)
+            if known is not None and now < known.read_again and known.lookups < _batch(known.token):
+                return known.token
+        token = self._tokens.get(token_id)
+        with self._lock:
+            if token is None:
+                self._known.pop(token_id, None)
+                return None
+            known = self._known.get(token_id)
+            if known is None:
+                if len(self._known) >= _MOST_TOKENS:
+                    self._known.clear()
+                known = self._known[token_id] = _Known(token, now, counted=now)
+            if known.token.plan != token.plan:
+                known.used_up = False
+            known.token, known.read_again = token, now + MEMORY
+        self._write_down(known, now)
+        return token
+
+    def count_lookup(self, token: ApiToken, source: str) -> None:
+        """Count a lookup from `source`; raises TooManyError where the hour's are used up."""
+        allowed = plan(token.plan)
+        if allowed.together.lookups is None:
+            return
+        now = self._clock()
+        with self._lock:
+            known = self._known.get(token.id)
+            if known is None:  # it was one of too many
+                return
+            if known.hour != int(now // HOUR):
+                known.hour, known.used_up = int(now // HOUR), False
+                known.sources.clear()
+            who = hash(source)  # differs from process to process: no address is kept
+            used = known.sources.get(who, 0)
+            if known.used_up or (allowed.each.lookups is not None and used >= allowed.each.lookups):
+                raise TooManyError(retry_after(now))
+            if len(known.sources) >= _MOST_SOURCES:
+                known.sources.clear()
+            known.sources[who] = used + 1
+            known.lookups += 1
+
+    def _write_down(self, known: _Known, now: float) -> None:
+        with self._lock:
+            lookups = known.lookups
+            if not lookups or (lookups < _batch(known.token) and now - known.counted < PATIENCE):
+                return
+            known.lookups, known.counted = 0, now
+        try:
+            used = self._quotas.add(known.token.id, "lookups", int(now), lookups)
+        except UnavailableError:  # no reason to refuse a lookup
+            with self._lock:
+                known.lookups += lookups
+            return
+        limit = plan(known.token.plan).together.lookups
+        with self._lock:
+            known.hour = int(now // HOUR)
+            known.used_up = limit is not None and used >= limit
+
+
+def retry_after(now: float) -> int:
+    """Return the seconds until the next hour begins, when everything may be used again."""
+    return HOUR - int(now) % HOUR
+
+
+def _batch(token: ApiToken) -> int:
+    limit = plan(token.plan).together.lookups
+    return BATCH if limit is None else max(1, min(BATCH, limit // 20))
