@@ -34,7 +34,8 @@ def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
     request = RefitRequest.model_validate(event)
     service = Service.of(os.environ)
     rule = consensus.Rule(
-        min_calibrations=service.settings.min_calibrations, min_contributors=service.settings.min_contributors
+        min_calibrations=service.settings.thresholds.min_calibrations,
+        min_contributors=service.settings.thresholds.min_contributors,
     )
     ids = service.store.calibrations.newest(request.camera, request.img_size, request.zoom, MOST)
     basis = hashlib.sha256(repr((ids, rule, __version__)).encode()).hexdigest()

@@ -3,11 +3,62 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 
 class SettingsError(ValueError):
     """The environment lacks a variable or holds nonsense; the message names the variable."""
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """What must hold before the database vouches for a calibration; each is a variable of its own.
+
+    Attributes
+    ----------
+    min_calibrations, min_contributors
+        In the largest group that agrees.
+    min_share
+        Of all calibrations that this group holds.
+    max_focal_spread, max_center_spread, max_projection_spread, max_unexplained
+        How far the group may differ; `calibsolver.consensus.Rule` says in which units.
+    most_calibrations
+        The newest that are pooled; more make no consensus better.
+    contributor_period
+        Seconds in which a contributor counts once for a camera; 0: everyone is the same contributor, as on a
+        machine of one's own, and everything counts.
+    min_votes
+        Checks that confirm a consensus of fewer calibrations, and that withdraw any.
+    min_doubt
+        Share of the contributors behind a consensus that must doubt it before it is withdrawn.
+    max_check_ratio
+        Error on fresh views / what is expected of this camera, up to which a consensus fits.
+    """
+
+    min_calibrations: int = 5
+    min_contributors: int = 3
+    min_share: float = 0.6
+    max_focal_spread: float = 0.05
+    max_center_spread: float = 0.02
+    max_projection_spread: float = 0.01
+    max_unexplained: float = 0.004
+    most_calibrations: int = 200
+    contributor_period: int = 86_400
+    min_votes: int = 3
+    min_doubt: float = 0.1
+    max_check_ratio: float = 2.0
+
+    @classmethod
+    def from_environment(cls, environment: Mapping[str, str]) -> Thresholds:
+        """Read `environment`, where `min_share` is MIN_SHARE; raises SettingsError as `Settings` does."""
+        read: dict[str, int | float] = {}
+        for known in fields(cls):
+            name = known.name.upper()
+            if name in environment:
+                least = 0 if known.name == "contributor_period" else 1
+                whole = isinstance(known.default, int)
+                read[known.name] = _count(environment, name, least) if whole else _positive(environment, name)
+        return cls(**read)  # type: ignore[arg-type]  # by the type of the default
 
 
 @dataclass(frozen=True)
@@ -19,9 +70,8 @@ class Settings:
     session_secrets: tuple[str, ...]  # newest first: the first signs, all verify
     contributor_secret: str
     guidance_url: str  # ends with "/"
-    min_calibrations: int
-    min_contributors: int
-    refit_function: str | None  # set where `refit` is asked: submit and lookup
+    thresholds: Thresholds
+    refit_function: str | None  # set where `refit` is asked: submit, lookup, checks
     region: str
 
     @classmethod
@@ -36,8 +86,7 @@ class Settings:
             session_secrets=secrets,
             contributor_secret=_text(environment, "CONTRIBUTOR_SECRET"),
             guidance_url=_text(environment, "GUIDANCE_URL"),
-            min_calibrations=_count(environment, "MIN_CALIBRATIONS"),
-            min_contributors=_count(environment, "MIN_CONTRIBUTORS"),
+            thresholds=Thresholds.from_environment(environment),
             refit_function=environment.get("REFIT_FUNCTION") or None,
             region=environment.get("AWS_REGION") or environment.get("AWS_DEFAULT_REGION") or "us-east-1",
         )
@@ -50,8 +99,18 @@ def _text(environment: Mapping[str, str], name: str) -> str:
     return value
 
 
-def _count(environment: Mapping[str, str], name: str) -> int:
+def _count(environment: Mapping[str, str], name: str, least: int) -> int:
     text = _text(environment, name)
-    if not text.isdecimal() or int(text) < 1:
-        raise SettingsError(f"{name} is not a positive whole number")
+    if not text.isdecimal() or int(text) < least:
+        raise SettingsError(f"{name} is not a whole number from {least} on")
     return int(text)
+
+
+def _positive(environment: Mapping[str, str], name: str) -> float:
+    try:
+        number = float(_text(environment, name))
+    except ValueError as error:
+        raise SettingsError(f"{name} is not a number") from error
+    if not 0 < number < float("inf"):
+        raise SettingsError(f"{name} is not a positive number")
+    return number

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calibdb.settings import Settings, SettingsError
+from calibdb.settings import Settings, SettingsError, Thresholds
 
 ENVIRONMENT = {
     "TABLE_NAME": "table",
@@ -19,13 +19,21 @@ ENVIRONMENT = {
 def test_read() -> None:
     settings = Settings.from_environment(ENVIRONMENT)
     assert settings.session_secrets == ("new", "old")
-    assert (settings.min_calibrations, settings.min_contributors) == (5, 3)
+    assert settings.thresholds == Thresholds()
     assert settings.refit_function is None
     assert settings.region == "eu-central-1"
     assert settings == Settings.from_environment(dict(ENVIRONMENT))
 
 
-@pytest.mark.parametrize("name", [name for name in ENVIRONMENT if name != "AWS_REGION"])
+def test_every_threshold_has_its_variable() -> None:
+    environment = {"MIN_CALIBRATIONS": "2", "MIN_SHARE": "0.75", "CONTRIBUTOR_PERIOD": "0", "MIN_VOTES": "7"}
+    thresholds = Settings.from_environment({**ENVIRONMENT, **environment}).thresholds
+    assert thresholds == Thresholds(
+        min_calibrations=2, min_contributors=3, min_share=0.75, contributor_period=0, min_votes=7
+    )
+
+
+@pytest.mark.parametrize("name", [name for name in ENVIRONMENT if name[:4] not in ("AWS_", "MIN_")])
 @pytest.mark.parametrize("value", ["", None])
 def test_missing(name: str, value: str | None) -> None:
     environment = {k: v for k, v in ENVIRONMENT.items() if k != name} | ({name: value} if value else {})
@@ -39,6 +47,11 @@ def test_missing(name: str, value: str | None) -> None:
         ("MIN_CALIBRATIONS", "0"),
         ("MIN_CONTRIBUTORS", "-1"),
         ("MIN_CALIBRATIONS", "x"),
+        ("MIN_CALIBRATIONS", ""),
+        ("CONTRIBUTOR_PERIOD", "-1"),
+        ("MIN_SHARE", "much"),
+        ("MIN_SHARE", "nan"),
+        ("MAX_FOCAL_SPREAD", "0"),
         ("SESSION_SECRETS", ","),
     ],
 )

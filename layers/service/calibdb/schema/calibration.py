@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from calibdb.schema.fields import DistortionModel, ImgSize, Open, Row
+
+Basis = Literal["consensus", "checked"]
 
 
 class Uncertainty(Open):
@@ -47,6 +51,17 @@ class Calibration(Open):
     exact_size: bool = Field(description="false: this is the closest known size, not the one asked for.")
     uncertainty: Uncertainty
     calibration_time: int = Field(description="Unix time, seconds.")
+    spread: float | None = Field(
+        None,
+        description="px rms over the image between the calibrations that agree, after the best rotation.",
+    )
+    held_out_error: float | None = Field(
+        None, description="rms px of views of the camera under a fit that did not see them."
+    )
+    basis: Basis | None = Field(
+        None,
+        description="What makes it reliable: calibrations that agree, or fewer and checks on other views.",
+    )
 
     @classmethod
     def of(
@@ -61,6 +76,9 @@ class Calibration(Open):
         calibrations: int = 1,
         contributors: int = 1,
         reliable: bool = False,
+        spread: float | None = None,
+        held_out_error: float | None = None,
+        basis: Basis | None = None,
     ) -> Calibration:
         """Return `fit` with the facts around it."""
         return cls(
@@ -79,4 +97,7 @@ class Calibration(Open):
             exact_size=True,
             uncertainty=fit.uncertainty,
             calibration_time=calibration_time,
+            spread=spread,
+            held_out_error=held_out_error,
+            basis=basis,
         )
