@@ -1,0 +1,93 @@
+"""Plans, as a caller meets them: 429 with the seconds to wait, and only for the token that is used up."""
+
+import boto3
+import pytest
+
+from calibdb import plans, token_memory
+from calibdb.plans import Allowance, Plan
+from calibdb.settings import Settings
+from calibdb.store import Store
+from calibdb.tokens import ApiToken, secret_hash
+from infra.local import LocalStack
+from tests.client import CAMERA, Answer, Client
+
+SMALL = Plan(Allowance(3, 4, 5), Allowance(3, 4, 5))
+
+
+@pytest.fixture
+def store(stack: LocalStack) -> Store:
+    return Store.of(Settings.from_environment(stack.environment))
+
+
+@pytest.fixture
+def token(store: Store, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A token of the small plan, of its own for each test."""
+    monkeypatch.setitem(plans.PLANS, "small", SMALL)
+    name = str(abs(hash(request.node.name)))
+    store.tokens.create(ApiToken(name, secret_hash("x"), plan="small"))
+    return f"cdb_{name}_x"
+
+
+def assert_used_up(answer: Answer) -> None:
+    assert answer.status == 429
+    assert answer.json["type"].endswith("/problems/quota")
+    assert 1 <= int(answer.headers["retry-after"]) <= 3600
+
+
+def test_sessions(client: Client, token: str) -> None:
+    answers = [client.call("POST", "/v1/auth", token=token) for _ in range(4)]
+    assert [a.status for a in answers[:3]] == [201] * 3
+    assert_used_up(answers[3])
+    assert client.open().status == 201  # another token's
+
+
+def test_views_refused_ones_and_undone_ones_count(client: Client, token: str) -> None:
+    client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    client.call("POST", "/v1/session", CAMERA)
+    assert [client.view(0, [0], [[1, 1]]).json["reason"] for _ in range(3)] == ["too_few_points"] * 3
+    assert client.call("DELETE", "/v1/session/views/0").status == 404
+    assert_used_up(client.view(0, [0], [[1, 1]]))
+    assert_used_up(client.call("DELETE", "/v1/session/views/0"))
+    assert client.call("GET", "/v1/session").status == 200
+    assert client.pose().status == 200
+
+
+def test_lookups(client: Client, token: str) -> None:
+    body = {**CAMERA, "redirect": False}
+    answers = [client.call("POST", "/v1/lookup", body, token=token) for _ in range(6)]
+    assert [a.status for a in answers[:5]] == [404] * 5
+    assert_used_up(answers[5])
+    assert_used_up(client.call("GET", "/v1/calibrations/c1-a-0123456789ab-0123456789abcdef0123", token=token))
+
+
+def test_a_wrong_secret_counts_for_nothing(client: Client, token: str) -> None:
+    for _ in range(9):
+        assert client.call("POST", "/v1/auth", token=token + "y").status == 403
+    assert client.call("POST", "/v1/auth", token=token).status == 201
+
+
+def test_a_revoked_token_ends_its_sessions(
+    client: Client, store: Store, token: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(token_memory, "MEMORY", 0)  # every call is one a minute later
+    client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    assert client.call("POST", "/v1/session", CAMERA).status == 201
+    assert client.pose().status == 200
+    known = store.tokens.get(token.split("_")[1])
+    assert known
+    store.tokens.revoke(known, 0)
+    for method, path in (("GET", "/v1/session"), ("GET", "/v1/session/pose"), ("DELETE", "/v1/session")):
+        assert client.call(method, path).status == 403
+    assert client.view(0, [0], [[1, 1]]).status == 403
+    assert client.call("POST", "/v1/auth", token=token).status == 403
+
+
+def test_the_counters_expire(client: Client, stack: LocalStack, token: str) -> None:
+    client.call("POST", "/v1/auth", token=token)
+    items = boto3.client("dynamodb").query(
+        TableName=stack.environment["TABLE_NAME"],
+        KeyConditionExpression="pk = :pk AND begins_with(sk, :quota)",
+        ExpressionAttributeValues={":pk": {"S": f"TOKEN#{token.split('_')[1]}"}, ":quota": {"S": "QUOTA#"}},
+    )["Items"]
+    assert len(items) == 2  # the contributor's and the token's
+    assert all("ttl" in item and item["sessions"]["N"] == "1" for item in items)

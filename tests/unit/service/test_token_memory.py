@@ -1,0 +1,220 @@
+"""Quotas: what counts, when it is written down, and who is stopped by what."""
+
+from dataclasses import replace
+from typing import Any, cast
+
+import pytest
+
+from calibdb import plans
+from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
+from calibdb.plans import Allowance, Plan
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store
+from calibdb.token_memory import BATCH, MEMORY, PATIENCE, TokenMemory
+from calibdb.tokens import ApiToken, Ticket, contributor
+from tests.unit.service.test_service import Clock
+from tests.unit.service.test_settings import ENVIRONMENT
+
+SMALL = Plan(Allowance(sessions=5, views=9, lookups=10_000), Allowance(sessions=2, views=4, lookups=6_000))
+TOKEN = ApiToken("t", "", plan="small")
+
+
+class Tokens:
+    def __init__(self) -> None:
+        self.known = {"t": TOKEN}
+        self.reads = 0
+
+    def get(self, token_id: str) -> ApiToken | None:
+        self.reads += 1
+        return self.known.get(token_id)
+
+
+class Quotas:
+    """Counters in a dictionary; every change of one is noted."""
+
+    def __init__(self) -> None:
+        self.counts: dict[tuple[Any, ...], int] = {}
+        self.writes: list[int] = []
+        self.down = False
+
+    def add(self, token_id: str, kind: str, now: int, amount: int) -> int:
+        if self.down:
+            raise UnavailableError("down")
+        self.writes.append(amount)
+        key = (token_id, kind, now // 3600, "")
+        self.counts[key] = self.counts.get(key, 0) + amount
+        return self.counts[key]
+
+    def take(self, token_id: str, kind: str, now: int, limit: int, contributor: str = "") -> bool:
+        key = (token_id, kind, now // 3600, contributor)
+        if self.counts.get(key, 0) >= limit:
+            return False
+        self.counts[key] = self.counts.get(key, 0) + 1
+        return True
+
+
+@pytest.fixture(autouse=True)
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(plans.PLANS, "small", SMALL)
+
+
+@pytest.fixture
+def clock() -> Clock:
+    clock = Clock()
+    clock.now = 1_700_000_000 - 1_700_000_000 % 3600
+    return clock
+
+
+@pytest.fixture
+def tokens() -> Tokens:
+    return Tokens()
+
+
+@pytest.fixture
+def quotas() -> Quotas:
+    return Quotas()
+
+
+@pytest.fixture
+def memory(tokens: Tokens, quotas: Quotas, clock: Clock) -> TokenMemory:
+    return TokenMemory(tokens, cast(Any, quotas), clock)
+
+
+@pytest.fixture
+def service(tokens: Tokens, quotas: Quotas, clock: Clock) -> Service:
+    settings = Settings.from_environment(ENVIRONMENT)
+    store = replace(Store.of(settings), tokens=cast(Any, tokens), quotas=cast(Any, quotas))
+    return Service.build(settings, store, clock)
+
+
+def look_up(memory: TokenMemory, source: str = "a") -> None:
+    token = memory.get("t")
+    assert token is not None
+    memory.count_lookup(token, source)
+
+
+def refusal(memory: TokenMemory, clock: Clock, seconds: int) -> TooManyError:
+    """Look up `seconds` times until it is refused, at most 1000 times."""
+    for _ in range(1000):
+        try:
+            look_up(memory)
+        except TooManyError as error:
+            return error
+        clock.now += seconds
+    raise AssertionError("never refused")
+
+
+def test_most_lookups_neither_read_nor_write(memory: TokenMemory, tokens: Tokens, quotas: Quotas) -> None:
+    for _ in range(10 * BATCH):
+        look_up(memory)
+    assert quotas.writes == [BATCH] * 9  # the tenth waits for the next lookup
+    assert tokens.reads == 10
+
+
+def test_a_rare_lookup_is_written_down_with_others(memory: TokenMemory, quotas: Quotas, clock: Clock) -> None:
+    for _ in range(60):  # one a minute: each reads the token anew, one in ten writes
+        look_up(memory)
+        clock.now += MEMORY
+    assert sum(quotas.writes) >= 50
+    assert len(quotas.writes) <= 60 * MEMORY / PATIENCE
+
+
+def test_an_hour_is_used_up_for_all_and_the_next_begins_anew(
+    memory: TokenMemory, quotas: Quotas, clock: Clock
+) -> None:
+    quotas.counts[("t", "lookups", clock.now // 3600, "")] = 9_900  # by other instances
+    refused = refusal(memory, clock, 1)
+    assert int(refused.headers["Retry-After"]) == 3600 - clock.now % 3600
+    assert clock.now % 3600 == BATCH  # found out when the first batch was written down
+    clock.now += 3600 - BATCH
+    look_up(memory)
+
+
+def test_one_source_cannot_use_up_what_all_share(memory: TokenMemory, quotas: Quotas) -> None:
+    for _ in range(6_000):
+        look_up(memory, "greedy")
+    for _ in range(6_000):
+        with pytest.raises(TooManyError):
+            look_up(memory, "greedy")
+    look_up(memory, "modest")
+    assert sum(quotas.writes) <= 6_000
+
+
+def test_counting_never_costs_an_answer(memory: TokenMemory, quotas: Quotas) -> None:
+    quotas.down = True
+    for _ in range(BATCH + 5):
+        look_up(memory)
+    quotas.down = False
+    look_up(memory)
+    assert quotas.writes == [BATCH + 5]
+
+
+def test_a_larger_plan_helps_within_a_minute(
+    memory: TokenMemory, tokens: Tokens, quotas: Quotas, clock: Clock
+) -> None:
+    quotas.counts[("t", "lookups", clock.now // 3600, "")] = 10_000
+    refusal(memory, clock, 0)
+    tokens.known["t"] = replace(TOKEN, plan="partner")
+    clock.now += int(MEMORY)
+    look_up(memory)
+
+
+def test_an_unlimited_plan_counts_nothing(memory: TokenMemory, tokens: Tokens, quotas: Quotas) -> None:
+    tokens.known["t"] = replace(TOKEN, plan="development")
+    for _ in range(3 * BATCH):
+        look_up(memory)
+    assert (quotas.writes, tokens.reads) == ([], 1)
+
+
+def test_a_plan_that_is_no_more_is_the_smallest() -> None:
+    assert plans.plan("gone") is plans.PLANS["free"]
+
+
+def test_a_contributor_stops_at_their_share_and_the_rest_at_the_whole(service: Service) -> None:
+    def opened(address: str) -> bool:
+        try:
+            service.charge(TOKEN, "sessions", address)
+        except TooManyError:
+            return False
+        return True
+
+    assert [opened("192.0.2.1") for _ in range(9)] == [True] * 2 + [False] * 7
+    assert [opened(f"192.0.2.{n}") for n in range(2, 9)] == [True] * 3 + [False] * 4
+
+
+def test_who_was_refused_their_share_takes_none_of_the_others(service: Service, quotas: Quotas) -> None:
+    for _ in range(50):
+        try:
+            service.charge(TOKEN, "views", "192.0.2.1")
+        except TooManyError:
+            continue
+    assert {key[3]: n for key, n in quotas.counts.items()} == {
+        service.contributor("192.0.2.1", "t"): 4,
+        "": 4,
+    }
+
+
+def test_a_session_ends_within_a_minute_of_its_tokens_revocation(
+    service: Service, tokens: Tokens, clock: Clock
+) -> None:
+    ticket = Ticket("sid", "t")
+    assert service.token_of(ticket) == TOKEN
+    tokens.known.clear()
+    clock.now += int(MEMORY)
+    with pytest.raises(ForbiddenError):
+        service.token_of(ticket)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        ("2001:db8:1:2::1", "2001:db8:1:2:ffff::9", True),  # one household
+        ("2001:db8:1:2::1", "2001:db8:1:3::1", False),
+        ("192.0.2.1", "192.0.2.2", False),
+        ("::ffff:192.0.2.1", "192.0.2.1", True),
+        ("", "unknown", False),
+    ],
+)
+def test_who_is_one_contributor(one: str, other: str, same: bool) -> None:
+    assert (contributor("secret", one, "t") == contributor("secret", other, "t")) is same
