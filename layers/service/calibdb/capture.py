@@ -20,7 +20,8 @@ from typing import Literal
 from pydantic import JsonValue
 
 from calibdb.camera_key import camera_key, public_label, public_platform
-from calibdb.errors import ConflictError, FieldError, InvalidError, NotFoundError
+from calibdb.corners import misplaced
+from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.schema import (
     Calibration,
     CalibrationDocument,
@@ -38,7 +39,6 @@ from calibdb.schema.session import Refusal
 TARGET_ERROR = 0.3 / 1280  # px of predicted rms over the image, a pixel of its width
 MOST_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
 MOST_SKIPPED = 8  # targets remembered as unwanted
-_EDGE = 0.5  # px; a pixel centre at 0 reaches from -0.5 to 0.5
 _MOST_FIELDS = 20
 
 
@@ -96,18 +96,7 @@ def repeated(document: SessionDocument, view: ViewRequest) -> bool:
 
 def check(document: SessionDocument, view: ViewRequest) -> None:
     """Raise InvalidError where `view` cannot be of this board and image, ConflictError when all is full."""
-    corners = document.board.corner_count
-    width, height = document.img_size
-    wrong = [
-        FieldError(f"ids.{i}", f"the board has corners 0 to {corners - 1}")
-        for i, corner in enumerate(view.ids)
-        if corner >= corners
-    ]
-    wrong += [
-        FieldError(f"points.{i}", f"outside the image of {width} x {height} px")
-        for i, (x, y) in enumerate(view.points)
-        if not (-_EDGE <= x <= width - _EDGE and -_EDGE <= y <= height - _EDGE)
-    ]
+    wrong = misplaced(document.board, document.img_size, view.ids, view.points)
     if wrong:
         raise InvalidError(wrong[:_MOST_FIELDS])
     if sum(len(v.ids) for v in document.views) + len(view.ids) > MOST_POINTS:

@@ -72,9 +72,10 @@ class Table:
             {"TableName": self._name, "Item": {k: _encoded(v) for k, v in item.items()}} for item in items
         ]
         puts[0] |= _options(condition)
+        writes: list[Any] = [{"Put": put} for put in puts]
         with available():
             try:
-                self._client().transact_write_items(TransactItems=[{"Put": put} for put in puts])
+                self._client().transact_write_items(TransactItems=writes)
             except ClientError as error:
                 if not _lost(error):
                     raise
