@@ -204,7 +204,7 @@ class _Fit:
 
     def enough(self, state: State, weights: Array) -> bool:
         """Whether the data alone carry every parameter."""
-        if self.robust and self.obs.view_count < MANY:
+        if self.robust:
             return False
         s = normal.information(state.j, weights).sum(axis=0)
         scale = 1 / np.sqrt(np.maximum(np.diagonal(s), 1e-300))
@@ -254,9 +254,10 @@ class _Fit:
         inside = self.obs.mask & (weights > 1e-3)
         if not (np.isfinite(k).all() and np.isfinite(state.r).all()):
             raise CalibrationError("not_believable", "the fit ran away")
-        if not (0.05 * w < k[0] < 50 * w and 0.5 < k[0] / k[1] < 2):
+        focal = k[:2] * self.model.magnification(k[4:])[0]
+        if not (0.05 * w < focal[0] < 50 * w and 0.5 < k[0] / k[1] < 2):
             raise CalibrationError(
-                "not_believable", f"a focal length of {k[0]:.0f}, {k[1]:.0f} px is no camera's"
+                "not_believable", f"a focal length of {focal[0]:.0f}, {focal[1]:.0f} px is no camera's"
             )
         if not (-0.25 * w < k[2] < 1.25 * w and -0.25 * h < k[3] < 1.25 * h):
             raise CalibrationError("not_believable", "the principal point lies far outside the image")

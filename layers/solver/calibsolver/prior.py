@@ -38,18 +38,19 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
     j[1, 0], j[1, 1] = 1 / k[0] / prior.aspect_sigma, -1 / k[1] / prior.aspect_sigma
     j[2, 2] = j[3, 3] = 1 / (prior.center_sigma * w)
     square = (w * w + h * h) / (4 * k[0] * k[1])
-    sigma, order, edge = prior.columns
+    sigma, order, edge, sign, mean = prior.columns
     d = k[4:]
+    magnified, by_d = model.magnification(d)
+    r[0] += math.log(magnified) / prior.focal_sigma
+    j[0, 4:] = by_d / (magnified * prior.focal_sigma)
     reach = (square / (1 + square / WIDEST)) ** order
     # d(log reach)/d(log f), the same for both focal lengths
     by_focal = -order / (1 + square / WIDEST)
-    r[4:size] = d * (1 / sigma + edge * reach)
+    r[4:size] = (d - mean) * (1 / sigma + edge * reach)
     j[range(4, size), range(4, size)] = 1 / sigma + edge * reach
     j[4:size, :2] = (d * edge * reach * by_focal)[:, None] / k[:2]
     # d(radius stretch)/d(coefficient) for a term that multiplies the squared radius to the power `order`
-    slope = (
-        np.where(order > 0, (2 * order + 1) * reach, 0.0) * RADII[:, None] ** (2 * order) / SIGMAS[:, None]
-    )
+    slope = sign * (2 * order + 1) * (order > 0) * reach * RADII[:, None] ** (2 * order) / SIGMAS[:, None]
     r[size:] = slope @ d
     j[size:, 4:] = slope
     j[size:, :2] = (slope @ (d * by_focal))[:, None] / k[:2]

@@ -86,7 +86,8 @@ def tried(model: Model, obs: Observations, many: list[Array]) -> list[Start]:
     out = []
     for i, k in enumerate(many):
         part = slice(i * v, (i + 1) * v)
-        error = float(np.median(angle[part][obs.mask]) * np.sqrt(k[0] * k[1]))
+        focal = np.sqrt(k[0] * k[1]) * model.magnification(k[4:])[0]
+        error = float(np.median(angle[part][obs.mask]) * focal)
         out.append(Start(k, Poses(poses.r[part], poses.t[part]), error))
     return out
 

@@ -69,7 +69,7 @@ def test_first_pose_is_easy(model: str, squares: tuple[int, int]) -> None:
     assert 0.4 < longest.max() < 0.95
 
 
-@pytest.mark.parametrize("kind", models.NAMES)
+@pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
 def test_poses_can_be_held_and_seen(kind: str) -> None:
     board = Board()
     cameras = synthetic.rectilinear_cameras() if kind == "rectilinear" else synthetic.fisheye_cameras()

@@ -10,8 +10,12 @@ from calibsolver.arrays import Array
 INTRINSICS = {
     "rectilinear": np.array([812.0, 809.0, 645.0, 352.0, -0.31, 0.12, 0.0012, -0.0007, -0.021]),
     "fisheye": np.array([391.0, 393.0, 633.0, 371.0, -0.031, 0.006, -0.002, 0.0002]),
+    "rational": np.array(
+        [512.0, 509.0, 645.0, 352.0, 0.92, 0.31, 0.0012, -0.0007, 0.011, 1.27, 0.53, 0.047],
+    ),
+    "omnidirectional": np.array([790.0, 793.0, 633.0, 371.0, 1.14, -0.09, 0.011, 0.0006, -0.0004]),
 }
-WIDEST = {"rectilinear": 50.0, "fisheye": 125.0}
+WIDEST = {"rectilinear": 50.0, "fisheye": 125.0, "rational": 62.0, "omnidirectional": 125.0}
 
 
 def rays(name: str, count: int = 400) -> Array:
@@ -29,7 +33,7 @@ def test_jacobians_equal_finite_differences(name: str) -> None:
     model, k, p = models.get(name), INTRINSICS[name], rays(name)
     q, by_k, by_p = model.jacobian(k, p)
     np.testing.assert_array_equal(q.shape, (2, p.shape[1]))
-    np.testing.assert_allclose(q, model.project(k, p), rtol=1e-13)
+    np.testing.assert_allclose(q, model.project(k, p), rtol=1e-13, atol=1e-11)
 
     for i in range(model.size):
         step = np.zeros(model.size)
@@ -50,7 +54,8 @@ def test_axis_is_no_exception(name: str) -> None:
     model, k = models.get(name), INTRINSICS[name]
     q, by_k, by_p = model.jacobian(k, np.array([[0.0], [0.0], [2.0]]))
     np.testing.assert_allclose(q[:, 0], k[2:4], atol=1e-12)
-    np.testing.assert_allclose(by_p[:2, :, 0], np.diag(k[:2] / 2), atol=1e-9)
+    magnified = model.magnification(k[4:])[0]
+    np.testing.assert_allclose(by_p[:2, :, 0], np.diag(k[:2] * magnified / 2), atol=1e-9)
     assert np.isfinite(by_k).all()
 
 
@@ -77,6 +82,23 @@ def test_fisheye_equals_opencv_in_front() -> None:
     matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
     theirs, _ = cv2.fisheye.projectPoints(p.T[:, None], np.zeros(3), np.zeros(3), matrix, k[4:])
     np.testing.assert_allclose(models.get("fisheye").project(k, p).T, theirs[:, 0], atol=1e-9)
+
+
+def test_rational_equals_opencv() -> None:
+    k, p = INTRINSICS["rational"], rays("rational")
+    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
+    theirs, _ = cv2.projectPoints(p.T, np.zeros(3), np.zeros(3), matrix, k[4:])
+    np.testing.assert_allclose(models.get("rational").project(k, p).T, theirs[:, 0], atol=1e-9)
+
+
+def test_omnidirectional_equals_opencv_beside_and_behind_too() -> None:
+    k, p = INTRINSICS["omnidirectional"], rays("omnidirectional")
+    assert (p[2] < -0.3 * np.linalg.norm(p, axis=0)).any()
+    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
+    theirs, _ = cv2.omnidir.projectPoints(
+        p.T[:, None], np.zeros((3, 1)), np.zeros((3, 1)), matrix, k[4], k[5:][None]
+    )
+    np.testing.assert_allclose(models.get("omnidirectional").project(k, p).T, theirs[:, 0], atol=1e-9)
 
 
 @pytest.mark.parametrize(

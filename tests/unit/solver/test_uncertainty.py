@@ -27,7 +27,7 @@ def sessions(kind: str, count: int) -> list[tuple[float, float, np.ndarray]]:
     return out
 
 
-@pytest.mark.parametrize("kind", models.NAMES)
+@pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
 def test_prediction_is_the_error_that_happens(kind: str) -> None:
     results = sessions(kind, 40)
     ratio = np.sqrt(np.mean([(actual / predicted) ** 2 for actual, predicted, _ in results]))
@@ -37,7 +37,7 @@ def test_prediction_is_the_error_that_happens(kind: str) -> None:
     assert np.mean(np.abs(z) < 1.96) > 0.9
 
 
-@pytest.mark.parametrize("kind", models.NAMES)
+@pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
 def test_noise_is_estimated(kind: str) -> None:
     cameras = synthetic.rectilinear_cameras() if kind == "rectilinear" else synthetic.fisheye_cameras()
     for noise in (0.1, 0.5):

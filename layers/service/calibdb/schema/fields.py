@@ -31,7 +31,7 @@ def _canonical(zoom: float) -> float:
 
 
 # The names, and the order of the coefficients, are the API's. `calibsolver.models` has one file for each.
-DistortionModel = Literal["rectilinear", "fisheye"]
+DistortionModel = Literal["rectilinear", "fisheye", "rational", "omnidirectional"]
 DISTORTION_MODELS: tuple[str, ...] = get_args(DistortionModel)
 Guidance = Literal["projection-uncertainty"]
 

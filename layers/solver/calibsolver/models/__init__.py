@@ -3,9 +3,13 @@
 from ..errors import CalibrationError
 from .base import Coefficient, Model, Prior
 from .fisheye import Fisheye
+from .omnidirectional import Omnidirectional
+from .rational import Rational
 from .rectilinear import Rectilinear
 
-REGISTRY: dict[str, Model] = {model.name: model for model in (Rectilinear(), Fisheye())}
+REGISTRY: dict[str, Model] = {
+    model.name: model for model in (Rectilinear(), Fisheye(), Rational(), Omnidirectional())
+}
 NAMES = tuple(REGISTRY)
 
 __all__ = ["NAMES", "REGISTRY", "Coefficient", "Model", "Prior", "get"]

@@ -16,7 +16,7 @@ from ..arrays import Array, Mask
 
 @dataclass(frozen=True)
 class Coefficient:
-    """What is believed of one distortion coefficient, around 0.
+    """What is believed of one distortion coefficient.
 
     Attributes
     ----------
@@ -29,11 +29,17 @@ class Coefficient:
         Standard deviation of its effect at the corner of the image / distance of the corner from the
         centre: lenses bend images by so much, whatever the focal length, so that wide ones have small
         coefficients.
+    sign
+        Of its effect: -1 in a denominator.
+    mean
+        What it is believed to be; 0 where it bends the image.
     """
 
     sigma: float
     order: int = 0
     edge: float = 1.0
+    sign: int = 1
+    mean: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -63,12 +69,12 @@ class Prior:
     center_sigma: float = 0.03
 
     @cached_property
-    def columns(self) -> tuple[Array, Array, Array]:
-        """Sigma, order, and 1 / edge (0 where the order is 0) of the coefficients, (m,) each."""
-        sigma, order, edge = np.array(
-            [(c.sigma, c.order, c.edge) for c in self.distortion], dtype=np.float64
+    def columns(self) -> tuple[Array, Array, Array, Array, Array]:
+        """Sigma, order, 1 / edge (0 where the order is 0), sign and mean of the coefficients, (m,) each."""
+        sigma, order, edge, sign, mean = np.array(
+            [(c.sigma, c.order, c.edge, c.sign, c.mean) for c in self.distortion], dtype=np.float64
         ).T
-        return sigma, order, np.where(order > 0, 1 / edge, 0.0)
+        return sigma, order, np.where(order > 0, 1 / edge, 0.0), sign, mean
 
 
 class Model(ABC):
@@ -98,8 +104,17 @@ class Model(ABC):
         """Return unit rays (3, ...) that project to (2, ...); NaN where no ray of the valid domain does."""
 
     @abstractmethod
+    def angle(self, d: Array) -> float:
+        """Largest angle from the axis, radians, up to which the projection is one-to-one."""
+
     def valid(self, d: Array, p: Array) -> Mask:
         """Whether points (3, ...) lie where the projection is one-to-one."""
+        inside: Mask = p[2] > np.cos(self.angle(d)) * np.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
+        return inside
+
+    def magnification(self, d: Array) -> tuple[float, Array]:
+        """Image radius / angle at the axis for unit focal lengths, and its derivatives by d (m,)."""
+        return 1.0, np.zeros(len(d))
 
     def start(self, focal: float, img_size: tuple[int, int]) -> Array:
         """Intrinsics (p,) without distortion, principal point in the image centre; focal in px."""
@@ -130,7 +145,7 @@ class Model(ABC):
 
 @lru_cache(maxsize=64)
 def first_root(coefficients: tuple[float, ...], limit: float) -> float:
-    """Smallest root in (0, limit) of 1 + c0 s + c1 s^2 + ..., or `limit` where there is none."""
+    """Smallest root in (0, limit) of 1 + c0 x + c1 x^2 + ..., or `limit` where there is none."""
     polynomial = np.array([*coefficients[::-1], 1.0])
     if not np.isfinite(polynomial).all():
         return 0.0

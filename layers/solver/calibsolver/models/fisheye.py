@@ -7,7 +7,7 @@ points beside and behind the camera are projected too: OpenCV's own x/z form end
 
 import numpy as np
 
-from ..arrays import Array, Mask
+from ..arrays import Array
 from .base import Coefficient, Model, Prior, first_root
 
 TINY = 1e-200
@@ -69,13 +69,8 @@ class Fisheye(Model):
         return u, by_d, by_p
 
     def angle(self, d: Array) -> float:
-        """Largest angle from the axis, radians, up to which the image radius grows."""
+        """See `Model.angle`: up to where the image radius grows."""
         return float(np.sqrt(first_root(tuple((d * (3, 5, 7, 9)).tolist()), np.pi**2)))
-
-    def valid(self, d: Array, p: Array) -> Mask:
-        """See `Model.valid`."""
-        inside: Mask = np.arctan2(np.hypot(p[0], p[1]), p[2]) < self.angle(d)
-        return inside
 
     def undistort(self, d: Array, u: Array) -> Array:
         """Newton's method on the angle alone, from a table."""

@@ -1,0 +1,108 @@
+"""Radial and tangential distortion of a plane, which several models share.
+
+With s = x^2 + y^2 and a radial factor g(s), u = x g + 2 p1 x y + p2 (s + 2 x^2), v = y g + p1 (s + 2 y^2) +
+2 p2 x y (OpenCV documentation, "Camera Calibration and 3D Reconstruction"; after Brown 1971).
+
+The field is a gradient: its Jacobian is symmetric. Along and across the radius that is diag(h, g) + r P M,
+h = g + 2 s dg/ds, P = |(p1, p2)|, and the eigenvalues of M are between -6 and 6. Where h > 7 r P from the
+axis out to a radius, g = mean(h) > 3.5 r P there too, the Jacobian is positive definite on the whole disc,
+and the gradient of a strictly convex function takes no value twice.
+"""
+
+from abc import abstractmethod
+
+import numpy as np
+
+from ..arrays import Array
+from .base import Model
+
+MAX_RADIUS = 50.0
+"""Largest distance from the axis, in focal lengths, at which the plane is used."""
+TANGENTIAL = 7.0
+"""See the module's docstring."""
+
+
+class Planar(Model):
+    """A model that ends with a radial and tangential distortion of a plane.
+
+    `radial_at` and `tangential_at` say where their coefficients stand in `d`.
+    """
+
+    radial_at: tuple[int, ...]
+    tangential_at: tuple[int, int]
+
+    @abstractmethod
+    def radial(self, d: Array, s: Array) -> Array:
+        """Return the radial factor g at squared radii s (...)."""
+
+    @abstractmethod
+    def radial_jacobian(self, d: Array, s: Array) -> tuple[Array, Array, tuple[Array, ...]]:
+        """Return g, dg/ds and dg/dc for each radial coefficient c, all (...)."""
+
+    @abstractmethod
+    def limit(self, d: Array) -> float:
+        """Radius on the plane up to which the distortion is one-to-one."""
+
+    def bend(self, d: Array, x: Array, y: Array) -> Array:
+        """Distort points of the plane: (2, ...)."""
+        p1, p2 = d[self.tangential_at[0]], d[self.tangential_at[1]]
+        s = x * x + y * y
+        g = self.radial(d, s)
+        along = 2 * (p2 * x + p1 * y) + g
+        return np.stack([x * along + p2 * s, y * along + p1 * s])
+
+    def bend_jacobian(self, d: Array, x: Array, y: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """`bend` (2, ...), its derivatives by d (m, 2, ...), and ux, uy = vx, vy (...)."""
+        i, j = self.tangential_at
+        p1, p2 = d[i], d[j]
+        xx, yy, xy2 = x * x, y * y, 2 * x * y
+        s = xx + yy
+        g, slope, by_radial = self.radial_jacobian(d, s)
+        by_d = np.empty((len(d), 2, *x.shape))
+        for at, by in zip(self.radial_at, by_radial, strict=True):
+            np.multiply(x, by, out=by_d[at, 0])
+            np.multiply(y, by, out=by_d[at, 1])
+        by_d[i, 0] = by_d[j, 1] = xy2
+        np.add(s, 2 * yy, out=by_d[i, 1])
+        np.add(s, 2 * xx, out=by_d[j, 0])
+        along = 2 * (p2 * x + p1 * y) + g
+        u = np.empty((2, *x.shape))
+        np.add(x * along, p2 * s, out=u[0])
+        np.add(y * along, p1 * s, out=u[1])
+        slope = 2 * slope
+        ux = along + xx * slope + 4 * p2 * x
+        uy = xy2 * (0.5 * slope) + 2 * (p1 * x + p2 * y)
+        vy = along + yy * slope + 4 * p1 * y
+        return u, by_d, ux, uy, vy
+
+    def flatten(self, d: Array, u: Array) -> tuple[Array, Array]:
+        """Invert `bend`: x and y (...) of (2, ...), NaN where nothing within `limit` bends there.
+
+        Newton's method from the inverse of the radial part.
+        """
+        if not d[list(self.radial_at + self.tangential_at)].any():
+            inside = np.hypot(u[0], u[1]) < self.limit(d)
+            return np.where(inside, u[0], np.nan), np.where(inside, u[1], np.nan)
+        with np.errstate(all="ignore"):  # what runs away outside the domain is found and refused below
+            limit = self.limit(d)
+            # Dense near the axis where the image is, and still out to the limit.
+            r = np.tan(np.linspace(0, np.arctan(limit), 513)[:-1])
+            table = r * self.radial(d, r * r)
+            # A little beyond the table's end is tried too: the tangential part moves the edge.
+            length = np.hypot(u[0], u[1])
+            inside = np.isfinite(length) & (length < 1.05 * table[-1])
+            target = np.where(inside, u, 0.0)
+            length = np.where(inside, length, 0.0)
+            scale = np.interp(length, table, r) / np.where(length > 1e-12, length, 1.0)
+            x, y = target * np.where(length > 1e-12, scale, 1.0)
+            for _ in range(12):
+                value, _, a, b, c = self.bend_jacobian(d, x, y)
+                e = value - target
+                det = a * c - b * b
+                dx, dy = (c * e[0] - b * e[1]) / det, (a * e[1] - b * e[0]) / det
+                x, y = x - dx, y - dy
+                if np.nanmax(np.abs(dx) + np.abs(dy), initial=0.0) < 1e-14:
+                    break
+            error = np.hypot(*(self.bend(d, x, y) - target))
+            good = inside & (error < 1e-13 * (1 + length)) & (np.hypot(x, y) < limit)
+        return np.where(good, x, np.nan), np.where(good, y, np.nan)
