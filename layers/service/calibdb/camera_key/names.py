@@ -1,0 +1,56 @@
+"""Names that say which product a camera is, and names that many products bear."""
+
+from __future__ import annotations
+
+import re
+
+_GENERIC_WORDS = """
+    a the my of and with for
+    camera camera2 cam cams webcam webcams web video usb uvc wdm pc device devices capture digital
+    image imaging module integrated integrierte built in internal external laptop notebook computer
+    desktop monitor display front rear back facing user world environment facetime
+    hd fhd uhd qhd full ultra high definition vga svga qvga wide angle vision ir rgb infrared color colour
+    depth stream streaming live af autofocus auto focus microphone mic dual triple telephoto tele truedepth
+    general generic default standard plug play new multimedia universal
+    pro plus mini lite max select essential business office home gaming
+    unnamed unknown none no name null
+"""
+# Makers alone are no product: "HP Webcam" is a hundred of them.
+_MAKERS = """
+    acer apple asus azurewave bison chicony creative dell genius google hp hewlett packard huawei intel
+    lenovo lg liteon logi logitech microsoft msi nvidia philips quanta realtek ricoh samsung sonix sony
+    sunplus sunplusit suyin syntek toshiba trust vimicro xiaomi
+"""
+_GENERIC = frozenset(_GENERIC_WORDS.split()) | frozenset(_MAKERS.split())
+# Built-in cameras that carry one name over many years and modules: on the labels collected, `HP TrueVision HD
+# Camera` has two USB ids, `Lenovo EasyCamera` four.
+_FAMILIES = re.compile(
+    r"\b(?:facetime|easycamera|truevision|crystal eye|macbook(?: pro| air)?|imac|bisoncam|surface|iphone|"
+    r"ipad|desk view|wide vision|hp (?:ir )?cam)\b"
+)
+_WORDS = re.compile(r"[^\W_]+(?:\.[0-9]+)?")
+# 2, 2.0, 720p, 4k, 5mp, usb2.0: counts, versions and sizes.
+_MEASURE = re.compile(r"(?:usb)?[0-9]+(?:\.[0-9]+)?(?:p|k|mp|m|fps|x[0-9]+)?|0x[0-9a-f]+")
+_STRIPPED = re.compile(r"^(?:logitech|logi|microsoft)\b[ ,.:-]*")
+
+
+def words(name: str) -> list[str]:
+    """Return the words of a name (lower case): letters and digits of any script."""
+    return _WORDS.findall(name)
+
+
+def says_too_little(name: str) -> bool:
+    """Tell whether many products bear this name (lower case)."""
+    if _FAMILIES.search(name):
+        return True
+    return all(len(word) < 2 or word in _GENERIC or _MEASURE.fullmatch(word) for word in words(name))
+
+
+def without_maker(name: str) -> str:
+    """Return `name` (lower case) without a maker that some systems put before it and others do not.
+
+    Windows' drivers do so for Logitech's and Microsoft's. Only where the rest still says which product it
+    is: of `Logitech HD Webcam` nothing would remain but what every other maker calls theirs.
+    """
+    rest = _STRIPPED.sub("", name)
+    return name if says_too_little(rest) else rest

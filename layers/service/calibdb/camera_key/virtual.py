@@ -1,0 +1,50 @@
+"""Programs that pose as cameras: what they show was taken by another lens, if by any."""
+
+from __future__ import annotations
+
+import re
+
+# This project's own: its label names the lens that it computes, so it is as good as a real one.
+_OURS = "calibdb virtual camera"
+
+_PROGRAMS = {
+    "obs virtual camera": r"\bobs(?:[ -]?virtual)?[ -]?cam(?:era)?\b|\bobs-?camera ?[0-9]*\b|\bobs virtual\b",
+    "camtwist": r"\bcamtwist\b",
+    "manycam": r"\bmanycam\b",
+    "droidcam": r"\bdroidcam\b",
+    "iriun webcam": r"\biriun\b",
+    "epoccam": r"\bepoccam\b",
+    "ivcam": r"\bivcam\b|\be2esoft\b",
+    "camo": r"\breincubate camo\b|\bcamo(?: camera)?$",
+    "nvidia broadcast": r"\bnvidia (?:broadcast|camera)\b",
+    "snap camera": r"\bsnap camera\b",
+    "xsplit vcam": r"\bxsplit\b",
+    "mmhmm": r"\bmmhmm\b",
+    "ecamm live": r"\becamm\b",
+    "logi capture": r"\blogi(?:tech)? (?:capture|tune virtual)\b",
+    "ndi video": r"\bnewtek ndi\b|\bndi (?:video|webcam|virtual)\b",
+    "splitcam": r"\bsplitcam\b",
+    "youcam": r"\byoucam\b",
+    "sparkocam": r"\bsparkocam\b",
+    "altercam": r"\baltercam\b",
+    "chromacam": r"\bchromacam\b",
+    "webcamoid": r"\bwebcamoid\b",
+    "prism live": r"\bprism (?:live|lens)\b",
+    "unity video capture": r"\bunity video capture\b",
+    "spoutcam": r"\bspoutcam\b",
+    "screen capture": r"\bscreen-capture-recorder\b",
+    "windows virtual camera": r"\(windows virtual camera\)|\bwindows virtual camera\b",
+    "v4l2loopback": r"\bv4l2[ -]?loopback\b|\bdummy video device\b",
+    # Chromium's and Firefox's, under test.
+    "fake device": r"\bfake_device_[0-9]+\b|\bfake (?:device|camera)\b",
+    # Whatever else says of itself what it is.
+    "virtual camera": r"\bvirtual[ -]?(?:cam|camera|webcam)\b|\bvcam\b",
+}
+_PATTERNS = tuple((name, re.compile(pattern)) for name, pattern in _PROGRAMS.items())
+
+
+def program(text: str) -> str | None:
+    """Return the program behind a label (lower case), None where it is a camera."""
+    if text.startswith(_OURS):
+        return None
+    return next((name for name, pattern in _PATTERNS if pattern.search(text)), None)
