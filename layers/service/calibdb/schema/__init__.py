@@ -1,14 +1,25 @@
 """Requests, answers, and the documents that are stored: all that crosses a boundary, with its bounds."""
 
 from calibdb.schema.board import DICTIONARIES, Board
-from calibdb.schema.calibration import Calibration, FitRecord, Uncertainty
+from calibdb.schema.calibration import (
+    Adapted,
+    Calibration,
+    FitRecord,
+    LookupAnswer,
+    ReportedCalibration,
+    Uncertainty,
+)
+from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView
 from calibdb.schema.documents import (
     CalibrationDocument,
     ConsensusDocument,
     EstimateDocument,
     Finish,
+    GroupsDocument,
     SessionDocument,
     ViewDocument,
+    VoteDocument,
+    Votes,
 )
 from calibdb.schema.fields import DISTORTION_MODELS
 from calibdb.schema.lookup import LookupRequest, Miss
@@ -30,15 +41,21 @@ from calibdb.schema.token import TokenDocument
 __all__ = [
     "DICTIONARIES",
     "DISTORTION_MODELS",
+    "Adapted",
     "Board",
     "Calibration",
     "CalibrationDocument",
+    "CheckAnswer",
+    "CheckRequest",
+    "CheckView",
     "ConsensusDocument",
     "EstimateDocument",
     "FieldProblem",
     "Finish",
     "FitRecord",
+    "GroupsDocument",
     "Health",
+    "LookupAnswer",
     "LookupProblem",
     "LookupRequest",
     "Miss",
@@ -46,6 +63,7 @@ __all__ = [
     "Problem",
     "RefitAnswer",
     "RefitRequest",
+    "ReportedCalibration",
     "SessionDocument",
     "SessionOpened",
     "SessionRequest",
@@ -57,4 +75,6 @@ __all__ = [
     "ViewDocument",
     "ViewRequest",
     "ViewState",
+    "VoteDocument",
+    "Votes",
 ]
