@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from typing import Literal
-
 from pydantic import Field, JsonValue
 
 from calibdb.schema.fields import DistortionModel, ImgSize, Open, Row
-
-Basis = Literal["consensus", "checked"]
-
 
 Basis = Literal["consensus", "checked"]
 Relation = Literal["scale", "crop", "scale+crop", "neither"]
@@ -54,16 +49,6 @@ class Calibration(Open):
     calibrations: int = Field(description="How many calibrations agree on this.")
     contributors: int = Field(description="How many contributors these came from.")
     reliable: bool
-    basis: Basis | None = Field(
-        None,
-        description="`consensus`: calibrations agree; `checked`: others' views confirm it; null: neither.",
-    )
-    spread: float | None = Field(
-        None, description="rms difference over the image between the calibrations that agree, px"
-    )
-    held_out_error: float | None = Field(
-        None, description="rms of each calibration's views under a fit without them, px"
-    )
     exact_size: bool = Field(description="false: this is the closest known size, not the one asked for.")
     uncertainty: Uncertainty
     calibration_time: int = Field(description="Unix time, seconds.")
@@ -110,9 +95,6 @@ class Calibration(Open):
             calibrations=calibrations,
             contributors=contributors,
             reliable=reliable,
-            basis=basis,
-            spread=spread,
-            held_out_error=held_out_error,
             exact_size=True,
             uncertainty=fit.uncertainty,
             calibration_time=calibration_time,
@@ -137,8 +119,8 @@ class LookupAnswer(Calibration):
 
     relation: Relation | None = Field(
         None,
-        description="How the picture at this size relates to that at the size asked for, or, where that was "
-        "never calibrated, at the closest other size; verified from the calibrations at both; null: not known.",
+        description="How the picture at this size relates to that at the size asked for, or, where that "
+        "was never calibrated, at the closest other size; verified by the calibrations; null: not known.",
     )
     adapted: Adapted | None = Field(
         None, description="Parameters for the size or zoom asked for; null where they could not be verified."
@@ -150,5 +132,5 @@ class ReportedCalibration(Calibration):
 
     report: dict[str, JsonValue] | None = Field(
         None,
-        description="Verdict with reasons, standard deviations, error over the image, residuals of every view.",
+        description="Verdict with reasons, standard deviations, error over the image, residuals.",
     )
