@@ -3,18 +3,24 @@ import { CameraError, open } from "./calibrate/camera.js";
 import { DEFAULT_BOARD } from "./board/geometry.js";
 import { LookupError, lookup } from "./sdk/calibdb.js";
 import { drawLine, gridThrough } from "./figure.js";
+import { t } from "./i18n.js";
 import { OfflineError, reach } from "./network.js";
+import { openPage } from "./page.js";
 import { SettingsError, loadSettings } from "./settings.js";
+import landing from "./words/landing.js";
 
 /** @type {[number, number]} */
 const SIZE = [640, 400];
-const PINHOLE = { fx: 500, fy: 500, cx: 320, cy: 200, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
+/** @param {number} k1 */
+const lens = (k1) => ({
+  camera_matrix: [[500, 0, 320], [0, 500, 200], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [k1, 0, 0, 0, 0],
+});
 
 function drawFigure() {
   const svg = document.getElementById("lens");
   if (!svg) return;
-  for (const line of gridThrough(PINHOLE, SIZE, 40)) drawLine(svg, line, "ideal");
-  for (const line of gridThrough({ ...PINHOLE, k1: -0.25 }, SIZE, 40)) drawLine(svg, line, "true");
+  for (const line of gridThrough(lens(0), SIZE, 40)) drawLine(svg, line, "ideal");
+  for (const line of gridThrough(lens(-0.25), SIZE, 40)) drawLine(svg, line, "true");
   drawLine(svg, [[306, 200], [334, 200]], "axis");
   drawLine(svg, [[320, 186], [320, 214]], "axis");
 }
@@ -29,8 +35,8 @@ async function lookUpMine(outcome) {
     const options = { token, api: new URL(api, location.href), fetch: reach };
     const { calibration, guidanceUrl } = await lookup(camera.track, options);
     const name = camera.track.label;
-    if (calibration) outcome.replaceChildren(paragraph(`Yes: ${name}. ${calibration.calibrations} calibrations agree.`), json(calibration));
-    else outcome.replaceChildren(paragraph(`Not yet: ${name}. `, link("Calibrate it", guidanceUrl ?? "./calibrate/")));
+    if (calibration) outcome.replaceChildren(paragraph(t("landing.yes", { camera: name, count: calibration.calibrations })), json(calibration));
+    else outcome.replaceChildren(paragraph(t("landing.not_yet", { camera: name }), " ", link(t("landing.calibrate_it"), guidanceUrl ?? "./calibrate/")));
   } finally {
     camera.close();
   }
@@ -59,6 +65,7 @@ function json(value) {
   return made;
 }
 
+openPage({ landing });
 drawFigure();
 const origin = document.getElementById("origin");
 if (origin) origin.textContent = location.origin;
@@ -67,7 +74,7 @@ const outcome = document.getElementById("outcome");
 if (button instanceof HTMLButtonElement && outcome) {
   button.addEventListener("click", async () => {
     button.disabled = true;
-    outcome.replaceChildren(paragraph("Asking for the camera."));
+    outcome.replaceChildren(paragraph(t("landing.asking")));
     try {
       await lookUpMine(outcome);
     } catch (error) {

@@ -25,8 +25,10 @@ from infra.local.events import Request, Response, message
 from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY, Gateway
 from infra.local.pages import Pages
 from infra.local.workers import Workers
+from infra.tools.shell import shell
 
 _access = logging.getLogger("infra.local.access")
+_FRESH = {"cache-control": "no-cache"}
 
 
 class PortInUseError(OSError):
@@ -63,9 +65,8 @@ class Front:
         self._timeout = timeout
         self._site = Starlette(
             routes=[
-                Route(
-                    "/config.json", lambda _: JSONResponse(settings, headers={"cache-control": "no-cache"})
-                ),
+                Route("/config.json", lambda _: JSONResponse(settings, headers=_FRESH)),
+                Route("/shell.json", lambda _: JSONResponse(shell(web), headers=_FRESH)),
                 Mount("/", Pages(web)),
             ]
         )

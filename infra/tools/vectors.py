@@ -17,8 +17,7 @@ from calibsolver import Camera, models
 
 TARGET = Path(__file__).parents[2] / "tests" / "web" / "vectors.json"
 SIZE = (1280, 720)
-# One that bends inwards, one that bends outwards, one that hardly bends; of the wide models also one that sees
-# beyond 90 degrees.
+# Some bend inwards, some outwards, some not at all; of the wide models one sees beyond 90 degrees.
 LENSES: dict[str, list[tuple[float, list[float]]]] = {
     "rectilinear": [
         (1000.0, [-0.25, 0.06, 0.001, -0.0008, -0.004]),
@@ -51,7 +50,7 @@ def vectors() -> list[dict[str, Any]]:
             matrix = np.array([[focal, 0, 650.25], [0, 1.01 * focal, 352.5], [0, 0, 1.0]])
             camera = Camera(model=model, matrix=matrix, distortion=np.array(coefficients), img_size=SIZE)
             rays = camera.unproject(pixels).round(12)
-            seen = np.isfinite(rays).all(axis=1)
+            seen = np.asarray(np.isfinite(rays).all(axis=1))
             records.append(
                 {
                     "camera_matrix": matrix.tolist(),

@@ -11,6 +11,10 @@ import { TABLES } from "./dictionaries.js";
  * @typedef {[x: number, y: number, width: number, height: number]} Rectangle
  */
 
+/** The names of the marker dictionaries, as OpenCV has them. */
+export const DICTIONARIES = Object.keys(TABLES).flatMap((size) =>
+  (size === "ARUCO_ORIGINAL" ? [`DICT_${size}`] : [50, 100, 250, 1000].map((count) => `DICT_${size}_${count}`)));
+
 /** @type {Required<import("../vendor/api.js").Board>} */
 export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false };
 

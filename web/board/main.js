@@ -1,121 +1,122 @@
-// The board page: full screen at whole device pixels, and PDF.
-import { boardFrom, boardQuery, raster } from "./geometry.js";
+// The board page: full screen, on another device, on paper; any ChArUco board.
+import { number, onLanguage, t } from "../i18n.js";
+import { openPage } from "../page.js";
+import words from "../words/board.js";
+import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery } from "./geometry.js";
 import { PAPERS, boardPdf, squareSide } from "./pdf.js";
+import { drawQr } from "./qr.js";
+import { BoardScreen } from "./screen.js";
 
-const MARGIN = 0.5; // squares of white around the board on a screen
-const { board, problem } = boardFrom(new URLSearchParams(location.search));
-const frame = /** @type {HTMLElement} */ (document.getElementById("frame"));
-const canvas = /** @type {HTMLCanvasElement} */ (document.getElementById("board"));
-const status = /** @type {HTMLElement} */ (document.getElementById("status"));
-/** @type {WakeLockSentinel | null} */
-let awake = null;
-/** Does the board fill the window, where no full screen is to be had? */
-let filling = false;
+/** @typedef {typeof DEFAULT_BOARD} Board */
 
-function isFull() {
-  return filling || document.fullscreenElement === frame;
+const SMALLEST = 5; // mm; a square that printers and cameras still do justice to
+const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
+
+/** @template {Element} E @param {string} id @param {new () => E} type @returns {E} */
+function part(id, type) {
+  const found = document.getElementById(id);
+  if (!(found instanceof type)) throw new TypeError(`the page has no ${type.name} #${id}`);
+  return found;
 }
 
-/** Draws the board so that a cell's edge falls on a device pixel, and one canvas pixel is one device pixel. */
-function draw() {
-  const full = isFull();
-  const density = window.devicePixelRatio || 1;
-  const whole = filling ? [innerWidth, innerHeight] : [screen.width, screen.height];
-  const room = full ? whole : [frame.clientWidth, Infinity];
-  const turned = full && whole[0] < whole[1] !== board.squares[0] < board.squares[1];
-  const [columns, rows] = turned ? [...board.squares].reverse() : board.squares;
-  const scale = Math.max(8, Math.floor(Math.min(
-    (room[0] * density) / (columns + 2 * MARGIN),
-    (room[1] * density) / (rows + 2 * MARGIN),
-  )));
-  const upright = raster(board, scale, Math.round(MARGIN * scale));
-  const { width, height, data } = turned ? quarterTurn(upright) : upright;
-  canvas.width = width;
-  canvas.height = height;
-  canvas.style.width = full ? `${width / density}px` : "";
-  canvas.style.height = full ? `${height / density}px` : "";
-  const context = canvas.getContext("2d", { alpha: false });
-  if (!context) return;
-  const picture = context.createImageData(width, height);
-  const pixels = new Uint32Array(picture.data.buffer);
-  data.forEach((value, index) => {
-    pixels[index] = value ? 0xffffffff : 0xff000000;
-  });
-  context.putImageData(picture, 0, 0);
-}
+const query = new URLSearchParams(location.search);
+let { board, problem } = boardFrom(query);
+openPage({ board: words });
 
-/** Clockwise: on a phone held upright the board is larger so. @param {ReturnType<typeof raster>} picture */
-function quarterTurn({ width, height, data }) {
-  const turned = new Uint8Array(data.length);
-  for (let y = 0; y < height; y++) {
-    for (let x = 0; x < width; x++) turned[x * height + height - 1 - y] = data[y * width + x];
-  }
-  return { width: height, height: width, data: turned };
-}
-
-/** A screen that dims in the middle of a capture ends it. */
-async function stayAwake() {
-  if (!("wakeLock" in navigator)) return;
-  try {
-    awake = await navigator.wakeLock.request("screen");
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error;
-    status.textContent = "This device may dim its screen: touch it now and then.";
-  }
-}
-
-/** Draws the board anew, and keeps the screen bright for as long as it is all that is shown. */
-async function arrange() {
-  frame.classList.toggle("filling", filling);
-  draw();
-  if (isFull()) return stayAwake();
-  const held = awake;
-  awake = null;
-  await held?.release();
-}
-
-/** @param {boolean} whether */
-function fill(whether) {
-  if (filling === whether) return;
-  filling = whether;
-  void arrange();
-}
-
-document.getElementById("full-screen")?.addEventListener("click", (event) => {
-  event.stopPropagation(); // or this very click would close it again
-  // iPhones have full screen for videos only, and a page in a frame may be refused it.
-  if (!frame.requestFullscreen) return fill(true);
-  frame.requestFullscreen({ navigationUI: "hide" }).catch(() => fill(true));
+const status = part("status", HTMLElement);
+const screenOf = new BoardScreen(part("frame", HTMLElement), part("board", HTMLCanvasElement), board, () => {
+  status.textContent = t("board.may_dim");
 });
-document.addEventListener("click", () => fill(false));
-document.addEventListener("keydown", ({ key }) => key === "Escape" && fill(false));
-document.addEventListener("fullscreenchange", arrange);
-// The lock is lost with the page's being seen.
-document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && isFull() && stayAwake());
-window.addEventListener("resize", draw);
-new ResizeObserver(draw).observe(frame);
+const fields = {
+  columns: part("columns", HTMLInputElement), rows: part("rows", HTMLInputElement), ratio: part("ratio", HTMLInputElement),
+  dictionary: part("dictionary", HTMLSelectElement), legacy: part("legacy", HTMLInputElement),
+};
+const [notice, formProblem] = [part("problem", HTMLElement), part("form-problem", HTMLElement)];
+/** @type {string[]} addresses of the files offered now */
+let files = [];
 
-const papers = document.getElementById("papers");
-for (const [name, size] of Object.entries(PAPERS)) {
-  if (squareSide(board, size) < 5) continue;
-  const link = document.createElement("a");
-  link.className = "button";
-  link.textContent = `PDF, ${name}`;
-  link.href = URL.createObjectURL(new Blob([boardPdf(board, size)], { type: "application/pdf" }));
-  link.download = `calibdb-board-${name.toLowerCase()}.pdf`;
-  papers?.append(link);
+/** Where this page, or another, shows this board. @param {string} page @param {Record<string, string>} [more] */
+function address(page, more = {}) {
+  const there = new URL(page, location.href);
+  there.search = new URLSearchParams([...boardQuery(board), ...Object.entries(more)]).toString();
+  there.hash = "";
+  return there.href;
 }
-const complaint = document.getElementById("problem");
-if (complaint) {
-  complaint.textContent = problem;
-  complaint.hidden = problem === "";
+
+function showFields() {
+  const { squares: [columns, rows], marker_ratio, dictionary, legacy } = board;
+  fields.columns.value = String(columns);
+  fields.rows.value = String(rows);
+  fields.ratio.value = String(marker_ratio);
+  fields.dictionary.value = dictionary;
+  fields.legacy.checked = legacy;
 }
-/** @type {HTMLAnchorElement | null} */
-const calibrate = document.querySelector('nav a[href="../calibrate/"]');
-if (calibrate) calibrate.search = boardQuery(board).toString();
-const description = document.getElementById("description");
-if (description) {
-  const [columns, rows] = board.squares;
-  description.textContent = `ChArUco, ${columns} × ${rows} squares, ${board.dictionary}, markers ${board.marker_ratio} ` +
-    `of a square, ${board.legacy ? "layout of OpenCV before 4.6" : "layout of OpenCV 4.6 and later"}.`;
+
+function showPapers() {
+  for (const file of files) URL.revokeObjectURL(file);
+  const papers = Object.entries(PAPERS).filter(([, size]) => squareSide(board, size) >= SMALLEST);
+  files = papers.map(([, size]) => URL.createObjectURL(new Blob([boardPdf(board, size)], { type: "application/pdf" })));
+  part("papers", HTMLElement).replaceChildren(...papers.map(([name], index) => {
+    const link = document.createElement("a");
+    link.className = "button";
+    link.textContent = t("board.pdf", { paper: name });
+    link.href = files[index];
+    link.download = `calibdb-board-${name.toLowerCase()}.pdf`;
+    return link;
+  }));
+  const sizes = papers.map(([paper, size]) => t("board.pdf_size", { paper, side: squareSide(board, size) }));
+  part("paper-sizes", HTMLElement).replaceChildren(...(sizes.length ? sizes : [t("board.no_room")]).map((text) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    return item;
+  }));
 }
+
+function show() {
+  const { squares: [columns, rows], marker_ratio, dictionary, legacy } = board;
+  screenOf.show(board);
+  showPapers();
+  drawQr(part("qr", SVGElement), address("./", { fill: "1" }));
+  part("only-here", HTMLElement).hidden = !LOOPBACK.test(location.hostname);
+  part("description", HTMLElement).textContent = t("board.what", {
+    columns, rows, dictionary, ratio: number(marker_ratio, 2), layout: t(legacy ? "board.layout_legacy" : "board.layout_new"),
+  });
+  for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href*="/calibrate/"]'))) {
+    link.href = address("../calibrate/");
+  }
+}
+
+function change() {
+  const asked = new URLSearchParams({
+    squares: `${fields.columns.value}x${fields.rows.value}`, marker_ratio: fields.ratio.value, dictionary: fields.dictionary.value,
+    legacy: String(fields.legacy.checked),
+  });
+  const found = boardFrom(asked);
+  formProblem.textContent = found.problem;
+  if (found.problem) return;
+  board = found.board;
+  notice.hidden = true;
+  history.replaceState(null, "", address("./"));
+  show();
+}
+
+fields.dictionary.append(...DICTIONARIES.map((name) => new Option(name, name)));
+notice.textContent = problem;
+notice.hidden = problem === "";
+showFields();
+show();
+onLanguage(show);
+part("full-screen", HTMLButtonElement).addEventListener("click", (event) => {
+  event.stopPropagation(); // or this very click would close it again
+  screenOf.enter();
+});
+part("form", HTMLFormElement).addEventListener("input", change);
+part("form", HTMLFormElement).addEventListener("submit", (event) => event.preventDefault());
+part("form", HTMLFormElement).addEventListener("reset", (event) => {
+  event.preventDefault();
+  board = DEFAULT_BOARD;
+  showFields();
+  change();
+});
+// Another device is sent here to show it: without a touch there is no full screen, but the window there is.
+if (query.has("fill")) screenOf.fill(true);

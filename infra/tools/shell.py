@@ -1,0 +1,56 @@
+"""Lists the files of the web client with the hashes of their contents: what its service worker goes by.
+
+    python -m infra.tools.shell > shell.json
+
+The local stack answers `/shell.json` itself; a deployment uploads the file beside the pages.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from functools import lru_cache
+from pathlib import Path
+from typing import TypedDict
+
+WEB = Path(__file__).parents[2] / "web"
+# Fetched when a page needs them, not with the first visit: 12 MB, or a script not everybody reads.
+LATE = ("vendor/opencv/", "vendor/font/sofia-sans-cyrillic")
+KINDS = {".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm"}
+# Not for pages, or another with every server.
+OTHERS = {"openapi.json", "tsconfig.json", "config.json", "shell.json", "sw.js"}
+
+
+class Shell(TypedDict):
+    """`version` changes with any content; `late` are kept when they are used."""
+
+    version: str
+    files: dict[str, str]
+    late: list[str]
+
+
+def shell(folder: Path = WEB) -> Shell:
+    """Return the list of the pages' files: path → SHA-256, hexadecimal."""
+    files = {
+        path.relative_to(folder).as_posix(): _hash(path, *_state(path))
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.suffix in KINDS
+    }
+    files = {name: digest for name, digest in files.items() if name not in OTHERS}
+    version = hashlib.sha256(json.dumps(files).encode()).hexdigest()[:16]
+    return {"version": version, "files": files, "late": [name for name in files if name.startswith(LATE)]}
+
+
+def _state(path: Path) -> tuple[int, int]:
+    status = path.stat()
+    return status.st_mtime_ns, status.st_size
+
+
+@lru_cache(maxsize=1024)
+def _hash(path: Path, changed: int, size: int) -> str:  # noqa: ARG001 - the key of what is remembered
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+if __name__ == "__main__":
+    json.dump(shell(), sys.stdout)

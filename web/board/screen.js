@@ -1,0 +1,114 @@
+// The board on this screen: at whole device pixels, as large as there is room, and awake.
+import { raster } from "./geometry.js";
+
+/** @typedef {import("./geometry.js").Board} Board */
+
+const MARGIN = 0.5; // squares of white around the board
+
+export class BoardScreen {
+  #frame;
+  #canvas;
+  #board;
+  #onDimming;
+  /** @type {WakeLockSentinel | null} */
+  #awake = null;
+  /** Does the board fill the window, where no full screen is to be had? */
+  #filling = false;
+
+  /** @param {HTMLElement} frame @param {HTMLCanvasElement} canvas @param {Board} board @param {() => void} onDimming the screen cannot be kept on */
+  constructor(frame, canvas, board, onDimming) {
+    this.#frame = frame;
+    this.#canvas = canvas;
+    this.#board = board;
+    this.#onDimming = onDimming;
+    document.addEventListener("click", () => this.fill(false));
+    document.addEventListener("keydown", ({ key }) => key === "Escape" && this.fill(false));
+    document.addEventListener("fullscreenchange", () => this.#arrange());
+    // The lock is lost with the page's being seen.
+    document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && this.#isFull() && this.#stayAwake());
+    window.addEventListener("resize", () => this.draw());
+    new ResizeObserver(() => this.draw()).observe(frame);
+  }
+
+  /** @param {Board} board */
+  show(board) {
+    this.#board = board;
+    this.draw();
+  }
+
+  /** To the whole screen, or where that is not to be had to the whole window: iPhones have it for videos only. */
+  enter() {
+    if (!this.#frame.requestFullscreen) return this.fill(true);
+    this.#frame.requestFullscreen({ navigationUI: "hide" }).catch(() => this.fill(true));
+  }
+
+  /** @param {boolean} whether */
+  fill(whether) {
+    if (this.#filling === whether) return;
+    this.#filling = whether;
+    void this.#arrange();
+  }
+
+  #isFull() {
+    return this.#filling || document.fullscreenElement === this.#frame;
+  }
+
+  /** Draws the board so that a cell's edge falls on a device pixel, and one canvas pixel is one device pixel. */
+  draw() {
+    const full = this.#isFull();
+    const { squares } = this.#board;
+    const density = window.devicePixelRatio || 1;
+    const whole = this.#filling ? [innerWidth, innerHeight] : [screen.width, screen.height];
+    const room = full ? whole : [this.#frame.clientWidth, Infinity];
+    const turned = full && whole[0] < whole[1] !== squares[0] < squares[1];
+    const [columns, rows] = turned ? [...squares].reverse() : squares;
+    const scale = Math.max(8, Math.floor(Math.min(
+      (room[0] * density) / (columns + 2 * MARGIN),
+      (room[1] * density) / (rows + 2 * MARGIN),
+    )));
+    const upright = raster(this.#board, scale, Math.round(MARGIN * scale));
+    const { width, height, data } = turned ? quarterTurn(upright) : upright;
+    this.#canvas.width = width;
+    this.#canvas.height = height;
+    this.#canvas.style.width = full ? `${width / density}px` : "";
+    this.#canvas.style.height = full ? `${height / density}px` : "";
+    const context = this.#canvas.getContext("2d", { alpha: false });
+    if (!context) return;
+    const picture = context.createImageData(width, height);
+    const pixels = new Uint32Array(picture.data.buffer);
+    data.forEach((value, index) => {
+      pixels[index] = value ? 0xffffffff : 0xff000000;
+    });
+    context.putImageData(picture, 0, 0);
+  }
+
+  /** Draws the board anew, and keeps the screen bright for as long as it is all that is shown. */
+  async #arrange() {
+    this.#frame.classList.toggle("filling", this.#filling);
+    this.draw();
+    if (this.#isFull()) return this.#stayAwake();
+    const held = this.#awake;
+    this.#awake = null;
+    await held?.release();
+  }
+
+  /** A screen that dims in the middle of a capture ends it. */
+  async #stayAwake() {
+    if (!("wakeLock" in navigator)) return this.#onDimming();
+    try {
+      this.#awake = await navigator.wakeLock.request("screen");
+    } catch (error) {
+      if (!(error instanceof DOMException)) throw error;
+      this.#onDimming();
+    }
+  }
+}
+
+/** Clockwise: on a phone held upright the board is larger so. @param {ReturnType<typeof raster>} picture */
+function quarterTurn({ width, height, data }) {
+  const turned = new Uint8Array(data.length);
+  for (let y = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) turned[x * height + height - 1 - y] = data[y * width + x];
+  }
+  return { width: height, height: width, data: turned };
+}

@@ -1,0 +1,103 @@
+// Keeps the pages' files for the next visit, by what is in them. Nothing of the API is ever kept.
+//
+// `shell.json` names every file with the hash of its content; it is written by whoever serves the pages (infra/tools/
+// shell.py). A visit is served from the files of one such list, all old or all new: the next list is taken up only once
+// all of its files are here. OpenCV is kept when it is first used, or while a page is open that will use it.
+// Where pages are developed, on this very machine, the network comes first and what is kept only stands in for it.
+
+/** @typedef {{version: string, files: Record<string, string>, late: string[]}} Shell late: kept when used */
+
+/** @type {any} a ServiceWorkerGlobalScope, which the page's types do not know */
+const worker = self;
+const BASE = new URL("./", location.href);
+const SHELL = new URL("shell.json", BASE).href;
+const CACHE = "calibdb";
+const DEVELOPED = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
+const DETECTING = /\/(calibrate|photos)\/$/;
+
+/** The file a request is for, "" and "board/" being pages; null where it is none of ours. @param {Request} request */
+function fileOf({ method, url, headers }) {
+  const { origin, pathname } = new URL(url);
+  if (method !== "GET" || origin !== BASE.origin || !pathname.startsWith(BASE.pathname) || headers.has("authorization")) return null;
+  const path = pathname.slice(BASE.pathname.length);
+  if (path === "" || path.endsWith("/")) return `${path}index.html`;
+  return /\.(html|js|css|svg|json|woff2|wasm)$/.test(path) ? path : null;
+}
+
+/** @param {string} name @param {string} hash */
+const keyOf = (name, hash) => `${new URL(name, BASE).href}?sha256=${hash}`;
+
+/** The list that visits are served from. @param {Cache} cache @returns {Promise<Shell | null>} */
+async function current(cache) {
+  const kept = await cache.match(SHELL);
+  return kept ? kept.json() : null;
+}
+
+/** Is this the content that the list speaks of? @param {Response} response @param {string} hash */
+async function isContent(response, hash) {
+  const digest = await crypto.subtle.digest("SHA-256", await response.arrayBuffer());
+  return Array.from(new Uint8Array(digest), (byte) => byte.toString(16).padStart(2, "0")).join("") === hash;
+}
+
+/** Fetches a file unless it is here. @param {Cache} cache @param {string} name @param {string} hash */
+async function keep(cache, name, hash) {
+  const key = keyOf(name, hash);
+  if (await cache.match(key)) return;
+  const response = await fetch(new URL(name, BASE), { cache: "no-cache" });
+  // Somebody deploys just now: the whole is tried again at the next visit.
+  if (!response.ok || !await isContent(response.clone(), hash)) throw new TypeError(`${name} is not what the list says`);
+  await cache.put(key, response);
+}
+
+/** Takes up the newest list, whole or not at all. */
+async function update() {
+  const response = await fetch(SHELL, { cache: "no-store" });
+  if (!response.ok) return;
+  const cache = await caches.open(CACHE);
+  const before = await current(cache);
+  /** @type {Shell} */
+  const shell = await response.clone().json();
+  if (shell.version !== before?.version) {
+    const now = Object.entries(shell.files).filter(([name]) => !shell.late.includes(name));
+    await Promise.all(now.map(([name, hash]) => keep(cache, name, hash)));
+    await cache.put(SHELL, response);
+    // Pages that are open still go by the list before.
+    const wanted = new Set([SHELL, ...[shell, before].flatMap((list) => Object.entries(list?.files ?? {}).map(([name, hash]) => keyOf(name, hash)))]);
+    for (const { url } of await cache.keys()) if (!wanted.has(url)) await cache.delete(url);
+  }
+  const pages = await worker.clients.matchAll({ type: "window", includeUncontrolled: true });
+  if (pages.some((/** @type {{url: string}} */ { url }) => DETECTING.test(new URL(url).pathname))) {
+    await Promise.all(shell.late.map((name) => keep(cache, name, shell.files[name])));
+  }
+}
+
+/** No network, or no room: then it stays as it is. */
+async function tryUpdate() {
+  try {
+    await update();
+  } catch (error) {
+    if (!(error instanceof TypeError) && !(error instanceof DOMException)) throw error;
+    console.info("kept files stay as they are:", error.message);
+  }
+}
+
+/** @param {Request} request @param {string} name */
+async function answer(request, name) {
+  const cache = await caches.open(CACHE);
+  const hash = (await current(cache))?.files[name];
+  const kept = hash && (await cache.match(keyOf(name, hash)));
+  if (!kept) return fetch(request);
+  return DEVELOPED ? fetch(request).catch(() => kept) : kept;
+}
+
+worker.addEventListener("install", (/** @type {any} */ event) => {
+  worker.skipWaiting();
+  event.waitUntil(tryUpdate());
+});
+worker.addEventListener("activate", (/** @type {any} */ event) => event.waitUntil(worker.clients.claim()));
+worker.addEventListener("fetch", (/** @type {any} */ event) => {
+  const name = fileOf(event.request);
+  if (name === null || name === "config.json" || name === "shell.json" || name === "sw.js") return;
+  event.respondWith(answer(event.request, name));
+  if (event.request.mode === "navigate") event.waitUntil(tryUpdate());
+});
