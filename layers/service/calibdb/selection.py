@@ -43,7 +43,7 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
     here: dict[tuple[tuple[int, int], str], ConsensusDocument] = {
         (c.img_size, c.distortion_model): c for c in known if c.zoom == zoom
     }
-    for size in sorted({size for size, _ in here}, key=lambda s: _distance(s, img_size)):
+    for size in sorted({size for size, _ in here}, key=lambda s: closeness(s, img_size)):
         wanted = here.get((size, model))
         if wanted is not None and wanted.reliable:
             return Choice(found=wanted)
@@ -55,7 +55,8 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
     return Choice(reason=exact[0] if exact else "too_few" if here else "unknown_camera")
 
 
-def _distance(size: tuple[int, int], asked: tuple[int, int]) -> tuple[bool, float, float]:
+def closeness(size: tuple[int, int], asked: tuple[int, int]) -> tuple[bool, float, float]:
+    """Return what is smaller the closer a size is: the same first, then by aspect, then by area."""
     aspect = abs(math.log(size[0] * asked[1] / (size[1] * asked[0])))
     area = abs(math.log(size[0] * size[1] / (asked[0] * asked[1])))
     return size != asked, 0.0 if aspect < _SAME_ASPECT else aspect, area

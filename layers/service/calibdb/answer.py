@@ -1,0 +1,139 @@
+"""What a lookup answers: the stored calibration, and what of it can be said of the size or zoom asked for."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+from calibdb.relation import carried, relate, same_aspect, scaled
+from calibdb.schema import Adapted, Calibration, ConsensusDocument, LookupAnswer, Uncertainty
+from calibdb.schema.calibration import Relation
+from calibdb.selection import closeness
+
+_EVIDENCE = 2  # calibrations at a size that is not reliable yet, so that they may verify a relation
+_FAR = 2.0  # ratio of focal lengths between which a lens is not interpolated
+
+
+def answer(found: Calibration, known: Sequence[ConsensusDocument], img_size: tuple[int, int]) -> LookupAnswer:
+    """Return `found` with its relation to the size asked for, and what it becomes there if that is verified.
+
+    `known`: all consensuses of the camera.
+    """
+    at = {
+        c.img_size: c
+        for c in known
+        if (c.zoom, c.distortion_model) == (found.zoom, found.distortion_model) and c.calibration
+    }
+    relation, adapted = _adapted(found, at, img_size)
+    exact = found.img_size == img_size
+    return LookupAnswer(**{**dict(found), "exact_size": exact}, relation=relation, adapted=adapted)
+
+
+def between(lower: Calibration, upper: Calibration, zoom: float) -> LookupAnswer:
+    """Return what lies at `zoom` between two calibrations of one size, as sure as the less sure of them."""
+    t = (zoom - lower.zoom) / (upper.zoom - lower.zoom)
+
+    def mix(one: float, other: float) -> float:
+        return one + t * (other - one)
+
+    rows = zip(lower.camera_matrix, upper.camera_matrix, strict=True)
+    (a, b, c), (d, e, f), last = (tuple(map(mix, one, other)) for one, other in rows)
+    matrix = ((a, b, c), (d, e, f), (last[0], last[1], last[2]))
+    distortion = tuple(map(mix, lower.distortion_coefficients, upper.distortion_coefficients))
+    changed = {
+        "camera_matrix": matrix,
+        "distortion_coefficients": distortion,
+        "zoom": zoom,
+        "id": None,
+        "calibrations": min(lower.calibrations, upper.calibrations),
+        "contributors": min(lower.contributors, upper.contributors),
+        "calibration_time": min(lower.calibration_time, upper.calibration_time),
+        "avg_reprojection_error": max(lower.avg_reprojection_error, upper.avg_reprojection_error),
+        "uncertainty": Uncertainty(
+            rms=max(lower.uncertainty.rms, upper.uncertainty.rms),
+            max=max(lower.uncertainty.max, upper.uncertainty.max),
+        ),
+        "spread": _worse(lower.spread, upper.spread),
+        "held_out_error": _worse(lower.held_out_error, upper.held_out_error),
+    }
+    adapted = Adapted(
+        img_size=lower.img_size,
+        zoom=zoom,
+        camera_matrix=matrix,
+        distortion_coefficients=distortion,
+        interpolated=True,
+    )
+    return LookupAnswer(**{**dict(lower), **changed}, relation=None, adapted=adapted)
+
+
+def neighbours(
+    known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
+) -> tuple[Calibration, Calibration] | None:
+    """Return the calibrations at the zooms around `zoom`; None where nothing can be said between them.
+
+    Between two zooms a lens is taken to change evenly only if it does so over all calibrated ones: the
+    focal lengths grow with the zoom, and do not double from one to the next.
+    """
+    here = sorted(
+        (
+            c.calibration
+            for c in known
+            if c.calibration and c.reliable and (c.img_size, c.distortion_model) == (img_size, model)
+        ),
+        key=lambda c: c.zoom,
+    )
+    steps = list(itertools.pairwise(here))
+    around = [pair for pair in steps if pair[0].zoom < zoom < pair[1].zoom]
+    if not around or not all(ratio > 1 for pair in steps for ratio in _ratios(*pair)):
+        return None
+    return around[0] if max(_ratios(*around[0])) <= _FAR else None
+
+
+def _ratios(one: Calibration, other: Calibration) -> tuple[float, float]:
+    (fx, _, _), (_, fy, _), _ = one.camera_matrix
+    (ofx, _, _), (_, ofy, _), _ = other.camera_matrix
+    return ofx / fx, ofy / fy
+
+
+def _adapted(
+    found: Calibration, at: dict[tuple[int, int], ConsensusDocument], asked: tuple[int, int]
+) -> tuple[Relation | None, Adapted | None]:
+    here = at.get(asked)
+    if here is not None and found.img_size != asked:
+        # Too few to be relied on, but enough to say which of the pictures it can be this one is.
+        if here.reason == "disagree" or not here.calibration or here.calibration.calibrations < _EVIDENCE:
+            return None, None
+        relation, window = relate(found, here.calibration)
+        return relation, _carried(found, *carried(found, window), asked) if window else None
+    others = [
+        c.calibration for size, c in at.items() if c.reliable and c.calibration and size != found.img_size
+    ]
+    if not others:
+        return None, None
+    if found.img_size != asked:
+        # Of a size that was never calibrated only this can be said: between two sizes that show the same
+        # it shows the same, too. Beyond them many a camera begins to cut.
+        alike = sorted(
+            (c for c in (found, *others) if same_aspect(c.img_size, asked)), key=lambda c: c.img_size[0]
+        )
+        lower = [c for c in alike if c.img_size[0] < asked[0]]
+        upper = [c for c in alike if c.img_size[0] > asked[0]]
+        if lower and upper and found in alike and relate(lower[-1], upper[0])[0] == "scale":
+            return "scale", _carried(found, *carried(found, scaled(found, asked)), asked)
+    closest = min(others, key=lambda c: closeness(c.img_size, found.img_size))
+    return relate(found, closest)[0], None
+
+
+def _carried(
+    found: Calibration,
+    matrix: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]],
+    distortion: tuple[float, ...],
+    img_size: tuple[int, int],
+) -> Adapted:
+    return Adapted(
+        img_size=img_size, zoom=found.zoom, camera_matrix=matrix, distortion_coefficients=distortion
+    )
+
+
+def _worse(one: float | None, other: float | None) -> float | None:
+    return None if one is None or other is None else max(one, other)
