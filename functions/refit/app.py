@@ -1,102 +1,226 @@
 """Computes what the calibrations of one camera, at one size and zoom, agree on. Internal.
 
-Safe to run twice, late, or at the same time as another: a result that considered fewer calibrations never
-replaces one that considered more. Asked again with nothing new, it answers what is stored: of a hundred
-requests that a busy camera leaves in the queue, the first does the work of all.
+Safe to run twice, late, or at the same time as another: a result is written only over one that was made from
+less. Asked again with nothing new, it answers what is stored. Asked through the queue while another
+computation of the same is under way, it leaves word and ends, and the other goes round once more: of a
+hundred captures that end together, one computation serves all.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import hashlib
+import math
 import os
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
+from calibdb.errors import UnavailableError
 from calibdb.schema import (
+    DISTORTION_MODELS,
     Calibration,
     CalibrationDocument,
     ConsensusDocument,
     FitRecord,
+    GroupsDocument,
     RefitAnswer,
     RefitRequest,
+    VoteDocument,
+    Votes,
 )
-from calibdb.schema.lookup import Reason
 from calibdb.service import Service
+from calibdb.settings import Thresholds
+from calibdb.store import Mode
 from calibdb.store.keys import consensus_id
-from calibsolver import Board, CalibrationError, __version__, consensus
+from calibdb.votes import Finding, fits, tally, with_votes
+from calibsolver import Board, CalibrationError, Camera, View, __version__, consensus
+from calibsolver.score import score
 
-MOST = 200  # the newest; more make no consensus better
+ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
+ATTEMPTS = 5  # of one that others keep overtaking
+
+Answer = dict[str, ConsensusDocument | None]
 
 
-def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
+def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     """Compute, store and return the consensus of every model asked for; null where nothing is known."""
     request = RefitRequest.model_validate(event)
     service = Service.of(os.environ)
-    rule = consensus.Rule(
-        min_calibrations=service.settings.thresholds.min_calibrations,
-        min_contributors=service.settings.thresholds.min_contributors,
-    )
-    ids = service.store.calibrations.newest(request.camera, request.img_size, request.zoom, MOST)
-    basis = hashlib.sha256(repr((ids, rule, __version__)).encode()).hexdigest()
-    answer: dict[str, ConsensusDocument | None] = dict.fromkeys(request.models)
-    for known in service.store.consensuses.of(request.camera) if ids else ():
-        here = (known.img_size, known.zoom) == (request.img_size, request.zoom)
-        if here and known.basis == basis and known.distortion_model in answer:
-            answer[known.distortion_model] = known
-    missing = [model for model, known in answer.items() if known is None]
-    documents = service.store.calibrations.read(ids) if missing else []
-    for model in missing if documents else ():
-        pooled = pool(documents, model, rule).model_copy(update={"basis": basis})
-        service.store.consensuses.put(pooled)
-        answer[model] = pooled
-    return RefitAnswer.model_validate({"models": answer}).model_dump(mode="json")
+    mode = Mode(request.camera, request.img_size, request.zoom)
+    if request.queued:
+        in_turn(service, mode, context)
+        return RefitAnswer(models={}).model_dump(mode="json")
+    models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
+    return RefitAnswer.model_validate({"models": current(service, mode, models)}).model_dump(mode="json")
 
 
-def pool(documents: Sequence[CalibrationDocument], model: str, rule: consensus.Rule) -> ConsensusDocument:
-    """Return what `documents`, all of one camera, size and zoom, agree on."""
-    first = documents[0]
+def in_turn(service: Service, mode: Mode, context: Any) -> None:
+    """Bring every model's consensus up to date, unless another computation does and can do it along."""
+    leases, me = service.store.leases, str(context.aws_request_id)
+    until = service.now + math.ceil(context.get_remaining_time_in_millis() / 1000)
+    if not leases.take(mode, me, service.now, until):
+        return
+    done = False
+    try:
+        for _ in range(ROUNDS):
+            current(service, mode, DISTORTION_MODELS)
+            done = leases.release(mode, me)
+            if done:
+                return
+            leases.again(mode, me, until)
+    finally:
+        if not done:
+            leases.abandon(mode, me)
+    # The queue delivers this request again, after a while, and whoever asks until then begins anew.
+    raise UnavailableError("Calibrations of this camera keep coming in.")
+
+
+def current(service: Service, mode: Mode, models: Sequence[str]) -> Answer:
+    """Return each model's consensus as it must be by what is in the index, stored if it was not."""
+    for _ in range(ATTEMPTS):
+        answer = attempt(service, mode, models)
+        if answer is not None:
+            return answer
+    raise UnavailableError("Others keep computing the consensus of this camera.")
+
+
+def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | None:
+    """Return what `current` does; None when it was overtaken."""
+    store, thresholds = service.store, service.settings.thresholds
+    # First of all: whatever is stored by now was made from what is read after it, or from less.
+    stored: dict[str, ConsensusDocument] = {c.distortion_model: c for c in store.consensuses.at(mode)}
+    counted = store.calibrations.newest(mode, thresholds.most_calibrations, thresholds.contributor_period)
+    if not counted:
+        gone = [stored[model] for model in models if model in stored]
+        return dict.fromkeys(models) if all(map(store.consensuses.drop, gone)) else None
+    cast = store.votes.newest(mode)
+    pooled = digest([c.id for c in counted], thresholds, __version__)
+    basis = digest(pooled, [vote.id for vote in cast])
+
+    documents = functools.cache(lambda: store.calibrations.read([c.id for c in counted]))
+    votes = functools.cache(lambda: store.votes.read(mode.camera_key, [vote.id for vote in cast]))
+    contributors = frozenset(c.contributor for c in counted)
+    answer: Answer = {}
+    for model in models:
+        known = stored.get(model)
+        if known is not None and known.basis == basis:
+            answer[model] = known
+            continue
+        groups = None
+        if known is not None and known.pooled == pooled:
+            document = known  # only the votes are others
+        else:
+            document, groups = pool(mode, documents(), model, thresholds, pooled)
+        found = count(document, votes() if cast else [], contributors, thresholds)
+        document = with_votes(document, found, basis, thresholds)
+        if not store.consensuses.put(document, groups, known.basis if known else None):
+            return None
+        answer[model] = document
+    return answer
+
+
+def pool(
+    mode: Mode, documents: Sequence[CalibrationDocument], model: str, thresholds: Thresholds, pooled: str
+) -> tuple[ConsensusDocument, GroupsDocument]:
+    """Return what `documents`, all of one mode, agree on, before any vote, and what is behind it."""
     stored = functools.partial(
         ConsensusDocument,
-        camera_key=first.camera_key,
-        img_size=first.img_size,
-        zoom=first.zoom,
+        camera_key=mode.camera_key,
+        img_size=mode.img_size,
+        zoom=mode.zoom,
         distortion_model=model,
         total=len(documents),
-        latest=max(d.time for d in documents),
+        latest=max((d.time for d in documents), default=0),
+        pooled=pooled,
     )
+    members = [member(d) for d in documents]
+    rule = rule_of(thresholds)
     try:
-        agreed = consensus.pool([member(d) for d in documents], first.img_size, model, rule)
+        agreed = consensus.pool(members, mode.img_size, model, rule)
     except CalibrationError:
-        return stored(reason="too_few" if len(documents) < rule.min_calibrations else "disagree")
+        found = "too_few" if len(documents) < rule.min_calibrations else "disagree"
+        return stored(found=found, reason=found), GroupsDocument(pooled=pooled)
     newest = max((d for d in documents if d.id in agreed.members), key=lambda d: (d.time, d.id))
     calibration = Calibration.of(
         FitRecord.model_validate(agreed.calibration.record()),
-        id=consensus_id(first.camera_key, first.img_size, first.zoom, model),
+        id=consensus_id(mode.camera_key, mode.img_size, mode.zoom, model),
         camera=newest.camera,
         platform=newest.platform,
-        zoom=first.zoom,
+        zoom=mode.zoom,
         calibration_time=newest.time,
         calibrations=len(agreed.members),
         contributors=agreed.contributors,
-        reliable=agreed.reliable,
+        spread=finite(agreed.spread),
+        held_out_error=finite(agreed.held_out_error),
     )
-    return stored(calibration=calibration, reason=None if agreed.reliable else doubt(agreed, rule))
+    confirmable = agreed.reason == "few_contributors" or (
+        agreed.reason == "too_few" and consistent(members, mode, model, rule)
+    )
+    errors = {name: e for name, error in agreed.member_errors.items() if (e := finite(error)) is not None}
+    return (
+        stored(found=agreed.reason, confirmable=confirmable, calibration=calibration),
+        GroupsDocument(pooled=pooled, groups=agreed.groups, errors=errors),
+    )
 
 
-def doubt(agreed: consensus.Consensus, rule: consensus.Rule) -> Reason:
-    """Return why a consensus is not called reliable."""
-    if agreed.total < rule.min_calibrations:
-        return "too_few"
-    if len(agreed.members) < max(rule.min_calibrations, rule.min_share * agreed.total):
-        return "disagree"
-    if agreed.contributors < rule.min_contributors:
-        return "few_contributors"
-    return "disagree"
+def consistent(members: Sequence[consensus.Member], mode: Mode, model: str, rule: consensus.Rule) -> bool:
+    """Tell whether few calibrations would make a reliable consensus if they were enough."""
+    few = dataclasses.replace(rule, min_calibrations=1, min_contributors=1)
+    return consensus.pool(members, mode.img_size, model, few).reliable
+
+
+def count(
+    document: ConsensusDocument,
+    votes: Sequence[VoteDocument],
+    contributors: frozenset[str],
+    thresholds: Thresholds,
+) -> Votes:
+    """Score the views of every vote under the consensus as it is now, and count."""
+    calibration = document.calibration
+    if calibration is None:
+        return Votes()
+    camera = Camera(
+        calibration.distortion_model,
+        np.array(calibration.camera_matrix),
+        np.array(calibration.distortion_coefficients),
+        calibration.img_size,
+    )
+    expected = calibration.held_out_error or calibration.avg_reprojection_error
+    findings = []
+    for vote in votes:
+        error = score(camera, views_of(vote)).rms
+        fit = fits(error, expected, vote.noise, document.img_size[0], thresholds.max_check_ratio)
+        findings.append(Finding(vote.contributor, vote.time, fit))
+    return tally(
+        findings, calibration.calibration_time, contributors, apart=thresholds.contributor_period > 0
+    )
+
+
+def rule_of(thresholds: Thresholds) -> consensus.Rule:
+    """Return the solver's rule by the deployment's thresholds."""
+    names = [field.name for field in dataclasses.fields(consensus.Rule)]
+    return consensus.Rule(**{name: getattr(thresholds, name) for name in names})
 
 
 def member(document: CalibrationDocument) -> consensus.Member:
     """Return the keypoints of one calibration for the solver."""
+    return consensus.Member(document.id, document.contributor, tuple(views_of(document)))
+
+
+def views_of(document: CalibrationDocument | VoteDocument) -> list[View]:
+    """Return a document's views for the solver."""
     board = Board(**document.board.model_dump())
-    views = tuple(board.view(view.ids, view.points) for view in document.views)
-    return consensus.Member(document.id, document.contributor, views)
+    return [board.view(view.ids, view.points) for view in document.views]
+
+
+def digest(*parts: object) -> str:
+    """Return what stands for `parts`."""
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def finite(number: float | None) -> float | None:
+    """Return the number, None where there is none or it is infinite: JSON knows no such thing."""
+    return number if number is not None and math.isfinite(number) else None

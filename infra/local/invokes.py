@@ -2,7 +2,8 @@
 
 Later means as on AWS: accepted is kept. An accepted call is journalled before the caller is answered, tried
 again when it fails, delivered again after a restart that came in between, and forgotten once it is done. That
-is at least once, so a function must bear a second time.
+is at least once, so a function must bear a second time. A call that failed every time is kept in the queue
+that the template names for it, in the journal, as Lambda would send it there.
 """
 
 from __future__ import annotations
@@ -12,18 +13,22 @@ import logging
 import threading
 import time
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from botocore.awsrequest import AWSPreparedRequest
 
 from infra.local.functions import Function, FunctionError
+from infra.local.intrinsics import ACCOUNT, REGION
 from infra.local.journal import Address, Change, Content
 from infra.local.storage import Answer, NotDurableError, Storage
+from infra.local.template import FunctionSpec
 from infra.local.workers import Workers
 
 INVOKE = "invoke"
+FAILURE = "failure"
 GRACE = 5.0  # seconds for which waiting calls still get their turn once the stack is told to stop
 
 _log = logging.getLogger("infra.local.invokes")
@@ -51,11 +56,13 @@ class Invokes:
         outbox: Storage | None,
         lasting: bool,
         pauses: Sequence[float],
+        clock: Callable[[], float] = time.time,
     ):
         self._functions = functions
         self._outbox = outbox
         self._lasting = lasting
         self._pauses = pauses
+        self._clock = clock
         self._deadline = 0.0
         self._closing = threading.Event()
         # Two at once: more would only take the processor from the requests that someone waits for.
@@ -89,6 +96,11 @@ class Invokes:
                 self._submit(change.address, json.loads(change.content.body))
         return len(remembered)
 
+    def failures(self) -> list[dict[str, Any]]:
+        """Return the calls that failed every time, as Lambda records them."""
+        kept = self._outbox.remembered(FAILURE) if self._outbox else []
+        return [json.loads(change.content.body) for change in kept if change.content]
+
     def close(self) -> None:
         """Finish what is under way or has its turn soon; the rest, and retries, wait for the next start."""
         self._deadline = time.monotonic() + GRACE
@@ -118,6 +130,7 @@ class Invokes:
         function = self._functions[address.container]
         if self._lasting and self._closing.is_set() and time.monotonic() > self._deadline:
             return
+        done, failed = [Change(address, None)], {}
         for attempt in range(1 + function.spec.retries):
             if attempt and self._closing.wait(self._pauses[min(attempt, len(self._pauses)) - 1]):
                 _log.warning("%s: a call that failed is left for the next start", address.container)
@@ -125,17 +138,44 @@ class Invokes:
             try:
                 function(event, address.key)
                 break
-            except FunctionError:
-                continue  # logged where it happened
+            except FunctionError as error:  # logged where it happened
+                failed = error.payload
         else:
             _log.error(
                 "%s: a call failed %d times and is given up", address.container, 1 + function.spec.retries
             )
+            if function.spec.failures:
+                done.append(self._failure(function.spec, address, event, failed))
         if self._outbox:
             try:
-                self._outbox.remember(Change(address, None))
+                self._outbox.remember(*done)
             except NotDurableError as error:
                 _log.error("%s: a call that is done will be delivered again: %s", address.container, error)
+
+    def _failure(self, spec: FunctionSpec, address: Address, event: Any, answer: Any) -> Change:
+        """Return the record of a call that failed every time.
+
+        Source: AWS Lambda developer guide, "Capturing records of Lambda asynchronous invocations".
+        """
+        record = {
+            "version": "1.0",
+            "timestamp": datetime.fromtimestamp(self._clock(), UTC).isoformat(timespec="milliseconds"),
+            "requestContext": {
+                "requestId": address.key,
+                "functionArn": f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{spec.name}:$LATEST",
+                "condition": "RetriesExhausted",
+                "approximateInvokeCount": 1 + spec.retries,
+            },
+            "requestPayload": event,
+            "responseContext": {
+                "statusCode": 200,
+                "executedVersion": "$LATEST",
+                "functionError": "Unhandled",
+            },
+            "responsePayload": answer,
+        }
+        place = Address(FAILURE, spec.failures or "", address.key)
+        return Change(place, Content(json.dumps(record).encode()))
 
 
 def _error(status: int, code: str, text: str) -> Answer:

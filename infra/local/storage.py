@@ -97,8 +97,8 @@ class Storage:
             # Not 500, which clients try again for seconds: a full disk stays full.
             return _error(service, 507, "InsufficientStorage", str(error))
 
-    def remember(self, change: Change) -> None:
-        """Make a change durable that is neither an item nor an object.
+    def remember(self, *changes: Change) -> None:
+        """Make changes durable together that are neither of items nor of objects.
 
         Raises
         ------
@@ -106,7 +106,7 @@ class Storage:
             If it could not be.
         """
         with self._memory_lock:
-            batch = self._note([change])
+            batch = self._note(changes)
         self._settle(batch)
 
     def remembered(self, kind: str) -> list[Change]:

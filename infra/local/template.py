@@ -31,6 +31,8 @@ class FunctionSpec:
     environment: Mapping[str, str]
     retries: int
     """How often an asynchronous invoke that failed is tried again."""
+    failures: str | None = None
+    """Name of the queue where one goes that failed every time; None: nowhere."""
 
 
 @dataclass(frozen=True)
@@ -163,6 +165,8 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
 
 def _function(name: str, properties: Mapping[str, Any], root: Path, resolve: Resolver) -> FunctionSpec:
     variables = resolve(properties.get("Environment", {}).get("Variables", {}))
+    later = resolve(properties.get("EventInvokeConfig", {}))
+    failures = later.get("DestinationConfig", {}).get("OnFailure", {}).get("Destination")
     return FunctionSpec(
         name=name,
         code=root / properties["CodeUri"],
@@ -170,7 +174,8 @@ def _function(name: str, properties: Mapping[str, Any], root: Path, resolve: Res
         timeout=float(properties.get("Timeout", 3)),
         memory=int(properties.get("MemorySize", 128)),
         environment={key: text(value) for key, value in variables.items()},
-        retries=int(properties.get("EventInvokeConfig", {}).get("MaximumRetryAttempts", 2)),
+        retries=int(later.get("MaximumRetryAttempts", 2)),
+        failures=failures and str(failures).rpartition(":")[2],
     )
 
 

@@ -40,7 +40,7 @@ class Thresholds:
     min_share: float = 0.6
     max_focal_spread: float = 0.05
     max_center_spread: float = 0.02
-    max_projection_spread: float = 0.01
+    max_projection_spread: float = 0.006
     max_unexplained: float = 0.004
     most_calibrations: int = 200
     contributor_period: int = 86_400

@@ -39,7 +39,7 @@ def test_the_deployments_template_is_understood() -> None:
     submit = template.functions["SubmitFunction"]
     assert submit.code == ROOT / "functions" / "submit"
     assert (submit.handler, submit.timeout, submit.memory) == ("app.handler", 10.0, 1769)
-    assert template.functions["RefitFunction"].timeout == 30.0
+    assert template.functions["RefitFunction"].timeout == 60.0
     assert submit.environment["REFIT_FUNCTION"] == "RefitFunction"
     assert submit.environment["MIN_CALIBRATIONS"] == "5"
     assert "REFIT_FUNCTION" not in template.functions["AuthFunction"].environment

@@ -1,71 +1,26 @@
 """Storage by its promises: crashes leave orphans, races have one winner, what is published stays."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import boto3
 import pytest
 from botocore.exceptions import ClientError, EndpointConnectionError
-from moto import mock_aws
 
 from calibdb import capture
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
 from calibdb.schema import (
-    ConsensusDocument,
-    EstimateDocument,
-    FitRecord,
     SessionDocument,
     SessionRequest,
-    Uncertainty,
 )
-from calibdb.store import Calibrations, Consensuses, Objects, Quotas, Sessions, Table, Tokens
+from calibdb.store import Objects, Quotas, Sessions, Table, Tokens
 from calibdb.tokens import ApiToken
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"
 REGION = "eu-central-1"
 REQUEST = SessionRequest(camera="Camera", platform="Linux", img_size=(1280, 720))
-FIT = FitRecord(
-    img_size=(1280, 720),
-    camera_matrix=((900, 0, 640), (0, 900, 360), (0, 0, 1)),
-    distortion_coefficients=(0, 0, 0, 0, 0),
-    distortion_model="rectilinear",
-    avg_reprojection_error=0.2,
-    uncertainty=Uncertainty(rms=0.1, max=0.2),
-)
-
-
-@pytest.fixture(autouse=True)
-def aws(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
-        monkeypatch.setenv(name, "test")
-    with mock_aws():
-        boto3.client("s3", REGION).create_bucket(
-            Bucket="bucket", CreateBucketConfiguration={"LocationConstraint": REGION}
-        )
-        boto3.client("dynamodb", REGION).create_table(
-            TableName="table",
-            BillingMode="PAY_PER_REQUEST",
-            AttributeDefinitions=[{"AttributeName": n, "AttributeType": "S"} for n in ("pk", "sk")],
-            KeySchema=[
-                {"AttributeName": "pk", "KeyType": "HASH"},
-                {"AttributeName": "sk", "KeyType": "RANGE"},
-            ],
-        )
-        yield
-
-
-@pytest.fixture
-def table() -> Table:
-    client = boto3.client("dynamodb", REGION)
-    return Table(lambda: client, "table")
-
-
-@pytest.fixture
-def objects() -> Objects:
-    client = boto3.client("s3", REGION)
-    return Objects(lambda: client, "bucket")
 
 
 @pytest.fixture
@@ -182,58 +137,6 @@ def test_who_works_on_a_forgotten_session_does_not_bring_it_back(sessions: Sessi
     with pytest.raises(NotFoundError):
         sessions.update(SID, NOW, change)
     assert sessions.find(SID) is None
-
-
-def finished(now: int = NOW, sid: str = SID) -> SessionDocument:
-    document = capture.begin(REQUEST, sid, 1, now).model_copy(update={"estimate": EstimateDocument(fit=FIT)})
-    return capture.finished(document, now, "contributor", "0.1.0")
-
-
-def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> None:
-    calibrations = Calibrations(table, objects)
-    document = capture.calibration(finished())
-    calibrations.publish(document)
-    calibrations.publish(document.model_copy(update={"time": NOW + 9}))
-    assert calibrations.get(document.id) == document  # never overwritten
-    assert len(calibrations.newest(document.camera_key, (1280, 720), 0.0, 200)) == 1
-    assert list(calibrations.all()) == [document]
-
-
-def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, objects: Objects) -> None:
-    calibrations = Calibrations(table, objects)
-    documents = [capture.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}")) for n in range(12)]
-    for document in documents:
-        calibrations.publish(document)
-    calibrations.publish(
-        documents[0].model_copy(update={"img_size": (128, 72), "id": documents[0].id[:-4] + "ffff"})
-    )
-    calibrations.publish(documents[0].model_copy(update={"zoom": 0.5, "id": documents[0].id[:-4] + "eeee"}))
-    found = calibrations.newest(documents[0].camera_key, (1280, 720), 0.0, 5)
-    assert found == [document.id for document in documents[:-6:-1]]
-    assert calibrations.read(found) == documents[:-6:-1]
-
-
-def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:
-    consensuses = Consensuses(table)
-
-    def rests_on(total: int, latest: int) -> ConsensusDocument:
-        return ConsensusDocument(
-            camera_key="k",
-            img_size=(1280, 720),
-            zoom=0,
-            distortion_model="rectilinear",
-            total=total,
-            latest=latest,
-            reason="too_few",
-        )
-
-    assert consensuses.put(rests_on(2, NOW))
-    assert consensuses.put(rests_on(2, NOW))  # twice is once
-    assert not consensuses.put(rests_on(1, NOW))
-    assert not consensuses.put(rests_on(3, NOW - 1))
-    assert consensuses.put(rests_on(3, NOW))
-    assert consensuses.put(rests_on(3, NOW + 1))
-    assert consensuses.of("k") == [rests_on(3, NOW + 1)]
 
 
 def test_tokens(table: Table, objects: Objects) -> None:

@@ -10,7 +10,7 @@ from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, FitRecord, Uncertainty
 from calibdb.schema.fields import DistortionModel, Guidance, ImgSize, Open, Pixel
 from calibdb.schema.lookup import Reason
-from calibdb.schema.session import Track
+from calibdb.schema.session import Advice, SetAside, Track
 
 
 class ViewDocument(Open):
@@ -20,6 +20,7 @@ class ViewDocument(Open):
     ids: tuple[int, ...]
     points: tuple[Pixel, ...]
     rms: float | None = None
+    set_aside: SetAside | None = None
 
 
 class EstimateDocument(Open):
@@ -29,6 +30,8 @@ class EstimateDocument(Open):
     uncertainty: Uncertainty | None = None
     progress: float = 0.0
     converged: bool = False
+    advice: tuple[Advice, ...] = ()
+    suggested_model: DistortionModel | None = None
     time: int = 0  # unix seconds at which it was made
 
 
@@ -39,6 +42,7 @@ class Finish(Open):
     time: int  # unix seconds
     contributor: str
     solver: str
+    report: dict[str, JsonValue] | None = None  # how good the result is, in detail
 
 
 class CaptureDocument(Open):
@@ -66,7 +70,10 @@ class SessionDocument(CaptureDocument):
     next_index: int = 0
     views: tuple[ViewDocument, ...] = ()
     target: dict[str, JsonValue] | None = None
-    skipped: tuple[dict[str, JsonValue], ...] = ()
+    skipped: tuple[dict[str, JsonValue], ...] = ()  # targets not wanted since the last view
+    unreached: tuple[dict[str, JsonValue], ...] = ()  # targets given up before earlier views
+    doubted: tuple[ViewDocument, ...] = ()  # outliers, kept as witnesses: it may be the others that are wrong
+    prior: FitRecord | None = None  # what others measured of this camera: where the first estimate begins
     estimate: EstimateDocument = EstimateDocument()
     finish: Finish | None = None
 
@@ -76,7 +83,9 @@ class CalibrationDocument(CaptureDocument):
 
     id: str
     views: tuple[ViewDocument, ...]
+    set_aside: tuple[ViewDocument, ...] = ()  # captured too, and found not to belong to the others
     fits: dict[DistortionModel, FitRecord]
+    report: dict[str, JsonValue] | None = None  # `calibsolver.report.describe` of the fit
     solver: str
     contributor: str
     time: int = Field(description="Unix time, seconds.")
@@ -93,11 +102,37 @@ class CalibrationDocument(CaptureDocument):
         )
 
 
+class Votes(Open):
+    """How many contributors checked a consensus on views of their own, and found that it fits, or not."""
+
+    agree: int = 0
+    disagree: int = 0
+
+
+class VoteDocument(Open):
+    """One check that counts: `votes/<camera key>/<id>.json`. Never overwritten.
+
+    It keeps the views, not the finding: they are scored anew whenever the consensus changes, so that no
+    consensus inherits what was found of another.
+    """
+
+    layout: Literal[1] = 1
+    id: str
+    camera_key: str
+    img_size: ImgSize
+    zoom: float
+    board: Board
+    views: tuple[ViewDocument, ...]
+    noise: float  # px rms of the views under a camera of their own: what no camera can do better
+    contributor: str
+    time: int  # unix seconds
+
+
 class ConsensusDocument(Open):
     """What all calibrations of one camera at one size and zoom agree on, for one model.
 
-    `total` and `latest` say how many calibrations were considered: an older computation never replaces a
-    newer. `basis` stands for which they were, and by which rule they were pooled: equal, nothing is new.
+    `basis` stands for everything that it follows from: the calibrations that count, the votes, the
+    thresholds, the solver. Equal, nothing is new. `pooled` stands for the same without the votes.
     """
 
     layout: Literal[1] = 1
@@ -105,9 +140,13 @@ class ConsensusDocument(Open):
     img_size: ImgSize
     zoom: float
     distortion_model: DistortionModel
-    total: int
-    latest: int  # unix seconds
+    total: int  # calibrations considered
+    latest: int  # unix seconds; of the newest of these
     basis: str = ""
+    pooled: str = ""
+    found: Reason | None = None  # why the calibrations alone do not make it reliable
+    confirmable: bool = False  # as many more calibrations as are missing, agreeing, would make it reliable
+    votes: Votes = Votes()
     reason: Reason | None = None  # why it is not reliable
     calibration: Calibration | None = None  # None: nothing believable came out
 
@@ -115,3 +154,12 @@ class ConsensusDocument(Open):
     def reliable(self) -> bool:
         """Tell whether a lookup may answer with it."""
         return self.calibration is not None and self.calibration.reliable
+
+
+class GroupsDocument(Open):
+    """What is known of each calibration behind a consensus; read by who looks closer, never by a lookup."""
+
+    layout: Literal[1] = 1
+    pooled: str  # of the consensus that it belongs to
+    groups: tuple[tuple[str, ...], ...] = ()  # ids of calibrations that agree among themselves, largest first
+    errors: dict[str, float] = Field({})  # px; of each calibration's views under a fit without it

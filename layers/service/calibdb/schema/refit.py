@@ -7,12 +7,17 @@ from calibdb.schema.fields import DistortionModel, ImgSize, Open, Zoom
 
 
 class RefitRequest(Open):
-    """One camera (its key) at one size and zoom, and the models to compute."""
+    """One camera (its key) at one size and zoom, and the models to compute.
+
+    A model that the function does not know is passed over: while a new version is rolled out, an old one may
+    be asked by it. `queued`: nobody waits for the answer, so that whoever computes already can do it along.
+    """
 
     camera: str
     img_size: ImgSize
     zoom: Zoom = 0.0
-    models: tuple[DistortionModel, ...]
+    models: tuple[str, ...] = ()  # empty: all
+    queued: bool = False
 
 
 class RefitAnswer(Open):

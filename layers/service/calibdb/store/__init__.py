@@ -2,6 +2,8 @@
 
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.consensus import Consensuses
+from calibdb.store.keys import Mode
+from calibdb.store.leases import Leases
 from calibdb.store.objects import Objects
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
@@ -9,11 +11,15 @@ from calibdb.store.sessions import Sessions
 from calibdb.store.store import Store
 from calibdb.store.table import Condition, Table
 from calibdb.store.tokens import Tokens
+from calibdb.store.votes import Cast, Votes
 
 __all__ = [
     "Calibrations",
+    "Cast",
     "Condition",
     "Consensuses",
+    "Leases",
+    "Mode",
     "Objects",
     "Quotas",
     "Refit",
@@ -21,4 +27,5 @@ __all__ = [
     "Store",
     "Table",
     "Tokens",
+    "Votes",
 ]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 from pydantic import ValidationError
 
@@ -22,6 +23,7 @@ from calibdb.store.keys import (
     parse_calibration_sk,
     tombstone_object,
 )
+from calibdb.store.names import Names, today
 from calibdb.store.objects import Objects
 from calibdb.store.table import Condition, Item, Table
 
@@ -31,12 +33,21 @@ _CROPPED = "crop-and-scale"
 _NOT_WITHDRAWN = Condition("attribute_not_exists(withdrawn)")
 
 
+@dataclass(frozen=True)
+class Counted:
+    """A calibration that counts, as the index knows it."""
+
+    id: str
+    contributor: str
+
+
 class Calibrations:
     """Calibrations under their ids."""
 
     def __init__(self, table: Table, objects: Objects) -> None:
         self._table = table
         self._objects = objects
+        self._names = Names(table)
 
     def get(self, calibration_id: str) -> CalibrationDocument | None:
         """Return the calibration, None when there is none that this version can read."""
@@ -47,7 +58,8 @@ class Calibrations:
     def publish(self, document: CalibrationDocument) -> None:
         """Store the calibration and let the index find it; done twice, it is done once."""
         self._objects.create(_name(document.id), document.model_dump_json().encode())
-        self.index(document)
+        self._table.put(_item(document), _NOT_WITHDRAWN)
+        self._names.publish(document)
 
     def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
         """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
@@ -55,6 +67,7 @@ class Calibrations:
             self._table.put({**_item(document), "withdrawn": 1})
         else:
             self._table.put(_item(document), _NOT_WITHDRAWN)
+            self._names.index(document)
 
     def withdraw(self, document: CalibrationDocument, reason: str, now: int) -> bool:
         """Let the calibration count for nothing any more; False when it was withdrawn before."""
@@ -63,24 +76,22 @@ class Calibrations:
         self.index(document, withdrawn=True)
         return created
 
-    def newest(
-        self, camera_key: str, img_size: tuple[int, int], zoom: float, limit: int, period: int = 0
-    ) -> list[str]:
-        """Return ids of at most `limit` calibrations of a camera at one size and zoom, last begun first.
+    def newest(self, mode: Mode, limit: int, period: int = 0) -> list[Counted]:
+        """Return at most `limit` calibrations of a camera at one size and zoom, last begun first.
 
         Only those that count: not withdrawn, of the stream as the camera gives it, and one of each
         contributor in `period` seconds (0: all of them).
         """
-        place = camera_pk(camera_key), calibrations_prefix(img_size, zoom)
-        ids: list[str] = []
+        counted: list[Counted] = []
         # Mostly all of them count; where they do not, one is not kept out by many that are passed over.
         for most in (limit + limit // 4, _MOST_ITEMS):
             # Ids sort by the time at which the session was started.
-            items = self._table.query(*place, newest_first=True, limit=most, consistent=True)
-            ids = _counting(items, period)[:limit]
-            if len(ids) == limit or len(items) < most:
+            prefix = calibrations_prefix(mode.img_size, mode.zoom)
+            items = self._table.query(mode.pk, prefix, newest_first=True, limit=most, consistent=True)
+            counted = _counting(items, period)[:limit]
+            if len(counted) == limit or len(items) < most:
                 break
-        return ids
+        return counted
 
     def modes(self, camera_key: str) -> list[Mode]:
         """Return the sizes and zooms at which the camera was calibrated."""
@@ -124,18 +135,19 @@ class Calibrations:
             return list(readers.map(self.get, ids))
 
 
-def _counting(items: Sequence[Item], period: int) -> list[str]:
-    ids, heard = [], set()
+def _counting(items: Sequence[Item], period: int) -> list[Counted]:
+    counted, heard = [], set()
     for item in items:
         if "withdrawn" in item or item.get("native", 1) == 0:
             continue
+        contributor = str(item["contributor"])
         if period:
-            who = item["contributor"], int(str(item["time"])) // period
+            who = contributor, int(str(item["time"])) // period
             if who in heard:
                 continue
             heard.add(who)
-        ids.append(str(item["sk"]).rpartition("#")[2])
-    return ids
+        counted.append(Counted(str(item["sk"]).rpartition("#")[2], contributor))
+    return counted
 
 
 def _document(content: bytes) -> CalibrationDocument | None:

@@ -1,10 +1,21 @@
-"""Consensuses: index items that hold, ready to send, what a lookup answers."""
+"""Consensuses: index items that hold, ready to send, what a lookup answers.
+
+Whoever computes one reads first what is stored, then what there is to compute from, and writes on condition
+that what is stored is still what it read. So whatever it finds stored was made from less than it has seen,
+and an older result never replaces a newer one, however long the one or the other took.
+"""
 
 from __future__ import annotations
 
-from calibdb.schema import ConsensusDocument
-from calibdb.store.keys import camera_pk, consensus_sk, parse_consensus_id
-from calibdb.store.table import Condition, Item, Table
+import logging
+
+from pydantic import ValidationError
+
+from calibdb.schema import ConsensusDocument, GroupsDocument
+from calibdb.store.keys import Mode, camera_pk, consensus_sk, groups_sk, parse_consensus_id
+from calibdb.store.table import ABSENT, Condition, Item, Table
+
+_log = logging.getLogger(__name__)
 
 
 class Consensuses:
@@ -15,7 +26,11 @@ class Consensuses:
 
     def of(self, camera_key: str) -> list[ConsensusDocument]:
         """Return all of a camera, at every size and zoom and for every model: one Query."""
-        return [_document(item) for item in self._table.query(camera_pk(camera_key), "CONSENSUS#")]
+        return _documents(self._table.query(camera_pk(camera_key), "CONSENSUS#"))
+
+    def at(self, mode: Mode) -> list[ConsensusDocument]:
+        """Return those of every model at one size and zoom, as they are at this moment."""
+        return _documents(self._table.query(mode.pk, f"CONSENSUS#{mode.text}#", consistent=True))
 
     def get(self, consensus_id: str) -> ConsensusDocument | None:
         """Return the consensus with this id, None when there is none."""
@@ -23,24 +38,63 @@ class Consensuses:
         item = self._table.get(*place, consistent=False) if place else None
         return _document(item) if item else None
 
-    def put(self, document: ConsensusDocument) -> bool:
-        """Store the consensus; False when one that considered more or later calibrations is there."""
-        names = {"latest": "latest", "total": "total"}
-        return self._table.put(
-            {
-                "pk": camera_pk(document.camera_key),
-                "sk": consensus_sk(document.img_size, document.zoom, document.distortion_model),
-                "latest": document.latest,
-                "total": document.total,
-                "document": document.model_dump_json(),
-            },
-            Condition(
-                "attribute_not_exists(pk) OR #latest < :latest OR (#latest = :latest AND #total <= :total)",
-                {"latest": document.latest, "total": document.total},
-                names,
-            ),
-        )
+    def put(self, document: ConsensusDocument, groups: GroupsDocument | None, before: str | None) -> bool:
+        """Store the consensus, and what is behind it; False when another was stored meanwhile.
+
+        `groups`: None where they are as they were. `before`: `basis` of the one that was stored when the
+        calibrations were read; None: there was none.
+        """
+        place = document.img_size, document.zoom, document.distortion_model
+        pk = camera_pk(document.camera_key)
+        consensus: Item = {
+            "pk": pk,
+            "sk": consensus_sk(*place),
+            "basis": document.basis,
+            "document": document.model_dump_json(),
+        }
+        if groups is None:
+            return self._table.put(consensus, _still(before))
+        behind: Item = {"pk": pk, "sk": groups_sk(*place), "document": groups.model_dump_json()}
+        return self._table.put_together((consensus, behind), _still(before))
+
+    def drop(self, document: ConsensusDocument) -> bool:
+        """Forget the consensus: all that it rested on is gone. False when another was stored meanwhile."""
+        place = document.img_size, document.zoom, document.distortion_model
+        pk = camera_pk(document.camera_key)
+        if not self._table.delete(pk, consensus_sk(*place), _still(document.basis)):
+            return False
+        self._table.delete(pk, groups_sk(*place))
+        return True
+
+    def groups(self, document: ConsensusDocument) -> GroupsDocument | None:
+        """Return what is behind the consensus, None when it has changed meanwhile."""
+        sk = groups_sk(document.img_size, document.zoom, document.distortion_model)
+        item = self._table.get(camera_pk(document.camera_key), sk, consistent=False)
+        if item is None:
+            return None
+        found = GroupsDocument.model_validate_json(str(item["document"]))
+        return found if found.pooled == document.pooled else None
 
 
-def _document(item: Item) -> ConsensusDocument:
-    return ConsensusDocument.model_validate_json(str(item["document"]))
+def _still(before: str | None) -> Condition:
+    if before is None:
+        return ABSENT
+    # Items written before there was a basis beside the document give way.
+    return Condition(
+        "attribute_not_exists(pk) OR attribute_not_exists(#basis) OR #basis = :before",
+        {"before": before},
+        {"basis": "basis"},
+    )
+
+
+def _documents(items: list[Item]) -> list[ConsensusDocument]:
+    return [document for item in items if (document := _document(item)) is not None]
+
+
+def _document(item: Item) -> ConsensusDocument | None:
+    try:
+        return ConsensusDocument.model_validate_json(str(item["document"]))
+    except ValidationError:
+        # Of a later version that is being rolled out: its models are not known here, the others are.
+        _log.warning("%s of %s is not of this version", item["sk"], item["pk"])
+        return None

@@ -23,9 +23,10 @@ class Refit:
 
     def later(self, request: RefitRequest) -> None:
         """Have the consensus computed; returns once the request is queued."""
+        queued = request.model_copy(update={"queued": True})
         with available():
             self._client().invoke(
-                FunctionName=self._name(), InvocationType="Event", Payload=request.model_dump_json().encode()
+                FunctionName=self._name(), InvocationType="Event", Payload=queued.model_dump_json().encode()
             )
 
     def now(self, request: RefitRequest) -> RefitAnswer:

@@ -9,12 +9,14 @@ from calibdb.settings import Settings
 from calibdb.store import clients
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.consensus import Consensuses
+from calibdb.store.leases import Leases
 from calibdb.store.objects import Objects
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
 from calibdb.store.sessions import Sessions
 from calibdb.store.table import Table
 from calibdb.store.tokens import Tokens
+from calibdb.store.votes import Votes
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,8 @@ class Store:
     sessions: Sessions
     calibrations: Calibrations
     consensuses: Consensuses
+    votes: Votes
+    leases: Leases
     refit: Refit
 
     @classmethod
@@ -39,5 +43,7 @@ class Store:
             sessions=Sessions(table, objects),
             calibrations=Calibrations(table, objects),
             consensuses=Consensuses(table),
+            votes=Votes(table, objects),
+            leases=Leases(table),
             refit=Refit(functools.partial(clients.lambda_, settings.region), settings.refit_function),
         )

@@ -1,0 +1,77 @@
+"""The check of a stored consensus on fresh views of one's own camera."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
+
+from calibdb.schema.board import Board
+from calibdb.schema.calibration import Calibration
+from calibdb.schema.documents import Votes
+from calibdb.schema.fields import (
+    MAX_CORNERS,
+    CornerId,
+    DistortionModel,
+    ImgSize,
+    Label,
+    Open,
+    Point,
+    Strict,
+    Zoom,
+)
+
+MOST_VIEWS = 5
+
+
+class CheckView(Strict):
+    """One frame: the board corners seen."""
+
+    ids: tuple[CornerId, ...] = Field(min_length=1, max_length=MAX_CORNERS)
+    points: tuple[Point, ...] = Field(min_length=1, max_length=MAX_CORNERS, description="px, one for each id")
+
+    @field_validator("ids")
+    @classmethod
+    def _unique(cls, value: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(value)) != len(value):
+            raise PydanticCustomError("duplicate_ids", "a corner appears more than once")
+        return value
+
+    @field_validator("points")
+    @classmethod
+    def _one_for_each_id(cls, value: tuple[Point, ...], info: ValidationInfo) -> tuple[Point, ...]:
+        ids = info.data.get("ids")  # absent where they were refused themselves
+        if ids is not None and len(ids) != len(value):
+            raise PydanticCustomError(
+                "count_differs", "{points} points for {ids} ids", {"points": len(value), "ids": len(ids)}
+            )
+        return value
+
+
+class CheckRequest(Strict):
+    """Which camera, and what it sees now."""
+
+    camera: Label = Field(description="`MediaStreamTrack.label`")
+    platform: Label = Field(description="The parenthesised part of the user agent.")
+    img_size: ImgSize
+    zoom: Zoom = 0.0
+    distortion_model: DistortionModel = "rectilinear"
+    board: Board = Board()
+    views: tuple[CheckView, ...] = Field(
+        min_length=1, max_length=MOST_VIEWS, description="Tilted differently; one alone tells little."
+    )
+
+
+class CheckAnswer(Open):
+    """Whether the stored consensus is of this camera, as far as these views can tell."""
+
+    fits: Literal["fits", "does_not_fit"]
+    error: float = Field(description="px rms of the views under the consensus, the poses alone fitted.")
+    expected: float = Field(description="px rms of views of a camera that the consensus is of.")
+    counted: bool = Field(
+        description="Whether it counts as a vote: a contributor has one a day for a camera at a size, none "
+        "where they calibrated it themselves, and views that fit every camera are none."
+    )
+    votes: Votes = Field(description="On the consensus as it is now, this one included.")
+    calibration: Calibration = Field(description="The consensus as it is now, reliable or not.")

@@ -1,0 +1,81 @@
+"""Who computes the consensus of a mode just now, so that others who want the same need not.
+
+`REFIT#<camera key>#<w>x<h>#<zoom>`: who computes, until when it can be trusted to, and whether somebody asked
+since it began. It only spares work. A computation without a lease, or two at once, do no harm.
+"""
+
+from __future__ import annotations
+
+from calibdb.store.keys import Mode
+from calibdb.store.table import Condition, Item, Table
+
+_SK = "META"
+_ATTEMPTS = 8  # to learn who holds it, while others let go of it and take it
+_FORGOTTEN = 3600  # seconds after which what a crash left behind is removed
+
+
+class Leases:
+    """One computation at a time for each mode."""
+
+    def __init__(self, table: Table) -> None:
+        self._table = table
+
+    def take(self, mode: Mode, me: str, now: int, until: int) -> bool:
+        """Begin to compute; False when another does, and was told to do it once more after that.
+
+        `me`: the same for every attempt of one request, so that a second one after a crash goes on.
+        `until`: unix seconds at which the computation has surely ended, one way or the other.
+        """
+        free = Condition(
+            "attribute_not_exists(pk) OR #holder = :me OR #until < :now",
+            {"me": me, "now": now},
+            {"holder": "holder", "until": "until"},
+        )
+        for _ in range(_ATTEMPTS):
+            if self._table.put(_item(mode, me, until, asked=0), free):
+                return True
+            item = self._table.get(_pk(mode), _SK)
+            if item is None:
+                continue
+            holder = str(item["holder"])
+            if self._table.put(_item(mode, holder, int(str(item["until"])), asked=1), _held_by(holder)):
+                return False
+        return True  # so much coming and going that one more does not matter
+
+    def again(self, mode: Mode, me: str, until: int) -> None:
+        """Begin once more: what was asked for until now will be seen."""
+        self._table.put(_item(mode, me, until, asked=0), _held_by(me))
+
+    def release(self, mode: Mode, me: str) -> bool:
+        """Let go of it; False, and still held, when somebody asked meanwhile."""
+        unasked = Condition("#holder = :me AND #asked = :none", {"me": me, "none": 0}, _NAMES)
+        if self._table.delete(_pk(mode), _SK, unasked):
+            return True
+        item = self._table.get(_pk(mode), _SK)
+        return item is None or item["holder"] != me
+
+    def abandon(self, mode: Mode, me: str) -> None:
+        """Let go of it although somebody asked."""
+        self._table.delete(_pk(mode), _SK, _held_by(me))
+
+
+_NAMES = {"holder": "holder", "asked": "asked"}
+
+
+def _held_by(holder: str) -> Condition:
+    return Condition("#holder = :holder", {"holder": holder}, {"holder": "holder"})
+
+
+def _pk(mode: Mode) -> str:
+    return f"REFIT#{mode.camera_key}#{mode.text}"
+
+
+def _item(mode: Mode, holder: str, until: int, asked: int) -> Item:
+    return {
+        "pk": _pk(mode),
+        "sk": _SK,
+        "holder": holder,
+        "until": until,
+        "asked": asked,
+        "ttl": until + _FORGOTTEN,
+    }

@@ -1,0 +1,182 @@
+"""What is known of a camera: calibrations, votes, the consensus, which races leave as new as it can be."""
+
+from calibdb import capture
+from calibdb.schema import (
+    CalibrationDocument,
+    ConsensusDocument,
+    EstimateDocument,
+    FitRecord,
+    GroupsDocument,
+    SessionDocument,
+    SessionRequest,
+    Track,
+    Uncertainty,
+    VoteDocument,
+)
+from calibdb.store import Calibrations, Cast, Consensuses, Leases, Mode, Objects, Table, Votes
+from calibdb.store.calibrations import Counted
+
+NOW = 1_700_000_000
+SID = "6553f1000123456789abcdef"
+REQUEST = SessionRequest(camera="Camera", platform="Linux", img_size=(1280, 720))
+FIT = FitRecord(
+    img_size=(1280, 720),
+    camera_matrix=((900, 0, 640), (0, 900, 360), (0, 0, 1)),
+    distortion_coefficients=(0, 0, 0, 0, 0),
+    distortion_model="rectilinear",
+    avg_reprojection_error=0.2,
+    uncertainty=Uncertainty(rms=0.1, max=0.2),
+)
+
+
+def mode(document: CalibrationDocument) -> Mode:
+    return Mode(document.camera_key, document.img_size, document.zoom)
+
+
+def finished(now: int = NOW, sid: str = SID) -> SessionDocument:
+    document = capture.begin(REQUEST, sid, 1, now).model_copy(update={"estimate": EstimateDocument(fit=FIT)})
+    return capture.finished(document, now, "contributor", "0.1.0")
+
+
+def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> None:
+    calibrations = Calibrations(table, objects)
+    document = capture.calibration(finished())
+    calibrations.publish(document)
+    calibrations.publish(document.model_copy(update={"time": NOW + 9}))
+    assert calibrations.get(document.id) == document  # never overwritten
+    assert calibrations.newest(mode(document), 200) == [Counted(document.id, "contributor")]
+    assert list(calibrations.all()) == [document]
+
+
+def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, objects: Objects) -> None:
+    calibrations = Calibrations(table, objects)
+    documents = [capture.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}")) for n in range(12)]
+    for document in documents:
+        calibrations.publish(document)
+    calibrations.publish(
+        documents[0].model_copy(update={"img_size": (128, 72), "id": documents[0].id[:-4] + "ffff"})
+    )
+    calibrations.publish(documents[0].model_copy(update={"zoom": 0.5, "id": documents[0].id[:-4] + "eeee"}))
+    found = [counted.id for counted in calibrations.newest(mode(documents[0]), 5)]
+    assert found == [document.id for document in documents[:-6:-1]]
+    assert calibrations.read(found) == documents[:-6:-1]
+
+
+def calibrated(n: int, contributor: str = "", **changes: object) -> CalibrationDocument:
+    """The `n`th calibration of one camera, finished n seconds from now."""
+    document = capture.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}"))
+    return document.model_copy(update={"contributor": contributor or f"contributor {n}", **changes})
+
+
+def test_what_does_not_count_is_passed_over(table: Table, objects: Objects) -> None:
+    calibrations = Calibrations(table, objects)
+    cropped = Track(resizeMode="crop-and-scale")
+    documents = [calibrated(0), calibrated(1, track=cropped), calibrated(2), calibrated(3)]
+    for document in documents:
+        calibrations.publish(document)
+    assert calibrations.withdraw(documents[2], "a mirror", NOW + 9) is True
+    assert calibrations.withdraw(documents[2], "a mirror", NOW + 9) is False
+    calibrations.publish(documents[2])  # the client repeats its last view
+    place = mode(documents[0])
+    assert [c.id for c in calibrations.newest(place, 200)] == [documents[3].id, documents[0].id]
+    assert list(calibrations.everything()) == [(document, n == 2) for n, document in enumerate(documents)]
+    assert calibrations.modes(place.camera_key) == [place]
+
+
+def test_a_contributor_counts_once_in_a_period_and_keeps_nobody_out(table: Table, objects: Objects) -> None:
+    calibrations = Calibrations(table, objects)
+    for n in range(3):
+        calibrations.index(calibrated(n, "honest"))
+    for n in range(3, 30):
+        calibrations.index(calibrated(n, "busy"))
+    place = mode(calibrated(0))
+    assert [c.contributor for c in calibrations.newest(place, 5)] == ["busy"] * 5
+    once = calibrations.newest(place, 5, 86_400)
+    assert once == [Counted(calibrated(29).id, "busy"), Counted(calibrated(2).id, "honest")]
+
+
+def rests_on(basis: str) -> ConsensusDocument:
+    return ConsensusDocument(
+        camera_key="k",
+        img_size=(1280, 720),
+        zoom=0,
+        distortion_model="rectilinear",
+        total=len(basis),
+        latest=NOW,
+        basis=basis,
+        pooled=f"pooled {basis}",
+        reason="too_few",
+    )
+
+
+def behind(basis: str) -> GroupsDocument:
+    return GroupsDocument(pooled=f"pooled {basis}", groups=((basis,),), errors={basis: 0.5})
+
+
+def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:
+    """Two read what is stored; whoever writes second is told that it was overtaken."""
+    consensuses = Consensuses(table)
+    assert consensuses.put(rests_on("a"), behind("a"), None)
+    assert not consensuses.put(rests_on("b"), behind("b"), None)
+    assert consensuses.put(rests_on("ab"), behind("ab"), "a")
+    assert not consensuses.put(rests_on("a"), behind("a"), "a")
+    assert not consensuses.put(rests_on("a"), None, "a")
+    assert consensuses.of("k") == consensuses.at(Mode("k", (1280, 720), 0.0)) == [rests_on("ab")]
+    assert consensuses.groups(rests_on("ab")) == behind("ab")
+    assert consensuses.groups(rests_on("a")) is None
+    assert not consensuses.drop(rests_on("a"))
+    assert consensuses.drop(rests_on("ab"))
+    assert consensuses.of("k") == []
+    assert consensuses.groups(rests_on("ab")) is None
+
+
+def test_a_consensus_of_a_later_version_is_passed_over(table: Table) -> None:
+    consensuses = Consensuses(table)
+    assert consensuses.put(rests_on("a"), behind("a"), None)
+    later = rests_on("a").model_dump_json().replace("rectilinear", "double_sphere")
+    table.put({"pk": "CAMERA#k", "sk": "CONSENSUS#1280x720#0#double_sphere", "document": later})
+    assert consensuses.of("k") == [rests_on("a")]
+    assert consensuses.get("c1-k-0123456789ab~1280x720~0~double_sphere") is None
+
+
+def test_a_computation_serves_those_who_ask_meanwhile(table: Table) -> None:
+    leases, place = Leases(table), Mode("k", (1280, 720), 0.0)
+    assert leases.take(place, "first", NOW, NOW + 30)
+    assert not leases.take(place, "second", NOW, NOW + 30)
+    assert not leases.take(place, "third", NOW, NOW + 30)
+    assert leases.take(Mode("k", (640, 360), 0.0), "third", NOW, NOW + 30)
+    assert not leases.release(place, "first"), "the others wait for one round more"
+    leases.again(place, "first", NOW + 30)
+    assert leases.release(place, "first")
+    assert leases.take(place, "second", NOW, NOW + 30)
+    assert leases.take(place, "second", NOW + 1, NOW + 31), "a second attempt of the same goes on"
+    assert not leases.take(place, "third", NOW + 31, NOW + 61)
+    assert leases.take(place, "third", NOW + 32, NOW + 62), "whoever holds it is long dead"
+    assert leases.release(place, "second"), "it was not theirs any more"
+    leases.abandon(place, "second")
+    assert not leases.take(place, "first", NOW + 32, NOW + 62)
+    leases.abandon(place, "third")
+    assert leases.take(place, "first", NOW + 32, NOW + 62)
+
+
+def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects: Objects) -> None:
+    votes = Votes(table, objects)
+    vote = VoteDocument(
+        id="6553f100aaaaaaaaaaaa",
+        camera_key="k",
+        img_size=(1280, 720),
+        zoom=0,
+        board=REQUEST.board,
+        views=(),
+        noise=0.1,
+        contributor="somebody",
+        time=NOW,
+    )
+    later = vote.model_copy(update={"id": "6553f200aaaaaaaaaaaa", "time": NOW + 256})
+    assert votes.cast(vote) == vote
+    assert votes.cast(vote.model_copy(update={"time": NOW + 9})) == vote
+    assert votes.cast(later) == later
+    found = votes.newest(Mode("k", (1280, 720), 0.0))
+    assert found == [Cast(later.id, "somebody", NOW + 256), Cast(vote.id, "somebody", NOW)]
+    assert votes.read("k", [cast.id for cast in found]) == [later, vote]
+    assert list(votes.all()) == [vote, later]
