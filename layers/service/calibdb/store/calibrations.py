@@ -47,7 +47,7 @@ class Calibrations:
     def __init__(self, table: Table, objects: Objects) -> None:
         self._table = table
         self._objects = objects
-        self._names = Names(table)
+        self._catalogue = Names(table)
 
     def get(self, calibration_id: str) -> CalibrationDocument | None:
         """Return the calibration, None when there is none that this version can read."""
@@ -58,22 +58,24 @@ class Calibrations:
     def publish(self, document: CalibrationDocument) -> None:
         """Store the calibration and let the index find it; done twice, it is done once."""
         self._objects.create(_name(document.id), document.model_dump_json().encode())
-        self._table.put(_item(document), _NOT_WITHDRAWN)
-        self._names.publish(document)
+        self._table.put(_item(today(document)), _NOT_WITHDRAWN)
+        self._catalogue.publish(document)
 
     def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
         """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
         if withdrawn:
-            self._table.put({**_item(document), "withdrawn": 1})
+            self._table.put({**_item(today(document)), "withdrawn": 1})
         else:
-            self._table.put(_item(document), _NOT_WITHDRAWN)
-            self._names.index(document)
+            self._table.put(_item(today(document)), _NOT_WITHDRAWN)
+            self._catalogue.index(document)
 
     def withdraw(self, document: CalibrationDocument, reason: str, now: int) -> bool:
         """Let the calibration count for nothing any more; False when it was withdrawn before."""
         content = json.dumps({"layout": 1, "id": document.id, "reason": reason, "time": now})
         created = self._objects.create(_tombstone(document.id), content.encode())
         self.index(document, withdrawn=True)
+        if not self.modes(today(document).camera_key):
+            self._catalogue.remove(document)
         return created
 
     def newest(self, mode: Mode, limit: int, period: int = 0) -> list[Counted]:
@@ -152,7 +154,7 @@ def _counting(items: Sequence[Item], period: int) -> list[Counted]:
 
 def _document(content: bytes) -> CalibrationDocument | None:
     try:
-        return CalibrationDocument.model_validate_json(content)
+        return today(CalibrationDocument.model_validate_json(content))
     except ValidationError:  # of a later version, whose models this one does not know
         return None
 
@@ -172,10 +174,13 @@ def _tombstone(calibration_id: str) -> str:
 
 
 def _item(document: CalibrationDocument) -> Item:
+    fit = document.fits.get(document.distortion_model)
+    shown = fit.model_dump_json(include={"camera_matrix", "avg_reprojection_error"}) if fit else "{}"
     return {
         "pk": camera_pk(document.camera_key),
         "sk": calibrations_prefix(document.img_size, document.zoom) + document.id,
         "contributor": document.contributor,
+        "fit": shown,
         "model": document.distortion_model,
         "native": int(document.track.resizeMode != _CROPPED),
         "time": document.time,

@@ -1,0 +1,100 @@
+"""The names under which cameras are found: other keys of the same camera, and the words that people search.
+
+All of them follow from the calibrations alone, so that the index can be rebuilt from the bucket.
+
+* `CAMERA#<other key>/CONSENSUS-OF#<key>`: what is asked for under the other key is known under this one. The
+  other key is that of the name alone, which is all that some browsers tell, or one of earlier rules. Under
+  `CONSENSUS`, so that the one Query of a lookup brings it along.
+* `CAMERAS#<first letter>/<word>#<key>` and `CAMERAS#/<key>`: the search, by words, and by nothing.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from calibdb.camera_key import PATTERN, Identity, current, identify
+from calibdb.camera_key.names import words
+from calibdb.schema import CalibrationDocument
+from calibdb.store.keys import camera_pk
+from calibdb.store.table import Item, Table
+
+SAME_AS = "CONSENSUS-OF#"
+ALL = "CAMERAS#"  # partition of all cameras; followed by a letter, of the words that begin with it
+_MOST_WORDS = 16
+_OWN_ID = re.compile(r"-[0-9a-f]{20}$")  # what a calibration's id adds to the key it was made under
+
+
+@dataclass(frozen=True)
+class _Named:
+    key: str
+    aliases: frozenset[str]
+    identity: Identity
+
+
+class Names:
+    """The names of the cameras behind calibrations."""
+
+    def __init__(self, table: Table) -> None:
+        self._table = table
+        self._written: set[_Named] = set()
+
+    def publish(self, document: CalibrationDocument) -> None:
+        """Let the camera be found; what a camera that is known already is called is known, too."""
+        named = _named(document)
+        self._alias(named)
+        # Written last, so that where it is all the others are.
+        if self._table.get(ALL, named.key) is None:
+            self._search(named)
+
+    def index(self, document: CalibrationDocument) -> None:
+        """Write every name of the camera, once for all of its calibrations."""
+        named = _named(document)
+        if named not in self._written:
+            self._alias(named)
+            self._search(named)
+            self._written.add(named)
+
+    def remove(self, document: CalibrationDocument) -> None:
+        """Forget the names: no calibration of the camera counts any more."""
+        named = _named(document)
+        for item in (*_aliases(named), *_search_items(named)):
+            self._table.delete(str(item["pk"]), str(item["sk"]))
+        self._written.discard(named)
+
+    def _alias(self, named: _Named) -> None:
+        for item in _aliases(named):
+            self._table.put(item)
+
+    def _search(self, named: _Named) -> None:
+        for item in _search_items(named):
+            self._table.put(item)
+
+
+def today(document: CalibrationDocument) -> CalibrationDocument:
+    """Return the calibration under today's key of its camera."""
+    key = current(document.camera_key, document.camera, document.platform)
+    return document if key == document.camera_key else document.model_copy(update={"camera_key": key})
+
+
+def _named(document: CalibrationDocument) -> _Named:
+    identity = identify(document.camera, document.platform)
+    key = current(document.camera_key, document.camera, document.platform)
+    made_under = _OWN_ID.sub("", document.id)
+    others = {document.camera_key, made_under, identity.name_key if identity.usb_id else key}
+    return _Named(key, frozenset(k for k in others if k != key and PATTERN.fullmatch(k)), identity)
+
+
+def _aliases(named: _Named) -> list[Item]:
+    return [{"pk": camera_pk(other), "sk": SAME_AS + named.key} for other in sorted(named.aliases)]
+
+
+def _search_items(named: _Named) -> list[Item]:
+    found = list(dict.fromkeys(words(named.identity.name)))[:_MOST_WORDS]
+    if named.identity.usb_id:
+        found += [named.identity.usb_id, *named.identity.usb_id.split(":")]
+    shown = {"name": named.identity.name}
+    return [
+        *({"pk": ALL + word[0], "sk": f"{word}#{named.key}", **shown} for word in dict.fromkeys(found)),
+        {"pk": ALL, "sk": named.key, **shown},
+    ]
