@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -50,7 +49,7 @@ class Calibration:
     residuals: tuple[Array, ...]
     used: tuple[Mask, ...]
     prior_used: bool
-    cut_views: Mapping[int, str] = field(default_factory=lambda: MappingProxyType({}))
+    cut_views: Mapping[int, str] = field(default_factory=dict)
 
     def projection_std(self, grid: tuple[int, int] = (20, 15)) -> Array:
         """Predicted error of a projection over the image, px, (rows, columns) for `grid` = (columns, rows).

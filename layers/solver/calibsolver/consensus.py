@@ -1,21 +1,24 @@
 """What all calibrations of one camera agree on."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from . import models, normal, rotation, start
-from .arrays import Array, Mask, symmetric_inverse
+from .agreement import compare, groups
+from .arrays import Array
 from .calibration import Calibration
 from .errors import CalibrationError
 from .fit import fit
-from .normal import Poses
-from .observations import Observations
-from .uncertainty import pixel_grid
+from .score import score
 from .view import View
 
-GRID = (12, 9)
+Doubt = Literal["too_few", "disagree", "few_contributors"]
+
+FOLDS = 5
+"""Parts of a group that are left out in turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +46,7 @@ class Rule:
         Standard deviation of cx / width, and of cy / height.
     max_projection_spread
         Two calibrations agree where their projections differ by less than this, rms over the image after
-        the best rotation / image width.
+        the best rotation / image width; and by no more than those around them differ (`agreement.gather`).
     max_unexplained
         A member's views, its poses fitted to the others' intrinsics, may have an rms above that of its own
         fit by this / image width.
@@ -74,6 +77,20 @@ class Consensus:
         Whether the rule holds.
     total
         Number of all calibrations.
+    reason
+        Why it is not reliable; None where it is.
+    groups
+        Ids of the members of every group that agrees, largest first: modes of the camera, or mistakes.
+    dropped
+        Members whose views the model cannot be fitted to: id -> code of the `CalibrationError`.
+    spread
+        px, root mean square over the image and over the group of the difference between a member's own
+        projections and the pooled ones, after the best rotation.
+    member_errors
+        px rms of the views of each of the group under intrinsics fitted to the others, by id; empty where
+        there are no others.
+    held_out_error
+        px, root mean square of those over all points; NaN where there are no others.
     """
 
     calibration: Calibration
@@ -81,6 +98,12 @@ class Consensus:
     contributors: int
     reliable: bool
     total: int
+    reason: Doubt | None
+    groups: tuple[tuple[str, ...], ...]
+    dropped: Mapping[str, str]
+    spread: float
+    member_errors: Mapping[str, float]
+    held_out_error: float
 
 
 def pool(
@@ -92,71 +115,61 @@ def pool(
     """
     rule = rule or Rule()
     fits: list[tuple[Member, Calibration]] = []
+    dropped: dict[str, str] = {}
     failure = CalibrationError("no_members", "there is no calibration to pool")
     for member in members:
         try:
             fits.append((member, fit(member.views, img_size, model)))
         except CalibrationError as error:
-            failure = error
+            dropped[member.id], failure = error.code, error
     if not fits:
         raise failure
-    differences = compare([c for _, c in fits])
-    index = largest(differences < rule.max_projection_spread * img_size[0], differences)
-    group = [fits[i] for i in index]
+    parts = groups([c for _, c in fits], rule.max_projection_spread * img_size[0])
+    group = [fits[i] for i in parts[0]]
     pooled = fit([view for member, _ in group for view in member.views], img_size, model)
+    errors = without_each(group, pooled, img_size) if len(group) > 1 else np.empty(0)
     contributors = len({member.contributor for member, _ in group})
-    reliable = (
-        len(group) >= rule.min_calibrations
-        and contributors >= rule.min_contributors
-        and len(group) >= rule.min_share * len(members)
-        and spread_within(group, img_size, rule)
-        and explained(group, pooled, rule)
+    reason = doubt(group, errors, contributors, len(members), img_size, rule)
+    return Consensus(
+        calibration=pooled,
+        members=tuple(m.id for m, _ in group),
+        contributors=contributors,
+        reliable=reason is None,
+        total=len(members),
+        reason=reason,
+        groups=tuple(tuple(fits[i][0].id for i in part) for part in parts),
+        dropped=dropped,
+        spread=float(np.sqrt(np.mean(compare([pooled, *(c for _, c in group)])[0, 1:] ** 2))),
+        member_errors={m.id: float(e) for (m, _), e in zip(group, errors, strict=False)},
+        held_out_error=overall(group, errors) if len(group) > 1 else math.nan,
     )
-    return Consensus(pooled, tuple(m.id for m, _ in group), contributors, reliable, len(members))
 
 
-def compare(calibrations: Sequence[Calibration]) -> Array:
-    """Differences (c, c) between the projections of calibrations of one image size, px rms over the image.
-
-    The rays of the same pixels, turned onto each other as well as can be (Kabsch 1976), and the remaining
-    angles times the local magnification. Infinite where two share less than half of the image.
-    """
-    size = calibrations[0].camera.img_size
-    q = pixel_grid(size, GRID).reshape(2, -1)
-    rays, scale = [], []
-    for c in calibrations:
-        law, k = models.get(c.camera.model), c.camera.intrinsics
-        v = law.unproject(k, q)
-        with np.errstate(all="ignore"):
-            _, _, by_p = law.jacobian(k, v)
-            # Area magnification px^2 per steradian: the Jacobian is 0 along the ray.
-            g = np.einsum("ian,ibn->nab", by_p, by_p)
-            scale.append(np.sqrt(np.sqrt(np.maximum(np.linalg.det(g), 0))))
-        rays.append(v.T)
-    v, px = np.stack(rays), np.stack(scale)
-    seen = np.isfinite(v[:, :, 0]) & np.isfinite(px)
-    v, px = np.where(seen[:, :, None], v, 0.0), np.where(seen, px, 0.0)
-    both = seen[:, None, :] & seen[None, :, :]
-    count = both.sum(axis=2)
-    m = np.einsum("anb,cnd->acbd", v, v)
-    turn = rotation.nearest(m)  # v_a ~ turn v_c
-    out = np.empty((len(v), len(v)))
-    for a in range(len(v)):
-        moved = np.einsum("cij,cnj->cni", turn[a], v)
-        angle2 = np.sum((v[a] - moved) ** 2, axis=2)
-        square = angle2 * (px[a] * px) * both[a]
-        out[a] = np.sqrt(square.sum(axis=1) / np.maximum(count[a], 1))
-    out[count < 0.5 * q.shape[1]] = np.inf
-    np.fill_diagonal(out, 0.0)
-    return out
+def doubt(
+    group: Sequence[tuple[Member, Calibration]],
+    errors: Array,
+    contributors: int,
+    total: int,
+    img_size: tuple[int, int],
+    rule: Rule,
+) -> Doubt | None:
+    """Why the group of a consensus is not reliable; `errors` (m,) px of its members, held out."""
+    if total < rule.min_calibrations:
+        return "too_few"
+    if len(group) < max(rule.min_calibrations, rule.min_share * total):
+        return "disagree"
+    own = np.array([c.avg_reprojection_error for _, c in group])
+    if len(group) > 1 and (errors > own + rule.max_unexplained * img_size[0]).any():
+        return "disagree"
+    if not spread_within(group, img_size, rule):
+        return "disagree"
+    return "few_contributors" if contributors < rule.min_contributors else None
 
 
-def largest(agree: Mask, differences: Array) -> list[int]:
-    """Find the largest group whose members all agree with one of them; the tightest of equals."""
-    counts = agree.sum(axis=1)
-    near = np.where(agree, differences, 0.0).sum(axis=1)
-    center = min(range(len(counts)), key=lambda i: (-int(counts[i]), float(near[i])))
-    return [int(i) for i in np.flatnonzero(agree[center])]
+def overall(group: Sequence[tuple[Member, Calibration]], errors: Array) -> float:
+    """Root mean square over all points of the errors (m,) of members, px."""
+    points = [sum(len(view) for view in member.views) for member, _ in group]
+    return float(np.sqrt(np.average(errors**2, weights=points)))
 
 
 def spread_within(group: Sequence[tuple[Member, Calibration]], img_size: tuple[int, int], rule: Rule) -> bool:
@@ -168,63 +181,22 @@ def spread_within(group: Sequence[tuple[Member, Calibration]], img_size: tuple[i
     return bool((focal < rule.max_focal_spread).all() and (center < rule.max_center_spread).all())
 
 
-def explained(group: Sequence[tuple[Member, Calibration]], pooled: Calibration, rule: Rule) -> bool:
-    """Whether intrinsics fitted to the others explain each member's views, the poses alone fitted anew."""
-    law = models.get(pooled.camera.model)
-    allowed = rule.max_unexplained * pooled.camera.img_size[0]
-    for (member, own), k in zip(group, without_each(group, pooled), strict=True):
-        if held_out(law, k, member.views) > own.avg_reprojection_error + allowed:
-            return False
-    return True
+def without_each(
+    group: Sequence[tuple[Member, Calibration]], pooled: Calibration, img_size: tuple[int, int]
+) -> Array:
+    """Rms (m,), px, of each member's views under intrinsics fitted without it, the poses alone fitted anew.
 
-
-def without_each(group: Sequence[tuple[Member, Calibration]], pooled: Calibration) -> list[Array]:
-    """Intrinsics (p,) of the pooled fit without each of its members.
-
-    One Gauss-Newton step away from the optimum of all: at it the reduced gradients of the views add up to
-    nothing, so taking away a member leaves minus its own (Cook & Weisberg 1982, case deletion).
+    With it up to a fifth of the group is left out, so that a large one takes no longer: `FOLDS` fits.
+    Infinite where the others alone give no fit.
     """
-    law, k = models.get(pooled.camera.model), pooled.camera.intrinsics
-    obs = Observations.of([view for member, _ in group for view in member.views])
-    q, j = normal.design(law, k, Poses.of_vectors(pooled.poses), obs.points)
-    weights = np.zeros(obs.mask.shape)
-    for row, used in zip(weights, pooled.used, strict=True):
-        row[: len(used)] = used
-    r = (q - obs.pixels)[:, None]
-    h = normal.information(np.concatenate([r, j], axis=1), weights)
-    total = h[:, 1:, 1:].sum(axis=0)
-    out, first = [], 0
-    for member, _ in group:
-        own = h[first : first + len(member.views)].sum(axis=0)
-        first += len(member.views)
-        if len(group) == 1:
-            out.append(k)
+    errors = np.full(len(group), np.inf)
+    for fold in range(min(FOLDS, len(group))):
+        left = range(fold, len(group), FOLDS)
+        others = [view for i, (m, _) in enumerate(group) if i not in left for view in m.views]
+        try:
+            camera = fit(others, img_size, pooled.camera.model).camera
+        except CalibrationError:
             continue
-        out.append(k + symmetric_inverse(total - own[1:, 1:]) @ own[1:, 0])
-    return out
-
-
-def held_out(law: models.Model, k: Array, views: Sequence[View]) -> float:
-    """Px rms of views under given intrinsics (p,), poses fitted by Gauss-Newton from the linear solution."""
-    obs = Observations.of(views)
-    weights = obs.mask.astype(np.float64)
-    with np.errstate(all="ignore"):  # views that these intrinsics cannot explain run away: infinite rms
-        poses = start.at(law, obs, k).poses
-        best = np.inf
-        for _ in range(10):
-            q, j = normal.design(law, k, poses, obs.points)
-            r = q - obs.pixels
-            rms = float(np.sqrt(np.sum(r * r * weights[:, None]) / weights.sum()))
-            if not rms < best * (1 - 1e-6):
-                break
-            best = rms
-            b = (j[:, law.size :] * weights[:, None, None, :]).reshape(len(r), 6, -1)
-            h = b @ b.transpose(0, 2, 1)
-            g = np.einsum("vij,vj->vi", b, r.reshape(len(r), -1))
-            scale = 1 / np.sqrt(np.maximum(np.diagonal(h, axis1=1, axis2=2), 1e-300))
-            unit = h * scale[:, :, None] * scale[:, None, :] + 1e-12 * np.eye(6)
-            if not np.isfinite(unit).all():
-                break
-            step = -scale * np.linalg.solve(unit, (scale * g)[:, :, None])[:, :, 0]
-            poses = poses.moved(step)
-    return best
+        for i in left:
+            errors[i] = score(camera, group[i][0].views).rms
+    return errors

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, Camera, View, fit
-from calibsolver.consensus import Member, Rule, compare, pool
-from tests import synthetic
+from calibsolver.agreement import compare
+from calibsolver.consensus import Member, Rule, pool
+from tests import specimens, synthetic
 from tests.data import corner_set
 
 SIZE = (1280, 720)
@@ -98,16 +99,48 @@ def test_difference_is_in_pixels_after_the_best_turn() -> None:
     assert d[0, 0] == 0
 
 
-def test_real_views_in_three_parts_pool_to_the_fit_of_all() -> None:
-    """The photographs of one webcam, dealt out to three members: they agree, and nothing is lost."""
-    data = corner_set("pv_charuco_480")
+@pytest.mark.parametrize(
+    ("name", "model", "parts"),
+    [("mint_isaw", "rectilinear", 5), ("jy_left", "fisheye", 5), ("babel_ov_plane", "omnidirectional", 5)],
+)
+def test_real_views_in_parts_pool_to_the_fit_of_all(name: str, model: str, parts: int) -> None:
+    """The photographs of one camera, dealt out to five members: they agree, and nothing is lost."""
+    data = corner_set(name)
+    size = tuple(data["image_size"])
     views = [View(v["obj"], v["img"]) for v in data["views"]]
-    members = [Member(str(i), "lab", tuple(views[i::3])) for i in range(3)]
-    pooled = pool(members, (640, 480), "rectilinear")
-    whole = fit(views, (640, 480))
-    np.testing.assert_allclose(pooled.calibration.camera.matrix, whole.camera.matrix, rtol=1e-3, atol=0.5)
-    assert len(pooled.members) == 3
-    assert not pooled.reliable
+    pooled = pool([Member(str(i), "lab", tuple(views[i::parts])) for i in range(parts)], size, model)
+    whole = fit(views, size, model)
+    assert pooled.reliable
+    assert compare([pooled.calibration, whole])[0, 1] < 0.02
+    assert pooled.held_out_error < 1.03 * whole.avg_reprojection_error
+    assert max(pooled.member_errors.values()) < 1.7 * min(pooled.member_errors.values())
+    assert pooled.spread < 0.003 * size[0]
+
+
+def test_modes_are_told_apart(honest: list[Member]) -> None:
+    """A field of view 4 % narrower and a stabilised crop are groups of their own; the majority answers."""
+    narrower = [member(70 + i, focal=1.04) for i in range(2)]
+    cropped = [member(80 + i, focal=1.11) for i in range(2)]
+    pooled = pool([*narrower, *honest, *cropped], SIZE, "rectilinear")
+    assert pooled.groups[0] == pooled.members == tuple(m.id for m in honest)
+    assert set(pooled.groups[1:]) == {tuple(m.id for m in narrower), tuple(m.id for m in cropped)}
+    assert pooled.reliable
+
+
+def test_modes_of_one_specimen_are_told_apart_by_a_hundredth() -> None:
+    """Where only the noise of the corners differs, a field of view 1 % narrower is another one."""
+    camera = synthetic.rectilinear_cameras()[6]
+    k = camera.intrinsics
+    k[:2] *= 1.01
+    switched = Camera.from_intrinsics("rectilinear", k, SIZE)
+    rng = np.random.default_rng(0)
+    members = [
+        Member(str(i), str(i), tuple(specimens.views(switched if i >= 6 else camera, rng, count=5)))
+        for i in range(9)
+    ]
+    pooled = pool(members, SIZE, "rectilinear")
+    assert pooled.groups == (tuple("012345"), tuple("678"))
+    assert pooled.reliable
 
 
 def test_nothing_to_pool_is_an_error() -> None:

@@ -1,0 +1,160 @@
+"""Which calibrations of one camera agree: measured in the image, grouped, those that do not belong cut.
+
+Two calibrations are compared by what they say of the same pixels. A turn of the camera frame is no
+difference: nobody can measure it, and every pose absorbs it.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import models, rotation
+from .arrays import Array, IntArray, Mask
+from .calibration import Calibration
+from .uncertainty import pixel_grid
+
+GRID = (12, 9)
+SHARED = 0.5
+"""Share of the image that two calibrations must both see."""
+BEYOND = 3.0
+"""Standard deviations beyond which a calibration does not belong to the others."""
+FEW = 20.0
+"""What the spread among a few calibrations may hide: of m its square is multiplied by 1 + FEW / (m - 1)."""
+BOAST = 2.0
+"""Times the typical uncertainty of all that is believed of one: who is vague does not agree with all."""
+
+
+def compare(calibrations: Sequence[Calibration]) -> Array:
+    """Differences (c, c) between the projections of calibrations of one image size, px rms over the image.
+
+    The rays of the same pixels, turned onto each other as well as can be (Kabsch 1976), and the remaining
+    angles times the local magnification. Infinite where two share less than half of the image.
+    """
+    v, px, seen = _rays(calibrations)
+    both = seen[:, None, :] & seen[None, :, :]
+    count = both.sum(axis=2)
+    m = np.einsum("anb,cnd->acbd", v, v)
+    turn = rotation.nearest(m)  # v_a ~ turn v_c
+    out = np.empty((len(v), len(v)))
+    for a in range(len(v)):
+        moved = np.einsum("cij,cnj->cni", turn[a], v)
+        angle2 = np.sum((v[a] - moved) ** 2, axis=2)
+        square = angle2 * (px[a] * px) * both[a]
+        out[a] = np.sqrt(square.sum(axis=1) / np.maximum(count[a], 1))
+    out[count < SHARED * v.shape[1]] = np.inf
+    np.fill_diagonal(out, 0.0)
+    return out
+
+
+def _rays(calibrations: Sequence[Calibration]) -> tuple[Array, Array, Mask]:
+    """Return unit rays (c, n, 3) of a grid of pixels, px per radian (c, n), and which exist; else 0."""
+    q = pixel_grid(calibrations[0].camera.img_size, GRID).reshape(2, -1)
+    rays, scale = [], []
+    for c in calibrations:
+        law, k = models.get(c.camera.model), c.camera.intrinsics
+        v = law.unproject(k, q)
+        with np.errstate(all="ignore"):
+            _, _, by_p = law.jacobian(k, v)
+            # Area magnification px^2 per steradian: the Jacobian is 0 along the ray.
+            g = np.einsum("ian,ibn->nab", by_p, by_p)
+            scale.append(np.sqrt(np.sqrt(np.maximum(np.linalg.det(g), 0))))
+        rays.append(v.T)
+    v, px = np.stack(rays), np.stack(scale)
+    seen = np.isfinite(v[:, :, 0]) & np.isfinite(px)
+    return np.where(seen[:, :, None], v, 0.0), np.where(seen, px, 0.0), seen
+
+
+def fields(calibrations: Sequence[Calibration], reference: int) -> Array:
+    """Displacements (c, n) of projections from those of one of the calibrations, px.
+
+    Both coordinates of all pixels of a grid in one row, over the root of the number of pixels: the length of
+    the difference of two rows is the rms difference of two calibrations. The turn of the camera frame that
+    makes it least is taken out of every row.
+    """
+    v, _, seen = _rays(calibrations)
+    common = seen.mean(axis=0) >= 1 - 1e-9 if seen.all(axis=0).mean() >= SHARED else seen[reference]
+    v = v[:, common]
+    base = calibrations[reference].camera
+    law, k = models.get(base.model), base.intrinsics
+    _, _, by_p = law.jacobian(k, v[reference].T)
+    b = by_p.transpose(2, 1, 0)  # (n, 2, 3)
+    turned = rotation.nearest(np.einsum("nb,cnd->cbd", v[reference], v))
+    moved = np.einsum("cij,cnj->cni", turned, v) - v[reference]
+    x = np.einsum("nij,cnj->cni", b, moved).reshape(len(v), -1)
+    free = np.cross(v[reference][:, None, :], b).reshape(-1, 3)  # b . (w x v) = w . (v x b)
+    q, _ = np.linalg.qr(free)
+    out: Array = (x - (x @ q) @ q.T) / np.sqrt(max(int(common.sum()), 1))
+    return out
+
+
+def groups(calibrations: Sequence[Calibration], limit: float) -> list[list[int]]:
+    """Split calibrations into groups that agree, largest first; of equals the tightest first.
+
+    `limit` is the difference, px rms over the image, beyond which only noise can be an excuse. What is nearer
+    agrees if its distance from the others is explained too (`gather`).
+    """
+    differences = compare(calibrations)
+    own = predicted(calibrations)
+    bound = np.sqrt(limit**2 + BEYOND**2 * (own[:, None] + own))
+    left, found = list(range(len(calibrations))), []
+    while left:
+        d = differences[np.ix_(left, left)]
+        near = [left[i] for i in largest(d < bound[np.ix_(left, left)], d)]
+        group = gather([calibrations[i] for i in near], limit)
+        found.append([near[i] for i in group])
+        left = [i for i in left if i not in found[-1]]
+    return sorted(found, key=lambda group: -len(group))
+
+
+def predicted(calibrations: Sequence[Calibration]) -> Array:
+    """Return the mean square error (c,), px^2, that each calibration predicts of itself, if believable."""
+    own = np.array([c.uncertainty(GRID).rms for c in calibrations]) ** 2
+    bounded: Array = np.minimum(own, BOAST**2 * np.median(own))
+    return bounded
+
+
+def largest(agree: Mask, differences: Array) -> list[int]:
+    """Find the largest set whose members all agree with one of them; the tightest of equals."""
+    counts = agree.sum(axis=1)
+    near = np.where(agree, differences, 0.0).sum(axis=1)
+    center = min(range(len(counts)), key=lambda i: (-int(counts[i]), float(near[i])))
+    return [int(i) for i in np.flatnonzero(agree[center])]
+
+
+def gather(calibrations: Sequence[Calibration], limit: float) -> list[int]:
+    """Find those that belong to the tightest majority of calibrations: their indices.
+
+    A forward search (Atkinson & Riani 2000): from the tightest half, the next nearest joins as long as its
+    distance from the middle of those already in is explained. What the noise of the corners explains is known
+    from the fits. What specimens of a product, or sessions, differ by on top of it is learnt from those
+    already in, of whom a few know little; but it is never more than `limit`, px rms over the image. So a
+    minority that agrees with itself on something else stays outside, however near, if there is a gap.
+    """
+    count = len(calibrations)
+    if count < 3:
+        return list(range(count))
+    own = predicted(calibrations)
+    x = fields(calibrations, int(np.argmin(compare(calibrations).sum(axis=1))))
+    inner = _tightest(x, count // 2 + 1)
+    while len(inner) < count:
+        size = len(inner)
+        distance2 = np.sum((x - x[inner].mean(axis=0)) ** 2, axis=1)
+        outside = np.setdiff1d(np.arange(count), inner)
+        nearest = outside[np.argmin(distance2[outside])]
+        noise2 = float(np.mean(own[inner]))
+        more2 = max(float(np.sum(distance2[inner])) / (size - 1) - noise2, 0.0)
+        noise = BEYOND**2 * (own[nearest] + noise2 / size)
+        more = BEYOND**2 * more2 * (1 + 1 / size) * (1 + FEW / (size - 1))
+        if distance2[nearest] > noise + min(more, limit**2):
+            break
+        inner = np.append(inner, nearest)
+    return sorted(int(i) for i in inner)
+
+
+def _tightest(x: Array, size: int) -> IntArray:
+    """Find the `size` rows that lie closest together around one of them: their indices."""
+    d = np.linalg.norm(x[:, None] - x[None], axis=2)
+    order = np.argsort(d, axis=1)[:, :size]
+    center = np.argmin(np.take_along_axis(d, order, axis=1)[:, -1])
+    chosen: IntArray = order[center]
+    return chosen
