@@ -9,15 +9,21 @@ from urllib.parse import urlencode
 
 from starlette.responses import Response
 
-from calibdb import http
-from calibdb.camera_key import camera_key
+from calibdb import http, resolution
+from calibdb.answer import answer, between, neighbours
+from calibdb.camera_key import identify
 from calibdb.errors import NotFoundError
-from calibdb.schema import Calibration, LookupRequest, Miss, RefitRequest
-from calibdb.schema.lookup import Reason
-from calibdb.selection import choose
+from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
 from calibdb.store.keys import size_text, zoom_text
 
 _CACHED = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
+_NOTHING = "Nothing reliable is known of this camera."
+_DETAILS = {
+    "unknown_camera": _NOTHING,
+    "too_few": "Too few calibrations of this camera are known.",
+    "disagree": "The calibrations of this camera disagree.",
+    "few_contributors": "The calibrations of this camera come from too few contributors.",
+}
 
 
 def ask(call: http.Call) -> Response:
@@ -34,33 +40,40 @@ def visit(call: http.Call) -> Response:
 
 
 def _answer(call: http.Call, request: LookupRequest) -> Response:
-    found, reason = _find(call, request)
-    if found is not None:
-        exact = found.model_copy(update={"exact_size": found.img_size == request.img_size})
-        return http.answer(exact, headers=_CACHED if call.request.method != "POST" else None)
-    url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
+    found = _find(call, request)
+    if isinstance(found, LookupAnswer):
+        return http.answer(found, headers=_CACHED if call.request.method != "POST" else None)
     if not (request.redirect and call.flag("redirect", default=True)):
         raise NotFoundError(
-            "Nothing reliable is known of this camera.",
+            found.detail,
             kind="no-calibration",
-            members={"guidance_url": url, "reason": reason},
+            members={"guidance_url": found.guidance_url, "reason": found.reason},
         )
-    return http.answer(Miss(guidance_url=url, reason=reason), 307, {"Location": url})
+    return http.answer(found, 307, {"Location": found.guidance_url})
 
 
-def _find(call: http.Call, request: LookupRequest) -> tuple[Calibration | None, Reason]:
-    key = camera_key(request.camera, request.platform)
-    store = call.service.store
-    choice = choose(store.consensuses.of(key), request.img_size, request.zoom, request.distortion_model)
-    found = choice.found
-    if choice.missing_at is not None:
+def _find(call: http.Call, request: LookupRequest) -> LookupAnswer | Miss:
+    url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
+    private = call.service.settings.thresholds.min_contributors == 1
+    identity = identify(request.camera, request.platform)
+    why = resolution.hopeless(identity, private=private, resize_mode=request.resize_mode)
+    if why is not None:
+        return Miss(guidance_url=url, reason="unknown_camera", detail=why)
+    store, size, zoom, model = call.service.store, request.img_size, request.zoom, request.distortion_model
+    resolved = resolution.resolve(store.cameras.known, identity, size, zoom, model, private=private)
+    found, reason = resolved.choice.found, resolved.choice.reason
+    if resolved.choice.missing_at is not None:
         # The keypoints are kept, so a model that nobody asked for yet is only a computation away.
-        model = request.distortion_model
-        refit = RefitRequest(camera=key, img_size=choice.missing_at, zoom=request.zoom, models=(model,))
+        missing = resolved.choice.missing_at
+        refit = RefitRequest(camera=resolved.key, img_size=missing, zoom=zoom, models=(model,))
         found = store.refit.now(refit).models.get(model)
-    if found is None:
-        return None, choice.reason
-    return found.calibration if found.reliable else None, found.reason or choice.reason
+        reason = found.reason if found and found.reason else reason
+    if found is not None and found.reliable and found.calibration is not None:
+        return answer(found.calibration, resolved.known, size)
+    around = neighbours(resolved.known, size, zoom, model)
+    if around is not None:
+        return between(*around, zoom)
+    return Miss(guidance_url=url, reason=reason, detail=_DETAILS[reason])
 
 
 def _key(request: LookupRequest) -> dict[str, str]:

@@ -10,6 +10,7 @@ from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Field
 from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors"]
+ResizeMode = Annotated[str, Field(max_length=64)]
 
 
 _SIZE = re.compile(r"([0-9]{1,6})[x×,]([0-9]{1,6})")
@@ -48,6 +49,11 @@ class LookupRequest(BaseModel):
     )
     zoom: Annotated[Zoom, BeforeValidator(_number)] = 0.0
     distortion_model: DistortionModel = "rectilinear"
+    resize_mode: ResizeMode | None = Field(
+        None,
+        validation_alias=AliasChoices("resize_mode", "resizeMode"),
+        description="`resizeMode` of the track: a stream that the browser crops is another picture.",
+    )
     redirect: Annotated[bool, BeforeValidator(_flag)] = True
 
 
@@ -56,3 +62,4 @@ class Miss(Open):
 
     guidance_url: str
     reason: Reason
+    detail: str = Field("Nothing reliable is known of this camera.", description="The reason in words.")

@@ -1,6 +1,7 @@
 """Storage: S3 is the truth, DynamoDB an index rebuilt from it. The only place that knows AWS."""
 
 from calibdb.store.calibrations import Calibrations
+from calibdb.store.cameras import Cameras, Known
 from calibdb.store.consensus import Consensuses
 from calibdb.store.keys import Mode
 from calibdb.store.leases import Leases
@@ -15,9 +16,11 @@ from calibdb.store.votes import Cast, Votes
 
 __all__ = [
     "Calibrations",
+    "Cameras",
     "Cast",
     "Condition",
     "Consensuses",
+    "Known",
     "Leases",
     "Mode",
     "Objects",

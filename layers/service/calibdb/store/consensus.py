@@ -8,6 +8,7 @@ and an older result never replaces a newer one, however long the one or the othe
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterable
 
 from pydantic import ValidationError
 
@@ -26,11 +27,11 @@ class Consensuses:
 
     def of(self, camera_key: str) -> list[ConsensusDocument]:
         """Return all of a camera, at every size and zoom and for every model: one Query."""
-        return _documents(self._table.query(camera_pk(camera_key), "CONSENSUS#"))
+        return documents(self._table.query(camera_pk(camera_key), "CONSENSUS#"))
 
     def at(self, mode: Mode) -> list[ConsensusDocument]:
         """Return those of every model at one size and zoom, as they are at this moment."""
-        return _documents(self._table.query(mode.pk, f"CONSENSUS#{mode.text}#", consistent=True))
+        return documents(self._table.query(mode.pk, f"CONSENSUS#{mode.text}#", consistent=True))
 
     def get(self, consensus_id: str) -> ConsensusDocument | None:
         """Return the consensus with this id, None when there is none."""
@@ -87,7 +88,8 @@ def _still(before: str | None) -> Condition:
     )
 
 
-def _documents(items: list[Item]) -> list[ConsensusDocument]:
+def documents(items: Iterable[Item]) -> list[ConsensusDocument]:
+    """Return what the items hold, but for what this version cannot read."""
     return [document for item in items if (document := _document(item)) is not None]
 
 

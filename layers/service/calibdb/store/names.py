@@ -93,8 +93,8 @@ def _search_items(named: _Named) -> list[Item]:
     found = list(dict.fromkeys(words(named.identity.name)))[:_MOST_WORDS]
     if named.identity.usb_id:
         found += [named.identity.usb_id, *named.identity.usb_id.split(":")]
-    shown = {"name": named.identity.name}
-    return [
-        *({"pk": ALL + word[0], "sk": f"{word}#{named.key}", **shown} for word in dict.fromkeys(found)),
-        {"pk": ALL, "sk": named.key, **shown},
+    name = named.identity.name
+    by_word: list[Item] = [
+        {"pk": ALL + word[0], "sk": f"{word}#{named.key}", "name": name} for word in dict.fromkeys(found)
     ]
+    return [*by_word, {"pk": ALL, "sk": named.key, "name": name}]

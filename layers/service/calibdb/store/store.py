@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from calibdb.settings import Settings
 from calibdb.store import clients
 from calibdb.store.calibrations import Calibrations
+from calibdb.store.cameras import Cameras
 from calibdb.store.consensus import Consensuses
 from calibdb.store.leases import Leases
 from calibdb.store.objects import Objects
@@ -27,6 +28,7 @@ class Store:
     quotas: Quotas
     sessions: Sessions
     calibrations: Calibrations
+    cameras: Cameras
     consensuses: Consensuses
     votes: Votes
     leases: Leases
@@ -42,6 +44,7 @@ class Store:
             quotas=Quotas(table),
             sessions=Sessions(table, objects),
             calibrations=Calibrations(table, objects),
+            cameras=Cameras(table),
             consensuses=Consensuses(table),
             votes=Votes(table, objects),
             leases=Leases(table),

@@ -146,6 +146,24 @@ class Table:
         """
         return list(self._pages(pk, prefix, newest_first, limit, consistent))
 
+    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
+        """Return at most `limit` items after the `sk` `after`, as `query` does, and whether more follow.
+
+        One Query.
+        """
+        start: dict[str, Any] = (
+            {} if after is None else {"ExclusiveStartKey": {"pk": {"S": pk}, "sk": {"S": after}}}
+        )
+        with available():
+            found = self._client().query(
+                TableName=self._name,
+                KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
+                ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
+                Limit=limit,
+                **start,
+            )
+        return [_decoded(item) for item in found["Items"]], "LastEvaluatedKey" in found
+
     def _pages(
         self, pk: str, prefix: str, newest_first: bool, limit: int | None, consistent: bool
     ) -> Iterator[Item]:

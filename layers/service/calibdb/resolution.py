@@ -1,0 +1,84 @@
+"""Under which key a camera is found: by USB id and name; by the name alone where it says which product it is.
+
+Never a guess: a name that many products bear answers nobody, and one that two USB ids bear neither.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from calibdb.camera_key import Identity
+from calibdb.schema import ConsensusDocument
+from calibdb.selection import Choice, choose
+from calibdb.store import Known
+
+CROPPED = "crop-and-scale"
+
+VIRTUAL = "This is a program that poses as a camera: it has no lens of its own."
+AMBIGUOUS = (
+    "Many cameras go by this name: without a USB id or a device's model it cannot be told which it is."
+)
+RESIZED = "The browser crops this stream; ask for it with resizeMode: none."
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """The key under which something was found or is missing, all that is known there, and what answers."""
+
+    key: str
+    known: Sequence[ConsensusDocument]
+    choice: Choice
+
+    @property
+    def helps(self) -> bool:
+        """Tell whether there is an answer, or will be once it is computed."""
+        return self.choice.found is not None or self.choice.missing_at is not None
+
+
+def hopeless(identity: Identity, *, private: bool, resize_mode: str | None) -> str | None:
+    """Return why nothing can be said of such a camera; None where the database may know it.
+
+    `private`: the database of one person, who has few cameras, and knows which is meant.
+    """
+    if identity.virtual:
+        return VIRTUAL
+    if resize_mode == CROPPED:
+        return RESIZED
+    return AMBIGUOUS if identity.ambiguous and not private else None
+
+
+def resolve(
+    read: Callable[[str], Known],
+    identity: Identity,
+    img_size: tuple[int, int],
+    zoom: float,
+    model: str,
+    *,
+    private: bool,
+) -> Resolved:
+    """Return what is known of a camera.
+
+    `read` is asked once where the camera is known under its own key, and never more than twice.
+    """
+
+    def at(key: str, known: Known) -> Resolved:
+        return Resolved(key, known.consensuses, choose(known.consensuses, img_size, zoom, model))
+
+    known = read(identity.key)
+    own = at(identity.key, known)
+    if own.helps or not (identity.distinct or private):
+        return own
+    if identity.usb_id is None:
+        # Calibrations that disagree under the name alone say that it is a name of several cameras.
+        if len(known.same_as) != 1 or own.choice.reason == "disagree":
+            return own
+        other = at(known.same_as[0], read(known.same_as[0]))
+    else:
+        if known.consensuses:
+            return own
+        named = read(identity.name_key)
+        if any(key != identity.key for key in named.same_as):
+            return own
+        other = at(identity.name_key, named)
+    return other if other.helps or own.choice.reason == "unknown_camera" else own
