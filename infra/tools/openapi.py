@@ -206,6 +206,16 @@ OPERATIONS = (
         ),
     ),
     Operation(
+        "post",
+        "/v1/checks",
+        "checkCalibration",
+        "Whether the stored consensus, reliable or not, fits fresh views of this camera",
+        {200: Content("Whether it fits, and what checks say of it by now.", schema.CheckAnswer)},
+        (400, *_ASKED, 404, 413, 422),
+        _SESSION,
+        schema.CheckRequest,
+    ),
+    Operation(
         "get",
         "/healthz",
         "health",

@@ -1,0 +1,186 @@
+"""Does what the database holds fit this camera? Scores a consensus on fresh views, and counts as a vote.
+
+The consensus is taken as it is, reliable or not; only the poses are fitted to the views. A vote keeps the
+views, so that it can be counted anew for whatever the consensus becomes (`calibdb.votes`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from starlette.responses import Response
+
+from calibdb import http
+from calibdb.camera_key import camera_key
+from calibdb.corners import misplaced
+from calibdb.errors import InvalidError, NotFoundError
+from calibdb.schema import (
+    Calibration,
+    CheckAnswer,
+    CheckRequest,
+    ConsensusDocument,
+    RefitRequest,
+    ViewDocument,
+    VoteDocument,
+)
+from calibdb.store import Mode
+from calibdb.tokens import Ticket, contributor
+from calibdb.votes import fits, vote_id
+from calibsolver import Board, CalibrationError, Camera, View, fit
+from calibsolver.score import score
+
+_MOST_FIELDS = 20
+_FEWEST = 4  # points that make a pose
+
+
+@dataclass(frozen=True)
+class Examined:
+    """Fresh views, measured without the consensus.
+
+    Attributes
+    ----------
+    views
+        By view ids (n,) and points (n, 2) px, without those that no camera explains: misread corners.
+    noise
+        px rms of these under a camera fitted to them.
+    uncertainty
+        px rms over the image: how well they alone tell the camera. Where they do not, they fit any.
+    """
+
+    views: tuple[ViewDocument, ...]
+    noise: float
+    uncertainty: float
+
+
+def check(call: http.Call) -> Response:
+    """Answer whether the consensus fits the views, and what checks say of it by now."""
+    ticket = call.session(charge="views")
+    request = call.json(CheckRequest)
+    wrong = [
+        error
+        for n, view in enumerate(request.views)
+        for error in misplaced(request.board, request.img_size, view.ids, view.points, f"views.{n}.")
+    ]
+    if wrong:
+        raise InvalidError(wrong[:_MOST_FIELDS])
+    mode = Mode(camera_key(request.camera, request.platform), request.img_size, request.zoom)
+    known = consensus(call, mode, request.distortion_model)
+    examined = examine(request)
+    expected = known.held_out_error or known.avg_reprojection_error
+    error = min(score(camera(known), seen(request, examined)).rms, math.hypot(*request.img_size))
+    thresholds = call.service.settings.thresholds
+    fit_well = fits(error, expected, examined.noise, request.img_size[0], thresholds.max_check_ratio)
+    # Views that fit any camera say nothing for this one; views that do not fit it say something against it.
+    telling = not fit_well or examined.uncertainty <= thresholds.max_projection_spread * request.img_size[0]
+    counted = telling and vote(call, ticket, request, mode, examined)
+    current = standing(call, mode, request.distortion_model) if counted else None
+    if current is None or current.calibration is None:
+        current = one(call.service.store.consensuses.at(mode), request.distortion_model)
+    if current is None or current.calibration is None:
+        raise NotFoundError("The consensus was withdrawn meanwhile.", kind="no-calibration")
+    return http.answer(
+        CheckAnswer(
+            fits="fits" if fit_well else "does_not_fit",
+            error=error,
+            expected=expected,
+            counted=counted,
+            votes=current.votes,
+            calibration=current.calibration,
+        )
+    )
+
+
+def consensus(call: http.Call, mode: Mode, model: str) -> Calibration:
+    """Return the consensus to check, reliable or not; raises NotFoundError where there is none."""
+    documents = call.service.store.consensuses.at(mode)
+    known = one(documents, model)
+    if known is None and documents:
+        known = standing(call, mode, model)
+    if known is None or known.calibration is None:
+        raise NotFoundError(
+            "Nothing is known of this camera at this size that could be checked.", kind="no-calibration"
+        )
+    return known.calibration
+
+
+def one(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument | None:
+    """Return the consensus of this model, None when there is none."""
+    return next((d for d in documents if d.distortion_model == model), None)
+
+
+def standing(call: http.Call, mode: Mode, model: str) -> ConsensusDocument | None:
+    """Return the consensus with all that is known by now."""
+    asked = RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=(model,))
+    return next(iter(call.service.store.refit.now(asked).models.values()), None)
+
+
+def examine(request: CheckRequest) -> Examined:
+    """Fit a camera to the views alone; raises InvalidError where there is none that believably took them."""
+    board = Board(**request.board.model_dump())
+    views = [board.view(view.ids, view.points) for view in request.views]
+    try:
+        own = fit(views, request.img_size, request.distortion_model)
+    except CalibrationError as error:
+        raise InvalidError.field("views", error.message) from error
+    kept = [
+        ViewDocument(
+            index=n,
+            ids=tuple(i for i, used in zip(view.ids, mask, strict=True) if used),
+            points=tuple(p for p, used in zip(view.points, mask, strict=True) if used),
+        )
+        for n, (view, mask) in enumerate(zip(request.views, own.used, strict=True))
+        if mask.sum() >= _FEWEST
+    ]
+    if not kept:
+        raise InvalidError.field("views", "no view is of a board that a camera could see")
+    return Examined(tuple(kept), math.sqrt(2) * own.noise, own.uncertainty().rms)
+
+
+def vote(call: http.Call, ticket: Ticket, request: CheckRequest, mode: Mode, examined: Examined) -> bool:
+    """Count the check as a vote, once; False where the contributor has none."""
+    service = call.service
+    thresholds = service.settings.thresholds
+    who = contributor(service.settings.contributor_secret, call.address, ticket.token)
+    period = thresholds.contributor_period
+    if period:
+        known = service.store.calibrations.newest(mode, thresholds.most_calibrations, period)
+        if any(calibration.contributor == who for calibration in known):
+            return False
+    service.store.votes.cast(
+        VoteDocument(
+            id=vote_id(request, mode.camera_key, who, ticket.sid, service.now, period),
+            camera_key=mode.camera_key,
+            img_size=mode.img_size,
+            zoom=mode.zoom,
+            board=request.board,
+            views=examined.views,
+            noise=examined.noise,
+            contributor=who,
+            time=service.now,
+        )
+    )
+    # For the other models; this one's is asked for at once.
+    service.store.refit.later(RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom))
+    return True
+
+
+def camera(calibration: Calibration) -> Camera:
+    """Return a calibration for the solver."""
+    return Camera(
+        calibration.distortion_model,
+        np.array(calibration.camera_matrix),
+        np.array(calibration.distortion_coefficients),
+        calibration.img_size,
+    )
+
+
+def seen(request: CheckRequest, examined: Examined) -> list[View]:
+    """Return the views for the solver."""
+    board = Board(**request.board.model_dump())
+    return [board.view(view.ids, view.points) for view in examined.views]
+
+
+handler = http.handler(http.resource("/v1/checks", POST=check))
