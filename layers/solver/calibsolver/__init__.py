@@ -1,6 +1,18 @@
 """Camera calibration from views of a ChArUco board: pure geometry, no clock, no network, no storage."""
 
-from . import capture, consensus, guidance, models, overlay
+from . import (
+    agreement,
+    capture,
+    choice,
+    consensus,
+    guidance,
+    heldout,
+    models,
+    overlay,
+    report,
+    score,
+    verdict,
+)
 from .board import Board
 from .calibration import Calibration
 from .camera import Camera
@@ -18,10 +30,16 @@ __all__ = [
     "Camera",
     "Uncertainty",
     "View",
+    "agreement",
     "capture",
+    "choice",
     "consensus",
     "fit",
     "guidance",
+    "heldout",
     "models",
     "overlay",
+    "report",
+    "score",
+    "verdict",
 ]

@@ -1,0 +1,117 @@
+"""Which model suits a lens: the simplest that explains views it has not seen as well as any does."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import models
+from .arrays import Array
+from .calibration import Calibration
+
+from .errors import CalibrationError
+from .fit import MIN_POINTS, fit
+from .heldout import HeldOut, held_out
+from .view import View
+
+PLAIN = ("rectilinear", "fisheye", "omnidirectional", "rational")
+"""From what every tool understands to what has most coefficients; others follow."""
+MARGIN = 1.03
+"""Held-out error / the least, which is no reason for a less simple model."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A model and why.
+
+    Attributes
+    ----------
+    model
+        Name of the model to use.
+    held_out
+        px, cross-validated rms by model; None where the model cannot be fitted to these views.
+    reasons
+        In plain words, what spoke for it and against the others.
+    """
+
+    model: str
+    held_out: Mapping[str, float | None]
+    reasons: tuple[str, ...]
+
+
+def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
+    """Choose the model for the lens that took `views`.
+
+    By the error on views left out of the fit, every model on the same points: those that no model explains
+    are taken out first. The simplest model wins whose error is within `MARGIN` of the least, or within one
+    standard error of it over the views (Breiman et al., "Classification and Regression Trees", 1984, 3.4.3).
+
+    Raises CalibrationError (`fit`'s reason) where no model fits.
+    """
+    fits: dict[str, Calibration] = {}
+    refused: dict[str, CalibrationError] = {}
+    for name in models.NAMES:
+        try:
+            fits[name] = fit(views, img_size, name)
+        except CalibrationError as error:
+            refused[name] = error
+    if not fits:
+        raise refused[models.NAMES[0]]
+    tested = explained(views, list(fits.values()))
+    scores: dict[str, HeldOut] = {}
+    for name in fits:
+        try:
+            scores[name] = held_out(tested, img_size, name)
+        except CalibrationError as error:
+            refused[name] = error
+    if not scores:
+        raise refused[models.NAMES[0]]
+    best = min(scores, key=lambda name: scores[name].rms)
+    counts = np.array([len(view) for view in tested])
+    simple = [name for name in sorted(scores, key=simplicity) if close(scores[name], scores[best], counts)]
+    chosen = simple[0]
+    errors = {name: scores[name].rms if name in scores else None for name in models.NAMES}
+    return Choice(chosen, errors, tuple(reasons(chosen, best, scores, refused)))
+
+
+def simplicity(name: str) -> tuple[int, int]:
+    """Order of models, the plainest first."""
+    return (PLAIN.index(name) if name in PLAIN else len(PLAIN), models.get(name).size)
+
+
+def explained(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:
+    """Return the views without the points that none of several fits used."""
+    out = []
+    for i, view in enumerate(views):
+        used = np.logical_or.reduce([c.used[i] for c in fits])
+        if used.sum() >= MIN_POINTS:
+            out.append(View(view.object_points[used], view.image_points[used]))
+    return out
+
+
+def close(one: HeldOut, best: HeldOut, counts: Array) -> bool:
+    """Whether one model is as good as the best as far as views with so many points (v,) can tell."""
+    if one.rms <= MARGIN * best.rms:
+        return True
+    more = one.view_errors**2 - best.view_errors**2
+    weight = counts / counts.sum()
+    mean = float(weight @ more)
+    error = float(np.sqrt(np.sum(weight**2 * (more - mean) ** 2)))
+    return bool(mean <= error)
+
+
+def reasons(
+    chosen: str, best: str, scores: Mapping[str, HeldOut], refused: Mapping[str, CalibrationError]
+) -> list[str]:
+    """Say why, model by model."""
+    found = [f"{chosen} explains views left out of its fit to {scores[chosen].rms:.2f} px"]
+    for name, result in scores.items():
+        if name == chosen:
+            continue
+        if simplicity(name) < simplicity(chosen):
+            found.append(f"{name} is simpler but explains them to {result.rms:.2f} px only")
+        elif name == best and result.rms < scores[chosen].rms:
+            found.append(f"{name} explains them to {result.rms:.2f} px: not enough for a less simple model")
+        else:
+            found.append(f"{name} is no better: {result.rms:.2f} px")
+    return found + [f"{name} does not fit: {error}" for name, error in refused.items()]
