@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Api, ApiError, OfflineError } from "../../web/calibrate/api.js";
-import { CaptureSession } from "../../web/calibrate/session.js";
+import { CaptureSession, isAway, viewCount } from "../../web/calibrate/session.js";
 
 const json = (status, body, headers = {}) =>
   new Response(body === null ? null : JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
@@ -56,7 +56,7 @@ test("an expired session is begun anew with the views it had", async () => {
   const { api, calls } = service(({ call, credential, body }) => {
     if (call === "POST /v1/auth") return json(201, { session_id: `s${++sessions}`, expires_at: 0 });
     const session = credential.replace("Bearer ", "");
-    if (session === "s1" && known.get("expired")) return json(401, { detail: "expired" });
+    if (session === "s1" && known.get("expired")) return json(403, { type: "https://calibdb.example/problems/session-expired", detail: "expired" });
     if (call === "POST /v1/session") return json(201, { status: "capturing", views: [] });
     if (call === "GET /v1/session/pose") return json(200, { index });
     known.set(`${session} ${index++}`, body.ids);
@@ -88,9 +88,50 @@ test("a capture is taken up again with the views it had, also one whose answer w
   broken = true;
   await assert.rejects(capture.submit(1, { ids: [2], points: [[2, 2]] }), OfflineError);
   broken = false;
-  assert.deepEqual((await capture.resume(api)).views, [{ index: 0 }, { index: 1 }]);
+  assert.deepEqual((await capture.resume(api)).state.views, [{ index: 0 }, { index: 1 }]);
   await capture.undo();
   assert.deepEqual([...taken.keys()], [0], "the view whose answer was lost is the last one");
+});
+
+test("views taken while the service is away are sent in their order once it is back, by this page or the next one", async () => {
+  const taken = [];
+  let away = false;
+  let kept = null;
+  const { api, calls } = service(({ call, body }) => {
+    if (away) return json(503, {});
+    if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
+    if (call === "GET /v1/session/pose") return json(200, { index: taken.length });
+    if (call !== "POST /v1/session/views") return json(200, { status: "capturing", views: taken.map((_, index) => ({ index })) });
+    const accepted = body.ids[0] !== 3; // one of them brings nothing new
+    if (accepted) taken.push(body.ids[0]);
+    return json(200, { accepted, status: "capturing", views: taken.map((_, index) => ({ index })) });
+  });
+  const view = (id) => ({ ids: [id], points: [[id, id]] });
+  const request = { camera: "c", platform: "p", img_size: [640, 480] };
+  const capture = new CaptureSession(api, "token", request, { about: "c", save: (now) => (kept = structuredClone(now)) });
+  await capture.start();
+  await capture.submit(0, view(1));
+  away = true;
+  const began = calls.length;
+  await assert.rejects(capture.submit(1, view(2)), isAway);
+  assert.equal(calls.length - began, 3, "two seconds of patience: the page has better to do than to wait");
+  capture.keep(view(3));
+  capture.keep(view(4));
+  assert.equal(capture.waiting, 3);
+  assert.equal(viewCount({ session: { views: [{ index: 0 }] }, stored: capture.waiting }), 4);
+  await assert.rejects(capture.resume(), isAway);
+  away = false;
+  const next = new CaptureSession(api, "token", request, { about: "c", kept });
+  const { state, refused } = await next.resume();
+  assert.deepEqual([taken, refused, state.views.length, next.waiting], [[1, 2, 4], 1, 3, 0]);
+});
+
+test("a view not yet sent is taken back without the service", async () => {
+  const { api, calls } = service(() => json(200, {}));
+  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
+  capture.keep({ ids: [1], points: [[1, 1]] });
+  assert.equal(await capture.undo(), null);
+  assert.deepEqual([calls.length, capture.waiting], [0, 0]);
 });
 
 test("nothing more is asked once the run has ended", async () => {

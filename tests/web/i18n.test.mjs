@@ -7,7 +7,8 @@ const WEB = new URL("../../web/", import.meta.url);
 const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: true })
   .map((name) => name.replaceAll("\\", "/"))
   .filter((name) => name.endsWith(kind) && !name.startsWith("vendor/"));
-const names = files("words/", ".js").map((name) => name.slice(0, -3));
+// A large room has a file a language, "capture.de.js"; the room itself is what has no dot.
+const names = files("words/", ".js").map((name) => name.slice(0, -3)).filter((name) => !name.includes("."));
 const rooms = Object.fromEntries(await Promise.all(names.map(async (name) =>
   [name, (await import(new URL(`words/${name}.js`, WEB))).default])));
 const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("words/") && name !== "i18n.js")

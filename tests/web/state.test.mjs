@@ -1,7 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners, outline } from "../../web/board/geometry.js";
-import { HOLD, LONG_HOLD, decide, holdProgress, initial, reduce } from "../../web/calibrate/state.js";
+import { HOLD, LONG_HOLD, decide, holdProgress, lenience } from "../../web/calibrate/hold.js";
+import { initial, reduce } from "../../web/calibrate/state.js";
+import { HEALTHY } from "../../web/calibrate/diagnosis.js";
 import { asMirrored } from "../../web/calibrate/instruction.js";
 import { project } from "../../web/virtual/lens.js";
 import { transform } from "../../web/virtual/pose.js";
@@ -62,7 +64,7 @@ test("nothing is sent while a view is on its way, nor the same hold twice", () =
   const refused = reduce(held, { type: "answer", answer, corners: held.corners, time: 600 });
   const again = frames(frame(THERE), HOLD, 650).reduce(reduce, refused);
   assert.equal(decide(again, 650 + HOLD), null);
-  assert.match(refused.notice.text, /better pose/);
+  assert.equal(refused.notice.key, "capture.useless");
   assert.equal(refused.pose.index, 0, "a refused view leaves the target where it is");
   const moved = { rvec: [0.45, -0.5, 0.1], tvec: [-4.3, -3, 12] };
   const better = frames(frame(moved), HOLD, 2000).reduce(reduce, again);
@@ -77,7 +79,7 @@ test("a target refused in its own place is given up soon: after 1 s where nothin
   assert.equal(decide(refused, 1_700), "skip");
   const unlike = { ...answer, reason: "outlier", views: [{ index: 0, points: 40, rms: 0.1 }] };
   const doubted = reduce(held, { type: "answer", answer: unlike, corners: held.corners, time: 600 });
-  assert.match(doubted.notice.text, /flat/);
+  assert.equal(doubted.notice.key, "capture.refused_outlier");
   assert.equal(decide(doubted, 3_500), null);
   assert.equal(decide(doubted, 3_700), "skip");
   const elsewhere = reduce(capturing(frames(frame(ELSEWHERE), LONG_HOLD)), { type: "answer", answer, corners: frame(ELSEWHERE), time: 1600 });
@@ -110,27 +112,83 @@ test("a target not reached for 15 s is given up, unless no board is in sight", (
 
 test("instructions say what is missing, and stand for 400 ms", () => {
   const blind = capturing(frames(NOTHING, 500));
-  assert.equal(blind.instruction.text, "Show the board to the camera");
+  assert.equal(blind.instruction.code, "show");
   const first = reduce(blind, { type: "frame", detection: frame(ELSEWHERE), time: 550 });
-  assert.equal(first.instruction.text, "Show the board to the camera");
+  assert.equal(first.instruction.code, "show");
   const later = frames(frame(ELSEWHERE), 400, 600).reduce(reduce, first);
-  assert.equal(later.instruction.text, "Move down and right");
+  assert.equal(later.instruction.code, "tilt_left", "the largest difference first");
   const there = frames(frame(THERE), 450, 1100).reduce(reduce, later);
-  assert.equal(there.instruction.text, "Hold still");
+  assert.equal(there.instruction.code, "hold");
 });
 
 test("in a mirrored preview left is right", () => {
-  const hint = "Tilt the left edge towards the camera in the top right of the picture. Left upright.";
-  assert.equal(asMirrored(hint), "Tilt the right edge towards the camera in the top left of the picture. Right upright.");
+  assert.deepEqual(["left", "up_right", "tilt_left", "turn_clockwise", "tilt_top", "closer"].map(asMirrored),
+    ["right", "up_left", "tilt_right", "turn_counterclockwise", "tilt_top", "closer"]);
   const mirrored = reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false });
-  const shown = (state, pose) => [pose, ...frames(frame(ELSEWHERE), 450)].reduce(reduce, state).instruction.text;
+  const shown = (state, pose) => [pose, ...frames(frame(ELSEWHERE), 450)].reduce(reduce, state).instruction.code;
   const known = { type: "pose", pose: target(THERE), picture: "blob:2", time: 0 };
-  assert.equal(shown(capturing(), known), "Move down and right");
-  assert.equal(shown(mirrored, known), "Move down and left");
-  // Where the target is hardly in the picture, the service's own hint is all there is.
-  const hinted = { ...known, pose: { ...target(THERE), ids: [], corners: [], hint: "Tilt the left edge" } };
-  assert.equal(shown(capturing(), hinted), "Tilt the left edge");
-  assert.equal(shown(mirrored, hinted), "Tilt the right edge");
+  assert.equal(shown(capturing(), known), "tilt_left");
+  assert.equal(shown(mirrored, known), "tilt_right");
+  // Where the target is hardly in the picture, the service's own hint is all there is; one that is not known is not said.
+  const hinted = (hint_code) => ({ ...known, pose: { ...target(THERE), ids: [], corners: [], hint_code } });
+  assert.equal(shown(capturing(), hinted("left")), "left");
+  assert.equal(shown(mirrored, hinted("left")), "right");
+  assert.equal(shown(capturing(), hinted("dance")), "match");
+  assert.equal(shown(capturing(), hinted(undefined)), "match");
+});
+
+test("a hand that is not steady is asked for less, the longer it tries", () => {
+  const state = { posedAt: 1000 };
+  assert.deepEqual([1000, 6000, 8500, 60_000].map((time) => lenience(state, time)), [1, 1, 1.5, 2.5]);
+  const trembling = (from, ms) => frames(frame(THERE), ms, from).map((event, index) => {
+    const points = event.detection.points.map(([x, y]) => [x + (index % 2 ? 3 : 0), y]);
+    return { ...event, detection: { ...event.detection, points } };
+  });
+  assert.equal(decide(capturing(trembling(0, 2000)), 2000), null);
+  assert.equal(decide(capturing(trembling(0, 12_000)), 12_000), "submit");
+});
+
+test("who comes nearer, slowly, keeps the target", () => {
+  const far = (time) => ({ rvec: THERE.rvec, tvec: [THERE.tvec[0] - (8 * (20_000 - time)) / 20_000, THERE.tvec[1], THERE.tvec[2]] });
+  const slow = Array.from({ length: 17 }, (_, index) => 1000 * index)
+    .reduce((state, time) => reduce(state, { type: "frame", detection: frame(far(time)), time }), capturing());
+  assert.equal(decide(slow, 16_001), null);
+  assert.equal(decide(slow, slow.nearest.time + 15_001), "skip");
+  assert.equal(decide({ ...slow, nearest: { ...slow.nearest, time: 45_000 } }, 45_001), "skip");
+});
+
+test("without the service, views are kept and counted, and the target is the page's own", () => {
+  const held = capturing(frames(frame(THERE), HOLD));
+  const away = reduce(held, { type: "away", stored: 1, time: 800 });
+  assert.deepEqual([away.away, away.stored, away.pose, away.notice.key], [true, 1, null, "capture.went_away"]);
+  const planned = reduce(away, { type: "pose", pose: { ...target(ELSEWHERE), index: -1 }, picture: null, time: 900 });
+  assert.equal(decide(frames(frame(ELSEWHERE), HOLD, 1000).reduce(reduce, planned), 1000 + HOLD), "submit");
+  const stored = reduce(planned, { type: "stored", corners: frame(ELSEWHERE), stored: 2, time: 2000 });
+  assert.deepEqual([stored.stored, stored.pose, stored.notice.key], [2, null, "capture.view_stored"]);
+  const views = [{ index: 0, points: 40, rms: 0.1 }, { index: 1, points: 40, rms: 0.1 }];
+  const back = reduce(stored, { type: "back", session: { ...SESSION, views, progress: 0.5 }, refused: 0, time: 3000 });
+  assert.deepEqual([back.away, back.stored, back.progress, back.notice.key], [false, 0, 0.5, "capture.came_back"]);
+});
+
+test("a view that is set aside later is said to be, once", () => {
+  const views = [{ index: 0, points: 40, rms: 9, set_aside: { reason: "outlier", detail: "" } }, { index: 1, points: 40, rms: 0.1 }];
+  const answer = { ...SESSION, views, accepted: true, reason: null };
+  const first = reduce(capturing(), { type: "answer", answer, corners: frame(THERE), time: 1 });
+  assert.deepEqual([first.notice.key, first.notice.values.number], ["capture.view_set_aside", 1]);
+  const second = reduce(first, { type: "answer", answer, corners: frame(THERE), time: 2 });
+  assert.equal(second.notice.key, "capture.view_taken");
+});
+
+test("a board of the other layout is taken as such while nothing is lost by it", () => {
+  const legacy = { ...HEALTHY, trouble: "legacy" };
+  assert.equal(decide({ ...capturing(), diagnosis: legacy }, 1), "relayout");
+  assert.equal(decide({ ...capturing(), diagnosis: legacy, stored: 1 }, 1), null);
+});
+
+test("the time in a hidden tab does not count", () => {
+  const state = reduce(capturing(frames(frame(FACING), 200)), { type: "shown", time: 60_000 });
+  assert.equal(decide(state, 60_001), null);
+  assert.equal(state.stillness.held, 0);
 });
 
 test("a picture of another size ends the capture, and nothing of it is ever sent", () => {
@@ -139,7 +197,7 @@ test("a picture of another size ends the capture, and nothing of it is ever sent
   assert.equal(decide(held, HOLD), "submit");
   const state = reduce(held, { type: "frame", detection: turned, time: HOLD + 50 });
   assert.equal(state.phase, "failed");
-  assert.match(state.failure, /size changed/);
+  assert.equal(state.failure.code, "resized");
   assert.equal(decide(state, HOLD + 50), null);
   const later = frames(frame(THERE), 3 * LONG_HOLD, HOLD + 100).reduce(reduce, state);
   assert.deepEqual([later.phase, decide(later, 6_000)], ["failed", null]);

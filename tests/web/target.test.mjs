@@ -37,24 +37,24 @@ test("the other way up is as good", () => {
   assert.equal(advice([c, d, a, b], see(TILTED)), "");
 });
 
-test("place first, then distance, then turn, then tilt; six words at most", () => {
+test("the largest difference first, in what a hand may miss by; nothing where nothing is left", () => {
   const target = see(held([0, 0.5, 0], [0, 0, 11]));
   const said = (rvec, centre) => advice(see(held(rvec, centre)), target);
-  assert.equal(said([0, 0, 0], [3, 2.5, 15]), "Move up and left");
-  assert.equal(said([0, 0, 0], [-3, 0, 11]), "Move right");
-  assert.equal(said([0, 0, 0], [0, 0, 17]), "Closer to the camera");
-  assert.equal(said([0, 0, 0], [0, 0, 7]), "Further from the camera");
-  assert.equal(said([0, 0, -0.4], [0, 0, 11]), "Turn to the right");
-  assert.equal(said([0, 0, 0], [0, 0, 11]), "Right edge closer");
+  assert.equal(said([0, 0.5, 0], [3, 2.5, 11]), "up_left");
+  assert.equal(said([0, 0.4, 0], [-4, 0, 11]), "right");
+  assert.equal(said([0, 0.5, 0], [0, 0, 17]), "closer");
+  assert.equal(said([0, 0.5, 0], [0, 0, 7]), "farther");
+  assert.equal(said([0, 0.45, -0.8], [0, 0, 11]), "turn_clockwise");
+  assert.equal(said([0, 0, 0], [0, 0, 11]), "tilt_right");
   assert.equal(said([0, 0.5, 0], [0, 0, 11]), "");
 });
 
 test("the edge named is the one that is nearer in the target", () => {
   const facing = see(held([0, 0, 0], [0, 0, 11]));
-  for (const [rvec, name] of [[[0, 0.5, 0], "Right"], [[0, -0.5, 0], "Left"], [[0.5, 0, 0], "Top"], [[-0.5, 0, 0], "Bottom"]]) {
+  for (const [rvec, name] of [[[0, 0.5, 0], "right"], [[0, -0.5, 0], "left"], [[0.5, 0, 0], "top"], [[-0.5, 0, 0], "bottom"]]) {
     const target = held(rvec, [0, 0, 11]);
-    const side = { Right: [9, 3], Left: [0, 3], Top: [4.5, 0], Bottom: [4.5, 6] }[name];
+    const side = { right: [9, 3], left: [0, 3], top: [4.5, 0], bottom: [4.5, 6] }[name];
     assert.ok(transform(target, [...side, 0])[2] < 11, `${name} is nearer`);
-    assert.equal(advice(facing, see(target)), `${name} edge closer`);
+    assert.equal(advice(facing, see(target)), `tilt_${name}`);
   }
 });

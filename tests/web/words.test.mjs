@@ -2,10 +2,12 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD } from "../../web/board/geometry.js";
 import { propose } from "../../web/calibrate/camera.js";
+import { setLanguage } from "../../web/i18n.js";
 import { initial } from "../../web/calibrate/state.js";
 import * as words from "../../web/calibrate/words.js";
 import { labelOf, setupFrom } from "../../web/virtual/camera.js";
 
+setLanguage("en");
 const VIRTUAL = { id: "virtual", label: labelOf(setupFrom(new URLSearchParams())) };
 const BUILT_IN = { id: "a", label: "Integrated Camera", named: true };
 const C920 = { id: "b", label: "C920", named: true };
@@ -24,9 +26,9 @@ test("the camera asked for is proposed, and the virtual one never in its place",
 
 test("a camera that is not there is said not to be, as soon as names are known", () => {
   assert.equal(words.wanted(state), "Asked for: C920 at 1280 × 720. It is not among the cameras found here.");
-  assert.equal(words.wanted({ ...state, cameras: [C920, VIRTUAL] }), "Asked for: C920 at 1280 × 720");
+  assert.equal(words.wanted({ ...state, cameras: [C920, VIRTUAL] }), "Asked for: C920 at 1280 × 720.");
   const nameless = { id: "", label: "Camera 1", named: false };
-  assert.equal(words.wanted({ ...state, cameras: [nameless, VIRTUAL] }), "Asked for: C920 at 1280 × 720");
+  assert.equal(words.wanted({ ...state, cameras: [nameless, VIRTUAL] }), "Asked for: C920 at 1280 × 720.");
   assert.match(words.wanted({ ...state, cameras: [VIRTUAL] }), /No camera was found here/);
 });
 

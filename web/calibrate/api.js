@@ -14,16 +14,25 @@ export { OfflineError };
 
 /** Seconds between attempts: a minute in all, about as long as a person would wait. */
 const PAUSES = [0.5, 1, 2, 4, 8, 15, 30];
+/** Who can go on without an answer waits for two seconds. */
+const SHORT_PAUSES = 2;
 const PASSING = new Set([429, 500, 502, 503, 504]);
 
 /** The service's answer was no. */
 export class ApiError extends Error {
-  /** @param {number} status @param {{title?: string, detail?: string, errors?: {field: string, detail: string}[]}} problem */
+  /** @param {number} status @param {{type?: string, title?: string, detail?: string, errors?: {field: string, detail: string}[]}} problem */
   constructor(status, problem) {
     const fields = (problem.errors ?? []).map(({ field, detail }) => `${field}: ${detail}`).join("; ");
     super([problem.detail ?? problem.title ?? `The service answered ${status}.`, fields].filter(Boolean).join(" "));
     this.name = "ApiError";
     this.status = status;
+    /** What kind of problem, "session-expired". */
+    this.kind = (problem.type ?? "").split(/[/:]/).at(-1) ?? "";
+  }
+
+  /** Is this likely to pass by itself? */
+  get passing() {
+    return PASSING.has(this.status);
   }
 }
 
@@ -44,17 +53,18 @@ export class Api {
 
   /**
    * @param {string} method @param {string} path "/session" @param {string} credential
-   * @param {{body?: object, accept?: string}} [options]
+   * @param {{body?: object, accept?: string, brief?: boolean}} [options] brief: two seconds of patience, not a minute
    * @returns {Promise<Response>} one that is ok; rejects with ApiError or OfflineError
    *
    * All calls are safe to repeat: the service answers the same view again in the same way.
    */
-  async send(method, path, credential, { body, accept = "application/json" } = {}) {
+  async send(method, path, credential, { body, accept = "application/json", brief = false } = {}) {
     /** @type {HeadersInit} */
     const headers = { authorization: `Bearer ${credential}`, accept };
     if (body) headers["content-type"] = "application/json";
     const { signal } = this.#transport;
     const request = { method, headers, body: body && JSON.stringify(body), signal };
+    const pauses = brief ? PAUSES.slice(0, SHORT_PAUSES) : PAUSES;
     for (let attempt = 0; ; attempt++) {
       const response = await this.#transport.fetch(this.#base + path, request).catch(noNetwork);
       if (response && !PASSING.has(response.status)) {
@@ -62,13 +72,13 @@ export class Api {
         if (response.ok) return response;
         throw new ApiError(response.status, await problem(response));
       }
-      if (attempt === PAUSES.length) {
+      if (attempt === pauses.length) {
         if (response) throw new ApiError(response.status, await problem(response));
         throw new OfflineError();
       }
       this.#transport.onPatience({ attempt: attempt + 1 });
       const asked = Number(response?.headers.get("retry-after"));
-      await this.#transport.wait(1000 * (asked > 0 ? Math.min(asked, 60) : PAUSES[attempt]));
+      await this.#transport.wait(1000 * (asked > 0 ? Math.min(asked, 60) : pauses[attempt]));
       signal?.throwIfAborted();
     }
   }

@@ -1,5 +1,9 @@
 // The camera: which there are, opening one as it is built, and what can go wrong in words a person can act on.
+import { learn, say, t } from "../i18n.js";
 import { VirtualCamera, isVirtual, labelOf, setupFrom } from "../virtual/camera.js";
+import capture from "../words/capture.js";
+
+learn({ capture });
 
 /**
  * @typedef {object} Choice
@@ -16,15 +20,23 @@ import { VirtualCamera, isVirtual, labelOf, setupFrom } from "../virtual/camera.
  * @property {() => void} close
  */
 
-export class CameraError extends Error {}
+/** Codes name texts: `capture.fault_<code>`. The message is for pages that have no such texts. */
+export class CameraError extends Error {
+  /** @param {string} code @param {string} [detail] */
+  constructor(code, detail = "") {
+    super(say(`capture.fault_${code}`, { detail }, "en"));
+    this.code = code;
+    this.detail = detail;
+  }
+}
 
 /** What getUserMedia's refusals mean. @type {Record<string, string>} */
 const REFUSALS = {
-  NotAllowedError: "The camera was not allowed. Allow it in the address bar, then try again.",
-  NotFoundError: "No camera was found. Plug one in, or try the virtual camera.",
-  NotReadableError: "Another program is using the camera. Close it, then try again.",
-  OverconstrainedError: "The camera cannot deliver this resolution. Choose another camera.",
-  AbortError: "The camera stopped while it was being opened. Try again.",
+  NotAllowedError: "not_allowed",
+  NotFoundError: "not_found",
+  NotReadableError: "in_use",
+  OverconstrainedError: "too_strict",
+  AbortError: "interrupted",
 };
 
 /** @param {URLSearchParams} parameters @returns {Promise<Choice[]>} */
@@ -33,7 +45,7 @@ export async function cameras(parameters) {
   const real = devices.filter(({ kind }) => kind === "videoinput");
   // Before permission is given labels are empty and there is at most one entry: the browser's own choice.
   const choices = real.map(({ deviceId, label }, index) => ({
-    id: deviceId, label: label || `Camera ${index + 1}`, named: label !== "",
+    id: deviceId, label: label || t("capture.camera_number", { number: index + 1 }), named: label !== "",
   }));
   return [...choices, { id: "virtual", label: labelOf(setupFrom(parameters)) }];
 }
@@ -62,7 +74,7 @@ export async function open(id, { parameters, size: [width, height], place, board
     return opened(await virtual.open(), virtual);
   }
   if (!navigator.mediaDevices?.getUserMedia) {
-    throw new CameraError("Browsers give cameras to secure pages only. Open this page by https or on localhost.");
+    throw new CameraError("insecure");
   }
   /** @type {MediaTrackConstraints & {resizeMode: string}} */
   const video = { width: { ideal: width }, height: { ideal: height }, resizeMode: "none" };
@@ -73,9 +85,9 @@ export async function open(id, { parameters, size: [width, height], place, board
   } catch (error) {
     if (!(error instanceof DOMException)) throw error;
     if (id && error instanceof OverconstrainedError && error.constraint === "deviceId") {
-      throw new CameraError("This camera is not there any more. Plug it in, or choose another camera.");
+      throw new CameraError("gone");
     }
-    throw new CameraError(REFUSALS[error.name] ?? `The camera could not be opened (${error.message}).`);
+    throw new CameraError(REFUSALS[error.name] ?? "not_opened", error.message);
   }
 }
 
@@ -101,13 +113,22 @@ function opened(stream, virtual) {
 }
 
 /**
- * Holds the focus where it is, where the camera lets us: focus that hunts changes the focal length.
+ * Holds focus and zoom where they are, where the camera lets us: focus that hunts changes the focal length.
  * @param {MediaStreamTrack} track one that shows the board, so that the board is what it is focused on
  */
 export async function lockFocus(track) {
-  const { focusMode } = /** @type {{focusMode?: string[]}} */ (track.getCapabilities?.() ?? {});
-  if (!focusMode?.includes("manual")) return;
-  const constraints = /** @type {MediaTrackConstraints} */ (/** @type {unknown} */ ({ advanced: [{ focusMode: "manual" }] }));
+  const { focusMode, zoom } = /** @type {{focusMode?: string[], zoom?: object}} */ (track.getCapabilities?.() ?? {});
+  const { focusDistance, zoom: now } = /** @type {{focusDistance?: number, zoom?: number}} */ (track.getSettings());
+  /** @type {Record<string, string | number>} */
+  const wanted = {};
+  if (focusMode?.includes("manual")) {
+    wanted.focusMode = "manual";
+    if (focusDistance !== undefined) wanted.focusDistance = focusDistance;
+  }
+  // Some cameras zoom to follow a face; one that is told where it stands stays there.
+  if (zoom && now !== undefined) wanted.zoom = now;
+  if (Object.keys(wanted).length === 0) return;
+  const constraints = /** @type {MediaTrackConstraints} */ (/** @type {unknown} */ ({ advanced: [wanted] }));
   // A camera that offers this and then refuses stays as it was; what it does is recorded either way.
   await track.applyConstraints(constraints).catch((error) => console.info("focus not locked:", error.message));
 }

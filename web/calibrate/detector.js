@@ -8,15 +8,25 @@ import { reach } from "../network.js";
  * @property {number[]} ids board corners, id = row * (columns - 1) + column
  * @property {number[][]} points px, pixel centres at whole numbers
  * @property {number} markers how many markers were recognised
+ * @property {import("./signs.js").Signs} [signs] what the frame looks like
+ * @property {{kind: string, markers: number, corners: number} | null} [probe] what was found of something else, where that was asked for
  * @property {[number, number]} size of the frame
  * @property {number} elapsed ms in the worker
  * @property {number} memory bytes that OpenCV holds
  */
 
 const SILENCE = 20_000; // ms; a worker that a content policy stops never answers and never fails
+const FRAME = 6_000; // ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
 const OPENCV = new URL("../vendor/opencv/", import.meta.url);
 
-export class DetectorError extends Error {}
+/** Codes name texts: `capture.fault_<code>`. */
+export class DetectorError extends Error {
+  /** @param {string} message @param {string} [code] */
+  constructor(message, code = "detector") {
+    super(message);
+    this.code = code;
+  }
+}
 
 export class Detector {
   /** @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void, timer: ReturnType<typeof setTimeout>}>} */
@@ -30,7 +40,7 @@ export class Detector {
     this.#onProgress = onProgress;
     this.#worker = new Worker(new URL("./detector.worker.js", import.meta.url), { type: "module" });
     this.#worker.onmessage = ({ data }) => this.#receive(data);
-    this.#worker.onerror = (event) => this.#fail(event.message || "The board detector could not be started. Reload the page.");
+    this.#worker.onerror = (event) => this.#fail(event.message || "The board detector could not be started.");
   }
 
   /**
@@ -40,7 +50,7 @@ export class Detector {
    */
   static async open(board, onProgress) {
     const response = await reach(new URL("opencv.json", OPENCV));
-    if (!response.ok) throw new DetectorError(`The board detector is not there (${response.status}). Try again later.`);
+    if (!response.ok) throw new DetectorError(`The board detector is not there (${response.status}).`, "detector_missing");
     const { bytes } = await response.json();
     const detector = new Detector(onProgress);
     try {
@@ -55,11 +65,12 @@ export class Detector {
   /**
    * Finds the board's corners. Takes over the frame and closes it.
    * @param {VideoFrame | ImageBitmap} frame
-   * @param {{full?: boolean}} [options] full: all threshold windows and a sub-pixel second pass, for a view that is kept
+   * @param {{full?: boolean, probe?: string | null}} [options] full: all threshold windows and a sub-pixel second pass, for a
+   *   view that is kept; probe: what else to look for where no corner is seen
    * @returns {Promise<Detection>}
    */
-  detect(frame, { full = false } = {}) {
-    return this.#ask({ frame, full }, [frame]);
+  detect(frame, { full = false, probe = null } = {}) {
+    return this.#ask({ frame, full, probe }, [frame], FRAME);
   }
 
   /** How many frames are in the worker: above 0, drop the next one rather than queue it. */
@@ -67,16 +78,20 @@ export class Detector {
     return this.#waiting.size;
   }
 
+  /** Has it been closed? */
+  closed = false;
+
   close() {
+    this.closed = true;
     this.#worker.terminate();
     this.#fail("The board detector was closed.");
   }
 
-  /** @param {object} message @param {Transferable[]} transfer @returns {Promise<any>} */
-  #ask(message, transfer) {
+  /** @param {object} message @param {Transferable[]} transfer @param {number} patience ms @returns {Promise<any>} */
+  #ask(message, transfer, patience = SILENCE) {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
-      const timer = setTimeout(() => this.#silent(id), SILENCE);
+      const timer = setTimeout(() => this.#silent(id), patience);
       this.#waiting.set(id, { resolve, reject, timer });
       this.#worker.postMessage({ id, ...message }, transfer);
     });
@@ -84,12 +99,12 @@ export class Detector {
 
   /** @param {number} id */
   #silent(id) {
-    this.#waiting.get(id)?.reject(new DetectorError("The board detector does not answer. Reload the page."));
+    this.#waiting.get(id)?.reject(new DetectorError("The board detector does not answer.", "detector_silent"));
     this.#waiting.delete(id);
   }
 
-  /** @param {{id?: number, progress?: number, result?: any, error?: string}} message */
-  #receive({ id, progress, result, error }) {
+  /** @param {{id?: number, progress?: number, result?: any, error?: string, code?: string}} message */
+  #receive({ id, progress, result, error, code }) {
     if (progress !== undefined) {
       for (const [each, waiting] of this.#waiting) {
         clearTimeout(waiting.timer);
@@ -103,7 +118,7 @@ export class Detector {
     this.#waiting.delete(id ?? -1);
     clearTimeout(waiting.timer);
     if (error === undefined) waiting.resolve(result);
-    else waiting.reject(new DetectorError(error));
+    else waiting.reject(new DetectorError(error, code));
   }
 
   /** @param {string} reason */

@@ -1,13 +1,14 @@
 // Finds the ChArUco board in camera frames. Runs in a Worker of its own: OpenCV.js blocks while it computes, and its
 // bindings need `unsafe-eval`, which this file alone is served with.
 import createOpenCV from "../vendor/opencv/opencv.js";
+import { signsOf } from "./signs.js";
 import { refine } from "./subpixel.js";
 
 /**
  * @typedef {import("../board/geometry.js").Board} Board
  * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {{id: number, open: Board, wasm: string, bytes: number}} OpenRequest
- * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean}} DetectRequest
+ * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean, probe: string | null}} DetectRequest
  */
 
 /** @type {any} OpenCV's module; its bindings are made at run time */
@@ -15,10 +16,18 @@ let cv = null;
 /** @type {ReturnType<typeof createFinder> | null} */
 let finder = null;
 
+class LoadError extends Error {
+  /** @param {string} message @param {string} code for the page's words */
+  constructor(message, code) {
+    super(message);
+    this.code = code;
+  }
+}
+
 /** Compiles the WebAssembly while it arrives. @param {string} address @param {number} bytes its size, uncompressed */
 async function loadOpenCV(address, bytes) {
   const response = await fetch(address).catch(lost);
-  if (!response.ok || !response.body) throw new Error(`The board detector is not there (${response.status}). Try again later.`);
+  if (!response.ok || !response.body) throw new LoadError(`OpenCV is not there (${response.status}).`, "detector_missing");
   let loaded = 0;
   let reported = 0;
   const counted = response.body.pipeThrough(new TransformStream({
@@ -45,7 +54,7 @@ async function loadOpenCV(address, bytes) {
 /** Rejections of `fetch` and of the stream it fills are TypeErrors. @param {unknown} error @returns {never} */
 function lost(error) {
   if (!(error instanceof TypeError)) throw error;
-  throw new Error("The board detector could not be loaded. Check the connection and try again.");
+  throw new LoadError("OpenCV could not be loaded.", "detector_lost");
 }
 
 /**
@@ -54,16 +63,21 @@ function lost(error) {
  */
 function createFinder(board) {
   const [columns, rows] = board.squares;
-  const dictionary = cv.getPredefinedDictionary(cv[board.dictionary]);
   const noIds = new cv.Mat();
   const size = new cv.Size(columns, rows);
-  const charuco = new cv.aruco_CharucoBoard(size, 1, board.marker_ratio, dictionary, noIds);
-  charuco.setLegacyPattern(board.legacy);
   const refinement = new cv.aruco_RefineParameters(10, 3, true);
   const charucoParameters = new cv.aruco_CharucoParameters();
+  /** @type {{delete: () => void}[]} */
+  const held = [noIds, refinement, charucoParameters];
 
-  /** @param {boolean} full all window sizes of the adaptive threshold, or the one that serves nearly always */
-  const makeDetector = (full) => {
+  /**
+   * @param {{full?: boolean, legacy?: boolean, name?: string}} options full: all window sizes of the adaptive threshold, or
+   *   the one that serves nearly always
+   */
+  const makeDetector = ({ full = false, legacy = board.legacy, name = board.dictionary }) => {
+    const dictionary = cv.getPredefinedDictionary(cv[name]);
+    const charuco = new cv.aruco_CharucoBoard(size, 1, board.marker_ratio, dictionary, noIds);
+    charuco.setLegacyPattern(legacy);
     const parameters = new cv.aruco_DetectorParameters();
     if (!full) {
       parameters.adaptiveThreshWinSizeMin = 13;
@@ -71,48 +85,90 @@ function createFinder(board) {
     }
     const detector = new cv.aruco_CharucoDetector(charuco, charucoParameters, parameters, refinement);
     parameters.delete();
+    held.push(detector, charuco, dictionary);
     return detector;
   };
-  const detectors = { tracking: makeDetector(false), full: makeDetector(true) };
+  const detectors = { tracking: makeDetector({}), full: makeDetector({ full: true }) };
+  /** Made when first needed: most captures never look for anything else. @type {Map<string, any>} */
+  const others = new Map();
+  /** @param {string} kind */
+  const other = (kind) => {
+    if (kind === "mirrored") return detectors.tracking;
+    const made = others.get(kind) ?? makeDetector(kind === "legacy" ? { legacy: !board.legacy } : { name: kind });
+    others.set(kind, made);
+    return made;
+  };
   const found = { corners: new cv.Mat(), ids: new cv.Mat() };
   let input = new cv.Mat();
 
+  /**
+   * @param {any} detector @param {Grey} image
+   * @returns {{ids: number[], points: number[][], markers: number, side: number}} side: of the markers, median, px
+   */
+  const detect = (detector, image) => {
+    if (input.rows !== image.height || input.cols !== image.width) {
+      input.delete();
+      input = new cv.Mat(image.height, image.width, cv.CV_8UC1);
+    }
+    input.data.set(image.data);
+    // New for every frame: where these are not empty, detectBoard takes them as the markers and looks for none.
+    const markers = { corners: new cv.MatVector(), ids: new cv.Mat() };
+    try {
+      detector.detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
+      const ids = length(found.ids) > 0 ? Array.from(/** @type {Int32Array} */ (found.ids.data32S)) : [];
+      const positions = ids.length > 0 ? found.corners.data32F : [];
+      const points = ids.map((_, index) => [positions[2 * index], positions[2 * index + 1]]);
+      return { ids, points, markers: length(markers.ids), side: ids.length > 0 ? 0 : markerSide(markers.corners) };
+    } finally {
+      markers.corners.delete();
+      markers.ids.delete();
+    }
+  };
+
   return {
-    /**
-     * @param {Grey} image @param {boolean} full
-     * @returns {{ids: number[], points: number[][], markers: number}}
-     */
+    /** @param {Grey} image @param {boolean} full */
     find(image, full) {
-      if (input.rows !== image.height || input.cols !== image.width) {
-        input.delete();
-        input = new cv.Mat(image.height, image.width, cv.CV_8UC1);
-      }
-      input.data.set(image.data);
-      // New for every frame: where these are not empty, detectBoard takes them as the markers and looks for none.
-      const markers = { corners: new cv.MatVector(), ids: new cv.Mat() };
-      try {
-        (full ? detectors.full : detectors.tracking)
-          .detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
-        const ids = length(found.ids) > 0 ? Array.from(/** @type {Int32Array} */ (found.ids.data32S)) : [];
-        const positions = ids.length > 0 ? found.corners.data32F : [];
-        const points = ids.map((_, index) => [positions[2 * index], positions[2 * index + 1]]);
-        return {
-          ...(full ? refine(image, { ids, points }, columns - 1) : { ids, points }),
-          markers: length(markers.ids),
-        };
-      } finally {
-        markers.corners.delete();
-        markers.ids.delete();
-      }
+      const { ids, points, markers, side } = detect(full ? detectors.full : detectors.tracking, image);
+      const seen = full ? refine(image, { ids, points }, columns - 1) : { ids, points };
+      return { ...seen, markers, signs: signsOf(image, board, seen, side) };
+    },
+    /** Looks for something else than the board. @param {Grey} image @param {string} kind "mirrored", "legacy", a dictionary */
+    probe(image, kind) {
+      const { ids, markers } = detect(other(kind), kind === "mirrored" ? flipped(image) : image);
+      return { kind, markers, corners: ids.length };
     },
     /** Bytes that OpenCV's heap has grown to. */
     get memory() {
       return input.data.buffer.byteLength;
     },
     delete() {
-      for (const each of [detectors.tracking, detectors.full, found.corners, found.ids, input, charuco, charucoParameters, refinement, dictionary, noIds]) each.delete();
+      for (const each of [...held, found.corners, found.ids, input]) each.delete();
     },
   };
+}
+
+/** Median length of the markers' first sides, px; 0 where there are none. @param {any} corners vector of 1 x 4 points */
+function markerSide(corners) {
+  /** @type {number[]} */
+  const sides = [];
+  for (let index = 0; index < corners.size(); index++) {
+    const marker = corners.get(index);
+    const [x1, y1, x2, y2] = marker.data32F;
+    sides.push(Math.hypot(x2 - x1, y2 - y1));
+    marker.delete();
+  }
+  return sides.sort((a, b) => a - b)[sides.length >> 1] ?? 0;
+}
+
+let mirror = new Uint8Array(0);
+
+/** @param {Grey} image @returns {Grey} memory that the next call writes over */
+function flipped({ width, height, data }) {
+  if (mirror.length !== width * height) mirror = new Uint8Array(width * height);
+  for (let y = 0, at = 0; y < height; y++) {
+    for (let x = width - 1; x >= 0; x--, at++) mirror[at] = data[y * width + x];
+  }
+  return { width, height, data: mirror };
 }
 
 /** Elements of a vector: 1 x n in OpenCV 5, n x 1 before. @param {any} mat */
@@ -185,6 +241,7 @@ async function answer(request) {
     const found = finder.find(image, request.full);
     return {
       ...found,
+      probe: request.probe && found.ids.length === 0 ? finder.probe(image, request.probe) : null,
       size: [image.width, image.height],
       elapsed: performance.now() - start,
       memory: finder.memory,
@@ -200,6 +257,6 @@ self.onmessage = async ({ data }) => {
   } catch (error) {
     // OpenCV throws numbers (addresses of C++ exceptions); the page needs words.
     const message = error instanceof Error ? error.message : `OpenCV failed (${String(error)})`;
-    self.postMessage({ id: data.id, error: message });
+    self.postMessage({ id: data.id, error: message, code: error instanceof LoadError ? error.code : undefined });
   }
 };

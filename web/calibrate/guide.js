@@ -1,7 +1,12 @@
-// The loop of one capture: looks, sends what is held still, follows the targets.
+// The loop of one capture: looks, sends what is held still, follows the targets, and goes on when something fails.
+import { ApiError } from "./api.js";
 import { lockFocus } from "./camera.js";
-import { grab } from "./detector.js";
-import { decide, isOfSize } from "./state.js";
+import { DetectorError, grab } from "./detector.js";
+import { nextProbe } from "./diagnosis.js";
+import { decide } from "./hold.js";
+import { plannedPose } from "./plan.js";
+import { isAway, viewCount } from "./session.js";
+import { isOfSize } from "./state.js";
 import { motion } from "./stillness.js";
 
 /**
@@ -12,6 +17,7 @@ import { motion } from "./stillness.js";
  * @property {() => import("./state.js").State} state as it is now
  * @property {(event: Event) => void} dispatch
  * @property {(error: unknown, signal: AbortSignal) => void} fail
+ * @property {() => Promise<Detector>} openDetector a new one where the last has failed
  *
  * @typedef {import("./session.js").CaptureSession} CaptureSession
  * @typedef {import("./detector.js").Detector} Detector
@@ -20,6 +26,10 @@ import { motion } from "./stillness.js";
 
 const STEADY = 3; // px between the hold's last frame and the one that is sent, at 1280 px width
 const FOCUSED = 0.6; // part of the board's corners from which the lens is taken to be focused on it
+const CRISP = 0.75; // of the sharpness that the hold's frames had: less is one blurred frame, and the next one will do
+const REMEMBERED = 12; // frames
+const RESTARTS = 3; // of the detector in one capture: a fourth would not help
+const RECONNECT = [1, 2, 3, 4, 5]; // s between attempts; the last one again and again
 
 /** The loop of one capture. */
 export class Guide {
@@ -27,17 +37,27 @@ export class Guide {
   #session;
   #detector;
   #camera;
+  #plan;
   #signal;
+  #planned = 0;
+  #restarts = 0;
   #focused = false;
+  #hidden = false;
+  /** @type {number[]} of the last frames */
+  #sharpness = [];
   /** The conversation with the service that is going on. */
   #talk = Promise.resolve();
 
-  /** @param {Page} page @param {{session: CaptureSession, detector: Detector, camera: OpenCamera, signal: AbortSignal}} means */
-  constructor(page, { session, detector, camera, signal }) {
+  /**
+   * @param {Page} page
+   * @param {{session: CaptureSession, detector: Detector, camera: OpenCamera, plan: import("./plan.js").Step[], signal: AbortSignal}} means
+   */
+  constructor(page, { session, detector, camera, plan, signal }) {
     this.#page = page;
     this.#session = session;
     this.#detector = detector;
     this.#camera = camera;
+    this.#plan = plan;
     this.#signal = signal;
     const on = (/** @type {HTMLElement} */ button, /** @type {() => void} */ action) =>
       button.addEventListener("click", action, { signal });
@@ -54,20 +74,54 @@ export class Guide {
     return this.#page.parts.video;
   }
 
-  /** Looks at one frame after the other until the session has converged. */
+  /**
+   * Looks at one frame after the other until the session has converged.
+   * @returns {Promise<"relayout" | null>} relayout: the capture is to begin again with the board's other layout
+   */
   async run() {
-    this.#nextPose();
+    void this.#nextPose();
     while (this.#state.phase === "capturing" && !this.#signal.aborted) {
       await nextFrame(this.#video);
-      if (document.hidden || this.#signal.aborted) continue;
-      const detection = await this.#detector.detect(await grab(this.#video));
-      if (this.#signal.aborted) return;
+      if (this.#signal.aborted || this.#isHidden()) continue;
+      const detection = await this.#look({ probe: nextProbe(this.#state.diagnosis, performance.now()) });
+      if (this.#signal.aborted) return null;
+      if (!detection) continue;
+      if (detection.signs?.sharpness) this.#sharpness = [...this.#sharpness, detection.signs.sharpness].slice(-REMEMBERED);
       this.#tell({ type: "frame", detection, time: performance.now() });
       this.#focus();
       const action = decide(this.#state, performance.now());
+      if (action === "relayout") return action;
       if (action === "submit") await this.#submit();
-      else if (action === "skip") this.#nextPose({ skip: true });
+      else if (action === "skip") void this.#nextPose({ skip: true });
     }
+    return null;
+  }
+
+  /** Nobody holds a board in a tab that is not seen. */
+  #isHidden() {
+    const hidden = document.hidden;
+    if (this.#hidden && !hidden) this.#tell({ type: "shown", time: performance.now() });
+    this.#hidden = hidden;
+    return hidden;
+  }
+
+  /**
+   * One frame through the detector; null where the detector stopped and another one had to be made.
+   * @param {{full?: boolean, probe?: string | null}} options
+   */
+  async #look(options) {
+    try {
+      return await this.#detector.detect(await grab(this.#video), options);
+    } catch (error) {
+      if (!(error instanceof DetectorError) || this.#signal.aborted || ++this.#restarts > RESTARTS) throw error;
+      console.info("the detector is started again:", error.message);
+    }
+    this.#tell({ type: "stalled", stalled: true });
+    this.#detector.close();
+    this.#detector = await this.#page.openDetector();
+    this.#tell({ type: "stalled", stalled: false });
+    this.#tell({ type: "shown", time: performance.now() });
+    return null;
   }
 
   #focus() {
@@ -80,27 +134,46 @@ export class Guide {
   async #submit() {
     const { pose, key, corners } = this.#state;
     if (!pose || !key) return;
-    const detection = await this.#detector.detect(await grab(this.#video), { full: true });
-    const { ids, points, size } = detection;
-    // Between the two frames the device may have been turned, or the hold may have ended.
+    const detection = await this.#look({ full: true });
+    if (!detection || this.#signal.aborted) return;
+    const { ids, points, size, signs } = detection;
+    // Between the two frames the device may have been turned, the hold may have ended, the hand may have jerked.
     if (!isOfSize(size, key)) return this.#tell({ type: "frame", detection, time: performance.now() });
+    const usual = [...this.#sharpness].sort((a, b) => a - b)[this.#sharpness.length >> 1];
+    if (signs?.sharpness && usual && signs.sharpness < CRISP * usual) return;
     const view = { ids, points };
     if (ids.length === 0 || motion(corners, view) > (STEADY * key.img_size[0]) / 1280) return;
-    await this.#exclusive(async () => {
-      const answer = await this.#session.submit(pose.index, view);
-      this.#tell({ type: "answer", answer, corners: view, time: performance.now() });
-    });
-    if (this.#state.phase === "capturing" && !this.#state.pose) this.#nextPose();
+    if (this.#state.away) {
+      this.#session.keep(view);
+      this.#tell({ type: "stored", corners: view, stored: this.#session.waiting, time: performance.now() });
+    } else {
+      await this.#exclusive(async () => {
+        const answer = await this.#session.submit(pose.index, view);
+        this.#tell({ type: "answer", answer, corners: view, time: performance.now() });
+      });
+    }
+    if (this.#state.phase === "capturing" && !this.#state.pose) void this.#nextPose();
   }
 
   /** @param {{skip?: boolean}} [options] */
   #nextPose(options) {
+    if (this.#state.away) return Promise.resolve(this.#planPose());
     return this.#exclusive(async () => {
       const { pose, picture } = await this.#session.pose(options);
       if (this.#signal.aborted) return;
       this.#tell({ type: "pose", pose, picture: URL.createObjectURL(picture), time: performance.now() });
       this.#camera.virtual?.follow(pose);
     });
+  }
+
+  /** A target of our own, where there is one. */
+  #planPose() {
+    const { board, key, session } = this.#state;
+    if (this.#plan.length === 0 || !key) return;
+    const step = this.#plan[this.#planned++ % this.#plan.length];
+    const pose = plannedPose(step, board, key.img_size, session?.calibration ?? null);
+    this.#tell({ type: "pose", pose, picture: null, time: performance.now() });
+    this.#camera.virtual?.follow(pose);
   }
 
   async #skip() {
@@ -110,9 +183,10 @@ export class Guide {
 
   async #undo() {
     await this.#silence();
-    if (this.#state.phase !== "capturing" || !this.#state.session?.views.length) return;
+    if (this.#state.phase !== "capturing" || viewCount(this.#state) === 0) return;
     await this.#exclusive(async () => {
-      this.#tell({ type: "undone", session: await this.#session.undo(), time: performance.now() });
+      const session = await this.#session.undo();
+      this.#tell({ type: "undone", session, stored: this.#session.waiting, time: performance.now() });
     });
     await this.#nextPose();
   }
@@ -135,8 +209,48 @@ export class Guide {
       await action();
       this.#tell({ type: "idle" });
     } catch (error) {
-      this.#page.fail(error, this.#signal);
+      if (this.#signal.aborted) return;
+      if (isAway(error)) this.#goAway();
+      else if (error instanceof ApiError && error.status === 409) await this.#agree();
+      else this.#page.fail(error, this.#signal);
     }
+  }
+
+  /** The service is of another mind about the session, after a lost answer: what it says holds. */
+  async #agree() {
+    try {
+      const { state } = await this.#session.resume();
+      this.#tell({ type: "session", session: state });
+      this.#tell({ type: "idle" });
+      if (this.#state.phase === "capturing") setTimeout(() => void this.#nextPose(), 0);
+    } catch (error) {
+      if (isAway(error)) this.#goAway();
+      else this.#page.fail(error, this.#signal);
+    }
+  }
+
+  /** Without the service: targets from the plan, views kept, and asking every now and then. */
+  #goAway() {
+    if (this.#state.away) return;
+    this.#tell({ type: "away", stored: this.#session.waiting, time: performance.now() });
+    this.#planPose();
+    void this.#reconnect();
+  }
+
+  async #reconnect() {
+    for (let attempt = 0; !this.#signal.aborted; attempt++) {
+      await new Promise((resolve) => setTimeout(resolve, 1000 * (RECONNECT[attempt] ?? RECONNECT[RECONNECT.length - 1])));
+      if (this.#signal.aborted) return;
+      try {
+        const { state, refused } = await this.#session.resume();
+        if (this.#session.waiting > 0 && state.status !== "converged") continue; // taken while these were sent
+        this.#tell({ type: "back", session: state, refused, time: performance.now() });
+        break;
+      } catch (error) {
+        if (!isAway(error)) return this.#page.fail(error, this.#signal);
+      }
+    }
+    if (this.#state.phase === "capturing") await this.#nextPose();
   }
 
   /** What a person asked for waits for its turn. */
@@ -147,7 +261,7 @@ export class Guide {
   /** @param {KeyboardEvent} event */
   #key(event) {
     if (event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.target instanceof Element && event.target.closest("input, select, textarea, [contenteditable]")) return;
+    if (event.target instanceof Element && event.target.closest("input:not([type=checkbox]), select, textarea, [contenteditable]")) return;
     const key = event.key.toLowerCase();
     if (key === "u") void this.#undo();
     else if (key === "n") void this.#skip();

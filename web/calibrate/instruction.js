@@ -1,15 +1,21 @@
-// One short instruction at a time, the most important first, and none that flickers.
+// One short instruction at a time, the largest difference first, and none that flickers.
 import { advice } from "./target.js";
 
 /**
  * @typedef {object} Instruction
- * @property {string} text what is shown
+ * @property {string} code what is shown: a text `capture.say_<code>`
  * @property {string} next what would be shown
  * @property {number} since ms, when `next` was first wanted
  */
 
 /** @type {Instruction} */
-export const SILENT = { text: "", next: "", since: 0 };
+export const SILENT = { code: "", next: "", since: 0 };
+
+/** What the service may hint at, where the page cannot see for itself. */
+export const HINTS = new Set([
+  "closer", "farther", "left", "right", "up", "down", "tilt_top", "tilt_bottom", "tilt_left", "tilt_right",
+  "turn_clockwise", "turn_counterclockwise", "first",
+]);
 
 const STEADY = 400; // ms that a new instruction must be wanted for
 
@@ -20,28 +26,32 @@ const STEADY = 400; // ms that a new instruction must be wanted for
  */
 export function instruct(state, holding, time) {
   const wanted = choose(state, holding);
-  const { text, next, since } = state.instruction;
-  if (wanted !== next) return { text: text || wanted, next: wanted, since: time };
-  return time - since >= STEADY ? { text: wanted, next, since } : state.instruction;
+  const { code, next, since } = state.instruction;
+  if (wanted !== next) return { code: code || wanted, next: wanted, since: time };
+  return time - since >= STEADY ? { code: wanted, next, since } : state.instruction;
 }
 
 /** @param {import("./state.js").State} state @param {boolean} holding */
-function choose({ pose, corners, markers, outline, aim, mirrored }, holding) {
-  if (!pose) return "Good. Wait a moment";
-  if (corners.ids.length === 0) return markers > 0 ? "Closer, or a little slower" : "Show the board to the camera";
-  if (!outline) return "Show more of the board";
-  if (holding) return "Hold still";
-  const words = aim ? advice(outline, aim) || "Match the outline" : pose.hint;
-  return mirrored ? asMirrored(words) : words;
+function choose({ pose, away, corners, markers, outline, aim, mirrored, diagnosis: { trouble } }, holding) {
+  if (!pose) return away ? "away" : "wait";
+  if (trouble) return trouble;
+  if (corners.ids.length === 0) return markers > 0 ? "slower" : "show";
+  if (!outline) return "more";
+  if (holding) return "hold";
+  const hint = pose.hint_code && HINTS.has(pose.hint_code) ? pose.hint_code : "match";
+  const code = aim ? advice(outline, aim) || "match" : hint;
+  return mirrored ? asMirrored(code) : code;
 }
 
 /** @type {Record<string, string>} */
-const OTHER_SIDE = { left: "right", right: "left", Left: "Right", Right: "Left" };
+const OTHER_SIDE = {
+  left: "right", right: "left", clockwise: "counterclockwise", counterclockwise: "clockwise",
+};
 
 /**
- * Directions as they look in a mirror: what is said must agree with the preview, and hints speak of the camera's picture.
- * @param {string} words
+ * Directions as they look in a mirror: what is said must agree with the preview, and codes speak of the camera's picture.
+ * @param {string} code
  */
-export function asMirrored(words) {
-  return words.replace(/\b(left|right)\b/gi, (side) => OTHER_SIDE[side] ?? side);
+export function asMirrored(code) {
+  return code.split("_").map((part) => OTHER_SIDE[part] ?? part).join("_");
 }

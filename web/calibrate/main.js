@@ -1,23 +1,36 @@
 // The capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows it.
 import { boardFrom, boardQuery } from "../board/geometry.js";
+import { language, onLanguage } from "../i18n.js";
+import { openPage } from "../page.js";
 import { cameraKey } from "../sdk/calibdb.js";
 import { SettingsError, loadSettings } from "../settings.js";
+import captureWords from "../words/capture.js";
+import { Announcer } from "./announcer.js";
 import { Api, ApiError, OfflineError } from "./api.js";
 import { CameraError, cameras, facts, open } from "./camera.js";
 import { Detector, DetectorError } from "./detector.js";
+import { Feedback } from "./feedback.js";
 import { Guide } from "./guide.js";
+import { openCupboard } from "./kept.js";
+import { loadPlan } from "./plan.js";
 import { findParts, render } from "./render.js";
 import { CaptureSession } from "./session.js";
 import { initial, reduce } from "./state.js";
+import * as words from "./words.js";
 
 /**
  * @typedef {import("./state.js").State} State
  * @typedef {import("./state.js").Event} Event
+ * @typedef {import("../vendor/api.js").SessionRequest} Request
  */
 
+openPage({ capture: captureWords });
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
+const cupboard = openCupboard();
+const feedback = new Feedback();
+const announcer = new Announcer(parts.said);
 
 /** @type {State} */
 let state = initial(board, wantedFrom(parameters));
@@ -28,8 +41,8 @@ let shown = null;
 let run = null;
 /** @type {Promise<Detector> | null} */
 let detector = null;
-/** The capture that can be taken up again after a failure, and what it is about. @type {{about: string, session: CaptureSession} | null} */
-let kept = null;
+/** The captures of this page, by what they are about: each can be taken up again. @type {Map<string, CaptureSession>} */
+const sessions = new Map();
 /** Id of the camera that was asked for last. */
 let chosen = "";
 
@@ -38,26 +51,42 @@ function dispatch(event) {
   state = reduce(state, event);
   render(parts, state, shown);
   if (shown?.picture && shown.picture !== state.picture) URL.revokeObjectURL(shown.picture);
+  signal(event);
   shown = state;
 }
 
-const page = { parts, state: () => state, dispatch, fail };
+/** What is heard and felt. @param {Event} event */
+function signal(event) {
+  if (state.phase === "done" && shown?.phase !== "done") feedback.give("done");
+  else if (event.type === "stored" || (event.type === "answer" && event.answer.accepted)) feedback.give("taken");
+  else if (event.type === "answer") feedback.give("refused");
+  if (state.phase !== "capturing") return;
+  const hint = words.instruction(state);
+  announcer.say([words.notice(state.notice), hint, words.remedy(state)].filter(Boolean).join(". "));
+  feedback.say(hint, language(), performance.now());
+}
+
+const page = { parts, state: () => state, dispatch, fail, openDetector };
 
 /** @param {URLSearchParams} query @returns {State["wanted"]} */
 function wantedFrom(query) {
   const [, width, height] = /^(\d{1,5})[x×,](\d{1,5})$/.exec(query.get("img_size") ?? "") ?? [];
+  const model = query.get("distortion_model");
   return {
     camera: query.get("camera"),
     img_size: width ? [Number(width), Number(height)] : null,
-    distortion_model: query.get("distortion_model") === "fisheye" ? "fisheye" : "rectilinear",
+    distortion_model: model === "fisheye" || model === "rational" || model === "omnidirectional" ? model : "rectilinear",
   };
 }
 
 /** OpenCV is loaded once; a detector that failed is made anew. @returns {Promise<Detector>} */
 function openDetector() {
-  detector ??= Detector.open(state.board, (fraction) => dispatch({ type: "loading", fraction })).catch((error) => {
+  const last = detector;
+  detector = (last ?? Promise.reject(new DetectorError("none yet")))
+    .then((made) => (made.closed ? Promise.reject(new DetectorError("closed")) : made))
+    .catch(() => Detector.open(state.board, (fraction) => dispatch({ type: "loading", fraction })));
+  detector.catch(() => {
     detector = null;
-    throw error;
   });
   return detector;
 }
@@ -80,23 +109,60 @@ async function capture(choice) {
     // What arrives is what is calibrated: on a turned device some browsers' settings still speak of the sensor.
     const { videoWidth, videoHeight } = parts.video;
     const key = { ...cameraKey(camera.track), img_size: /** @type {[number, number]} */ ([videoWidth, videoHeight]) };
-    dispatch({ type: "opened", key, mirrored: camera.mirrored, cropped: camera.cropped });
-    camera.track.addEventListener("ended", () => fail(new CameraError("The camera was unplugged."), signal));
+    dispatch({ type: "opened", key, track: facts(camera.track), mirrored: camera.mirrored, cropped: camera.cropped });
+    camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
 
     dispatch({ type: "waiting", waiting: "detector" });
+    const plan = loadPlan().catch(() => []);
     const finder = await openDetector();
     if (signal.aborted) return;
     dispatch({ type: "waiting", waiting: "service" });
     const session = await converse(key, facts(camera.track), signal);
-    if (state.phase === "capturing") await new Guide(page, { session, detector: finder, camera, signal }).run();
+    const means = { session, detector: finder, camera, plan: await plan, signal };
+    const end = state.phase === "capturing" ? await new Guide(page, means).run() : null;
+    if (signal.aborted) return;
     own.abort();
+    if (end === "relayout") return relayout();
+    if (state.phase === "done") await cupboard.remove(aboutOf(key));
+    else if (state.failure?.code === "resized") await again("capture.resized");
   } catch (error) {
     fail(error, signal);
   }
 }
 
 /**
- * A session for this camera: the one that a failure interrupted, where it is about the same.
+ * Another capture of the same camera, with its reason. A device that was turned shows a picture of another size: that is
+ * calibrated as such, and the capture before waits for the device to be turned back.
+ * @param {string} why a text
+ */
+async function again(why) {
+  const begun = capture(chosen);
+  const told = setInterval(() => {
+    if (state.phase === "opening") return;
+    clearInterval(told);
+    if (state.phase === "capturing") dispatch({ type: "told", notice: { key: why, kind: "plain" }, time: performance.now() });
+  }, 100);
+  await begun;
+}
+
+/** The board that is shown has the other layout: that is the board, then. */
+async function relayout() {
+  void detector?.then((made) => made.close());
+  detector = null;
+  dispatch({ type: "board", board: { ...state.board, legacy: !state.board.legacy } });
+  await again("capture.legacy_taken");
+}
+
+/** @param {import("../sdk/calibdb.js").CameraKey} key */
+function requestFor(key) {
+  return { ...key, board: state.board, distortion_model: state.wanted.distortion_model, ...targetError() };
+}
+
+/** @param {import("../sdk/calibdb.js").CameraKey} key what a capture is about, as text */
+const aboutOf = (key) => JSON.stringify(requestFor(key));
+
+/**
+ * A session for this camera: one that was interrupted, on this page or an earlier one, where it is about the same.
  * @param {import("../sdk/calibdb.js").CameraKey} key @param {ReturnType<typeof facts>} track @param {AbortSignal} signal
  */
 async function converse(key, track, signal) {
@@ -105,15 +171,22 @@ async function converse(key, track, signal) {
     signal,
     onPatience: (patience) => signal.aborted || dispatch({ type: "patience", attempt: patience?.attempt ?? 0 }),
   });
-  const request = { ...key, board: state.board, distortion_model: state.wanted.distortion_model, ...targetError() };
-  const about = JSON.stringify(request);
-  const same = kept?.about === about ? kept.session : null;
-  const session = same ?? new CaptureSession(api, token, { ...request, track });
-  const answer = same ? await same.resume(api) : await session.start();
+  const about = aboutOf(key);
+  const before = await cupboard.load(about);
+  const same = sessions.get(about);
+  const session = same ?? new CaptureSession(api, token, /** @type {Request} */ ({ ...requestFor(key), track }), { about, kept: before, save });
+  const answer = same || before?.views.length ? (await session.resume(api, { patient: true })).state : await session.start();
   signal.throwIfAborted();
-  kept = answer.status === "converged" ? null : { about, session };
-  dispatch({ type: "session", session: answer });
+  sessions.set(about, session);
+  if (answer.status === "converged") sessions.delete(about);
+  dispatch({ type: "session", session: answer, stored: session.waiting });
   return session;
+}
+
+/** @param {import("./session.js").Kept} kept */
+async function save(kept) {
+  const saved = kept.views.length ? await cupboard.save(kept) : (await cupboard.remove(kept.about), true);
+  if (!saved) dispatch({ type: "unkept", time: performance.now() });
 }
 
 /** What the session is to reach, where the address says so, px. */
@@ -122,8 +195,17 @@ function targetError() {
   return value > 0 ? { target_error: value } : {};
 }
 
-/** What is said to people in the words of the error itself. */
-const TOLD = [CameraError, ApiError, OfflineError, DetectorError, SettingsError];
+/** @param {unknown} error @returns {{code: string, detail: string}} */
+function told(error) {
+  const detail = error instanceof Error ? error.message : String(error);
+  if (error instanceof CameraError) return { code: error.code, detail: error.detail };
+  if (error instanceof DetectorError) return { code: error.code, detail };
+  if (error instanceof OfflineError) return { code: "offline", detail };
+  if (error instanceof SettingsError) return { code: "settings", detail };
+  if (error instanceof ApiError) return { code: "service", detail };
+  console.error(error);
+  return { code: "unforeseen", detail };
+}
 
 /** @param {unknown} error @param {AbortSignal} signal of the run that it happened in */
 function fail(error, signal) {
@@ -133,40 +215,73 @@ function fail(error, signal) {
     void detector?.then((broken) => broken.close(), () => {});
     detector = null;
   }
-  const told = TOLD.some((type) => error instanceof type);
-  if (!told) console.error(error);
-  const message = error instanceof Error ? error.message : String(error);
-  dispatch({ type: "failed", message: told ? message : `Something went wrong in this page (${message}).` });
+  dispatch({ type: "failed", ...told(error) });
 }
 
-/** To the first sheet. What a failure interrupted is kept, what a person ended is not. @param {{keep: boolean}} options */
-function restart({ keep }) {
+/** To the first sheet, where what was interrupted is offered again. */
+function restart() {
   run?.abort();
-  if (!keep) kept = null;
   dispatch({ type: "restart" });
   void listCameras();
+  void listInterrupted();
+}
+
+/** What a failure interrupted is kept; what a person ended is not. @param {State["key"]} key */
+async function end(key) {
+  run?.abort();
+  if (key) {
+    sessions.delete(aboutOf(key));
+    await cupboard.remove(aboutOf(key));
+  }
+  restart();
 }
 
 function stop() {
+  const { key } = state;
   dispatch({ type: "stop", time: performance.now() });
-  if (state.phase === "welcome") restart({ keep: false });
+  if (state.phase === "welcome") void end(key);
 }
 
 async function listCameras() {
   dispatch({ type: "cameras", cameras: await cameras(parameters) });
+  // The camera that was pulled out is there again: nobody has to press anything.
+  const { phase, failure } = state;
+  if (phase === "failed" && failure?.code === "unplugged" && chosen !== "virtual" && state.cameras.some(({ id }) => id === chosen)) {
+    void capture(chosen);
+  }
+}
+
+async function listInterrupted() {
+  const kept = await cupboard.last();
+  dispatch({ type: "interrupted", interrupted: kept && { camera: kept.camera, views: kept.views.length } });
+}
+
+async function forget() {
+  for (let kept = await cupboard.last(); kept; kept = await cupboard.last()) await cupboard.remove(kept.about);
+  sessions.clear();
+  await listInterrupted();
+  parts.start.focus();
 }
 
 parts.start.addEventListener("click", () => capture(parts.camera.value));
 for (const button of [parts.startVirtual, parts.failedVirtual]) button.addEventListener("click", () => capture("virtual"));
-for (const button of [parts.cancel, parts.other]) button.addEventListener("click", () => restart({ keep: true }));
+for (const button of [parts.cancel, parts.other]) button.addEventListener("click", restart);
 parts.again.addEventListener("click", () => capture(chosen));
-parts.onceMore.addEventListener("click", () => restart({ keep: false }));
+parts.onceMore.addEventListener("click", () => end(state.key));
 parts.stop.addEventListener("click", stop);
+parts.forget.addEventListener("click", forget);
+for (const [sense, box] of /** @type {[import("./feedback.js").Sense, HTMLInputElement][]} */ (Object.entries(parts.senses))) {
+  box.checked = feedback.has(sense);
+  box.parentElement?.toggleAttribute("hidden", !Feedback.offers(sense));
+  box.addEventListener("change", () => feedback.switch(sense, box.checked));
+}
+onLanguage(() => render(parts, state, null));
 navigator.mediaDevices?.addEventListener("devicechange", listCameras);
 parts.problem.textContent = problem;
 parts.problem.hidden = problem === "";
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
 await listCameras();
+await listInterrupted();
 if (parameters.has("virtual")) void capture("virtual");
 // The detector arrives while the visitor reads. If it does not, capture() asks again and says why.
 else openDetector().catch((error) => console.info("detector not loaded yet:", error.message));

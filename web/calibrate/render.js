@@ -1,7 +1,10 @@
 // Puts the state into the page. Reads nothing back, decides nothing.
-import { holdProgress } from "./state.js";
-import * as words from "./words.js";
+import { t } from "../i18n.js";
 import { propose } from "./camera.js";
+import { holdProgress } from "./hold.js";
+import { renderSeen, renderTarget } from "./marks.js";
+import { viewCount } from "./session.js";
+import * as words from "./words.js";
 import { fileName, numbers, verdict } from "./result.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -21,9 +24,12 @@ export function findParts() {
     sheets: { welcome: html("welcome"), opening: html("opening"), failed: html("failed"), done: html("done") },
     stage: html("stage"), video: element("video", HTMLVideoElement), overlay: element("overlay", HTMLImageElement),
     marks: svg("marks"), pictureEdge: svg("picture-edge"), target: svg("target"), targetBack: svg("target-back"), targetCorner: svg("target-corner"),
-    corners: svg("corners"), held: svg("held"), ring: svg("ring"),
-    reticle: html("reticle"), instruction: html("instruction"), notice: html("notice"), facts: html("facts"),
+    corners: svg("corners"), held: svg("held"), ring: svg("ring"), ghost: svg("ghost"), arrows: svg("arrows"), seenOutline: svg("seen-outline"),
+    reticle: html("reticle"), instruction: html("instruction"), notice: html("notice"), remedy: html("remedy"), away: html("away"),
+    said: html("said"), facts: html("facts"), sent: html("sent"), sentJson: html("sent-json"),
     wanted: html("wanted"), problem: html("problem"),
+    interrupted: html("interrupted"), interruptedText: html("interrupted-text"), forget: element("forget", HTMLButtonElement),
+    senses: { sound: element("sound", HTMLInputElement), vibration: element("vibration", HTMLInputElement), voice: element("voice", HTMLInputElement) },
     another: html("another"), anothers: /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".another")),
     boardLinks: /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href="../board/"]')),
     camera: element("camera", HTMLSelectElement),
@@ -52,12 +58,16 @@ export function render(parts, state, before) {
     if (phase === "failed") renderFailure(parts, state);
   }
   if (state.cameras !== before?.cameras) renderCameras(parts, state);
+  if (state.interrupted !== before?.interrupted) {
+    parts.interrupted.hidden = state.interrupted === null;
+    text(parts.interruptedText, words.interrupted(state));
+  }
   if (state.key !== before?.key || state.cropped !== before?.cropped) renderCamera(parts, state);
   parts.loading.value = state.loading;
   if (phase === "opening") renderOpening(parts, state);
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);
-  if (state.session !== before?.session || state.progress !== before?.progress) renderProgress(parts, state);
+  if (state.session !== before?.session || state.progress !== before?.progress || state.stored !== before?.stored) renderProgress(parts, state);
   if (phase === "done" && before?.phase !== "done") renderResult(parts, state);
 }
 
@@ -75,68 +85,59 @@ function renderOpening({ openingText, loadingMeter }, state) {
 
 /** @param {Parts} parts @param {State} state */
 function renderFailure({ failure, kept, failedVirtual }, state) {
-  text(failure, state.failure ?? "");
+  text(failure, words.failure(state));
   text(kept, words.kept(state));
   kept.hidden = words.kept(state) === "";
-  failedVirtual.hidden = !state.failure?.includes("virtual camera");
+  failedVirtual.hidden = state.failure?.code !== "not_found";
 }
 
 /** @param {Parts} parts @param {State} state */
 function renderCameras({ camera, wanted }, state) {
   const proposed = propose(state.cameras, state.wanted.camera, camera.value);
   camera.replaceChildren(...state.cameras.map(({ id, label }) => new Option(label, id)));
-  if (proposed === "" && state.cameras.every(({ id }) => id !== "")) camera.prepend(new Option("No camera found", ""));
+  if (proposed === "" && state.cameras.every(({ id }) => id !== "")) camera.prepend(new Option(t("capture.no_camera"), ""));
   camera.value = proposed;
   text(wanted, words.wanted(state));
   wanted.hidden = words.wanted(state) === "";
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderCamera({ stage, marks, pictureEdge, facts, anothers }, state) {
-  const { key, mirrored, cropped } = state;
+function renderCamera({ stage, marks, pictureEdge, facts, sent, sentJson, anothers }, state) {
+  const { key, mirrored } = state;
   for (const place of anothers) {
     text(place, words.another(state));
     place.hidden = words.another(state) === "";
   }
   stage.classList.toggle("mirrored", mirrored);
-  if (!key) return text(facts, "");
+  sent.hidden = !key;
+  text(facts, words.facts(state));
+  text(sentJson, words.sent(state));
+  if (!key) return;
   marks.setAttribute("viewBox", `-0.5 -0.5 ${key.img_size.join(" ")}`);
   pictureEdge.setAttribute("width", String(key.img_size[0]));
   pictureEdge.setAttribute("height", String(key.img_size[1]));
-  const parts = [key.camera, key.img_size.join(" × ")];
-  if (key.zoom) parts.push(`zoom ${key.zoom}`);
-  if (cropped) parts.push("cropped by the browser");
-  text(facts, parts.join(" · "));
-}
-
-/** @param {Parts} parts @param {State} state @param {State | null} before */
-function renderTarget({ overlay, target, targetBack, targetCorner }, state, before) {
-  if (state.picture !== before?.picture) {
-    overlay.hidden = !state.picture;
-    if (state.picture) overlay.src = state.picture;
-  }
-  if (state.pose === before?.pose) return;
-  const outline = polygon(state.pose?.outline ?? []);
-  target.setAttribute("points", outline);
-  targetBack.setAttribute("points", outline);
-  // Which way up: the board's first corner has a dot, on the target as on the printed board's marker 0.
-  const [x, y] = state.pose?.outline[0] ?? [-99, -99];
-  targetCorner.setAttribute("cx", String(x));
-  targetCorner.setAttribute("cy", String(y));
 }
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 function renderCapture(parts, state, before) {
-  const { corners, notice, patience, instruction } = state;
-  if (corners !== before?.corners) dots(parts.corners, corners.points);
+  renderSeen(parts, state, before);
   const held = Math.round(100 * holdProgress(state));
   parts.held.setAttribute("stroke-dasharray", `${held} 100`);
-  parts.ring.toggleAttribute("hidden", held === 0);
-  text(parts.instruction, patience > 0 ? "Connection lost. Trying again" : instruction.text);
-  parts.notice.hidden = !notice;
-  text(parts.notice, notice?.text ?? "");
-  for (const kind of ["bad", "plain"]) parts.notice.classList.toggle(kind, notice?.kind === kind);
+  const taken = state.notice?.kind === "good" && state.notice.key.startsWith("capture.view_");
+  parts.ring.toggleAttribute("hidden", held === 0 && !taken);
+  parts.ring.classList.toggle("taken", held === 0 && taken);
+  text(parts.instruction, words.instruction(state));
+  show(parts.remedy, words.remedy(state));
+  show(parts.away, state.away ? t("capture.away_now") : words.advice(state));
+  show(parts.notice, words.notice(state.notice));
+  for (const kind of ["bad", "plain"]) parts.notice.classList.toggle(kind, state.notice?.kind === kind);
   text(parts.stop, words.stopping(state));
+}
+
+/** @param {HTMLElement} where @param {string} words hidden where there are none */
+function show(where, words) {
+  text(where, words);
+  where.hidden = words === "";
 }
 
 /** @param {Parts} parts @param {State} state */
@@ -144,7 +145,7 @@ function renderProgress(parts, state) {
   parts.progress.value = state.progress;
   text(parts.counts, words.counts(state));
   // Not while busy: a button that is disabled under the finger loses the keyboard's focus.
-  const none = !state.session?.views.length;
+  const none = viewCount(state) === 0;
   // Read by the time the first view is taken; after the last one it is said again.
   text(parts.another, words.another(state));
   parts.another.hidden = !none || words.another(state) === "";
@@ -183,24 +184,6 @@ function cell(name, content) {
   made.textContent = content;
   return made;
 }
-
-/** Circles are kept and moved: making a hundred elements a frame would cost more than finding the board. @param {SVGElement} group @param {number[][]} points */
-function dots(group, points) {
-  while (group.children.length < points.length) {
-    const dot = document.createElementNS("http://www.w3.org/2000/svg", "circle");
-    dot.setAttribute("class", "corner");
-    dot.setAttribute("r", "5");
-    group.append(dot);
-  }
-  while (group.children.length > points.length) group.lastElementChild?.remove();
-  points.forEach(([x, y], index) => {
-    group.children[index].setAttribute("cx", x.toFixed(1));
-    group.children[index].setAttribute("cy", y.toFixed(1));
-  });
-}
-
-/** @param {number[][]} points */
-const polygon = (points) => points.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ");
 
 /** Writes only what changed: a live region speaks on every write. @param {Element} where @param {string} words */
 function text(where, words) {

@@ -1,29 +1,78 @@
-// One guided capture at the service. Views are kept here too: when the session expires, a new one is given them again.
-import { ApiError } from "./api.js";
+// One guided capture at the service. Its views are kept here too, and on this device: when the session expires, the
+// network fails or the page is loaded anew, nothing that was captured is lost.
+import { ApiError, OfflineError } from "./api.js";
 
 /**
  * @typedef {import("./stillness.js").Corners} Corners
- * @typedef {import("../vendor/api.js").Pose} Pose
+ * @typedef {import("../vendor/api.js").Pose & {hint_code?: string}} Pose
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
- * @typedef {import("../vendor/api.js").SessionState} SessionState
- * @typedef {import("../vendor/api.js").ViewAnswer} ViewAnswer
+ *
+ * @typedef {object} ViewState
+ * @property {number} index
+ * @property {number} points
+ * @property {number | null} rms
+ * @property {{reason: string, detail: string} | null} [set_aside] why the view is not used any more
+ *
+ * @typedef {Omit<import("../vendor/api.js").SessionState, "views"> & {views: ViewState[], advice?: {code: string, text: string}[],
+ *   suggested_model?: string | null}} SessionState
+ * @typedef {SessionState & {accepted: boolean, reason: string | null, hint?: {code: string, text: string} | null}} ViewAnswer
+ *
+ * @typedef {object} View
+ * @property {number[]} ids
+ * @property {number[][]} points px
+ * @property {number | null} index of the pose that it was sent for; null: not yet sent
+ * @property {boolean} taken has the service said that it is part of the session?
+ *
+ * @typedef {object} Kept all that is needed to go on
+ * @property {string} about what the capture is of: camera, size, board, model
+ * @property {string} camera its label
+ * @property {string} credential
+ * @property {View[]} views
+ *
+ * @typedef {object} Reconciled what became of the views that were waiting
+ * @property {SessionState} state
+ * @property {number} taken
+ * @property {number} refused
  */
+
+/** @param {unknown} error Is the service away, for a while? */
+export const isAway = (error) => error instanceof OfflineError || (error instanceof ApiError && error.passing);
+
+/** Views that the person has taken, wherever they are. @param {{session: SessionState | null, stored: number}} capture */
+export const viewCount = ({ session, stored }) => (session?.views.filter(({ set_aside }) => !set_aside).length ?? 0) + stored;
 
 export class CaptureSession {
   #api;
   #token;
   #request;
+  #about;
   #credential = "";
-  /** @type {Map<number, Corners>} accepted views by index */
-  #views = new Map();
-  /** The view that was sent last: its answer may be lost. @type {{index: number, corners: Corners} | null} */
-  #sent = null;
+  /** @type {View[]} in the order in which they were captured */
+  #views = [];
+  #save;
+  /** Has somebody better to do than to wait for the service? */
+  #brief = true;
 
-  /** @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request */
-  constructor(api, token, request) {
+  /**
+   * @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request
+   * @param {{about?: string, save?: (kept: Kept) => void, kept?: Kept | null}} [memory] save: called whenever there is
+   *   something new to keep; kept: of an earlier page
+   */
+  constructor(api, token, request, { about = "", save = () => {}, kept = null } = {}) {
     this.#api = api;
     this.#token = token;
     this.#request = request;
+    this.#about = about;
+    this.#save = save;
+    if (kept) {
+      this.#credential = kept.credential;
+      this.#views = kept.views.map((view) => ({ ...view }));
+    }
+  }
+
+  /** Views that the service does not have yet. */
+  get waiting() {
+    return this.#views.filter(({ taken }) => !taken).length;
   }
 
   /** @returns {Promise<SessionState>} */
@@ -34,17 +83,18 @@ export class CaptureSession {
   }
 
   /**
-   * Goes on after the camera or the network was lost: by another connection, with the views taken so far.
-   * @param {import("./api.js").Api} api @returns {Promise<SessionState>}
+   * Goes on after the camera, the network or the page was lost: by another connection, with all views so far.
+   * @param {import("./api.js").Api} [api] @param {{patient?: boolean}} [options] patient: wait a minute for the service, not two seconds
+   * @returns {Promise<Reconciled>}
    */
-  resume(api) {
+  async resume(api = this.#api, { patient = false } = {}) {
     this.#api = api;
-    return this.#lasting(async () => {
-      const state = /** @type {SessionState} */ (await this.#call("GET", "/session"));
-      const sent = this.#sent;
-      if (sent && state.views.some(({ index }) => index === sent.index)) this.#views.set(sent.index, sent.corners);
-      return state;
-    });
+    this.#brief = !patient;
+    try {
+      return await this.#lasting(() => this.#reconcile());
+    } finally {
+      this.#brief = true;
+    }
   }
 
   /**
@@ -56,66 +106,108 @@ export class CaptureSession {
     return this.#lasting(async () => {
       const pose = await this.#call("GET", `/session/pose${skip ? "?skip=1" : ""}`);
       // The same pose until a view answers it, so the picture is of this one.
-      const picture = await this.#api.send("GET", "/session/pose", this.#credential, { accept: "image/jpeg" });
+      const picture = await this.#api.send("GET", "/session/pose", this.#credential, { accept: "image/jpeg", brief: true });
       return { pose, picture: await picture.blob() };
     });
   }
 
-  /** @param {number} index of the pose it answers @param {Corners} corners @returns {Promise<ViewAnswer>} */
+  /**
+   * Keeps the view, and sends it. Where the service is away the view stays here and `resume` sends it.
+   * @param {number} index of the pose it answers @param {Corners} corners @returns {Promise<ViewAnswer>}
+   */
   submit(index, corners) {
+    const view = this.#keep(corners);
     return this.#lasting(async (restored) => {
-      const open = restored ? (await this.#call("GET", "/session/pose")).index : index;
-      return this.#submit(open, corners);
-    });
+      return this.#send(view, restored ? (await this.#call("GET", "/session/pose")).index : index);
+    }, view);
   }
 
-  /** Takes the last view back. @returns {Promise<SessionState>} */
+  /** Keeps a view for when the service is there again. @param {Corners} corners */
+  keep(corners) {
+    this.#keep(corners);
+  }
+
+  /** Takes the last view back. @returns {Promise<SessionState | null>} null: it had not been sent */
   undo() {
     return this.#lasting(async () => {
-      const index = [...this.#views.keys()].at(-1);
-      if (index === undefined) throw new RangeError("there is no view to take back");
-      const state = await this.#call("DELETE", `/session/views/${index}`);
-      this.#views.delete(index);
+      const last = this.#views.at(-1);
+      if (!last) throw new RangeError("there is no view to take back");
+      const state = last.taken ? await this.#call("DELETE", `/session/views/${last.index}`) : null;
+      this.#views.pop();
+      this.#changed();
       return state;
     });
   }
 
-  /** @param {number} index @param {Corners} corners @returns {Promise<ViewAnswer>} */
-  async #submit(index, { ids, points }) {
-    this.#sent = { index, corners: { ids, points } };
-    const answer = await this.#call("POST", "/session/views", { index, ids, points });
-    if (answer.accepted) this.#views.set(index, { ids, points });
+  /** @param {Corners} corners */
+  #keep({ ids, points }) {
+    const view = { ids, points, index: null, taken: false };
+    this.#views.push(view);
+    this.#changed();
+    return view;
+  }
+
+  /** @param {View} view @param {number} index @returns {Promise<ViewAnswer>} */
+  async #send(view, index) {
+    view.index = index;
+    this.#changed(); // where the answer is lost, this tells which view the service may have
+    const answer = await this.#call("POST", "/session/views", { index, ids: view.ids, points: view.points });
+    view.taken = answer.accepted;
+    if (!view.taken) this.#views = this.#views.filter((each) => each !== view);
+    this.#changed();
     return answer;
+  }
+
+  /** Makes the service's views and ours the same. @returns {Promise<Reconciled>} */
+  async #reconcile() {
+    let state = /** @type {SessionState} */ (await this.#call("GET", "/session"));
+    const there = new Set(state.views.map(({ index }) => index));
+    for (const view of this.#views) view.taken = view.index !== null && there.has(view.index);
+    let [taken, refused] = [0, 0];
+    for (const view of this.#views.filter((each) => !each.taken)) {
+      if (state.status === "converged") break;
+      const answer = await this.#send(view, (await this.#call("GET", "/session/pose")).index);
+      if (answer.accepted) taken += 1;
+      else refused += 1;
+      state = answer;
+    }
+    this.#changed();
+    return { state, taken, refused };
+  }
+
+  #changed() {
+    const views = this.#views.map((view) => ({ ...view }));
+    this.#save({ about: this.#about, camera: this.#request.camera, credential: this.#credential, views });
   }
 
   /** @param {string} method @param {string} path @param {object} [body] */
   #call(method, path, body) {
-    return this.#api.json(method, path, this.#credential, { body });
+    return this.#api.json(method, path, this.#credential, { body, brief: this.#brief });
   }
 
   /**
-   * Does something that needs the session; once more in a new session when this one has expired.
-   * @template T @param {(restored: boolean) => Promise<T>} action @returns {Promise<T>}
+   * Does something that needs the session; once more in a new session when this one is there no more.
+   * @template T @param {(restored: boolean) => Promise<T>} action @param {View | null} [own] the view that the action
+   *   itself sends @returns {Promise<T>}
    */
-  async #lasting(action) {
+  async #lasting(action, own = null) {
     try {
       return await action(false);
     } catch (error) {
-      if (!(error instanceof ApiError) || error.status !== 401) throw error;
+      if (!isGone(error)) throw error;
     }
-    await this.#restore();
+    for (const view of this.#views) [view.index, view.taken] = [null, false];
+    await this.start();
+    this.#changed();
+    for (const view of this.#views.filter((each) => each !== own)) {
+      const { index } = await this.#call("GET", "/session/pose");
+      if ((await this.#send(view, index)).status === "converged") break;
+    }
     return action(true);
   }
+}
 
-  async #restore() {
-    const views = [...this.#views.values()];
-    this.#views.clear();
-    this.#sent = null;
-    await this.start();
-    for (const view of views) {
-      const { index } = await this.#call("GET", "/session/pose");
-      const { status } = await this.#submit(index, view);
-      if (status === "converged") return;
-    }
-  }
+/** Has the session expired, or been forgotten? @param {unknown} error */
+function isGone(error) {
+  return error instanceof ApiError && (error.status === 401 || error.kind === "session-expired" || error.status === 404);
 }

@@ -1,9 +1,12 @@
 // The guided capture as a reducer: all that the page knows, and how each event changes it. No clock, no DOM, no network.
 import { MOVING, motion, observe } from "./stillness.js";
-import { foreshortening, observedOutline } from "./area.js";
+import { observedOutline } from "./area.js";
+import { HEALTHY, diagnose } from "./diagnosis.js";
+import { HOLD, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
 import { jaccard } from "./jaccard.js";
 import { difference } from "./target.js";
 import { instruct, SILENT } from "./instruction.js";
+import { viewCount } from "./session.js";
 
 /**
  * @typedef {Required<import("../vendor/api.js").Board>} Board
@@ -18,14 +21,18 @@ import { instruct, SILENT } from "./instruction.js";
  * @typedef {object} Wanted the camera that the page was opened for
  * @property {string | null} camera
  * @property {[number, number] | null} img_size
- * @property {"rectilinear" | "fisheye"} distortion_model
+ * @property {"rectilinear" | "fisheye" | "rational" | "omnidirectional"} distortion_model
+ *
+ * @typedef {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>}} Notice key: of a text
  *
  * @typedef {object} State
  * @property {"welcome" | "opening" | "capturing" | "done" | "failed"} phase
  * @property {Board} board
  * @property {Wanted} wanted
  * @property {Choice[]} cameras
+ * @property {{camera: string, views: number} | null} interrupted a capture that an earlier page left on this device
  * @property {CameraKey | null} key of the open camera
+ * @property {Record<string, string | number>} track what else the browser tells of it
  * @property {boolean} mirrored
  * @property {boolean} cropped
  * @property {"camera" | "detector" | "service"} waiting what a capture that begins waits for
@@ -36,72 +43,68 @@ import { instruct, SILENT } from "./instruction.js";
  * @property {[number, number][] | null} aim the board's outline in that pose, px; null where too little of it is in the picture
  * @property {string | null} picture address of the pose's overlay
  * @property {number} posedAt ms
+ * @property {{time: number, distance: number}} nearest to the target so far, and when
  * @property {Corners} corners of the last frame
  * @property {number} markers seen in the last frame
  * @property {[number, number][] | null} outline of the board in the last frame, px
  * @property {number} overlap with the target, 0…1
  * @property {import("./stillness.js").Stillness} stillness
+ * @property {import("./diagnosis.js").Diagnosis} diagnosis
  * @property {Corners | null} answered the hold that was sent last: the same is not sent twice
  * @property {number | null} futile ms to wait since a view in the target's place was refused: it cannot be answered from there
  * @property {boolean} busy a view or a pose is on its way
- * @property {{text: string, kind: "good" | "bad" | "plain"} | null} notice what became of the last view
+ * @property {Notice | null} notice what became of the last view
  * @property {number} noticedAt ms
  * @property {number} patience attempts to reach the service since it last answered
+ * @property {boolean} away the service cannot be reached: targets come from the page's own plan
+ * @property {number} stored views that wait for it
+ * @property {boolean} stalled the detector has stopped, and is started again
+ * @property {boolean} kept is what was captured kept on this device?
  * @property {import("./instruction.js").Instruction} instruction
  * @property {number | null} stopAsked ms, when a stop was asked for that would lose views
- * @property {string | null} failure
+ * @property {{code: string, detail: string} | null} failure a text `capture.fault_<code>`
  *
  * @typedef {{type: "cameras", cameras: Choice[]}
+ *   | {type: "interrupted", interrupted: State["interrupted"]}
  *   | {type: "open"}
+ *   | {type: "board", board: Board}
  *   | {type: "waiting", waiting: State["waiting"]}
  *   | {type: "loading", fraction: number}
- *   | {type: "opened", key: CameraKey, mirrored: boolean, cropped: boolean}
- *   | {type: "session", session: SessionState}
- *   | {type: "pose", pose: Pose, picture: string, time: number}
+ *   | {type: "opened", key: CameraKey, track?: State["track"], mirrored: boolean, cropped: boolean}
+ *   | {type: "session", session: SessionState, stored?: number}
+ *   | {type: "pose", pose: Pose, picture: string | null, time: number}
  *   | {type: "frame", detection: Detection, time: number}
  *   | {type: "busy"}
  *   | {type: "idle"}
  *   | {type: "answer", answer: ViewAnswer, corners: Corners, time: number}
- *   | {type: "undone", session: SessionState, time: number}
+ *   | {type: "stored", corners: Corners, stored: number, time: number}
+ *   | {type: "undone", session: SessionState | null, stored: number, time: number}
  *   | {type: "patience", attempt: number}
+ *   | {type: "away", stored: number, time: number}
+ *   | {type: "back", session: SessionState, refused: number, time: number}
+ *   | {type: "stalled", stalled: boolean}
+ *   | {type: "shown", time: number}
+ *   | {type: "unkept", time: number}
+ *   | {type: "told", notice: Notice, time: number}
  *   | {type: "stop", time: number}
- *   | {type: "failed", message: string}
+ *   | {type: "failed", code: string, detail?: string}
  *   | {type: "restart"}} Event
  */
 
-export const HOLD = 500; // ms still in the target's place
-export const LONG_HOLD = 1500; // ms still anywhere else: the service judges whether it helps all the same
-const OVERLAP = 0.6; // Jaccard index with the target that counts as there,
-const DIFFERENCE = 0.08; // where the board also lies as the target does
-const TILTED = 0.08; // foreshortening from which a pose other than the target may be worth sending
-const FRAMES = 3; // in a hold at least: a video that delivers nothing new is not a steady hand
-const NEW_PLACE = 8; // px at 1280 px image width from the hold that was sent last
-const STUCK = 15_000; // ms without an accepted view, then another kind of pose is asked for
-const FUTILE = 3_000; // ms after a refusal in the target's place: time to read why
-const USELESS = 1_000; // ms after one that nothing can be done about
 const NOTICE = 4_000; // ms a notice stays
 const STOP = 5_000; // ms in which a stop must be asked for once more
-
-/** What a refusal means to the person holding the board. @type {Record<string, string>} */
-export const REFUSALS = {
-  too_few_points: "Too little of the board was seen.",
-  degenerate: "That view says too little. Tilt the board.",
-  mirrored: "The picture is mirrored. Switch that off in the camera's settings.",
-  outlier: "That view did not fit the others. Is the board flat?",
-  no_information: "That view adds nothing new. Follow the outline.",
-};
-
-/** A device that was turned delivers another picture, of other intrinsics. */
-export const RESIZED = "The picture's size changed. Hold the device as it was and try again, or go on with the new size: " +
-  "that is a calibration of its own.";
+const NEARER = 0.05; // of the distance to the target that counts as coming nearer
+/** What the service refuses views for, as far as the page has words for it. */
+const REFUSALS = new Set(["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]);
 
 /** @param {Board} board @param {Wanted} wanted @returns {State} */
 export function initial(board, wanted) {
   return {
-    phase: "welcome", board, wanted, cameras: [], key: null, mirrored: false, cropped: false, waiting: "camera", loading: 0,
-    session: null, progress: 0, pose: null, aim: null, picture: null, posedAt: 0,
-    corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0, stillness: MOVING,
-    answered: null, futile: null, busy: false, notice: null, noticedAt: 0, patience: 0, instruction: SILENT, stopAsked: null, failure: null,
+    phase: "welcome", board, wanted, cameras: [], interrupted: null, key: null, track: {}, mirrored: false, cropped: false,
+    waiting: "camera", loading: 0, session: null, progress: 0, pose: null, aim: null, picture: null, posedAt: 0,
+    nearest: { time: 0, distance: Infinity }, corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0,
+    stillness: MOVING, diagnosis: HEALTHY, answered: null, futile: null, busy: false, notice: null, noticedAt: 0, patience: 0,
+    away: false, stored: 0, stalled: false, kept: true, instruction: SILENT, stopAsked: null, failure: null,
   };
 }
 
@@ -110,23 +113,23 @@ export function reduce(state, event) {
   switch (event.type) {
     case "cameras":
       return { ...state, cameras: event.cameras };
+    case "interrupted":
+      return { ...state, interrupted: event.interrupted };
     case "open":
       // The last session, if any, is named until the service answers: it may be taken up again.
-      return { ...afresh(state), phase: "opening", session: state.session };
+      return { ...afresh(state), phase: "opening", session: state.session, stored: state.stored };
+    case "board":
+      return { ...state, board: event.board };
     case "waiting":
       return { ...state, waiting: event.waiting };
     case "loading":
       return { ...state, loading: event.fraction };
     case "opened":
-      return { ...state, key: event.key, mirrored: event.mirrored, cropped: event.cropped };
+      return { ...state, key: event.key, track: event.track ?? {}, mirrored: event.mirrored, cropped: event.cropped };
     case "session":
-      return inSession(state, event.session);
+      return { ...inSession(state, event.session), stored: event.stored ?? 0 };
     case "pose":
-      return {
-        ...state, pose: event.pose, picture: event.picture, posedAt: event.time, futile: null, busy: false,
-        aim: observedOutline(state.board, { ids: event.pose.ids, points: event.pose.corners }),
-        overlap: overlap(state.outline, event.pose, state.key),
-      };
+      return posed(state, event);
     case "frame":
       return state.phase === "capturing" ? seen(state, event) : state;
     case "busy":
@@ -135,33 +138,53 @@ export function reduce(state, event) {
       return { ...state, busy: false };
     case "answer":
       return answered(state, event);
+    case "stored":
+      return notify(
+        { ...state, answered: event.corners, stored: event.stored, pose: null, picture: null, busy: false },
+        { key: "capture.view_stored", kind: "good" }, event.time);
     case "undone":
-      return {
-        ...inSession(state, event.session), progress: event.session.progress, busy: false, answered: null,
-        notice: { text: "The last view was taken back.", kind: "good" }, noticedAt: event.time,
-      };
+      return undone(state, event);
     case "patience":
       // What became of the last view is old by now, and would be read as the state of the connection.
       return { ...state, patience: event.attempt, notice: event.attempt > 0 ? null : state.notice };
+    case "away":
+      return notify(
+        { ...state, away: true, stored: event.stored, patience: 0, pose: null, picture: null, busy: false },
+        { key: "capture.went_away", kind: "plain" }, event.time);
+    case "back":
+      return notify(
+        { ...inSession(state, event.session), away: false, stored: 0, pose: null, picture: null },
+        { key: event.refused ? "capture.came_back_less" : "capture.came_back", kind: "good", values: { count: event.refused } }, event.time);
+    case "stalled":
+      return { ...state, stalled: event.stalled };
+    case "shown":
+      // The time that nobody saw does not count.
+      return { ...state, posedAt: event.time, nearest: { ...state.nearest, time: event.time }, stillness: MOVING, diagnosis: HEALTHY };
+    case "unkept":
+      return state.kept ? notify({ ...state, kept: false }, { key: "capture.not_kept", kind: "bad" }, event.time) : state;
+    case "told":
+      return notify(state, event.notice, event.time);
     case "stop":
       return stopped(state, event.time);
     case "failed":
-      return { ...state, phase: "failed", failure: event.message, busy: false, patience: 0 };
+      return { ...state, phase: "failed", failure: { code: event.code, detail: event.detail ?? "" }, busy: false, patience: 0 };
     case "restart":
       return afresh(state);
   }
 }
 
 /** All forgotten but what belongs to the page. @param {State} state @returns {State} */
-function afresh({ board, wanted, cameras, loading }) {
-  return { ...initial(board, wanted), cameras, loading };
+function afresh({ board, wanted, cameras, loading, interrupted }) {
+  return { ...initial(board, wanted), cameras, loading, interrupted };
 }
+
+/** @param {State} state @param {Notice} notice @param {number} time @returns {State} */
+const notify = (state, notice, time) => ({ ...state, notice, noticedAt: time });
 
 /** Views are lost at the second press only. @param {State} state @param {number} time @returns {State} */
 function stopped(state, time) {
-  if (state.phase !== "capturing" || !state.session?.views.length || state.stopAsked !== null) return afresh(state);
-  const notice = /** @type {const} */ ({ text: "Press once more to stop.", kind: "plain" });
-  return { ...state, stopAsked: time, notice, noticedAt: time };
+  if (state.phase !== "capturing" || viewCount(state) === 0 || state.stopAsked !== null) return afresh(state);
+  return notify({ ...state, stopAsked: time }, { key: "capture.press_again", kind: "plain" }, time);
 }
 
 /** @param {State} state @param {SessionState} session @returns {State} */
@@ -177,12 +200,23 @@ function inSession(state, session) {
   };
 }
 
+/** @param {State} state @param {{pose: Pose, picture: string | null, time: number}} event @returns {State} */
+function posed(state, { pose, picture, time }) {
+  return {
+    ...state, pose, picture, posedAt: time, futile: null, busy: false,
+    nearest: { time, distance: Infinity },
+    aim: observedOutline(state.board, { ids: pose.ids, points: pose.corners }),
+    overlap: overlap(state.outline, pose, state.key),
+  };
+}
+
 /** @param {State} state @param {{detection: Detection, time: number}} event @returns {State} */
 function seen(state, { detection, time }) {
   const { ids, points, markers, size } = detection;
-  if (!isOfSize(size, state.key)) return reduce(state, { type: "failed", message: RESIZED });
+  if (!isOfSize(size, state.key)) return reduce(state, { type: "failed", code: "resized" });
   const corners = { ids, points };
   const outline = observedOutline(state.board, corners);
+  const moved = motion(state.corners, corners);
   /** @type {State} */
   const next = {
     ...state,
@@ -190,11 +224,14 @@ function seen(state, { detection, time }) {
     markers,
     outline,
     overlap: overlap(outline, state.pose, state.key),
-    stillness: observe(state.stillness, corners, time, size[0]),
+    stillness: observe(state.stillness, corners, time, size[0], lenience(state, time)),
+    diagnosis: diagnose(state.diagnosis, detection, moved, time),
     notice: time - state.noticedAt > NOTICE ? null : state.notice,
     stopAsked: state.stopAsked !== null && time - state.stopAsked > STOP ? null : state.stopAsked,
   };
-  return { ...next, instruction: instruct(next, requiredHold(next) === HOLD, time) };
+  const distance = next.outline && next.aim ? 1 - next.overlap + difference(next.outline, next.aim) : Infinity;
+  const nearest = distance < state.nearest.distance - NEARER ? { time, distance } : state.nearest;
+  return { ...next, nearest, instruction: instruct(next, requiredHold(next) === HOLD, time) };
 }
 
 /** @param {State} state @param {{answer: ViewAnswer, corners: Corners, time: number}} event @returns {State} */
@@ -203,20 +240,34 @@ function answered(state, { answer, corners, time }) {
   const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
   // Who has done what was asked is not told to do it.
   const useless = reason === "no_information" && isThere(state);
-  /** @type {State["notice"]} */
-  const notice = answer.accepted
-    ? { text: `View ${answer.views.length} taken.`, kind: "good" }
-    : useless ? { text: "Looking for a better pose.", kind: "plain" } : { text: REFUSALS[reason ?? ""] ?? "That view was not taken.", kind: "bad" };
   return {
     ...inSession(state, answer),
     answered: corners,
-    futile: answer.accepted || !isThere(state) ? null : useless ? USELESS : FUTILE,
+    futile: answer.accepted || !isThere(state) ? null : timeToRead(useless),
     busy: false,
-    notice,
+    notice: verdict(state, answer, useless ? "useless" : reason),
     noticedAt: time,
     // The answered target is gone at once; the next one is fetched. A refused one stays.
     ...(answer.accepted ? { pose: null, picture: null } : {}),
   };
+}
+
+/** @param {State} state @param {ViewAnswer} answer @param {string | null} reason @returns {Notice} */
+function verdict(state, answer, reason) {
+  if (!answer.accepted) {
+    if (reason === "useless") return { key: "capture.useless", kind: "plain" };
+    return { key: REFUSALS.has(reason ?? "") ? `capture.refused_${reason}` : "capture.refused", kind: "bad" };
+  }
+  const before = new Set(state.session?.views.filter(({ set_aside }) => set_aside).map(({ index }) => index));
+  const aside = answer.views.find(({ index, set_aside }) => set_aside && !before.has(index));
+  if (aside) return { key: "capture.view_set_aside", kind: "plain", values: { number: answer.views.indexOf(aside) + 1 } };
+  return { key: "capture.view_taken", kind: "good", values: { number: answer.views.length } };
+}
+
+/** @param {State} state @param {{session: SessionState | null, stored: number, time: number}} event @returns {State} */
+function undone(state, { session, stored, time }) {
+  const next = session ? { ...inSession(state, session), progress: session.progress } : state;
+  return notify({ ...next, stored, busy: false, answered: null }, { key: "capture.view_undone", kind: "good" }, time);
 }
 
 /** @param {[number, number]} size of a frame, px @param {CameraKey | null} key */
@@ -227,42 +278,4 @@ export function isOfSize([width, height], key) {
 /** @param {[number, number][] | null} outline @param {Pose | null} pose @param {CameraKey | null} key */
 function overlap(outline, pose, key) {
   return outline && pose && key ? jaccard(outline, pose.outline, key.img_size) : 0;
-}
-
-/** Is the board where the target is, and as it is? @param {State} state */
-function isThere({ overlap: there, outline, aim }) {
-  return there > OVERLAP && outline !== null && (aim === null || difference(outline, aim) < DIFFERENCE);
-}
-
-/**
- * How long the board must be held still where it is now; null: as long as one likes, it will not be taken.
- * @param {State} state
- */
-export function requiredHold(state) {
-  const { key, pose, outline, answered: sent, corners } = state;
-  if (!key || !pose || !outline) return null;
-  if (sent && motion(sent, corners) < (NEW_PLACE * key.img_size[0]) / 1280) return null;
-  if (isThere(state)) return HOLD;
-  return foreshortening(outline) > TILTED ? LONG_HOLD : null;
-}
-
-/** The hold as shown: 0…1. @param {State} state */
-export function holdProgress(state) {
-  const required = requiredHold(state);
-  return required === null || state.busy ? 0 : Math.min(1, state.stillness.held / required);
-}
-
-/**
- * What the page should do by itself now.
- * @param {State} state @param {number} time ms
- * @returns {"submit" | "skip" | null}
- */
-export function decide(state, time) {
-  if (state.phase !== "capturing" || state.busy || !state.pose) return null;
-  const required = requiredHold(state);
-  if (required !== null && state.stillness.held >= required && state.stillness.frames >= FRAMES) return "submit";
-  // Where no board is in sight, another pose would not help.
-  if (state.corners.ids.length === 0) return null;
-  const stuck = state.futile !== null ? time - state.noticedAt > state.futile : time - state.posedAt > STUCK;
-  return stuck ? "skip" : null;
 }

@@ -20,10 +20,11 @@ export const MOVING = { anchor: null, last: null, since: 0, held: 0, frames: 0 }
 
 /**
  * @param {Stillness} before @param {Corners} corners @param {number} time ms @param {number} width of the image, px
+ * @param {number} [lenience] how many times a steady hand's motion counts as still
  * @returns {Stillness}
  */
-export function observe(before, corners, time, width) {
-  const scale = width / 1280;
+export function observe(before, corners, time, width, lenience = 1) {
+  const scale = (lenience * width) / 1280;
   const still = before.anchor && before.last
     && motion(before.last, corners) < MOTION * scale
     && motion(before.anchor, corners) < DRIFT * scale;

@@ -9,7 +9,7 @@ const TURNED = 0.14; // rad
 const TILTED = 0.06; // difference in the logarithm of how much longer one side is than the opposite one
 
 /** Held the other way up, a board says the same about the camera. @param {Quadrilateral} seen @param {Quadrilateral} target */
-function upright(seen, target) {
+export function upright(seen, target) {
   const turned = [...seen.slice(2), ...seen.slice(0, 2)];
   return spread(turned, target) < spread(seen, target) ? turned : seen;
 }
@@ -33,43 +33,60 @@ export function difference(seen, target) {
 }
 
 /**
- * The next thing to do: first where, then how far away, then which way round, then how tilted.
+ * What is furthest from the target, each measured in what a hand may miss by.
  * @param {Quadrilateral} outline as seen @param {Quadrilateral} target
- * @returns {string} at most six words about the camera's picture; "" where nothing is left to say
+ * @returns {string} a code, about the camera's picture: left right up down (and two of them: up_left), closer, farther,
+ *   turn_clockwise, turn_counterclockwise, tilt_top, tilt_bottom, tilt_left, tilt_right; "" where nothing is left to say
  */
 export function advice(outline, target) {
   const seen = upright(outline, target);
-  const [from, to] = [middle(seen), middle(target)];
-  const [right, down] = [0, 1].map((axis) => (to[axis] - from[axis]) / size(target));
-  if (Math.hypot(right, down) > FAR) {
-    const ways = [Math.abs(down) > FAR / 2 && (down > 0 ? "down" : "up"), Math.abs(right) > FAR / 2 && (right > 0 ? "right" : "left")];
-    return `Move ${ways.filter(Boolean).join(" and ")}`;
-  }
-  const larger = size(target) / size(seen);
-  if (larger > LARGER) return "Closer to the camera";
-  if (larger < 1 / LARGER) return "Further from the camera";
-  const turn = Math.atan2(...direction(target)) - Math.atan2(...direction(seen));
-  const shortest = Math.atan2(Math.sin(turn), Math.cos(turn));
-  if (Math.abs(shortest) > TURNED) return shortest > 0 ? "Turn to the right" : "Turn to the left";
-  return tilt(seen, target);
+  const wanting = [place(seen, target), distance(seen, target), turn(seen, target), tilt(seen, target)];
+  const { code, excess } = wanting.reduce((most, each) => (each.excess > most.excess ? each : most));
+  return excess > 1 ? code : "";
 }
 
-/** The nearer side of a board looks longer. @param {Quadrilateral} seen @param {Quadrilateral} target */
+/** @typedef {{code: string, excess: number}} Difference how many times what a hand may miss by */
+
+/** @param {Quadrilateral} seen @param {Quadrilateral} target @returns {Difference} */
+function place(seen, target) {
+  const [from, to] = [middle(seen), middle(target)];
+  const [right, down] = [0, 1].map((axis) => (to[axis] - from[axis]) / size(target));
+  const ways = [Math.abs(down) > FAR / 2 && (down > 0 ? "down" : "up"), Math.abs(right) > FAR / 2 && (right > 0 ? "right" : "left")];
+  return { code: ways.filter(Boolean).join("_"), excess: Math.hypot(right, down) / FAR };
+}
+
+/** @param {Quadrilateral} seen @param {Quadrilateral} target @returns {Difference} */
+function distance(seen, target) {
+  const larger = Math.log(size(target) / size(seen));
+  return { code: larger > 0 ? "closer" : "farther", excess: Math.abs(larger) / Math.log(LARGER) };
+}
+
+/** @param {Quadrilateral} seen @param {Quadrilateral} target @returns {Difference} */
+function turn(seen, target) {
+  const angle = Math.atan2(...direction(target)) - Math.atan2(...direction(seen));
+  const shortest = Math.atan2(Math.sin(angle), Math.cos(angle));
+  return { code: shortest > 0 ? "turn_clockwise" : "turn_counterclockwise", excess: Math.abs(shortest) / TURNED };
+}
+
+/**
+ * The nearer side of a board looks longer, the more so the larger the board looks: compared as if both looked as large.
+ * @param {Quadrilateral} seen @param {Quadrilateral} target @returns {Difference}
+ */
 function tilt(seen, target) {
+  const larger = size(target) / size(seen);
   const ratio = (/** @type {Quadrilateral} */ quadrilateral, /** @type {number} */ side) =>
     Math.log(length(quadrilateral, side) / length(quadrilateral, side + 2));
-  const [first, second] = [0, 1].map((side) => ratio(target, side) - ratio(seen, side));
-  if (Math.max(Math.abs(first), Math.abs(second)) < TILTED) return "";
+  const [first, second] = [0, 1].map((side) => ratio(target, side) - larger * ratio(seen, side));
   const side = Math.abs(first) > Math.abs(second) ? (first > 0 ? 0 : 2) : second > 0 ? 1 : 3;
   const [a, b] = [target[side], target[(side + 1) % 4]];
   const [cx, cy] = middle(target);
   const [x, y] = [(a[0] + b[0]) / 2 - cx, (a[1] + b[1]) / 2 - cy];
-  const name = Math.abs(x) > Math.abs(y) ? (x < 0 ? "Left" : "Right") : y < 0 ? "Top" : "Bottom";
-  return `${name} edge closer`;
+  const name = Math.abs(x) > Math.abs(y) ? (x < 0 ? "left" : "right") : y < 0 ? "top" : "bottom";
+  return { code: `tilt_${name}`, excess: Math.max(Math.abs(first), Math.abs(second)) / TILTED };
 }
 
 /** @param {Quadrilateral} quadrilateral */
-const middle = (quadrilateral) => [0, 1].map((axis) => quadrilateral.reduce((sum, point) => sum + point[axis], 0) / 4);
+export const middle = (quadrilateral) => [0, 1].map((axis) => quadrilateral.reduce((sum, point) => sum + point[axis], 0) / 4);
 
 /** Square root of the area, px. @param {Quadrilateral} quadrilateral */
 function size(quadrilateral) {

@@ -1,67 +1,112 @@
 // What the page says about itself, by its state.
-
+import { known, number, t } from "../i18n.js";
 import { isVirtual } from "../virtual/camera.js";
+import { asMirrored } from "./instruction.js";
 import { fieldOfView } from "./result.js";
+import { viewCount } from "./session.js";
 
 /** @typedef {import("./state.js").State} State */
 
-/** @param {number} count */
-const views = (count) => `${count} ${count === 1 ? "view" : "views"}`;
+/** Troubles name what to do about them: `capture.do_<code>`. @param {State} state */
+export function remedy({ instruction: { code } }) {
+  return known(`capture.do_${code}`) ? t(`capture.do_${code}`) : "";
+}
+
+/** The one instruction. @param {State} state */
+export function instruction({ patience, stalled, instruction: { code } }) {
+  if (stalled) return t("capture.say_stalled");
+  if (patience > 0) return t("capture.say_patience");
+  return code === "" ? "" : t(`capture.say_${code}`);
+}
+
+/** @param {State["notice"]} notice */
+export const notice = (notice) => (notice ? t(notice.key, notice.values) : "");
 
 /** What is being waited for before a capture. @param {State} state */
 export function opening({ waiting, patience, loading }) {
-  if (patience > 0) return "The connection to calibDB is lost. Trying again.";
-  if (waiting === "camera") return "Waiting for the camera. If your browser asks, allow it.";
-  if (waiting === "service") return "Asking calibDB for a session.";
-  return loading < 1 ? "Loading the board detector, 12 MB the first time." : "Starting the board detector.";
+  if (patience > 0) return t("capture.opening_patience");
+  if (waiting === "camera") return t("capture.opening_camera");
+  if (waiting === "service") return t("capture.opening_service");
+  return loading < 1 ? t("capture.opening_loading") : t("capture.opening_starting");
 }
 
 /** @param {State} state */
-export function kept({ session }) {
-  const count = session?.views.length ?? 0;
-  if (count === 0) return "";
-  return `${views(count)} ${count === 1 ? "is" : "are"} kept. Try again with the same camera to go on.`;
+export const failure = ({ failure }) => (failure ? t(`capture.fault_${failure.code}`, { detail: failure.detail }) : "");
+
+/** @param {State} state */
+export function kept(state) {
+  const count = viewCount(state);
+  return count === 0 ? "" : t("capture.kept", { count });
 }
 
 /** @param {State} state */
-export function stopping({ stopAsked, session }) {
-  return stopAsked === null ? "Stop" : `Stop and lose ${views(session?.views.length ?? 0)}?`;
+export const interrupted = ({ interrupted }) =>
+  (interrupted ? t("capture.interrupted", { camera: interrupted.camera, count: interrupted.views }) : "");
+
+/** @param {State} state */
+export function stopping(state) {
+  return state.stopAsked === null ? t("capture.stop") : t("capture.stop_losing", { count: viewCount(state) });
 }
 
 /** @param {State} state */
-export function counts({ session }) {
-  const accuracy = session?.uncertainty ? ` · ± ${session.uncertainty.rms.toFixed(2)} px` : "";
-  return `${views(session?.views.length ?? 0)}${accuracy}`;
+export function counts({ session, stored }) {
+  const used = session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
+  const aside = (session?.views.length ?? 0) - used;
+  return [
+    t("capture.views", { count: used }),
+    aside > 0 && t("capture.set_aside", { count: aside }),
+    stored > 0 && t("capture.waiting_views", { count: stored }),
+    session?.uncertainty && `± ${number(session.uncertainty.rms, 2)} px`,
+  ].filter(Boolean).join(" · ");
+}
+
+/** What the service advises; in its own words where the page has none. @param {State} state */
+export function advice({ session }) {
+  const first = session?.advice?.[0];
+  if (!first) return "";
+  const key = `capture.advice_${first.code}`;
+  return known(key) ? t(key, { model: session?.suggested_model ?? "" }) : first.text;
 }
 
 /** @param {string} camera @param {[number, number] | null} size */
-const described = (camera, size) => `${camera}${size ? ` at ${size.join(" × ")}` : ""}`;
+const described = (camera, size) => (size ? t("capture.camera_at", { camera, size: size.join(" × ") }) : camera);
 
 /** What the page was opened for, and whether it is there. @param {State} state */
 export function wanted({ wanted: { camera, img_size }, cameras }) {
   if (!camera) return "";
   const real = cameras.filter(({ id }) => id !== "virtual");
   const absent = !cameras.some(({ label }) => label === camera) && real.every(({ named }) => named);
-  const missing = real.length ? "It is not among the cameras found here." : "No camera was found here: plug it in.";
-  return `Asked for: ${described(camera, img_size)}${absent ? `. ${missing}` : ""}`;
+  const asked = t("capture.asked_for", { camera: described(camera, img_size) });
+  if (!absent) return asked;
+  return `${asked} ${real.length ? t("capture.not_among") : t("capture.none_here")}`;
 }
 
 /** That it is another camera which was opened; "" where it is the one. @param {State} state */
 export function another({ wanted: { camera, img_size }, key }) {
   if (!camera || !key) return "";
   if (camera === key.camera && (img_size ?? key.img_size).join() === key.img_size.join()) return "";
-  return `Asked for: ${described(camera, img_size)}. Opened: ${described(key.camera, key.img_size)}. ` +
-    "What is measured here is about the opened one.";
+  return t("capture.another_opened", { asked: described(camera, img_size), opened: described(key.camera, key.img_size) });
 }
+
+/** The open camera. @param {State} state */
+export function facts({ key, cropped }) {
+  if (!key) return "";
+  return [
+    key.camera, key.img_size.join(" × "), key.zoom && t("capture.zoom", { zoom: key.zoom }), cropped && t("capture.cropped"),
+  ].filter(Boolean).join(" · ");
+}
+
+/** All that is sent besides the corners, as it is sent. @param {State} state */
+export const sent = ({ key, track }) => (key ? JSON.stringify({ ...key, track }, null, 1) : "");
 
 /** What became of a finished capture. @param {State} state */
 export function summary({ session, key }) {
   if (!session?.calibration) return "";
   const { horizontal, vertical } = fieldOfView(session.calibration);
-  const meaning = isVirtual(key?.camera ?? "")
-    ? "This was a practice run with a made-up camera: yours is still to be measured."
-    : "The corner positions were added to the database: once five calibrations of this camera model agree, every web " +
-      "page can look it up.";
-  return `${views(session.views.length)}. The lens sees ${horizontal.toFixed(1)}° across and ${vertical.toFixed(1)}° ` +
-    `down, distortion aside. ${meaning}`;
+  const field = t("capture.field_of_view", { horizontal: number(horizontal, 1), vertical: number(vertical, 1) });
+  const meaning = isVirtual(key?.camera ?? "") ? t("capture.practice") : t("capture.contributed");
+  return `${t("capture.views", { count: session.views.length })}. ${field} ${meaning}`;
 }
+
+/** An instruction about the camera's picture. @param {State} state */
+export const unmirrored = ({ mirrored, instruction: { code } }) => (mirrored ? asMirrored(code) : code);

@@ -16,6 +16,21 @@ export function rotationMatrix([x, y, z]) {
   ];
 }
 
+/** Inverse of `rotationMatrix`. @param {number[]} matrix row-major 3x3 rotation @returns {number[]} rotation vector */
+export function rotationVectorOf([a, b, c, d, e, f, g, h, i]) {
+  // Of the four ways to the quaternion the one that divides by the largest (Shepperd 1978).
+  const squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i];
+  const largest = squares.indexOf(Math.max(...squares));
+  const q = [
+    [squares[0], h - f, c - g, d - b],
+    [h - f, squares[1], b + d, c + g],
+    [c - g, b + d, squares[2], f + h],
+    [d - b, c + g, f + h, squares[3]],
+  ][largest];
+  const length = Math.hypot(...q);
+  return rotationVector(q.map((value) => value / length));
+}
+
 /** @param {number[]} rvec @returns {number[]} unit quaternion w x y z */
 function quaternion([x, y, z]) {
   const angle = Math.hypot(x, y, z);

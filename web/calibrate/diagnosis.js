@@ -1,0 +1,101 @@
+// Why the board is not seen, or not seen well: what the worker measures, over time. Pure: the time comes in.
+
+/**
+ * @typedef {import("./detector.js").Detection} Detection
+ *
+ * @typedef {object} Diagnosis
+ * @property {string | null} trouble what is said: "dark", "bright", "blurred", "far", "wrong_board", "legacy", "mirrored", "moire", "moving"
+ * @property {string | null} suspected what the last frames look like
+ * @property {number} since ms, when it was first suspected
+ * @property {number} blindSince ms, since when no corner has been seen; infinite while some are
+ * @property {number} probedAt ms, when something else was looked for last
+ * @property {number} probes how often
+ * @property {string | null} probed what was found instead of the board; it stands until corners are seen
+ * @property {number[]} motions px a frame at 1280 px image width, of the last frames with a board
+ */
+
+/** @type {Diagnosis} */
+export const HEALTHY = {
+  trouble: null, suspected: null, since: 0, blindSince: Infinity, probedAt: 0, probes: 0, probed: null, motions: [],
+};
+
+const PERSISTS = 700; // ms that something must look wrong before it is said
+const BLIND = 1_200; // ms without a corner before anything else is looked for
+const BETWEEN = 600; // ms between probes: each costs a frame
+const FEW_MARKERS = 3; // recognised markers that are no accident
+const DARK = 40; // of 255: the brighter parts of the picture (95 %) are below twice this
+const BURNT = 0.25; // share of the picture that is white without structure
+const BLURRED = 0.075; // sharpness of a picture with edges: below, a square's edge is wider than about 6 px
+const SMALL = 16; // px: side of a square below which corners cannot be measured
+const STRIPES = 0.06; // standard deviation within the white of the board, of its contrast
+const FAST = 12; // px a frame: a rolling shutter bends what moves so fast
+const RECENT = 24; // frames
+
+/** What else is looked for, one after the other. @type {("mirrored" | "legacy" | "DICT_4X4_1000" | "DICT_5X5_1000" | "DICT_6X6_1000" | "DICT_7X7_1000" | "DICT_ARUCO_ORIGINAL" | "DICT_APRILTAG_36h11")[]} */
+export const PROBES = [
+  "mirrored", "legacy", "DICT_5X5_1000", "DICT_6X6_1000", "mirrored", "legacy", "DICT_4X4_1000", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL",
+  "DICT_APRILTAG_36h11",
+];
+
+/**
+ * @param {Diagnosis} before @param {Detection} detection @param {number} motion px since the frame before, infinite where
+ *   the two cannot be compared
+ * @param {number} time ms
+ * @returns {Diagnosis}
+ */
+export function diagnose(before, detection, motion, time) {
+  const { ids, size, probe } = detection;
+  const blind = ids.length === 0;
+  const blindSince = blind ? Math.min(before.blindSince, time) : Infinity;
+  const motions = blind ? [] : [...before.motions, (motion * 1280) / size[0]].filter(Number.isFinite).slice(-RECENT);
+  const probed = blind ? (probe ? (found(probe) ?? before.probed) : before.probed) : null;
+  const suspected = suspect(detection, blindSince === Infinity ? 0 : time - blindSince, probed, motions);
+  const since = suspected === before.suspected ? before.since : time;
+  return {
+    trouble: time - since >= PERSISTS ? suspected : before.trouble === suspected ? suspected : stillSaid(before, suspected),
+    suspected, since, blindSince, motions, probed,
+    probedAt: probe ? time : before.probedAt,
+    probes: before.probes + (probe ? 1 : 0),
+  };
+}
+
+/** What is said stays until its successor is sure, but not once the board is well seen. @param {Diagnosis} before @param {string | null} suspected */
+const stillSaid = (before, suspected) => (suspected === null ? null : before.trouble);
+
+/**
+ * What to look for besides the board in the next frame; null: nothing.
+ * @param {Diagnosis} diagnosis @param {number} time ms
+ */
+export function nextProbe({ blindSince, probedAt, probes }, time) {
+  return time - blindSince > BLIND && time - probedAt > BETWEEN ? PROBES[probes % PROBES.length] : null;
+}
+
+/** @param {{kind: string, markers: number, corners: number}} probe */
+function found({ kind, markers, corners }) {
+  if (kind === "mirrored" || kind === "legacy") return corners >= FEW_MARKERS ? kind : null;
+  return markers > FEW_MARKERS ? "wrong_board" : null;
+}
+
+/**
+ * @param {Detection} detection @param {number} blind ms without a corner @param {string | null} probed
+ * @param {number[]} motions
+ * @returns {string | null}
+ */
+function suspect({ ids, markers, signs }, blind, probed, motions) {
+  if (!signs) return null;
+  if (ids.length === 0) {
+    if (blind < PERSISTS) return null;
+    if (probed) return probed;
+    if (markers > 0 && signs.square > 0 && signs.square < SMALL) return "far";
+    if (signs.high < 2 * DARK && signs.middle < DARK) return "dark";
+    if (signs.burnt > BURNT) return "bright";
+    return signs.sharpness !== null && signs.sharpness < BLURRED ? "blurred" : null;
+  }
+  if (signs.square > 0 && signs.square < SMALL) return "far";
+  if (motions.length >= RECENT / 2 && median(motions) > FAST) return "moving";
+  if (signs.sharpness !== null && signs.sharpness < BLURRED) return "blurred";
+  return signs.stripes !== null && signs.stripes > STRIPES ? "moire" : null;
+}
+
+/** @param {number[]} values */
+const median = (values) => [...values].sort((a, b) => a - b)[values.length >> 1] ?? 0;

@@ -1,0 +1,98 @@
+// What is felt and heard when a view is taken: both hands hold the board, and the eyes may be on it.
+
+/** @typedef {"sound" | "vibration" | "voice"} Sense */
+
+/** Which are on before anybody has chosen. @type {Record<Sense, boolean>} */
+const AT_FIRST = { sound: true, vibration: true, voice: false };
+const KEPT = "calibdb.senses";
+const PAUSE = 1_800; // ms between two spoken hints: a person must be able to follow
+const NOTES = { taken: [1046.5, 1568], refused: [311.1], done: [784, 1046.5, 1568] }; // Hz
+const NOTE = 0.09; // s
+const LOUDNESS = 0.12; // of full scale
+
+/** @typedef {keyof typeof NOTES} Sign */
+
+export class Feedback {
+  #senses;
+  /** @type {AudioContext | null} */
+  #audio = null;
+  #spoken = "";
+  #spokenAt = -Infinity;
+
+  constructor() {
+    this.#senses = { ...AT_FIRST, ...kept() };
+  }
+
+  /** @param {Sense} sense */
+  has(sense) {
+    return this.#senses[sense];
+  }
+
+  /** Which of them this device has. @param {Sense} sense */
+  static offers(sense) {
+    if (sense === "sound") return typeof AudioContext === "function";
+    return sense === "vibration" ? "vibrate" in navigator : "speechSynthesis" in globalThis;
+  }
+
+  /** @param {Sense} sense @param {boolean} on */
+  switch(sense, on) {
+    this.#senses[sense] = on;
+    keep(this.#senses);
+    if (sense === "sound" && on) this.give("taken");
+    if (sense === "voice" && !on) globalThis.speechSynthesis?.cancel();
+  }
+
+  /** A sign by sound and by touch. @param {Sign} sign */
+  give(sign) {
+    // Browsers let no page sound or shake that nobody has touched yet.
+    if (!navigator.userActivation?.hasBeenActive) return;
+    if (this.#senses.sound && Feedback.offers("sound")) this.#play(NOTES[sign]);
+    if (this.#senses.vibration && Feedback.offers("vibration")) navigator.vibrate(sign === "refused" ? [30, 60, 30] : 60);
+  }
+
+  /** Says a hint, unless it has just been said or another one still is. @param {string} text @param {string} language @param {number} time ms */
+  say(text, language, time) {
+    if (!this.#senses.voice || !Feedback.offers("voice") || !text || text === this.#spoken) return;
+    if (time - this.#spokenAt < PAUSE || speechSynthesis.speaking) return;
+    this.#spoken = text;
+    this.#spokenAt = time;
+    const utterance = new SpeechSynthesisUtterance(text);
+    utterance.lang = language;
+    speechSynthesis.speak(utterance);
+  }
+
+  /** @param {number[]} notes */
+  #play(notes) {
+    const audio = (this.#audio ??= new AudioContext());
+    void audio.resume();
+    notes.forEach((frequency, index) => {
+      const [tone, volume] = [audio.createOscillator(), audio.createGain()];
+      const start = audio.currentTime + index * NOTE;
+      tone.frequency.value = frequency;
+      volume.gain.setValueAtTime(LOUDNESS, start);
+      volume.gain.exponentialRampToValueAtTime(0.001, start + 2 * NOTE);
+      tone.connect(volume).connect(audio.destination);
+      tone.start(start);
+      tone.stop(start + 2 * NOTE);
+    });
+  }
+}
+
+/** @returns {Partial<Record<Sense, boolean>>} */
+function kept() {
+  try {
+    return JSON.parse(localStorage.getItem(KEPT) ?? "{}");
+  } catch (error) {
+    if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;
+    return {};
+  }
+}
+
+/** @param {Record<Sense, boolean>} senses */
+function keep(senses) {
+  try {
+    localStorage.setItem(KEPT, JSON.stringify(senses));
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error; // not kept, then
+  }
+}

@@ -1,0 +1,39 @@
+// The target as a ghost of the board: its black squares, drawn through the same lens as its corners.
+import { isBlack } from "../board/geometry.js";
+
+/**
+ * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {number[][]} Polygon
+ */
+
+/**
+ * The black squares of the board in a pose. Vertices that the service gives are exact; those at the board's edge go on
+ * as the two before them did.
+ * @param {Board} board @param {{ids: number[], corners: number[][]}} pose
+ * @returns {Polygon[]} px
+ */
+export function blackSquares(board, { ids, corners }) {
+  const [columns, rows] = board.squares;
+  const place = new Map(ids.map((id, index) => [id, corners[index]]));
+  /** @type {(x: number, y: number) => number[] | null} */
+  const vertex = (x, y) => {
+    if (x === 0) return beyond(vertex(1, y), vertex(2, y));
+    if (x === columns) return beyond(vertex(columns - 1, y), vertex(columns - 2, y));
+    if (y === 0) return beyond(vertex(x, 1), vertex(x, 2));
+    if (y === rows) return beyond(vertex(x, rows - 1), vertex(x, rows - 2));
+    return place.get((y - 1) * (columns - 1) + x - 1) ?? null;
+  };
+  /** @type {Polygon[]} */
+  const squares = [];
+  for (let y = 0; y < rows; y++) {
+    for (let x = 0; x < columns; x++) {
+      if (!isBlack(board, x, y)) continue;
+      const vertices = [vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)];
+      if (vertices.every((each) => each !== null)) squares.push(/** @type {Polygon} */ (vertices));
+    }
+  }
+  return squares;
+}
+
+/** @param {number[] | null} near @param {number[] | null} next */
+const beyond = (near, next) => (near && next ? [2 * near[0] - next[0], 2 * near[1] - next[1]] : null);

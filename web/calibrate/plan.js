@@ -1,0 +1,73 @@
+// Where to hold the board when the service is away: a fixed plan of poses, drawn by the page itself.
+import { corners, outline } from "../board/geometry.js";
+import { reach } from "../network.js";
+import { lensOf } from "../sdk/projection.js";
+import { rotationMatrix, rotationVectorOf, transform } from "../virtual/pose.js";
+
+/**
+ * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("../sdk/projection.js").Intrinsics} Intrinsics
+ * @typedef {import("./session.js").Pose} Pose
+ * @typedef {{rvec: number[], tvec: number[], purpose: string, hint: string, hint_code?: string}} Step board → camera, squares
+ */
+
+/** What the plan was made for: a camera of 0.8 image widths, in landscape, and our own board. */
+const FOCAL = 0.8;
+const MADE_FOR = /** @type {[number, number]} */ ([9, 6]);
+
+/** @returns {Promise<Step[]>} none where there is no plan: it is a comfort, and no capture fails for it */
+export async function loadPlan() {
+  const response = await reach(new URL("./plan.json", import.meta.url));
+  return response.ok ? response.json() : [];
+}
+
+/**
+ * A step of the plan for this board and this camera.
+ * @param {Step} step @param {Board} board @param {[number, number]} size of the image, px
+ * @param {Intrinsics | null} known null: no view has been fitted yet
+ * @returns {Pose} with the index −1: it answers no pose of the service
+ */
+export function plannedPose(step, board, size, known) {
+  const longer = Math.max(...size);
+  const { camera_matrix: [[fx]] } = known ?? pinhole(size);
+  const larger = (Math.hypot(...board.squares) / Math.hypot(...MADE_FOR)) * (fx / (FOCAL * longer));
+  const upright = size[0] < size[1];
+  const turned = upright ? quarterTurn(step) : step;
+  // The board's middle stays where the plan has it, in the picture; its size there as well.
+  const centre = transform(turned, [MADE_FOR[0] / 2, MADE_FOR[1] / 2, 0])
+    .map((value, axis) => value * larger * (axis < 2 ? (FOCAL * longer) / fx : 1));
+  const half = transform({ rvec: turned.rvec, tvec: [0, 0, 0] }, [board.squares[0] / 2, board.squares[1] / 2, 0]);
+  const pose = { rvec: turned.rvec, tvec: centre.map((value, axis) => value - half[axis]) };
+  const lens = lensOf(known ?? pinhole(size));
+  const project = (/** @type {number[]} */ [x, y]) => lens.project(transform(pose, [x, y, 0]));
+  /** @type {number[]} */
+  const ids = [];
+  /** @type {[number, number][]} */
+  const seen = [];
+  corners(board).forEach((point, id) => {
+    const q = project(point);
+    if (!q || q[0] < 0 || q[1] < 0 || q[0] > size[0] - 1 || q[1] > size[1] - 1) return;
+    ids.push(id);
+    seen.push(q);
+  });
+  const edge = outline(board).map(project).filter((q) => q !== null);
+  return /** @type {Pose} */ ({
+    index: -1, ...pose, ids, corners: seen, outline: edge, purpose: step.purpose, hint: step.hint, hint_code: step.hint_code ?? "first",
+  });
+}
+
+/** The camera that the plan supposes. @param {[number, number]} size @returns {Intrinsics} */
+function pinhole([width, height]) {
+  const f = FOCAL * Math.max(width, height);
+  return {
+    camera_matrix: [[f, 0, (width - 1) / 2], [0, f, (height - 1) / 2], [0, 0, 1]],
+    distortion_coefficients: [0, 0, 0, 0, 0],
+    distortion_model: "rectilinear",
+  };
+}
+
+/** The same pose before a camera held upright. @param {Step} step */
+function quarterTurn({ rvec, tvec: [x, y, z] }) {
+  const [a, b, c, d, e, f, g, h, i] = rotationMatrix(rvec);
+  return { rvec: rotationVectorOf([-d, -e, -f, a, b, c, g, h, i]), tvec: [-y, x, z] };
+}
