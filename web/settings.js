@@ -1,7 +1,7 @@
 // Where the API is, and the token of these pages: written by whoever serves them.
 import { reach } from "./network.js";
 
-/** @typedef {{api: string, token: string}} Settings */
+/** @typedef {{api: string, token: string, return_origins?: string[]}} Settings return_origins: to which results may be handed */
 
 /** The page is there and what belongs to it is not. */
 export class SettingsError extends Error {}

@@ -1,0 +1,68 @@
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { returnAddress, withResult } from "../../web/result/back.js";
+import { complaint, covered, digitsFor, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/result/numbers.js";
+import { ticks } from "../../web/result/svg.js";
+
+const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
+
+test("values are given with the digits that their standard deviations carry", () => {
+  assert.deepEqual([1.04, 0.749, 0.0023, 12, 0].map(digitsFor), [1, 2, 4, 0, 2]);
+  const rows = intrinsics(calibration, report);
+  assert.deepEqual(rows.map(({ name }) => name), ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"]);
+  assert.equal(rows[0].std, report.std.fx);
+  assert.ok(rows[4].value === calibration.distortion_coefficients[0] && rows[4].std === report.std.distortion[0]);
+  assert.ok(intrinsics(calibration, null).every(({ std }) => std === null));
+});
+
+test("the field of view counts the distortion in, also beyond a half circle", () => {
+  const matrix = [[200, 0, 639.5], [0, 200, 359.5], [0, 0, 1]];
+  const wide = { ...calibration, camera_matrix: matrix, distortion_model: "fisheye", distortion_coefficients: [0, 0, 0, 0] };
+  const { horizontal, vertical } = fieldOfView(wide);
+  assert.ok(Math.abs(horizontal - (1280 / 200) * (180 / Math.PI)) < 1e-6, `${horizontal}`);
+  assert.ok(Math.abs(vertical - (720 / 200) * (180 / Math.PI)) < 1e-6, `${vertical}`);
+  assert.equal(fieldOfView({ ...wide, camera_matrix: [[150, 0, 639.5], [0, 150, 359.5], [0, 0, 1]] }).diagonal, null);
+});
+
+test("the views to take again are named, and only those", () => {
+  const found = report.views.map((view) => complaint(view, report.views));
+  assert.deepEqual(found.map((what, index) => [index, what]).filter(([, what]) => what), [[1, "stands_out"], [4, "stands_out"], [5, "left_out"]]);
+  const even = [0.2, 0.22, 0.25].map((rms, index) => ({ index, rms, points: [], residuals: [], cut: [], reason: null }));
+  assert.ok(even.every((view) => complaint(view, even) === null));
+});
+
+test("coverage counts cells of the picture", () => {
+  assert.equal(covered([[10, 10], [12, 12]], [1200, 700]), 1 / 84);
+  assert.equal(covered([], [1200, 700]), 0);
+  assert.deepEqual(extremes([[1, null], [2, 3]]), { max: 3, mean: 2 });
+});
+
+test("without a report the predicted error decides, relative to the picture", () => {
+  const at = (rms, width) => levelOf({ uncertainty: { rms, max: rms }, img_size: [width, 720] });
+  assert.deepEqual([at(0.3, 1280), at(0.3, 320), at(3, 1280)], ["good", "fair", "poor"]);
+});
+
+test("axes are numbered roundly", () => {
+  assert.deepEqual(ticks(1280, 5), [0, 400, 800, 1200]);
+  assert.deepEqual(ticks(640, 4), [0, 200, 400, 600]);
+});
+
+test("files are named after the camera", () => {
+  assert.equal(fileName(calibration), "example-camera-1234-5678-1280x720.json");
+  assert.equal(fileName({ ...calibration, camera: "…" }, "yaml"), "camera-1280x720.yaml");
+});
+
+test("results go back to allowed origins alone", () => {
+  const here = "https://calibdb.example";
+  const allowed = ["https://app.example"];
+  const to = (address, from = here) => returnAddress(address, from, allowed)?.allowed ?? null;
+  assert.equal(to("https://app.example/ar?x=1#y"), true);
+  assert.equal(to("/elsewhere"), true);
+  assert.equal(to("https://app.example.evil.example/"), false);
+  assert.equal(to("http://app.example/"), false);
+  assert.equal(to("http://localhost:5173/"), false, "a deployed service sends nobody to their own machine");
+  assert.equal(to("http://localhost:5173/", "http://127.0.0.1:8000"), true);
+  for (const address of [null, "", "javascript:alert(1)", "data:text/html,x", "https://user:pw@app.example/"]) assert.equal(to(address), null, address);
+  assert.equal(withResult(new URL("https://app.example/ar?x=1#y=2"), "a/b"), "https://app.example/ar?x=1#y=2&calibration=a%2Fb");
+});

@@ -1,0 +1,30 @@
+// The way back to the application that sent somebody here to calibrate a camera.
+
+/**
+ * Where a result may be handed to: the address that was asked for, if its origin is this site's own or one that whoever
+ * runs the service allows. Any other would make this page a way to send people anywhere.
+ * @param {string | null} wanted from this page's own address @param {string} here this page's origin
+ * @param {readonly string[]} allowed origins
+ * @returns {{url: URL, allowed: boolean} | null} null: nobody asked, or it is no address of a web page
+ */
+export function returnAddress(wanted, here, allowed) {
+  if (!wanted || !URL.canParse(wanted, here)) return null;
+  const url = new URL(wanted, here);
+  if (!/^https?:$/.test(url.protocol) || url.username || url.password) return null;
+  const loopback = /^(localhost|127\.0\.0\.1|\[::1\])$/;
+  // Where the service itself runs on the developer's machine, so do the applications that try it.
+  const developed = loopback.test(new URL(here).hostname) && loopback.test(url.hostname);
+  return { url, allowed: url.origin === here || developed || allowed.includes(url.origin) };
+}
+
+/**
+ * The address with the result: in the fragment, which no server gets to see but the application's own page.
+ * @param {URL} url @param {string} id of the calibration
+ */
+export function withResult(url, id) {
+  const there = new URL(url);
+  const fragment = new URLSearchParams(there.hash.slice(1));
+  fragment.set("calibration", id);
+  there.hash = fragment.toString();
+  return there.href;
+}

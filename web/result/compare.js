@@ -1,0 +1,44 @@
+// Before and after: a picture as the camera took it, and straightened, with a line between them that can be moved.
+import { el } from "../dom.js";
+import { t } from "../i18n.js";
+import { Rectifier, RectifierError } from "../sdk/rectifier.js";
+
+/** @typedef {import("./numbers.js").Calibration} Calibration */
+
+/**
+ * @param {Calibration} calibration
+ * @param {HTMLCanvasElement} picture of the calibration's size; it stays on this device
+ * @returns {{element: HTMLElement, dispose: () => void}}
+ */
+export function comparison(calibration, picture) {
+  const [width, height] = calibration.img_size;
+  const before = el("canvas", { width, height, role: "img", "aria-label": t("result.before") });
+  before.getContext("2d")?.drawImage(picture, 0, 0);
+  let rectifier;
+  try {
+    rectifier = new Rectifier(calibration);
+  } catch (error) {
+    if (!(error instanceof RectifierError)) throw error;
+    return { element: el("p", { class: "muted" }, t("result.no_webgl")), dispose() {} };
+  }
+  const made = rectifier;
+  const after = /** @type {HTMLCanvasElement} */ (made.canvas);
+  after.setAttribute("role", "img");
+  after.setAttribute("aria-label", t("result.after"));
+  made.draw(before);
+
+  const stage = el("div", { class: "compare" }, before, after);
+  const slider = el("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": t("result.slider") });
+  const cut = () => stage.style.setProperty("--cut", `${slider.value}%`);
+  slider.addEventListener("input", cut);
+  cut();
+  const all = el("input", { type: "checkbox" });
+  all.addEventListener("change", () => {
+    made.balance(all.checked ? 1 : 0);
+    made.draw(before);
+  });
+  const element = el("figure", { class: "figure" }, stage, slider,
+    el("figcaption", { class: "sides" }, el("span", {}, t("result.before")), el("span", {}, t("result.after"))),
+    el("label", { class: "choice" }, all, el("span", {}, t("result.keep_edges"))));
+  return { element, dispose: () => made.dispose() };
+}

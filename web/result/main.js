@@ -1,0 +1,71 @@
+// The page of one stored calibration: /result/?id=…
+import { ApiError, OfflineError } from "../calibrate/api.js";
+import { el, part } from "../dom.js";
+import { t } from "../i18n.js";
+import { openPage } from "../page.js";
+import { SettingsError, loadSettings } from "../settings.js";
+import words from "../words/result.js";
+import { load } from "./source.js";
+import { ResultView } from "./view.js";
+
+/** @typedef {import("./view.js").Result} Result */
+
+openPage({ result: words });
+const query = new URLSearchParams(location.search);
+const root = part("result", HTMLElement);
+const status = part("status", HTMLElement);
+const view = new ResultView(root);
+
+/** @param {unknown} error */
+function explain(error) {
+  if ([ApiError, OfflineError, SettingsError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
+  console.error(error);
+  return t("common.went_wrong", { message: String(error) });
+}
+
+/** A picture of this camera to straighten. @param {Result} result */
+function offerPicture(result) {
+  const [width, height] = result.calibration.img_size;
+  const input = part("picture", HTMLInputElement);
+  const problem = part("picture-problem", HTMLElement);
+  part("trial", HTMLElement).hidden = false;
+  input.addEventListener("change", async () => {
+    const [file] = input.files ?? [];
+    if (!file) return;
+    problem.textContent = "";
+    try {
+      const picture = await createImageBitmap(file);
+      if (picture.width * height !== picture.height * width) {
+        problem.textContent = t("result.picture_shape", { size: `${width} × ${height}` });
+        return;
+      }
+      const canvas = el("canvas", { width, height });
+      canvas.getContext("2d")?.drawImage(picture, 0, 0, width, height);
+      view.show({ ...result, picture: canvas });
+      document.getElementById("result-straight")?.scrollIntoView();
+    } catch (error) {
+      if (!(error instanceof DOMException)) throw error;
+      problem.textContent = t("result.picture_unreadable");
+    }
+  });
+}
+
+async function show() {
+  const id = query.get("id");
+  if (!id) {
+    status.textContent = t("result.no_id");
+    return;
+  }
+  try {
+    const [{ calibration, report }, { return_origins: returnOrigins }] = await Promise.all([load(id), loadSettings()]);
+    status.hidden = true;
+    /** @type {Result} */
+    const result = { calibration, report, origin: "stored", returnTo: query.get("return_to"), returnOrigins, explain };
+    view.show(result);
+    offerPicture(result);
+  } catch (error) {
+    status.textContent = explain(error);
+  }
+}
+
+void show();

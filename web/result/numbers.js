@@ -1,0 +1,108 @@
+// A calibration in numbers that people read. Pure.
+import { COEFFICIENTS, lensOf } from "../sdk/projection.js";
+
+/**
+ * @typedef {import("../sdk/calibdb.js").Calibration} Calibration
+ *
+ * @typedef {object} ReportView
+ * @property {number} index of the pose it answered
+ * @property {number} rms px
+ * @property {(number | null)[][]} points px
+ * @property {(number | null)[][]} residuals measured minus predicted, px
+ * @property {number[]} cut numbers of the points left out of the fit
+ * @property {string | null} reason why all of it was left out
+ *
+ * @typedef {object} Report how a calibration came out, as the service described it then
+ * @property {{level: "good" | "fair" | "poor", reasons: {code: string, text: string}[]}} verdict
+ * @property {{fx: number | null, fy: number | null, cx: number | null, cy: number | null, distortion: (number | null)[]}} std
+ * @property {{grid: [number, number], px: (number | null)[][]}} error_map columns and rows; predicted error, px
+ * @property {number | null} held_out px rms
+ * @property {ReportView[]} views
+ *
+ * @typedef {object} Row
+ * @property {string} name
+ * @property {number} value
+ * @property {number | null} std standard deviation
+ * @property {number} digits after the point
+ * @property {"px" | ""} unit
+ */
+
+const STANDS_OUT = 2.5; // times the median rms of the views
+const NOTICED = 0.3; // px; below this nobody looks for a reason
+
+/** How good it is in one word, where no report says so. @param {Calibration} calibration @returns {"good" | "fair" | "poor"} */
+export function levelOf({ uncertainty: { rms }, img_size: [width] }) {
+  const relative = (rms * 1280) / width;
+  return relative <= 0.6 ? "good" : relative <= 2 ? "fair" : "poor";
+}
+
+/** Digits after the point that a value with this standard deviation carries. @param {number} std */
+export function digitsFor(std) {
+  return std > 0 ? Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(std)))) : 2;
+}
+
+/** Focal lengths, centre, coefficients. @param {Calibration} calibration @param {Report | null} report @returns {Row[]} */
+export function intrinsics({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion_coefficients, distortion_model }, report) {
+  const names = COEFFICIENTS[distortion_model] ?? [];
+  /** @param {string} name @param {number} value @param {number | null | undefined} std @param {number} digits @param {"px" | ""} unit @returns {Row} */
+  const row = (name, value, std, digits, unit) => ({ name, value, std: std ?? null, digits: std ? digitsFor(std) : digits, unit });
+  const std = report?.std;
+  return [
+    row("fx", fx, std?.fx, 2, "px"), row("fy", fy, std?.fy, 2, "px"), row("cx", cx, std?.cx, 2, "px"), row("cy", cy, std?.cy, 2, "px"),
+    ...distortion_coefficients.map((value, index) => row(names[index] ?? `d${index}`, value, std?.distortion[index], 5, "")),
+  ];
+}
+
+/**
+ * Opening angles across the picture's middle and from corner to corner, degrees; null where the model sees no ray there.
+ * @param {Calibration} calibration
+ */
+export function fieldOfView(calibration) {
+  const { camera_matrix: [[, , cx], [, , cy]], img_size: [width, height] } = calibration;
+  const lens = lensOf(calibration);
+  const between = (/** @type {[number, number]} */ a, /** @type {[number, number]} */ b) => {
+    const [p, q] = [lens.unproject(a), lens.unproject(b)];
+    if (!p || !q) return null;
+    // Through the axis: two rays beyond 90° are more than 180° apart.
+    return ((Math.acos(p[2]) + Math.acos(q[2])) * 180) / Math.PI;
+  };
+  const [right, bottom] = [width - 0.5, height - 0.5];
+  return {
+    horizontal: between([-0.5, cy], [right, cy]), vertical: between([cx, -0.5], [cx, bottom]),
+    diagonal: between([-0.5, -0.5], [right, bottom]),
+  };
+}
+
+/** Share of the picture, in cells of a 12th of its width, that has seen corners. @param {number[][]} points @param {[number, number]} size */
+export function covered(points, [width, height]) {
+  const columns = 12;
+  const rows = Math.max(1, Math.round((columns * height) / width));
+  const cell = (/** @type {number} */ value, /** @type {number} */ side, /** @type {number} */ count) =>
+    Math.min(count - 1, Math.max(0, Math.floor(((value + 0.5) / side) * count)));
+  return new Set(points.map(([x, y]) => cell(y, height, rows) * columns + cell(x, width, columns))).size / (columns * rows);
+}
+
+/**
+ * What to do about a view: null where nothing.
+ * @param {ReportView} view @param {ReportView[]} views
+ * @returns {"left_out" | "stands_out" | "some_cut" | null}
+ */
+export function complaint(view, views) {
+  if (view.reason) return "left_out";
+  const sorted = views.map(({ rms }) => rms).sort((a, b) => a - b);
+  const median = sorted[Math.floor(sorted.length / 2)];
+  if (views.length > 2 && view.rms > STANDS_OUT * median && view.rms > NOTICED) return "stands_out";
+  return view.cut.length > 0.1 * view.points.length ? "some_cut" : null;
+}
+
+/** Largest and mean value of a map. @param {(number | null)[][]} map */
+export function extremes(map) {
+  const values = map.flat().filter((value) => value !== null);
+  return { max: Math.max(...values), mean: values.reduce((sum, value) => sum + value, 0) / values.length };
+}
+
+/** @param {Calibration} calibration @param {string} [ending] @returns {string} a file name without spaces */
+export function fileName({ camera, img_size }, ending = "json") {
+  const name = camera.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "") || "camera";
+  return `${name}-${img_size.join("x")}.${ending}`;
+}

@@ -1,0 +1,129 @@
+// The pictures of a result: predicted error, distortion, coverage, residuals. Numbers in, SVG out.
+import { number, t } from "../i18n.js";
+import { lensOf } from "../sdk/projection.js";
+import { complaint, covered, extremes } from "./numbers.js";
+import { arrow, imagePlot, make, short } from "./svg.js";
+
+/**
+ * @typedef {import("./numbers.js").Calibration} Calibration
+ * @typedef {import("./numbers.js").Report} Report
+ * @typedef {import("./numbers.js").ReportView} ReportView
+ */
+
+const STEPS = 8; // of the colour scale, see style.css
+const GRID = [17, 11]; // arrows of the distortion
+const NOTABLE = 0.02; // of the width; smaller distortions are drawn larger than they are
+const FURTHEST = 0.2; // least cosine of an angle at which a pinhole's picture still is one
+
+/** A round number not below. @param {number} value */
+export function roundUp(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return ([1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10].find((factor) => factor * power >= value * 0.999) ?? 10) * power;
+}
+
+/** Predicted error over the picture, by lightness and in numbers. @param {Calibration} calibration @param {Report["error_map"]} map */
+export function errorPlot({ img_size: [width, height] }, { grid: [columns, rows], px }) {
+  const { max, mean } = extremes(px);
+  const top = roundUp(max);
+  const digits = top < 1 ? 2 : 1;
+  const label = t("result.error_label", { mean: number(mean, digits), max: number(max, digits) });
+  const { svg, area, x, y, unit } = imagePlot([width, height], label, { name: "heat" });
+  // The map's points include the first and the last pixel: a cell is what is nearest to one.
+  const [dx, dy] = [(width - 1) / (columns - 1), (height - 1) / (rows - 1)];
+  const level = (/** @type {number} */ value) => Math.min(STEPS - 1, Math.floor((value / top) * STEPS));
+  px.forEach((line, row) => line.forEach((value, column) => {
+    const cell = { x: short(x((column - 0.5) * dx)), y: short(y((row - 0.5) * dy)), width: short(dx * unit + 0.3), height: short(dy * unit + 0.3) };
+    area.append(make("rect", { ...cell, class: value === null ? "blind" : `heat-${level(value)}` }));
+  }));
+  for (const row of spread(rows, 4)) {
+    for (const column of spread(columns, 5)) {
+      const value = px[row][column];
+      if (value === null) continue;
+      const place = { x: short(x(column * dx)), y: short(y(row * dy) + 4), "text-anchor": "middle" };
+      area.append(make("text", { ...place, class: level(value) < STEPS / 2 ? "on-little" : "on-much" }, [number(value, digits)]));
+    }
+  }
+  return { svg, scale: scaleOf(top, digits), caption: t("result.error_caption", { mean: number(mean, digits), max: number(max, digits) }) };
+}
+
+/** Places that leave the rim free for letters. @param {number} count @param {number} wanted */
+const spread = (count, wanted) => Array.from({ length: wanted }, (_, index) => Math.round(((index + 0.5) * count) / wanted - 0.5));
+
+/** The colour scale with its numbers. @param {number} top px @param {number} digits */
+function scaleOf(top, digits) {
+  const svg = make("svg", { viewBox: "0 0 440 36", class: "plot heat", "aria-hidden": "true" });
+  const width = (440 - 60) / STEPS;
+  for (let step = 0; step < STEPS; step++) {
+    svg.append(make("rect", { x: short(52 + step * width), y: 1, width: short(width + 0.3), height: 12, class: `heat-${step}` }));
+  }
+  for (let step = 0; step <= STEPS; step += 2) {
+    const words = `${number((top * step) / STEPS, digits)}${step === STEPS ? " px" : ""}`;
+    svg.append(make("text", { x: short(52 + step * width), y: 30, "text-anchor": step === STEPS ? "end" : step === 0 ? "start" : "middle" }, [words]));
+  }
+  return svg;
+}
+
+/** Where a pinhole with the same matrix would show what the lens shows elsewhere. @param {Calibration} calibration */
+export function distortionPlot(calibration) {
+  const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
+  const lens = lensOf(calibration);
+  /** @type {{from: number[], to: number[]}[]} */
+  const moves = [];
+  for (let row = 0; row < GRID[1]; row++) {
+    for (let column = 0; column < GRID[0]; column++) {
+      const to = [((column + 0.5) * width) / GRID[0] - 0.5, ((row + 0.5) * height) / GRID[1] - 0.5];
+      const ray = lens.unproject(to);
+      if (!ray || ray[2] < FURTHEST) continue;
+      moves.push({ to, from: [(fx * ray[0]) / ray[2] + cx, (fy * ray[1]) / ray[2] + cy] });
+    }
+  }
+  const largest = Math.max(0, ...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
+  const scale = largest > NOTABLE * width || largest === 0 ? 1 : 10 ** Math.ceil(Math.log10((NOTABLE * width) / largest));
+  const label = t("result.distortion_label", { max: number(largest, 1) });
+  const { svg, area, x, y } = imagePlot([width, height], label, { name: "distortion" });
+  const path = moves.map(({ from: [u, v], to: [p, q] }) => arrow(x(p + (u - p) * scale), y(q + (v - q) * scale), x(p), y(q))).join("");
+  area.append(make("path", { d: path, class: "mark" }));
+  area.append(make("path", { d: `M${short(x(cx) - 7)} ${short(y(cy))}h14M${short(x(cx))} ${short(y(cy) - 7)}v14`, class: "axis" }));
+  const factor = scale === 1 ? "" : ` ${t("result.magnified", { factor: scale })}`;
+  return { svg, caption: t("result.distortion_caption", { max: number(largest, 1) }) + factor };
+}
+
+/** All corners measured. @param {Calibration} calibration @param {Report} report */
+export function coveragePlot({ img_size }, { views }) {
+  const points = views.flatMap((view) => /** @type {number[][]} */ (view.points));
+  const share = number(100 * covered(points, img_size), 0);
+  const { svg, area, x, y } = imagePlot(img_size, t("result.coverage_label", { share }), { name: "coverage" });
+  area.append(make("path", { d: dots(points.map(([u, v]) => [x(u), y(v)])), class: "dot" }));
+  return { svg, caption: t("result.coverage_caption", { share, count: points.length }) };
+}
+
+/** @param {number[][]} points in plot units */
+const dots = (points) => points.map(([u, v]) => `M${short(u)} ${short(v)}h.01`).join("");
+
+/**
+ * The residuals of one view, drawn larger than they are.
+ * @param {Calibration} calibration @param {ReportView} view @param {ReportView[]} views @param {number} factor
+ */
+export function residualPlot({ img_size }, view, views, factor) {
+  const what = complaint(view, views);
+  const label = t("result.view_label", { index: view.index + 1, rms: number(view.rms, 2) });
+  const { svg, area, x, y } = imagePlot(img_size, label, { plain: true, name: `residuals ${what ? "bad" : ""}` });
+  const cut = new Set(view.cut);
+  const lines = view.points.map((point, number) => {
+    const [[u, v], [du, dv]] = /** @type {number[][]} */ ([point, view.residuals[number]]);
+    return u === null || du === null ? null : { cut: view.reason !== null || cut.has(number), at: [x(u), y(v)], d: arrow(x(u), y(v), x(u + du * factor), y(v + dv * factor)) };
+  }).filter((line) => line !== null);
+  const path = (/** @type {boolean} */ which) => lines.filter((line) => line.cut === which).map(({ d }) => d).join("");
+  area.append(make("path", { d: path(false), class: "mark" }), make("path", { d: dots(lines.map(({ at }) => at)), class: "dot" }));
+  // A cross too: what was left out is not to be told by its colour alone.
+  const crosses = lines.filter((line) => line.cut).map(({ at: [u, v] }) => `M${short(u - 3)} ${short(v - 3)}l6 6m0-6l-6 6`).join("");
+  area.append(make("path", { d: path(true) + crosses, class: "cut" }));
+  return svg;
+}
+
+/** How much larger residuals are drawn, the same for all views: a typical one is a 40th of the width. @param {Calibration} calibration @param {Report} report */
+export function magnification({ img_size: [width] }, { views }) {
+  const sorted = views.map(({ rms }) => rms).sort((a, b) => a - b);
+  const typical = Math.max(sorted[Math.floor(sorted.length / 2)] ?? 0, 1e-3);
+  return Math.max(1, Number((width / 40 / typical).toPrecision(1)));
+}

@@ -1,0 +1,181 @@
+// A result: what it is worth in plain words, the numbers, the pictures behind them, and what to do with it.
+import { el } from "../dom.js";
+import { known, number, onLanguage, t } from "../i18n.js";
+import { FORMATS } from "../vendor/formats.js";
+import { returnAddress, withResult } from "./back.js";
+import { comparison } from "./compare.js";
+import { complaint, fieldOfView, intrinsics, levelOf } from "./numbers.js";
+import { coveragePlot, distortionPlot, errorPlot, magnification, residualPlot } from "./plots.js";
+import { save } from "./source.js";
+
+/**
+ * @typedef {import("./numbers.js").Calibration} Calibration
+ * @typedef {import("./numbers.js").Report} Report
+ *
+ * @typedef {object} Result
+ * @property {Calibration} calibration
+ * @property {Report | null} report null: not there, or not yet
+ * @property {HTMLCanvasElement | null} [picture] one of this camera, which stays on this device
+ * @property {"added" | "practice" | "stored"} origin what becomes of it
+ * @property {string | null} [returnTo] address of the application that asked
+ * @property {readonly string[]} [returnOrigins] to which results may be handed
+ * @property {{label: string, action: () => void}} [again]
+ * @property {(error: unknown) => string} explain an error, in words for people
+ */
+
+/** Shows one result in an element, and whatever is shown there next. */
+export class ResultView {
+  #root;
+  /** @type {Result | null} */
+  #result = null;
+  /** @type {(() => void)[]} */
+  #held = [];
+  #unlisten;
+
+  /** @param {HTMLElement} root */
+  constructor(root) {
+    this.#root = root;
+    this.#unlisten = onLanguage(() => this.#result && this.show(this.#result));
+  }
+
+  /** @param {Result} result */
+  show(result) {
+    this.#release();
+    this.#result = result;
+    const { calibration, report } = result;
+    const straight = result.picture ? comparison(calibration, result.picture) : null;
+    if (straight) this.#held.push(straight.dispose);
+    const focused = document.activeElement?.id === "verdict";
+    this.#root.replaceChildren(...[
+      opening(result),
+      result.returnTo ? returning(result) : null,
+      band("numbers", tables(calibration, report)),
+      report && band("error", plot(errorPlot(calibration, report.error_map))),
+      band("distortion", plot(distortionPlot(calibration))),
+      report && band("coverage", plot(coveragePlot(calibration, report))),
+      report && band("views", views(calibration, report)),
+      straight && band("straight", straight.element),
+      band("take", files(result)),
+      band("help", el("p", { id: "summary" }, t(`result.help_${result.origin}`, { count: calibration.calibrations }))),
+    ].filter((section) => section !== null));
+    if (focused) document.getElementById("verdict")?.focus();
+  }
+
+  /** Takes it all away. */
+  clear() {
+    this.#release();
+    this.#result = null;
+    this.#root.replaceChildren();
+  }
+
+  close() {
+    this.clear();
+    this.#unlisten();
+  }
+
+  #release() {
+    for (const free of this.#held.splice(0)) free();
+  }
+}
+
+/** The verdict, and why. @param {Result} result */
+function opening({ calibration, report, again }) {
+  const level = report?.verdict.level ?? levelOf(calibration);
+  const { uncertainty: { rms, max }, img_size } = calibration;
+  const values = { rms: number(rms, rms < 0.1 ? 2 : 1), max: number(max, max < 0.1 ? 2 : 1) };
+  const reasons = report?.verdict.reasons ?? [];
+  return el("header", { class: "opening" },
+    el("p", { class: "label" }, [calibration.camera, img_size.join(" × "), calibration.distortion_model].join(" · ")),
+    el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
+    el("p", { class: "lead" }, t(`result.means_${level}`), " ", t("result.sentence", values)),
+    ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map(({ code, text }) =>
+      el("li", {}, known(`result.reason_${code}`) ? t(`result.reason_${code}`) : text)))] : []),
+    ...(again ? [el("div", { class: "actions" }, button(again.label, again.action, { id: "once-more" }))] : []),
+  );
+}
+
+/** @param {Result} result */
+function returning({ calibration, returnTo, returnOrigins = [] }) {
+  const found = returnAddress(returnTo ?? null, location.origin, returnOrigins);
+  if (!found || !calibration.id) return null;
+  const { url: { host }, url, allowed } = found;
+  if (!allowed) return el("p", { class: "return problem" }, t("result.back_refused", { host }));
+  return el("section", { class: "return" },
+    el("a", { class: "button primary", id: "return", href: withResult(url, calibration.id) }, t("result.back", { host })),
+    el("p", { class: "muted" }, t("result.back_text", { host })));
+}
+
+/** @param {"numbers" | "error" | "distortion" | "coverage" | "views" | "straight" | "take" | "help"} name @param {Node} content */
+function band(name, content) {
+  const id = `result-${name}`;
+  return el("section", { class: "band", "aria-labelledby": id }, el("h2", { id }, t(`result.part_${name}`)), el("div", {}, content));
+}
+
+/** @param {{svg: Node, caption: string, scale?: Node}} made */
+function plot({ svg, caption, scale }) {
+  return el("figure", { class: "figure measured" }, svg, ...(scale ? [scale] : []), el("figcaption", {}, caption));
+}
+
+/** @param {Calibration} calibration @param {Report | null} report */
+function tables(calibration, report) {
+  const { horizontal, vertical, diagonal } = fieldOfView(calibration);
+  const degrees = (/** @type {number | null} */ angle) => (angle === null ? "–" : number(angle, 1));
+  /** @param {string} name @param {string} value @param {string} more @param {string} unit */
+  const row = (name, value, more, unit) => el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, value), el("td", { class: "std" }, more), el("td", { class: "unit" }, unit));
+  const px = (/** @type {string} */ name, /** @type {number | null | undefined} */ value) =>
+    (typeof value === "number" ? [row(t(name), number(value, 3), "", "px rms")] : []);
+  const [w, h] = calibration.img_size;
+  return el("div", { class: "columns" },
+    el("table", {}, el("caption", {}, t("result.intrinsics", { size: `${w} × ${h}`, model: calibration.distortion_model })),
+      el("tbody", {}, ...intrinsics(calibration, report).map(({ name, value, std, digits, unit }) =>
+        row(name, number(value, digits), std ? `± ${number(std, digits)}` : "", unit)))),
+    el("table", {}, el("caption", {}, t("result.quality")),
+      el("tbody", {}, ...px("result.reprojection", calibration.avg_reprojection_error), ...px("result.held_out", report?.held_out),
+        ...px("result.uncertainty", calibration.uncertainty.rms),
+        row(t("result.across"), degrees(horizontal), "", "°"), row(t("result.down"), degrees(vertical), "", "°"), row(t("result.diagonal"), degrees(diagonal), "", "°"))));
+}
+
+/** @param {Calibration} calibration @param {Report} report */
+function views(calibration, report) {
+  const factor = magnification(calibration, report);
+  return el("div", {}, el("p", { class: "muted" }, t("result.views_text", { factor })),
+    el("ol", { class: "views" }, ...report.views.map((view) => {
+      const what = complaint(view, report.views);
+      return el("li", {}, residualPlot(calibration, view, report.views, factor),
+        el("p", { class: "number" }, el("strong", {}, t("result.view", { index: view.index + 1 })), ` ${number(view.rms, 2)} px`),
+        ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []));
+    })));
+}
+
+/** @param {Result} result */
+function files({ calibration, explain }) {
+  const select = el("select", { id: "format" }, ...FORMATS.map((format) =>
+    new Option(known(`result.format_${format}`) ? t(`result.format_${format}`) : format, format)));
+  const problem = el("p", { class: "problem", role: "status" });
+  const download = async () => {
+    problem.textContent = "";
+    try {
+      await save(calibration, select.value);
+    } catch (error) {
+      problem.textContent = explain(error);
+    }
+  };
+  const json = `${JSON.stringify(calibration, null, 2)}\n`;
+  return el("div", { class: "take" },
+    el("div", { class: "fields" }, el("div", { class: "field" }, el("label", { for: "format" }, t("result.format")), select),
+      button(t("result.download"), download, { id: "download", class: "primary" })),
+    problem,
+    ...(calibration.id ? [el("p", {}, el("a", { href: address(calibration.id) }, t("result.address")))] : []),
+    el("details", {}, el("summary", {}, t("result.as_answered")),
+      el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: "json" }, json))));
+}
+
+/** This result's own page. @param {string} id */
+const address = (id) => new URL(`./?${new URLSearchParams({ id })}`, import.meta.url).href;
+
+/** @param {string} label @param {() => void} action @param {Record<string, string>} attributes */
+function button(label, action, attributes) {
+  const made = el("button", { type: "button", ...attributes }, label);
+  made.addEventListener("click", action);
+  return made;
+}
