@@ -63,6 +63,11 @@ class Camera:
         m = self.matrix
         return np.concatenate([[m[0, 0], m[1, 1], m[0, 2], m[1, 2]], self.distortion])
 
+    @property
+    def magnification(self) -> float:
+        """Pixels per radian at the axis / focal length: 1 but for models that measure it differently."""
+        return models.get(self.model).magnification(self.distortion)[0]
+
     def project(self, points: Array) -> Array:
         """Pixels (n, 2) of points (n, 3) in the camera frame; NaN where the model is not one-to-one."""
         model, k = models.get(self.model), self.intrinsics

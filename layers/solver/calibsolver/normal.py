@@ -49,28 +49,49 @@ def project(model: Model, k: Array, poses: Poses, points: Array) -> Array:
 
 def design(model: Model, k: Array, poses: Poses, points: Array) -> tuple[Array, Array]:
     """Pixels (v, 2, n) of points (v, 3, n), or (3, n) for all, and the Jacobian (v, p + 6, 2, n)."""
+    q, rows = linearise(model, k, poses, points, 0)
+    return q.transpose(1, 0, 2), rows.transpose(2, 0, 1, 3)
+
+
+def linearise(model: Model, k: Array, poses: Poses, points: Array, spare: int) -> tuple[Array, Array]:
+    """Pixels (2, v, n) and the Jacobian by rows (p + 6 + spare, 2, v, n); the last `spare` are left empty.
+
+    Rows first: each is one plane in memory, which is what the arithmetic on them wants.
+    """
     rotated = poses.r @ points
     p = rotated + poses.t[:, :, None]
     q, by_k, by_p = model.jacobian(k, p.transpose(1, 0, 2))
-    v, n = len(poses.t), points.shape[-1]
     size = model.size
-    j = np.empty((v, size + 6, 2, n))
-    j[:, :size] = by_k.transpose(2, 0, 1, 3)
-    b = by_p.transpose(2, 0, 1, 3)  # (v, 3, 2, n)
-    j[:, size + 3 :] = b
+    rows = np.empty((size + 6 + spare, *q.shape))
+    rows[:size] = by_k
+    rows[size + 3 : size + 6] = by_p
     # d(exp(w) Y)/dw = w x Y, and b . (w x Y) = w . (Y x b)
-    y = rotated[:, :, None, :]
-    j[:, size] = y[:, 1] * b[:, 2] - y[:, 2] * b[:, 1]
-    j[:, size + 1] = y[:, 2] * b[:, 0] - y[:, 0] * b[:, 2]
-    j[:, size + 2] = y[:, 0] * b[:, 1] - y[:, 1] * b[:, 0]
-    return q.transpose(1, 0, 2), j
+    x, y, z = rotated[:, 0], rotated[:, 1], rotated[:, 2]
+    bx, by, bz = by_p
+    turn = rows[size : size + 3]
+    np.multiply(y, bz, out=turn[0])
+    turn[0] -= z * by
+    np.multiply(z, bx, out=turn[1])
+    turn[1] -= x * bz
+    np.multiply(x, by, out=turn[2])
+    turn[2] -= y * bx
+    return q, rows
+
+
+def squared(rows: Array) -> Array:
+    """Products (v, m, m) of rows (m, 2, v, n) with one another, summed over the points of each view."""
+    across, down = rows[:, 0].transpose(1, 0, 2), rows[:, 1].transpose(1, 0, 2)
+    h: Array = across @ across.transpose(0, 2, 1)
+    h += down @ down.transpose(0, 2, 1)
+    return h
 
 
 def information(j: Array, weights: Array) -> Array:
     """Compute what views tell of the intrinsics, S (v, p, p): Jacobian (v, p + 6, 2, n), weights (v, n)."""
-    v, width, _, n = j.shape
-    weighted = (j * np.sqrt(weights)[:, None, None, :]).reshape(v, width, 2 * n)
-    return eliminate(weighted @ weighted.transpose(0, 2, 1))
+    rows = j.transpose(1, 2, 0, 3)
+    if not (weights == 1).all():
+        rows = rows * np.sqrt(weights)
+    return eliminate(squared(rows))
 
 
 def eliminate(h: Array) -> Array:

@@ -1,6 +1,7 @@
 """A weak belief about the intrinsics as a few extra residuals."""
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -16,7 +17,29 @@ STRETCH = ((0.5, 0.2), (0.8, 0.35), (1.1, 0.5))
 radius), is believed to lie from 1: without this the coefficients, each modest, may fold the corners between
 them."""
 
-RADII, SIGMAS = np.array(STRETCH).T
+
+class Weights:
+    """What stays the same of a model's prior wherever it is evaluated."""
+
+    def __init__(self, model: Model) -> None:
+        c = model.prior.distortion
+        self.order = np.array([float(x.order) for x in c])
+        self.plain = np.array([1 / x.sigma for x in c])
+        self.edge = np.array([1 / x.edge if x.order else 0.0 for x in c])
+        self.mean = np.array([x.mean for x in c])
+        radii, sigmas = np.array(STRETCH).T
+        # d(radial stretch)/d(coefficient) of a term that multiplies the squared radius to the power `order`
+        self.slope = (
+            np.array([x.sign * (2 * x.order + 1) if x.order else 0 for x in c])
+            * radii[:, None] ** (2 * self.order)
+            / sigmas[:, None]
+        )
+
+
+@lru_cache(maxsize=16)
+def weights(model: Model) -> Weights:
+    """Return the constants of a model's prior."""
+    return Weights(model)
 
 
 def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array, Array]:
@@ -24,36 +47,36 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
 
     In this order: log focal length, log aspect, principal point, distortion coefficients, radial stretches.
     """
-    prior = model.prior
+    prior, fixed = model.prior, weights(model)
     w, h = img_size
     size = model.size
-    r = np.zeros(size + len(STRETCH))
-    j = np.zeros((len(r), size))
-    log_x, log_y = math.log(k[0]), math.log(k[1])
-    r[0] = ((log_x + log_y) / 2 - math.log(prior.focal * w)) / prior.focal_sigma
-    r[1] = (log_x - log_y) / prior.aspect_sigma
-    r[2] = (k[2] - (w - 1) / 2) / (prior.center_sigma * w)
-    r[3] = (k[3] - (h - 1) / 2) / (prior.center_sigma * w)
-    j[0, :2] = 0.5 / k[:2] / prior.focal_sigma
-    j[1, 0], j[1, 1] = 1 / k[0] / prior.aspect_sigma, -1 / k[1] / prior.aspect_sigma
-    j[2, 2] = j[3, 3] = 1 / (prior.center_sigma * w)
-    square = (w * w + h * h) / (4 * k[0] * k[1])
-    sigma, order, edge, sign, mean = prior.columns
+    fx, fy, cx, cy = k[:4].tolist()
     d = k[4:]
     magnified, by_d = model.magnification(d)
-    r[0] += math.log(magnified) / prior.focal_sigma
+    r = np.empty(size + len(STRETCH))
+    j = np.zeros((len(r), size))
+    r[0] = (math.log(fx * fy) / 2 + math.log(magnified / (prior.focal * w))) / prior.focal_sigma
+    r[1] = math.log(fx / fy) / prior.aspect_sigma
+    r[2] = (cx - (w - 1) / 2) / (prior.center_sigma * w)
+    r[3] = (cy - (h - 1) / 2) / (prior.center_sigma * w)
+    j[0, 0], j[0, 1] = 0.5 / (fx * prior.focal_sigma), 0.5 / (fy * prior.focal_sigma)
     j[0, 4:] = by_d / (magnified * prior.focal_sigma)
-    reach = (square / (1 + square / WIDEST)) ** order
+    j[1, 0], j[1, 1] = 1 / (fx * prior.aspect_sigma), -1 / (fy * prior.aspect_sigma)
+    j[2, 2] = j[3, 3] = 1 / (prior.center_sigma * w)
+    square = (w * w + h * h) / (4 * fx * fy)
+    reach = (square / (1 + square / WIDEST)) ** fixed.order
     # d(log reach)/d(log f), the same for both focal lengths
-    by_focal = -order / (1 + square / WIDEST)
-    r[4:size] = (d - mean) * (1 / sigma + edge * reach)
-    j[range(4, size), range(4, size)] = 1 / sigma + edge * reach
-    j[4:size, :2] = (d * edge * reach * by_focal)[:, None] / k[:2]
-    # d(radius stretch)/d(coefficient) for a term that multiplies the squared radius to the power `order`
-    slope = sign * (2 * order + 1) * (order > 0) * reach * RADII[:, None] ** (2 * order) / SIGMAS[:, None]
+    by_focal = -fixed.order / (1 + square / WIDEST)
+    certain = fixed.edge * reach
+    r[4:size] = (d - fixed.mean) * (fixed.plain + certain)
+    j.reshape(-1)[4 * size + 4 : size * size : size + 1] = fixed.plain + certain
+    by_log = d * certain * by_focal
+    j[4:size, 0], j[4:size, 1] = by_log / fx, by_log / fy
+    slope = fixed.slope * reach
     r[size:] = slope @ d
     j[size:, 4:] = slope
-    j[size:, :2] = (slope @ (d * by_focal))[:, None] / k[:2]
+    by_log = slope @ (d * by_focal)
+    j[size:, 0], j[size:, 1] = by_log / fx, by_log / fy
     return r, j
 
 

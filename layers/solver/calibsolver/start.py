@@ -6,15 +6,20 @@ so one linear solution serves narrow lenses and fisheyes. (Hartley & Zisserman, 
 4.1 and 8.1.)
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from . import rotation
-from .arrays import Array
+from .arrays import Array, IntArray, Mask
+from .camera import Camera
 from .models import Model
 from .normal import Poses
 from .observations import Observations
+
+FEW = 10
+"""Views on which starts are tried."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +29,77 @@ class Start:
     k: Array
     poses: Poses
     error: float
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """Homographies of planes (v): ray ~ h (X, Y, 1) with (X, Y) centred and scaled.
+
+    Attributes
+    ----------
+    h
+        (v, 3, 3), the mean length of the first two columns 1.
+    mean, spread
+        (v, 2) and (v,): X = (x - mean) / spread.
+    """
+
+    h: Array
+    mean: Array
+    spread: Array
+
+    @classmethod
+    def seen(cls, points: Array, rays: Array, weights: Array) -> "Planes":
+        """From points (v, 3, n), unit rays (v, 3, n) and weights (v, n) as of `plane_poses`, rays finite.
+
+        |ray x (H X)|^2 summed = h' [sum (1 - ray ray') (x) X X'] h is least for the smallest eigenvector.
+        """
+        v, _, n = rays.shape
+        xy = points[:, :2]
+        total = np.maximum(weights.sum(axis=1), 1e-9)
+        mean = (xy @ weights[:, :, None])[:, :, 0] / total[:, None]
+        x = np.ones((v, 3, n))
+        np.subtract(xy, mean[:, :, None], out=x[:, :2])
+        square = (x[:, 0] ** 2 + x[:, 1] ** 2) * weights
+        spread = np.maximum(np.sqrt(square.sum(axis=1) / total / 2), 1e-300)
+        x[:, :2] /= spread[:, None, None]
+        outer = (x[:, :, None, :] * (x * weights[:, None])[:, None, :, :]).reshape(v, 9, n)
+        shadow = (np.eye(3)[None, :, :, None] - rays[:, :, None, :] * rays[:, None, :, :]).reshape(v, 9, n)
+        m = (shadow @ outer.transpose(0, 2, 1)).reshape(v, 3, 3, 3, 3).transpose(0, 1, 3, 2, 4)
+        h = np.linalg.eigh(m.reshape(v, 9, 9))[1][:, :, 0].reshape(v, 3, 3)
+        side = ((h @ x) * rays).sum(axis=1) * weights
+        h = h * np.where(side.sum(axis=1) < 0, -1.0, 1.0)[:, None, None]
+        return cls(scaled(h), mean, spread)
+
+    def stretched(self, factor: float) -> "Planes":
+        """Take the same planes where rays have `factor` times the distance from the axis."""
+        return Planes(scaled(self.h * np.array([factor, factor, 1.0])[:, None]), self.mean, self.spread)
+
+    def poses(self, offset: Array) -> Poses:
+        """Nearest poses of the planes; a plane of constant z = `offset` (v,) only moves the origin."""
+        first, second = self.h[:, :, 0], self.h[:, :, 1]
+        r = rotation.nearest(np.stack([first, second, np.cross(first, second)], axis=2))
+        t = self.h[:, :, 2] * self.spread[:, None]
+        t = t - (r[:, :, :2] @ self.mean[:, :, None])[:, :, 0] - r[:, :, 2] * offset[:, None]
+        return Poses(r, t)
+
+    def stretch(self) -> float:
+        """Find the factor for `stretched` that makes the first two columns orthogonal and equally long.
+
+        Their vanishing points lie at right angles (Zhang 2000, with square pixels and a known centre);
+        NaN where all planes face the camera.
+        """
+        (x1, y1, z1), (x2, y2, z2) = self.h[:, :, 0].T, self.h[:, :, 1].T
+        image = np.concatenate([x1 * x2 + y1 * y2, (x1 * x1 + y1 * y1 - x2 * x2 - y2 * y2) / 2])
+        depth = np.concatenate([z1 * z2, (z1 * z1 - z2 * z2) / 2])
+        below = float(image @ image)
+        return float(np.sqrt(-(image @ depth) / below)) if below > 0 else float("nan")
+
+
+def scaled(h: Array) -> Array:
+    """Homographies (v, 3, 3) of which the first two columns have mean length 1."""
+    columns = np.sqrt((h[:, :, :2] ** 2).sum(axis=1)).sum(axis=1) / 2
+    out: Array = h / np.maximum(columns, 1e-300)[:, None, None]
+    return out
 
 
 def plane_poses(points: Array, rays: Array, weights: Array) -> tuple[Poses, Array]:
@@ -39,36 +115,19 @@ def plane_poses(points: Array, rays: Array, weights: Array) -> tuple[Poses, Arra
         (v, n)
     """
     usable = np.isfinite(rays[:, 0]) & (weights > 0)
-    w = np.where(usable, weights, 0.0)
-    ray = np.where(usable[:, None, :], rays, 0.0)
-    total = np.maximum(w.sum(axis=1), 1e-9)
-    xy = points[:, :2]
-    mean = np.einsum("vin,vn->vi", xy, w) / total[:, None]
-    spread = np.sqrt(np.einsum("vin,vn->v", (xy - mean[:, :, None]) ** 2, w) / total / 2)
-    spread = np.maximum(spread, 1e-300)
-    x = np.ones((len(points), 3, points.shape[2]))
-    x[:, :2] = (xy - mean[:, :, None]) / spread[:, None, None]
-    # |ray x (H X)|^2 summed = h' [sum (1 - ray ray') (x) X X'] h
-    v, _, n = ray.shape
-    outer = (x[:, :, None, :] * x[:, None, :, :]).reshape(v, 9, n) * w[:, None, :]
-    shadow = (np.eye(3)[None, :, :, None] - ray[:, :, None, :] * ray[:, None, :, :]).reshape(v, 9, n)
-    m = (shadow @ outer.transpose(0, 2, 1)).reshape(v, 3, 3, 3, 3).transpose(0, 1, 3, 2, 4).reshape(v, 9, 9)
-    h = np.linalg.eigh(m)[1][:, :, 0].reshape(v, 3, 3)
-    side = np.einsum("vin,vij,vjn,vn->v", ray, h, x, w)
-    h = h * np.where(side < 0, -1.0, 1.0)[:, None, None]
-    length = (np.linalg.norm(h[:, :, 0], axis=1) + np.linalg.norm(h[:, :, 1], axis=1)) / 2
-    h = h / np.maximum(length, 1e-300)[:, None, None]
-    first, second = h[:, :, 0], h[:, :, 1]
-    r = rotation.nearest(np.stack([first, second, np.cross(first, second)], axis=2))
-    t = h[:, :, 2] * spread[:, None]
-    t = t - np.einsum("vij,vj->vi", r[:, :, :2], mean)
-    # A plane of constant z other than 0 only moves the origin.
-    t = t - r[:, :, 2] * points[:, 2, :1]
-    poses = Poses(r, t)
+    if not usable.all():
+        weights = np.where(usable, weights, 0.0)
+        rays = np.where(usable[:, None, :], rays, 0.0)
+    poses = Planes.seen(points, rays, weights).poses(points[:, 2, 0])
+    return poses, np.where(usable, angles(poses, points, rays), 0.0)
+
+
+def angles(poses: Poses, points: Array, rays: Array) -> Array:
+    """Angles (v, n), radians, small ones, between points (v, 3, n) and unit rays (v, 3, n)."""
     p = poses.camera_points(points)
-    p = p / np.maximum(np.linalg.norm(p, axis=1, keepdims=True), 1e-300)
-    angle = np.linalg.norm(p - ray, axis=1)
-    return poses, np.where(usable, angle, 0.0)
+    e = p / np.maximum(np.sqrt((p * p).sum(axis=1, keepdims=True)), 1e-300) - rays
+    out: Array = np.sqrt((e * e).sum(axis=1))
+    return out
 
 
 def at(model: Model, obs: Observations, k: Array) -> Start:
@@ -86,14 +145,51 @@ def tried(model: Model, obs: Observations, many: list[Array]) -> list[Start]:
     out = []
     for i, k in enumerate(many):
         part = slice(i * v, (i + 1) * v)
+        # What the start does not see at all is no better than what it sees in the wrong place.
+        blind = np.isnan(rays[part, 0])
         focal = np.sqrt(k[0] * k[1]) * model.magnification(k[4:])[0]
-        error = float(np.median(angle[part][obs.mask]) * focal)
+        error = float(np.median(np.where(blind, np.inf, angle[part])[obs.mask]) * focal)
         out.append(Start(k, Poses(poses.r[part], poses.t[part]), error))
     return out
 
 
 def ladder(model: Model, obs: Observations, img_size: tuple[int, int]) -> list[Start]:
-    """Try every focal length of the model, on at most ten of the views: starts, best first."""
-    few = np.unique(np.linspace(0, obs.view_count - 1, min(10, obs.view_count)).astype(int))
-    rungs = [model.start(f * img_size[0], img_size) for f in model.ladder]
-    return sorted(tried(model, obs.subset(few), rungs), key=lambda start: start.error)
+    """Try every rung of the model: starts, best first."""
+    return sorted(tried(model, obs, model.rungs(img_size)), key=lambda start: start.error)
+
+
+def direct(model: Model, obs: Observations, img_size: tuple[int, int]) -> Iterator[Start]:
+    """Yield the start from vanishing points, for a model without distortion a pinhole, or nothing."""
+    if not model.straight:
+        return
+    k = model.start(float(img_size[0]), img_size)
+    rays = model.unproject(k, obs.pixels.transpose(1, 0, 2)).transpose(1, 0, 2)
+    planes = Planes.seen(obs.points, rays, obs.mask.astype(np.float64))
+    factor = planes.stretch()
+    if 0.2 < factor < 8:
+        k[:2] /= factor
+        yield Start(k, planes.stretched(factor).poses(obs.points[:, 2, 0]), np.nan)
+
+
+def like(model: Model, camera: Camera) -> Array:
+    """Intrinsics (p,) of a model that resemble a camera's, of this model or another."""
+    theirs = camera.intrinsics
+    if camera.model == model.name:
+        return theirs
+    k = model.start(float(np.sqrt(theirs[0] * theirs[1])) * camera.magnification, camera.img_size)
+    k[2:4] = theirs[2:4]
+    return k
+
+
+def few(obs: Observations, mask: Mask) -> IntArray | None:
+    """Choose views (FEW,) to try starts on, from all over the image; None where there are no more.
+
+    Chosen by what they show, not by their order.
+    """
+    usable = np.flatnonzero(mask.any(axis=1))
+    if len(usable) <= FEW:
+        return None if len(usable) == obs.view_count else usable
+    weight = obs.mask[usable] / obs.mask[usable].sum(axis=1, keepdims=True)
+    x, y = (obs.pixels[usable] * weight[:, None]).sum(axis=2).T
+    order = np.argsort(x + 0.618 * y, kind="stable")
+    return usable[order[np.linspace(0, len(usable) - 1, FEW).round().astype(np.int64)]]

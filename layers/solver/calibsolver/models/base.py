@@ -7,7 +7,7 @@ distortion coefficients in the order of the model's definition.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
@@ -68,14 +68,6 @@ class Prior:
     aspect_sigma: float = 0.01
     center_sigma: float = 0.03
 
-    @cached_property
-    def columns(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Sigma, order, 1 / edge (0 where the order is 0), sign and mean of the coefficients, (m,) each."""
-        sigma, order, edge, sign, mean = np.array(
-            [(c.sigma, c.order, c.edge, c.sign, c.mean) for c in self.distortion], dtype=np.float64
-        ).T
-        return sigma, order, np.where(order > 0, 1 / edge, 0.0), sign, mean
-
 
 class Model(ABC):
     """A central projection: a distortion of the ray's direction followed by fx, fy, cx, cy (no skew)."""
@@ -85,6 +77,8 @@ class Model(ABC):
     prior: Prior
     ladder: tuple[float, ...]
     """Focal lengths / image width from which a fit is started."""
+    straight: bool = False
+    """Whether, without distortion, it is a pinhole: straight lines stay straight."""
 
     @property
     def size(self) -> int:
@@ -121,6 +115,10 @@ class Model(ABC):
         k = np.zeros(self.size)
         k[:4] = focal, focal, (img_size[0] - 1) / 2, (img_size[1] - 1) / 2
         return k
+
+    def rungs(self, img_size: tuple[int, int]) -> list[Array]:
+        """Intrinsics (p,) from which a fit is started."""
+        return [self.start(f * img_size[0], img_size) for f in self.ladder]
 
     def project(self, k: Array, p: Array) -> Array:
         """Pixels (2, ...) of points (3, ...) in the camera frame; meaningless outside `valid`."""

@@ -11,6 +11,8 @@ from .planar import Planar
 class Pinhole(Planar):
     """A planar distortion of the perspective image; nothing beside or behind the camera is seen."""
 
+    straight = True
+
     def distort(self, d: Array, p: Array) -> Array:
         """See `Model.distort`."""
         return self.bend(d, p[0] / p[2], p[1] / p[2])

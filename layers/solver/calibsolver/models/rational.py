@@ -13,6 +13,9 @@ from .base import Coefficient, Prior, first_root
 from .pinhole import Pinhole
 from .planar import MAX_RADIUS, TANGENTIAL
 
+ANGLE = (7 / 9, 64 / 945, 10 / 9, 5 / 21)
+"""k1 k2 k4 k5 of Pade's approximant of atan(r) / r, to 0.3 % up to 63 degrees."""
+
 
 class Rational(Pinhole):
     """See the module's docstring."""
@@ -37,6 +40,15 @@ class Rational(Pinhole):
         ),
     )
     ladder = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.8)
+
+    def rungs(self, img_size: tuple[int, int]) -> list[Array]:
+        """See `Model.rungs`: pinholes, and lenses whose image radius is the angle from the axis."""
+        rungs = super().rungs(img_size)
+        for k in rungs[:]:
+            k = k.copy()
+            k[[4, 5, 9, 10]] = ANGLE
+            rungs.append(k)
+        return rungs
 
     def radial(self, d: Array, s: Array) -> Array:
         """See `Planar.radial`."""

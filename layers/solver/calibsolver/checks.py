@@ -1,0 +1,83 @@
+"""What a view must be before it enters a fit."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .arrays import Array, Mask
+from .errors import CalibrationError
+from .observations import Observations
+from .view import View
+
+MIN_POINTS = 6
+"""A view has six unknowns of its own; fewer points say nothing about the camera."""
+FLAT_BOARD, FLAT_IMAGE = 0.02, 1e-3
+"""Smaller / larger extent of points below which they lie on a line, on the board and in the image."""
+
+
+def check(views: Sequence[View], img_size: tuple[int, int]) -> Observations:
+    """Pack views, or refuse those that no fit could use: CalibrationError, see `fit`."""
+    w, h = img_size
+    if not (1 < w < 100_000 and 1 < h < 100_000):
+        raise CalibrationError("out_of_range", f"an image of {w} x {h} px cannot be calibrated")
+    if not views:
+        raise CalibrationError("no_views", "there is no view to fit")
+    for i, view in enumerate(views):
+        if len(view) < MIN_POINTS:
+            raise CalibrationError(
+                "too_few_points", f"view {i} has {len(view)} points, {MIN_POINTS} are needed"
+            )
+    obs = Observations.of(views)
+    p, q = obs.points, obs.pixels
+    off = np.abs(q - np.array([[w / 2], [h / 2]])).max(axis=(1, 2)) > 10 * max(w, h)
+    refuse(
+        off | (np.abs(p).max(axis=(1, 2)) > 1e9),
+        "out_of_range",
+        "view {} has points far outside the image or the board",
+    )
+    extent = p.max(axis=2) - p.min(axis=2)
+    refuse(
+        extent[:, 2] > 1e-9 * np.maximum(extent[:, 0], extent[:, 1]),
+        "not_planar",
+        "the points of view {} do not lie on a board",
+    )
+    small = (q.max(axis=2) - q.min(axis=2)).max(axis=1) < 4
+    flat = (flatness(p[:, :2], obs.mask) < FLAT_BOARD) | (flatness(q, obs.mask) < FLAT_IMAGE)
+    refuse(small | flat, "degenerate", "the points of view {} lie on a line or in one place")
+    return obs
+
+
+def refuse(bad: Mask, code: str, message: str) -> None:
+    """Raise CalibrationError that names the first of the views (v) that are `bad`, if there is one."""
+    if bad.any():
+        raise CalibrationError(code, message.format(int(np.argmax(bad))))
+
+
+def centred(points: Array, mask: Mask) -> Array:
+    """Points (v, 2, n) relative to the mean of those that the mask (v, n) holds; 0 elsewhere."""
+    mean = (points @ (mask / mask.sum(axis=1, keepdims=True))[:, :, None]) if not mask.all() else None
+    out: Array = points - (points.mean(axis=2, keepdims=True) if mean is None else mean)
+    return out if mean is None else out * mask[:, None]
+
+
+def flatness(points: Array, mask: Mask) -> Array:
+    """Smaller over larger principal extent (v,) of points (v, 2, n): 0 where they lie on a line."""
+    x = centred(points, mask)
+    m = x @ x.transpose(0, 2, 1)
+    xx, yy, xy = m[:, 0, 0], m[:, 1, 1], m[:, 0, 1]
+    # Eigenvalues of the 2x2 scatter matrix; the smaller from the determinant, free of cancellation.
+    larger = (xx + yy + np.hypot(xx - yy, 2 * xy)) / 2
+    flat: Array = np.sqrt(np.maximum(xx * yy - xy * xy, 0.0)) / np.maximum(larger, 1e-300)
+    return flat
+
+
+def mirrored(obs: Observations) -> Mask:
+    """Which views (v) show the board mirrored, unlike most.
+
+    By the determinant of the affine map that fits best; a homography's has the same sign wherever the whole
+    board is in front of the camera, and this one stays defined under strong distortion too.
+    """
+    m = centred(obs.points[:, :2], obs.mask) @ obs.pixels.transpose(0, 2, 1)
+    turned: Mask = m[:, 0, 0] * m[:, 1, 1] < m[:, 0, 1] * m[:, 1, 0]
+    # Whether z of the board points to its back or its front is a convention, the same for all views.
+    return ~turned if turned.mean() > 0.5 else turned

@@ -1,0 +1,40 @@
+"""What no camera could be is refused."""
+
+import numpy as np
+
+from .arrays import Mask
+from .errors import CalibrationError
+from .lm import Problem, State
+
+WORST, WORST_KEPT = 0.01, 0.005
+"""A fit whose rms exceeds this share of the image width explains nothing; without outliers
+it has no excuse."""
+FOLDED = 0.01
+"""Share of the points that may lie outside the model's one-to-one domain."""
+
+
+def folded(problem: Problem, state: State, mask: Mask) -> float:
+    """Share of the points (v, n) that lie where the model is not one-to-one, or behind the camera."""
+    p = state.poses.camera_points(problem.obs.points).transpose(1, 0, 2)
+    return float(np.mean(~problem.model.valid(state.k[4:], p)[mask]))
+
+
+def demand(problem: Problem, state: State, good: Mask, robust: bool) -> None:
+    """Raise CalibrationError ``not_believable`` unless camera and `good` points (v, n) are plausible."""
+    k, (w, h), mask = state.k, problem.img_size, problem.obs.mask
+    if not (np.isfinite(k).all() and state.finite):
+        raise CalibrationError("not_believable", "the fit ran away")
+    focal = k[:2] * problem.model.magnification(k[4:])[0]
+    if not (0.05 * w < focal[0] < 50 * w and 0.5 < k[0] / k[1] < 2):
+        raise CalibrationError(
+            "not_believable", f"a focal length of {focal[0]:.0f}, {focal[1]:.0f} px is no camera's"
+        )
+    if not (-0.25 * w < k[2] < 1.25 * w and -0.25 * h < k[3] < 1.25 * h):
+        raise CalibrationError("not_believable", "the principal point lies far outside the image")
+    if good.sum() < 0.5 * mask.sum():
+        raise CalibrationError("not_believable", "more than half of the points are outliers")
+    level = float(np.sqrt(np.mean(state.square[good])))
+    if level > (WORST_KEPT if robust else WORST) * w:
+        raise CalibrationError("not_believable", f"an rms of {level:.1f} px explains nothing")
+    if folded(problem, state, good) > FOLDED:
+        raise CalibrationError("not_believable", "the distortion folds inside the views")
