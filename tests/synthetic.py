@@ -13,6 +13,7 @@ import numpy as np
 from calibsolver import Board, Calibration, Camera, View
 from calibsolver import rotation as rotations
 from calibsolver.capture import Capture, Estimate
+from calibsolver.guidance import FixedPlan, Guide
 from calibsolver.start import plane_poses
 from calibsolver.target import TargetPose
 from calibsolver.uncertainty import pixel_grid
@@ -127,6 +128,7 @@ def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPos
         outline=target.outline,
         purpose=target.purpose,
         hint=target.hint,
+        hint_code=target.hint_code,
         gain=target.gain,
     )
 
@@ -164,6 +166,16 @@ class Session:
     reasons: list[str] = field(default_factory=list)
     views: list[View] = field(default_factory=list)
     calibration: Calibration | None = None
+    aside: int = 0
+
+    def note(self, truth: Camera, calibration: Calibration) -> None:
+        """Add what one more view gave."""
+        self.calibration = calibration
+        error = projection_error(truth, calibration.camera)
+        self.mean.append(float(error.mean()))
+        self.rms.append(float(np.sqrt(np.mean(error**2))))
+        self.max.append(float(error.max()))
+        self.predicted.append(calibration.uncertainty().rms)
 
 
 def run(
@@ -176,37 +188,49 @@ def run(
     views: int = 6,
     target_error: float = 0.3,
     capture: Capture | None = None,
+    guide: Guide | None = None,
     max_attempts: int = 60,
 ) -> Session:
-    """One guided capture up to `views` accepted views; goes on after convergence, which is only noted."""
+    """One guided capture up to `views` accepted views; goes on after convergence, which is only noted.
+
+    `guide` chooses the poses in place of the capture's own.
+    """
     board, user = board or Board(), user or User()
     capture = capture or Capture(board, camera.img_size, camera.model, target_error=target_error)
+    chooser: Guide = guide or capture.guide
     session = Session()
     estimate: Estimate = capture.estimate([])
-    skipped: Sequence[TargetPose] = ()
-    target = capture.next_target([], estimate)
+    skipped: tuple[TargetPose, ...] = ()
+    unreached: tuple[TargetPose, ...] = ()
+    doubted: list[View] = []
+    target = chooser.next_pose([], None)
     while len(session.views) < views and session.attempts < max_attempts:
         session.attempts += 1
-        asked = match_picture(board, capture.camera(estimate), camera, target)
+        # A plan that does not adapt is drawn with the camera that it was made for.
+        drawn = capture.camera(None if isinstance(chooser, FixedPlan) else estimate)
+        asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
         view = seen(board, camera, rvec, tvec, rng, noise, wild)
-        verdict = capture.judge(session.views, target, view)
+        wanted = target if guide is None else capture.next_target(session.views, estimate)
+        verdict = capture.judge(session.views, wanted, view, estimate.aside, doubted)
         if verdict.estimate is None or verdict.estimate.calibration is None:
             session.reasons.append(str(verdict.reason))
+            doubted += [view] if verdict.witness else []
             if len(session.reasons) % 4 == 0:  # gives up on this one
                 skipped = (*skipped, target)
-                target = capture.next_target(session.views, estimate, skipped)
+                target = chooser.next_pose(session.views, estimate.calibration, skipped, unreached)
             continue
-        estimate, skipped = verdict.estimate, ()
-        calibration = verdict.estimate.calibration
+        estimate = verdict.estimate
+        unreached, skipped, doubted = (*unreached, *skipped), (), []
         session.views.append(view)
-        session.calibration = calibration
-        error = projection_error(camera, calibration.camera)
-        session.mean.append(float(error.mean()))
-        session.rms.append(float(np.sqrt(np.mean(error**2))))
-        session.max.append(float(error.max()))
-        session.predicted.append(calibration.uncertainty().rms)
+        session.note(camera, verdict.estimate.calibration)
         if estimate.converged and session.stopped is None:
             session.stopped = len(session.views)
-        target = capture.next_target(session.views, estimate)
+        target = chooser.next_pose(used(session.views, estimate), estimate.calibration, (), unreached)
+    session.aside = len(estimate.aside)
     return session
+
+
+def used(views: Sequence[View], estimate: Estimate) -> list[View]:
+    """The views that are not set aside."""
+    return [view for i, view in enumerate(views) if i not in estimate.aside]

@@ -8,6 +8,7 @@ import numpy as np
 from . import rotation
 from .arrays import Array, IntArray, Mask
 from .board import Board
+from .hints import turn_to
 from .models import Model
 from .normal import Poses
 
@@ -36,11 +37,11 @@ class Range:
         Least distance of neighbouring corners / image width.
     """
 
-    width: tuple[float, float] = (0.30, 1.15)
-    tilt: float = 55.0
+    width: tuple[float, float] = (0.30, 1.4)
+    tilt: float = 58.0
     roll: float = 60.0
     inside: float = 0.6
-    oblique: float = 62.0
+    oblique: float = 66.0
     spacing: float = 16 / 1280
 
 
@@ -124,7 +125,8 @@ class Sight:
         """Return the sight of a camera with intrinsics k (p,)."""
         x, y = (np.linspace(-0.5, size - 0.5, n) for size, n in zip(img_size, grid, strict=True))
         rays = model.unproject(k, np.stack(np.meshgrid(x, y)))
-        return cls(np.ascontiguousarray(rays.transpose(1, 2, 0)), float(k[0]), img_size)
+        focal = float(k[0]) * model.magnification(k[4:])[0]
+        return cls(np.ascontiguousarray(rays.transpose(1, 2, 0)), focal, img_size)
 
     def at(self, x: Array, y: Array) -> Array:
         """Return unit rays (c, 3) at places (c,) of [0, 1] across and down the image; NaN where none."""
@@ -144,11 +146,9 @@ def poses(unit: Array, board: Board, sight: Sight, limits: Range) -> Poses:
 
     A pose whose centre has no ray gets NaN translations.
     """
-    low, high = limits.width
-    # Close, tilted and near the middle is what tells most: look there more often, and everywhere still.
     ray = sight.at(middling(unit[:, 0]), middling(unit[:, 1]))
-    length = (low + (high - low) * np.sqrt(unit[:, 2])) * max(sight.img_size)
-    tilt = np.radians(limits.tilt) * np.sqrt(unit[:, 3])
+    tilt, width = shape(unit, limits)
+    tilt, length = np.radians(tilt), width * max(sight.img_size)
     azimuth = 2 * np.pi * unit[:, 4]
     roll = np.radians(limits.roll) * (2 * middling(unit[:, 5]) - 1)
     if across(board, sight.img_size):
@@ -163,6 +163,15 @@ def poses(unit: Array, board: Board, sight: Sight, limits: Range) -> Poses:
     return Poses(r, ray * distance[:, None] - r @ center)
 
 
+def shape(unit: Array, limits: Range) -> tuple[Array, Array]:
+    """Tilts (c,), degrees, and widths (c,), board / image, of points (c, 6) of the unit cube.
+
+    Close, tilted and near the middle is what tells most: look there more often, and everywhere still.
+    """
+    low, high = limits.width
+    return limits.tilt * np.sqrt(unit[:, 3]), low + (high - low) * np.sqrt(unit[:, 2])
+
+
 def across(board: Board, img_size: tuple[int, int]) -> bool:
     """Whether the board must be turned by a quarter for its longer side to lie along the image's."""
     return (board.size[0] - board.size[1]) * (img_size[0] - img_size[1]) < 0
@@ -172,13 +181,6 @@ def middling(u: Array) -> Array:
     """Crowd points of [0, 1] towards its middle."""
     v = 2 * u - 1
     return 0.5 + 0.5 * v * np.sqrt(np.abs(v))
-
-
-def turn_to(ray: Array) -> Array:
-    """Rotation vectors (c, 3) of the shortest turns that take the optical axis to unit rays (c, 3)."""
-    s = np.hypot(ray[:, 0], ray[:, 1])
-    angle = np.arctan2(s, ray[:, 2]) / np.maximum(s, 1e-12)
-    return np.stack([-ray[:, 1] * angle, ray[:, 0] * angle, np.zeros(len(ray))], axis=1)
 
 
 def visible(
@@ -208,10 +210,13 @@ def visible(
     seen = model.valid(k[4:], p.transpose(1, 0, 2))
     seen &= (x >= margin) & (y >= margin) & (x <= w - 1 - margin) & (y <= h - 1 - margin)
     grid = q.reshape(-1, 2, lattice.rows, lattice.columns)
+    shown = seen.reshape(-1, lattice.rows, lattice.columns)
+    # Of corners that are not seen it does not matter how close they lie: beyond the fold, anywhere.
+    beside, below = shown[:, :, 1:] & shown[:, :, :-1], shown[:, 1:] & shown[:, :-1]
     across, down = np.diff(grid, axis=3), np.diff(grid, axis=2)
     nearest = np.minimum(
-        np.sqrt((across**2).sum(axis=1).min(axis=(1, 2))) / lattice.step[0],
-        np.sqrt((down**2).sum(axis=1).min(axis=(1, 2))) / lattice.step[1],
+        np.sqrt(np.where(beside, (across**2).sum(axis=1), np.inf).min(axis=(1, 2))) / lattice.step[0],
+        np.sqrt(np.where(below, (down**2).sum(axis=1), np.inf).min(axis=(1, 2))) / lattice.step[1],
     )
     facing = np.einsum("ci,cin->cn", normal, p) / np.sqrt(np.einsum("cin,cin->cn", p, p))
     good = seen.mean(axis=1) >= limits.inside

@@ -1,81 +1,50 @@
 """The rules of one guided capture."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from . import models, normal, start
-from .arrays import Array
+from . import models, normal, rotation, start
+from .admission import Reason, unfit
+from .advice import LIMIT, Advice, disagreement, suggestion
 from .board import Board
 from .calibration import Calibration
 from .camera import Camera
-from .errors import CalibrationError
-from .fit import MIN_POINTS, check, fit
-from .guidance import LEAST_NOISE, Belief, ProjectionUncertainty
+from .consistency import PATIENCE, Consistency
+from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
+from .hints import Hint, Placement, between
 from .observations import Observations
+from .prediction import DISAGREEMENT, surprise
+from .score import score
+from .standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
 from .target import TargetPose
 from .uncertainty import Uncertainty
 from .view import View
 
-Reason = Literal["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]
+__all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Hint", "Reason", "SetAside", "Verdict"]
 
 MIN_VIEWS = 4
 """Fewer views can agree by chance."""
+MAX_VIEWS = 15
+"""Where a capture ends with what was reached."""
 LEAST_SHARE = 0.2
 """Of the gain predicted for the target that a view must bring."""
-OUTLIER = 3.0
-"""Times the others' rms from which a view is one that does not belong."""
-GUIDANCE = {"projection-uncertainty": ProjectionUncertainty}
-
-
-@dataclass(frozen=True, eq=False)
-class Estimate:
-    """What is known after some views.
-
-    Attributes
-    ----------
-    calibration
-        None while no believable fit exists.
-    view_errors
-        px rms of each view, None without a calibration.
-    uncertainty
-        Predicted error of a projection over the image, px.
-    progress
-        0 to 1; 1 where converged. It follows the predicted error and the number of views, so it grows with
-        every view that brings information; it may fall with one that shows more noise than was seen before.
-    converged
-        Whether the predicted rms is below the target and at least four views are in.
-    """
-
-    calibration: Calibration | None
-    view_errors: tuple[float | None, ...]
-    uncertainty: Uncertainty | None
-    progress: float
-    converged: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Verdict:
-    """Whether a view is taken; if not, why; if so, the estimate with it."""
-
-    accepted: bool
-    reason: Reason | None
-    estimate: Estimate | None
 
 
 class Capture:
-    """One guided capture: everything but its state, which is the list of views.
+    """One guided capture: everything but its state, which is the list of views and which are set aside.
 
     Parameters
     ----------
     board, img_size, model
         What is captured with what; width and height in px.
     guidance
-        ``projection-uncertainty``.
+        One of `guidance.GUIDES`.
     target_error
         px, predicted rms projection error over the image at which the capture ends.
+    prior
+        The camera as others have measured it: the first estimate, and no part of the result.
     """
 
     def __init__(
@@ -85,39 +54,187 @@ class Capture:
         model: str = "rectilinear",
         guidance: str = "projection-uncertainty",
         target_error: float = 0.3,
+        prior: Camera | None = None,
     ) -> None:
-        if guidance not in GUIDANCE:
+        if guidance not in GUIDES:
             raise ValueError(f"unknown guidance {guidance!r}")
         self.board = board
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model).name
         self.target_error = float(target_error)
-        self.guide = GUIDANCE[guidance](board, self.img_size, model)
-        belief = Belief.of(self.model, self.img_size, None)
+        usable = prior is not None and (prior.model, prior.img_size) == (self.model, self.img_size)
+        self.prior = prior if usable else None
+        self.guide = GUIDES[guidance](board, self.img_size, self.model, self.prior)
+        self.trial = Consistency(self.img_size, self.model, self.prior)
         # One view brings the prior down to some px; before it there is nothing to show.
         self._unknown = 0.03 * self.img_size[0]
-        self._prior_camera = belief.camera
+        self._first_camera = Belief.of(self.model, self.img_size, None, self.prior).camera
 
     def camera(self, estimate: Estimate | None) -> Camera:
         """Return the camera to draw with: the estimate's, or the prior's where there is none."""
         if estimate is None or estimate.calibration is None:
-            return self._prior_camera
+            return self._first_camera
         return estimate.calibration.camera
 
-    def estimate(self, views: Sequence[View]) -> Estimate:
-        """Fit all views anew. Where that fails the estimate has no calibration; nothing is raised."""
-        if not views:
-            return Estimate(None, (), None, 0.0, False)
-        try:
-            calibration = fit(views, self.img_size, self.model)
-        except CalibrationError:
-            return Estimate(None, (None,) * len(views), None, 0.0, False)
+    def estimate(self, views: Sequence[View], aside: Mapping[int, SetAside] | None = None) -> Estimate:
+        """Fit the views that are not set `aside`; nothing is raised where that fails."""
+        aside = aside or {}
+        active = [i for i in range(len(views)) if i not in aside]
+        calibration = self.trial.fit([views[i] for i in active])
+        if calibration is None:
+            return Estimate(None, (None,) * len(views), None, 0.0, False, aside)
+        errors: list[float | None] = [None] * len(views)
+        for i, error in zip(active, calibration.view_errors, strict=True):
+            errors[i] = float(error)
+        for i in aside:
+            errors[i] = self._error(calibration.camera, views[i])
         u = self._uncertainty(calibration)
-        converged = u.rms < self.target_error and len(views) >= MIN_VIEWS
+        sure = u.rms < self.target_error
+        if isinstance(self.guide, PoseSelection):
+            sure = self.guide.done([views[i] for i in active])
+        full = len(active) >= MAX_VIEWS
+        converged = (sure and len(active) >= MIN_VIEWS) or full
         span = np.log(self._unknown / self.target_error)
-        sure = float(np.clip(np.log(self._unknown / max(u.rms, 1e-9)) / span, 0, 1)) if span > 0 else 1.0
-        progress = 1.0 if converged else min(0.95 * sure, len(views) / MIN_VIEWS, 0.95)
-        return Estimate(calibration, tuple(calibration.view_errors.tolist()), u, progress, converged)
+        near = float(np.clip(np.log(self._unknown / max(u.rms, 1e-9)) / span, 0, 1)) if span > 0 else 1.0
+        progress = 1.0 if converged else min(0.95 * near, len(active) / MIN_VIEWS, 0.95)
+        advice = (LIMIT,) if full and not sure else ()
+        return Estimate(calibration, tuple(errors), u, progress, converged, aside, advice)
+
+    def settle(self, views: Sequence[View], aside: Mapping[int, SetAside]) -> Estimate:
+        """Decide anew which views belong together, after one was undone, and fit those."""
+        keep = [i for i in range(len(views)) if i not in aside] or [len(views) - 1]
+        if not views:
+            return self.estimate(views)
+        for i in sorted(aside):
+            if i not in keep and self.trial.belongs([views[k] for k in keep], views[i]):
+                keep.append(i)
+        left = {i: aside.get(i, DISAGREES) for i in range(len(views)) if i not in keep}
+        return self.estimate(views, self._weeded(views, left))
+
+    def next_target(
+        self,
+        views: Sequence[View],
+        estimate: Estimate,
+        skipped: Sequence[TargetPose] = (),
+        unreached: Sequence[TargetPose] = (),
+    ) -> TargetPose:
+        """Choose where to hold the board next.
+
+        Where targets were `skipped` since the last view, unlike them and easier; from those `unreached`
+        before it is learnt what to ask for.
+        """
+        active = [view for i, view in enumerate(views) if i not in estimate.aside]
+        return self.guide.next_pose(active, estimate.calibration, skipped, unreached)
+
+    def judge(
+        self,
+        views: Sequence[View],
+        target: TargetPose,
+        view: View,
+        aside: Mapping[int, SetAside] | None = None,
+        doubted: Sequence[View] = (),
+    ) -> Verdict:
+        """Decide whether `view` joins the accepted `views`.
+
+        Parameters
+        ----------
+        target
+            What was asked for.
+        aside
+            Those of the `views` that were set aside: index -> why.
+        doubted
+            Views refused before that are worth keeping (`Verdict.witness`).
+        """
+        aside = dict(aside or {})
+        reason = unfit(view, self.img_size)
+        if reason is not None:
+            return self._refused(reason, view, target)
+        with np.errstate(all="ignore"):  # hostile numbers end in a refusal, not in a warning
+            return self._judged(list(views), target, view, aside, doubted)
+
+    def _judged(
+        self,
+        views: list[View],
+        target: TargetPose,
+        view: View,
+        aside: dict[int, SetAside],
+        doubted: Sequence[View],
+    ) -> Verdict:
+        active = [i for i in range(len(views)) if i not in aside]
+        others = [views[i] for i in active]
+        before = self.trial.fit(others)
+        gain = self._gain(before, view)
+        if gain is None:
+            return self._refused("outlier", view, target)
+        everything = [*views, view]
+        if not self.trial.belongs(others, view):
+            changed = self._contradiction(views, active, view, aside, doubted)
+            if changed is None:
+                alone = bool(others) and self.trial.belongs([], view)
+                return replace(self._refused("outlier", view, target), witness=alone)
+            aside = changed
+        elif not self._enough(target, view, gain):
+            return self._refused("no_information", view, target, before)
+        estimate = self.estimate(everything, self._weeded(everything, aside))
+        if estimate.calibration is None:
+            return self._refused("outlier", view, target)
+        return Verdict(True, None, self._checked(everything, estimate, before))
+
+    def _contradiction(
+        self,
+        views: Sequence[View],
+        active: Sequence[int],
+        view: View,
+        aside: Mapping[int, SetAside],
+        doubted: Sequence[View],
+    ) -> dict[int, SetAside] | None:
+        """Return who is set aside so that `view` can stay, or None where it is the view that is wrong."""
+        if not active or not self.trial.belongs([], view):
+            return None
+        wrong = self.trial.culprit([views[i] for i in active], view)
+        if wrong is not None:
+            return {**aside, active[wrong]: OUTLIER}
+        group = self.trial.group(view, [*doubted, *views])
+        if len(group) <= min(len(active), PATIENCE):
+            return None
+        members = {id(member) for member in group}
+        return {i: aside.get(i, DISAGREES) for i, other in enumerate(views) if id(other) not in members}
+
+    def _weeded(self, views: Sequence[View], aside: Mapping[int, SetAside]) -> dict[int, SetAside]:
+        """Return `aside` and the views that, by now, do not belong to the others."""
+        left = dict(aside)
+        while True:
+            active = [i for i in range(len(views)) if i not in left]
+            wrong = self.trial.misfit([views[i] for i in active])
+            if wrong is None:
+                return left
+            left[active[wrong]] = OUTLIER
+
+    def _checked(self, views: Sequence[View], estimate: Estimate, before: Calibration | None) -> Estimate:
+        """Hold the last view against what was predicted of it: where that was wrong the capture goes on."""
+        calibration = estimate.calibration
+        if before is None or calibration is None or len(views) - 1 in estimate.aside:
+            return estimate
+        if isinstance(self.guide, PoseSelection):
+            return estimate
+        off = surprise(before, views[-1], calibration.used[-1], LEAST_NOISE * self.img_size[0])
+        if off <= DISAGREEMENT:
+            return estimate
+        active = [view for i, view in enumerate(views) if i not in estimate.aside]
+        better = suggestion(active, calibration)
+        return replace(
+            estimate,
+            converged=len(active) >= MAX_VIEWS,
+            progress=estimate.progress if len(active) >= MAX_VIEWS else min(estimate.progress, 0.95),
+            advice=(*estimate.advice, *disagreement(off, better)),
+            suggested_model=better,
+        )
+
+    def _enough(self, target: TargetPose, view: View, gain: float) -> bool:
+        """Whether a view that is right is also worth having."""
+        if isinstance(self.guide, PoseSelection):
+            return self.guide.reached(target, view)
+        return gain >= LEAST_SHARE * target.gain
 
     def _uncertainty(self, calibration: Calibration) -> Uncertainty:
         """Predicted error; residuals below what any detector reaches are luck, or copies of one view."""
@@ -125,50 +242,9 @@ class Capture:
         luck = max(1.0, LEAST_NOISE * self.img_size[0] / max(calibration.noise, 1e-12))
         return Uncertainty(u.rms * luck, u.max * luck)
 
-    def next_target(
-        self, views: Sequence[View], estimate: Estimate, skipped: Sequence[TargetPose] = ()
-    ) -> TargetPose:
-        """Choose where to hold the board next; where targets were `skipped`, unlike them and easier."""
-        return self.guide.next_pose(views, estimate.calibration, skipped)
-
-    def judge(self, views: Sequence[View], target: TargetPose, view: View) -> Verdict:
-        """Decide whether `view` joins the accepted `views`; `target` is what was asked for."""
-        reason = self._unfit(view)
-        if reason:
-            return Verdict(False, reason, None)
-        before = self.estimate(views)
-        with np.errstate(all="ignore"):  # hostile numbers end in a refusal, not in a warning
-            gain = self._gain(before, view)
-        if gain is None:
-            return Verdict(False, "outlier", None)
-        after = self.estimate([*views, view])
-        if after.calibration is None or self._spoils(before, after):
-            return Verdict(False, "outlier", None)
-        if gain < LEAST_SHARE * target.gain:
-            return Verdict(False, "no_information", None)
-        return Verdict(True, None, after)
-
-    def _unfit(self, view: View) -> Reason | None:
-        """Reason why a view is refused whatever came before it."""
-        if len(view) < MIN_POINTS:
-            return "too_few_points"
-        try:
-            check([view], self.img_size)
-        except CalibrationError:
-            return "degenerate"
-        if (
-            np.linalg.svd(view.image_points - view.image_points.mean(axis=0), compute_uv=False)[1]
-            / np.sqrt(len(view))
-            < 0.005 * self.img_size[0]
-        ):
-            return "degenerate"  # so far away or so oblique that it is a line, give or take the noise
-        if orientation(view) < 0:
-            return "mirrored"
-        return None
-
-    def _gain(self, before: Estimate, view: View) -> float | None:
+    def _gain(self, before: Calibration | None, view: View) -> float | None:
         """px^2 that the view brings, by what was known before it; None where it cannot be posed."""
-        belief = Belief.of(self.model, self.img_size, before.calibration)
+        belief = Belief.of(self.model, self.img_size, before, self.prior)
         obs = Observations.of([view])
         posed = start.at(belief.model, obs, belief.k)
         q, j = normal.design(belief.model, belief.k, posed.poses, obs.points)
@@ -176,39 +252,25 @@ class Capture:
             return None
         return belief.gain(normal.information(j, obs.mask.astype(np.float64))[0])
 
-    def _spoils(self, before: Estimate, after: Estimate) -> bool:
-        """Whether the last view of `after` does not belong to the others."""
-        calibration = after.calibration
-        if calibration is None:
-            return True
-        # Below this the corners are as good as a webcam's ever are, and a ratio says nothing.
-        floor = 0.3 * self.img_size[0] / 1280
-        if calibration.used[-1].mean() < 0.75 and calibration.view_errors[-1] > floor:
-            return True  # wild points are cut, a few: not a good part of the view
-        errors = used_errors(calibration)
-        if len(errors) == 1:
-            return bool(errors[0] > 10 * floor)
-        others = float(np.sqrt(np.mean(errors[:-1] ** 2)))
-        if errors[-1] > OUTLIER * max(others, floor):
-            return True
-        if before.calibration is None:
-            return False
-        known = float(np.sqrt(np.mean(used_errors(before.calibration) ** 2)))
-        return others > OUTLIER * max(known, floor)
+    def _error(self, camera: Camera, view: View) -> float | None:
+        error = float(score(camera, [view]).view_errors[0])
+        return error if np.isfinite(error) else None
 
-
-def used_errors(calibration: Calibration) -> Array:
-    """Rms of each view (v,), px, over the points that were not cut."""
-    pairs = zip(calibration.residuals, calibration.used, strict=True)
-    return np.array([np.sqrt(np.mean(e[u] ** 2)) if u.any() else np.inf for e, u in pairs])
-
-
-def orientation(view: View) -> float:
-    """Sign of the handedness of board to image: negative in a mirrored picture.
-
-    The determinant of the affine map that fits best; a homography's has the same sign wherever the whole
-    board is in front of the camera, and this one stays defined under strong distortion too.
-    """
-    p = view.object_points[:, :2] - view.object_points[:, :2].mean(axis=0)
-    q: Array = view.image_points - view.image_points.mean(axis=0)
-    return float(np.sign(np.linalg.det(p.T @ q)))
+    def _refused(
+        self, reason: Reason, view: View, target: TargetPose, before: Calibration | None = None
+    ) -> Verdict:
+        """Refuse, and say what to do."""
+        fixed: dict[Reason, Hint] = {
+            "too_few_points": Hint.of("show_more"),
+            "degenerate": Hint.of("closer"),
+            "mirrored": Hint.of("unmirror"),
+            "outlier": Hint.of("hold_still"),
+        }
+        if reason in fixed:
+            return Verdict(False, reason, None, fixed[reason])
+        camera = before.camera if before else self._first_camera
+        pose = score(camera, [view]).poses[0]
+        goal = rotation.matrix(target.rvec)
+        seen = Placement.of(self.board, camera, rotation.matrix(pose[:3]), pose[3:])
+        wanted = Placement.of(self.board, camera, goal, target.tvec)
+        return Verdict(False, reason, None, between(seen, wanted, self.img_size[0]))

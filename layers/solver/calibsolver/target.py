@@ -10,6 +10,7 @@ from . import rotation
 from .arrays import Array, frozen
 from .board import Board
 from .camera import Camera
+from .hints import TEXTS, Code, Hint, Placement, between
 
 EDGE_SAMPLES = 12
 """Points along one edge of an outline: a bent edge is drawn to a fraction of a pixel."""
@@ -32,8 +33,8 @@ class TargetPose:
         one-to-one domain are left out, parts outside the image are not.
     purpose
         What the view is for, one English phrase.
-    hint
-        What to do, one English sentence.
+    hint, hint_code
+        What to do next, in English and as a code (`hints.Code`): what differs most from where the board was.
     gain
         px^2, by how much the mean square projection error over the image is predicted to fall.
     """
@@ -45,6 +46,7 @@ class TargetPose:
     outline: Array
     purpose: str
     hint: str
+    hint_code: Code
     gain: float
 
     def __post_init__(self) -> None:
@@ -54,12 +56,22 @@ class TargetPose:
 
     @classmethod
     def seen(
-        cls, board: Board, camera: Camera, r: Array, t: Array, purpose: str, gain: float
+        cls,
+        board: Board,
+        camera: Camera,
+        r: Array,
+        t: Array,
+        purpose: str,
+        gain: float,
+        last: Placement | None = None,
     ) -> "TargetPose":
-        """Target at rotation (3, 3) and translation (3,) as `camera` would see it."""
+        """Target at rotation (3, 3) and translation (3,) as `camera` would see it; `last`: where it was."""
         q = camera.project(board.points @ r.T + t)
         inside = in_image(q, camera.img_size)
         edge = camera.project(edge_points(board) @ r.T + t)
+        hint = Hint.of("first")
+        if last is not None:
+            hint = between(last, Placement.of(board, camera, r, t), camera.img_size[0])
         return cls(
             rvec=rotation.vector(r),
             tvec=t,
@@ -67,7 +79,8 @@ class TargetPose:
             corners=q[inside],
             outline=edge[np.isfinite(edge[:, 0])],
             purpose=purpose,
-            hint=hint(board, camera, r, t),
+            hint=hint.text,
+            hint_code=hint.code,
             gain=gain,
         )
 
@@ -81,6 +94,7 @@ class TargetPose:
             "outline": self.outline.tolist(),
             "purpose": self.purpose,
             "hint": self.hint,
+            "hint_code": self.hint_code,
             "gain": self.gain,
         }
 
@@ -95,6 +109,7 @@ class TargetPose:
             outline=np.asarray(values["outline"], dtype=np.float64).reshape(-1, 2),
             purpose=str(values["purpose"]),
             hint=str(values["hint"]),
+            hint_code=values["hint_code"] if values.get("hint_code") in TEXTS else "first",
             gain=float(values["gain"]),
         )
 
@@ -112,30 +127,3 @@ def edge_points(board: Board) -> Array:
     s = np.arange(EDGE_SAMPLES)[None, :, None] / EDGE_SAMPLES
     points: Array = (start[:, None, :] * (1 - s) + end[:, None, :] * s).reshape(-1, 3)
     return points
-
-
-def hint(board: Board, camera: Camera, r: Array, t: Array) -> str:
-    """Say what to do, in the words of someone who looks at the picture."""
-    corners = board.outline @ r.T + t
-    middles = (corners + np.roll(corners, -1, axis=0)) / 2
-    center = corners.mean(axis=0)
-    distance = np.linalg.norm(middles, axis=1)
-    toward = (np.roll(distance, 2) - distance) / 2  # than the opposite edge
-    nearest = int(np.argmax(toward))
-    parts = []
-    length = np.linalg.norm(middles[nearest] - center)
-    if toward[nearest] > 0.17 * length:  # about 10 degrees
-        x, y = (middles[nearest] - center)[:2]
-        side = ("left" if x < 0 else "right") if abs(x) > abs(y) else ("upper" if y < 0 else "lower")
-        parts.append(f"tilt the {side} edge towards the camera")
-    else:
-        parts.append("hold the board facing the camera")
-    q = camera.project(center[None])[0]
-    w, h = camera.img_size
-    across = "left" if q[0] < 0.35 * w else "right" if q[0] > 0.65 * w else ""
-    down = "top" if q[1] < 0.35 * h else "bottom" if q[1] > 0.65 * h else ""
-    place = " ".join(word for word in (down, across) if word)
-    if place:
-        parts.append(f"in the {place} of the picture")
-    text = " ".join(parts)
-    return f"{text[0].upper()}{text[1:]}."

@@ -8,6 +8,7 @@ import pytest
 
 from calibsolver import Board, Calibration, Camera, guidance, models, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose
+from calibsolver.hints import TEXTS, Placement, between
 from tests import synthetic
 
 
@@ -128,22 +129,39 @@ def test_choice_is_a_function_of_what_it_is_given() -> None:
     np.testing.assert_array_equal(a.tvec, b.tvec)
 
 
-def test_hint_names_the_edge_that_comes_near() -> None:
-    board = Board()
+def place(rvec: tuple[float, float, float], center: tuple[float, float, float]) -> Placement:
+    r = rotation.matrix(np.array(rvec, dtype=float))
     camera = guidance.Belief.of("rectilinear", (1280, 720), None).camera
-    for rvec, words in (
-        ((0, 0.5, 0), "right"),  # about y, which points down: the right side comes near
-        ((0, -0.5, 0), "left"),
-        ((0.5, 0, 0), "upper"),
-        ((-0.5, 0, 0), "lower"),
-    ):
-        r = rotation.matrix(np.array(rvec, dtype=float))
-        t = np.array([0, 0, 14.0]) - r @ board.outline.mean(axis=0)
-        nearest = (board.outline @ r.T + t)[:, 2]
-        target = TargetPose.seen(board, camera, r, t, "", 0.0)
-        side = {"left": [0, 3], "right": [1, 2], "upper": [0, 1], "lower": [2, 3]}[words]
-        assert set(np.argsort(nearest)[:2]) == set(side)
-        assert f"the {words} edge towards the camera" in target.hint
+    board = Board()
+    return Placement.of(board, camera, r, np.array(center) - r @ board.outline.mean(axis=0))
+
+
+@pytest.mark.parametrize(
+    ("rvec", "center", "code"),
+    [
+        ((0, 0.5, 0), (0, 0, 14), "tilt_right"),  # about y, which points down: the right side comes near
+        ((0, -0.5, 0), (0, 0, 14), "tilt_left"),
+        ((0.5, 0, 0), (0, 0, 14), "tilt_top"),
+        ((-0.5, 0, 0), (0, 0, 14), "tilt_bottom"),
+        ((0, 0, 0.6), (0, 0, 14), "turn_clockwise"),
+        ((0, 0, -0.6), (0, 0, 14), "turn_counterclockwise"),
+        ((0.1, 0, 0), (0, 0, 8), "closer"),
+        ((0.1, 0, 0), (0, 0, 22), "farther"),
+        ((0.1, 0, 0), (-4, 0.5, 14), "left"),
+        ((0.1, 0, 0), (4, 0.5, 14), "right"),
+        ((0, 0, 0.1), (0, 3, 14), "down"),
+        ((0, 0, 0.1), (0, -3, 14), "up"),
+    ],
+)
+def test_hint_says_what_differs_most(
+    rvec: tuple[float, float, float], center: tuple[float, float, float], code: str
+) -> None:
+    facing = place((0, 0, 0), (0, 0, 14))
+    assert between(facing, place(rvec, center), 1280).code == code
+
+
+def test_hints_are_short() -> None:
+    assert all(len(text.split()) <= 6 for text in TEXTS.values())
 
 
 def test_choosing_takes_no_time_to_speak_of() -> None:

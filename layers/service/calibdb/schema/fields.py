@@ -33,7 +33,7 @@ def _canonical(zoom: float) -> float:
 # The names, and the order of the coefficients, are the API's. `calibsolver.models` has one file for each.
 DistortionModel = Literal["rectilinear", "fisheye", "rational", "omnidirectional"]
 DISTORTION_MODELS: tuple[str, ...] = get_args(DistortionModel)
-Guidance = Literal["projection-uncertainty"]
+Guidance = Literal["projection-uncertainty", "pose-selection"]
 
 Label = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=256)]
 Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE)]

@@ -31,6 +31,26 @@ Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
 Refusal = Literal["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]
 
 
+HintCode = Literal[
+    "first",
+    "closer",
+    "farther",
+    "left",
+    "right",
+    "up",
+    "down",
+    "tilt_top",
+    "tilt_bottom",
+    "tilt_left",
+    "tilt_right",
+    "turn_clockwise",
+    "turn_counterclockwise",
+    "show_more",
+    "hold_still",
+    "unmirror",
+]
+
+
 class Health(Open):
     """The service is there."""
 
@@ -100,12 +120,38 @@ class ViewRequest(Strict):
         return value
 
 
+class SetAside(Open):
+    """Why an accepted view takes no part in the fit any more."""
+
+    reason: Literal["outlier", "disagrees"] = Field(
+        description="`outlier`: found wrong once others were there; `disagrees`: more views contradict it."
+    )
+    detail: str
+
+
 class ViewState(Open):
     """One accepted view."""
 
     index: int
     points: int
-    rms: float | None = Field(description="px; null as long as there is no fit.")
+    rms: float | None = Field(
+        description="px; null as long as there is no fit. Of a view set aside: with its pose fitted alone."
+    )
+    set_aside: SetAside | None = None
+
+
+class Advice(Open):
+    """Something the user should know of the whole capture."""
+
+    code: Literal["prediction_disagrees", "model_too_simple", "limit_reached"]
+    text: str
+
+
+class Hint(Open):
+    """What to do so that the next view is taken."""
+
+    code: HintCode
+    text: str = Field(description="English, at most six words.")
 
 
 class SessionState(Open):
@@ -125,6 +171,10 @@ class SessionState(Open):
     uncertainty: Uncertainty | None
     calibration: Calibration | None
     calibration_id: str | None
+    advice: tuple[Advice, ...] = ()
+    suggested_model: DistortionModel | None = Field(
+        None, description="The model that explains these views better, where this one is too simple."
+    )
 
 
 class ViewAnswer(SessionState):
@@ -132,6 +182,7 @@ class ViewAnswer(SessionState):
 
     accepted: bool
     reason: Refusal | None
+    hint: Hint | None = Field(None, description="What to do after a refusal.")
 
 
 class Pose(Open):
@@ -143,5 +194,6 @@ class Pose(Open):
     ids: tuple[int, ...]
     corners: tuple[Pixel, ...]
     outline: tuple[Pixel, ...] = Field(description="The board's edge as the camera would see it.")
-    purpose: str
-    hint: str
+    purpose: str = Field(description="What this view is for, in English.")
+    hint: str = Field(description="What to do next, in English, at most six words; sides are the picture's.")
+    hint_code: HintCode

@@ -9,101 +9,79 @@ up to a rotation, is mrcal's.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
-from . import candidates, models, normal, prior, rotation, uncertainty
-from .arrays import Array, Mask, symmetric_inverse
-from .board import Board
-from .calibration import Calibration
-from .camera import Camera
-from .candidates import Lattice, Range, Sight
-from .models import Model
-from .target import TargetPose
-from .view import View
-
-__all__ = ["Belief", "ProjectionUncertainty", "TargetPose"]
+from .. import candidates, models, normal, rotation
+from ..arrays import Array, Mask, symmetric_inverse
+from ..board import Board
+from ..calibration import Calibration
+from ..camera import Camera
+from ..candidates import Lattice, Range
+from ..hints import Placement
+from ..target import TargetPose
+from ..view import View
+from .belief import Belief
+from .experience import Experience
 
 CANDIDATES = 128
 BEST, AROUND = 4, 16
 """How many of the candidates are refined, and how many are tried around each."""
 RADII = (0.3, 0.22, 0.16, 0.12, 0.08, 0.06, 0.04)
 """How far around, in units of a candidate's range."""
-GRID = (12, 9)
-NOMINAL_NOISE = 0.3 / 1280
-"""Standard deviation of a corner's coordinate / image width, before anything was measured."""
-LEAST_NOISE = 0.05 / 1280
-"""No detector is better than this; views that fit by luck do not promise it either."""
 ANY = Range(inside=0.0, oblique=90.0, spacing=0.0)
 """Whatever comes: for a pose that has been chosen already."""
 PLENTY = 10
 """Corners that a target shows at least, of a board that has so many: a hand misses by some."""
 EASY = Range(width=(0.45, 0.75), tilt=30.0, roll=15.0, inside=1.0)
 """A pose for someone who could not reach the last one: little tilt, all of the board in the picture."""
-
-
-@dataclass(frozen=True, eq=False)
-class Belief:
-    """What is known of the intrinsics: values (p,), information (p, p), and noise of a corner, px."""
-
-    model: Model
-    k: Array
-    information: Array
-    noise: float
-    img_size: tuple[int, int]
-
-    @classmethod
-    def of(cls, model: str, img_size: tuple[int, int], calibration: Calibration | None) -> "Belief":
-        """From a calibration, or from the model's prior alone."""
-        law = models.get(model)
-        w = img_size[0]
-        if calibration is None:
-            k = law.start(law.prior.focal * w, img_size)
-            return cls(law, k, prior.information(law, k, img_size), NOMINAL_NOISE * w, img_size)
-        k = calibration.camera.intrinsics
-        noise = max(calibration.noise, LEAST_NOISE * w)
-        covariance = calibration.covariance * (noise / max(calibration.noise, 1e-12)) ** 2
-        return cls(law, k, symmetric_inverse(covariance), noise, img_size)
-
-    @property
-    def camera(self) -> Camera:
-        """The camera at the believed intrinsics."""
-        return Camera.from_intrinsics(self.model.name, self.k, self.img_size)
-
-    @cached_property
-    def sight(self) -> Sight:
-        """Rays over the image."""
-        return Sight.of(self.model, self.k, self.img_size)
-
-    @cached_property
-    def weight(self) -> Array:
-        """W (p, p), see `uncertainty.weight`."""
-        return uncertainty.weight(uncertainty.sensitivity(self.model, self.k, self.img_size, GRID))
-
-    def gain(self, information: Array) -> float:
-        """Return how far views of `information` (p, p) at unit noise lower the mean square error, px^2."""
-        w = self.weight
-        before = symmetric_inverse(self.information)
-        after = symmetric_inverse(self.information + information / self.noise**2)
-        return float(np.sum((before - after) * w))
+TIE = 1.02
+"""Scores within this factor of the best are as good: of these the pose nearest to the hand's is taken."""
+ARM = 3.0
+"""Lengths of the board that it may be away, unless the lens is so long that it would not fit otherwise."""
 
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """What a candidate is judged by: W (p, p) (`uncertainty.weight`), and targets it must not resemble."""
+    """What a candidate is judged by.
+
+    Attributes
+    ----------
+    weight
+        W (p, p), see `uncertainty.weight`.
+    skipped
+        Targets that it must not resemble.
+    experience
+        What noise to expect; None where nothing is known.
+    """
 
     weight: Array
-    skipped: tuple[TargetPose, ...]
+    skipped: tuple[TargetPose, ...] = ()
+    experience: Experience | None = None
 
 
 class ProjectionUncertainty:
-    """The default guidance; see the module's docstring."""
+    """The default guidance; see the module's docstring.
 
-    def __init__(self, board: Board, img_size: tuple[int, int], model: str = "rectilinear") -> None:
+    Parameters
+    ----------
+    board, img_size, model
+        What is captured with what; width and height in px.
+    prior
+        The camera as others have measured it: what is believed before the first view.
+    """
+
+    def __init__(
+        self,
+        board: Board,
+        img_size: tuple[int, int],
+        model: str = "rectilinear",
+        prior: Camera | None = None,
+    ) -> None:
         self.board = board
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model)
+        self.prior = prior
         self._all = Lattice.of(board, None)
         self._thin = Lattice.of(board, 5)
 
@@ -112,6 +90,7 @@ class ProjectionUncertainty:
         views: Sequence[View],
         calibration: Calibration | None,
         skipped: Sequence[TargetPose] = (),
+        unreached: Sequence[TargetPose] = (),
         limits: Range | None = None,
     ) -> TargetPose:
         """Choose the pose of the next view.
@@ -124,27 +103,59 @@ class ProjectionUncertainty:
             The estimate from them, or None where there is none yet.
         skipped
             Targets the user could not reach: one unlike them is chosen, easy to hold and wholly visible.
+        unreached
+            Targets given up earlier in this session: as far as they were hard, less is asked from now on.
         limits
             What may be asked of the user.
         """
-        belief = Belief.of(self.model.name, self.img_size, calibration)
+        belief = Belief.of(self.model.name, self.img_size, calibration, self.prior)
         # Estimates may be wild at first: what overflows is refused as invisible.
         with np.errstate(all="ignore"):
             if not views and not skipped:
-                return self._first(belief, belief)
-            limits = limits or (EASY if skipped else Range())
-            whole = min(1.0, PLENTY / self.board.corner_count)
-            limits = replace(limits, inside=max(limits.inside, whole))
-            chosen = self._best(belief, len(views), limits, Goal(belief.weight, tuple(skipped)))
-            if chosen is None:
-                return self._first(Belief.of(self.model.name, self.img_size, None), belief)
-            return chosen
+                return self.first_pose(belief)
+            experience = Experience.of(self.board, belief.camera, belief.sight.focal, calibration, unreached)
+            limits = limits or experience.within(EASY if skipped else Range())
+            last = None
+            if calibration is not None:
+                r, t = rotation.matrix(calibration.poses[-1, :3]), calibration.poses[-1, 3:]
+                last = Placement.of(self.board, belief.camera, r, t)
+            goal = Goal(belief.weight, tuple(skipped), experience)
+            return self.choose(belief, len(views), limits, goal, last)
+
+    def first_pose(self, belief: Belief) -> TargetPose:
+        """Easy: all of the board in the middle, two thirds of the image, tilted about a diagonal."""
+        return self._first(belief, belief)
+
+    def choose(
+        self,
+        belief: Belief,
+        index: int,
+        limits: Range,
+        goal: Goal | None = None,
+        last: Placement | None = None,
+    ) -> TargetPose:
+        """Choose by what is believed: `index` varies the search, `last` is where the board was held."""
+        goal = goal or Goal(belief.weight)
+        whole = min(1.0, PLENTY / self.board.corner_count)
+        low, high = limits.width
+        reach = belief.sight.focal / (ARM * max(self.img_size))
+        limits = replace(
+            limits, inside=max(limits.inside, whole), width=(min(max(low, reach), max(low, 0.6 * high)), high)
+        )
+        chosen = self._best(belief, index, limits, goal, last)
+        if chosen is None:
+            return self._first(Belief.of(self.model.name, self.img_size, None, self.prior), belief)
+        return chosen
+
+    def after(self, belief: Belief, target: TargetPose) -> Belief:
+        """Return what will be known after a view of the target."""
+        poses = normal.Poses(rotation.matrix(target.rvec[None]), target.tvec[None])
+        with np.errstate(all="ignore"):
+            s, _ = self._information(belief, poses, ANY, thin=False)
+        return replace(belief, information=belief.information + s[0] / belief.noise**2)
 
     def _first(self, belief: Belief, known: Belief) -> TargetPose:
-        """Easy: all of the board in the middle, two thirds of the image, tilted about a diagonal.
-
-        Placed by one belief; what it would bring is told by what is `known`.
-        """
+        """Place the first pose by one belief; what it would bring is told by what is `known`."""
         image, board = sorted(self.img_size), sorted(self.board.size)
         length = min(0.68, 0.68 * image[0] * board[1] / (image[1] * board[0]))
         limits = Range(width=(length, length), tilt=40.0, roll=0.0)
@@ -189,11 +200,16 @@ class ProjectionUncertainty:
             good &= ~self._alike(poses, target)
         use = np.flatnonzero(good)
         if use.size:
-            after = symmetric_inverse(belief.information + s[use] / belief.noise**2)
+            noise = np.full((use.size, 1, 1), belief.noise)
+            if goal.experience is not None:
+                noise[:, 0, 0] *= goal.experience.expected_noise(*candidates.shape(unit[use], limits))
+            after = symmetric_inverse(belief.information + s[use] / noise**2)
             score[use] = np.einsum("cij,ij->c", after, goal.weight)
         return score
 
-    def _best(self, belief: Belief, index: int, limits: Range, goal: Goal) -> TargetPose | None:
+    def _best(
+        self, belief: Belief, index: int, limits: Range, goal: Goal, last: Placement | None
+    ) -> TargetPose | None:
         """Search by the cross-entropy method: spread widely, then ever closer around the best so far."""
         unit = candidates.sequence(CANDIDATES, index + 7 * len(goal.skipped))
         score = self._score(belief, unit, limits, goal)
@@ -205,15 +221,23 @@ class ProjectionUncertainty:
             near = np.clip(near, 0.0, 1.0)
             unit = np.concatenate([unit[best], near])
             score = np.concatenate([score[best], self._score(belief, near, limits, goal)])
-        order = np.argsort(score)
-        if not np.isfinite(score[order[0]]):
+        if not np.isfinite(score.min()):
             return None
-        pick = unit[order[:1]]
-        poses = candidates.poses(pick, self.board, belief.sight, limits)
-        s, _ = self._information(belief, poses, ANY, thin=False)
-        return TargetPose.seen(
-            self.board, belief.camera, poses.r[0], poses.t[0], self._purpose(belief, s[0]), belief.gain(s[0])
-        )
+        equal = unit[score <= TIE * score.min()]
+        poses = candidates.poses(equal, self.board, belief.sight, limits)
+        pick = 0 if last is None else int(np.argmin(self._way(poses, last)))
+        r, t = poses.r[pick], poses.t[pick]
+        s, _ = self._information(belief, normal.Poses(r[None], t[None]), ANY, thin=False)
+        gain = belief.gain(s[0])
+        return TargetPose.seen(self.board, belief.camera, r, t, self._purpose(belief, s[0]), gain, last)
+
+    def _way(self, poses: normal.Poses, last: Placement) -> Array:
+        """How far (c,) the hand moves: distance in squares of the board's length, and the change of tilt."""
+        center = poses.r @ self.board.outline.mean(axis=0) + poses.t
+        far = np.abs(np.log(np.linalg.norm(center, axis=1) / last.distance))
+        lean = np.linalg.norm(poses.r[:, :, 2] - last.normal, axis=1)
+        way: Array = far + lean
+        return way
 
     def _alike(self, poses: normal.Poses, target: TargetPose) -> Mask:
         """Whether poses (c) are much like a target: normals within 20 degrees, centres within 1.5 squares."""

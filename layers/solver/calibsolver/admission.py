@@ -1,0 +1,41 @@
+"""Whether a view can be used at all, whatever came before it."""
+
+from typing import Literal
+
+import numpy as np
+
+from .checks import MIN_POINTS, check
+from .errors import CalibrationError
+from .view import View
+
+Reason = Literal["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]
+
+THINNEST = 0.005
+"""Standard deviation across the narrower direction / image width, below which the points are a line."""
+
+
+def unfit(view: View, img_size: tuple[int, int]) -> Reason | None:
+    """Reason why `view` is refused, None where it may be used."""
+    if len(view) < MIN_POINTS:
+        return "too_few_points"
+    try:
+        check([view], img_size)
+    except CalibrationError:
+        return "degenerate"
+    extent = np.linalg.svd(view.image_points - view.image_points.mean(axis=0), compute_uv=False)[1]
+    if extent / np.sqrt(len(view)) < THINNEST * img_size[0]:
+        return "degenerate"  # so far away or so oblique that it is a line, give or take the noise
+    if orientation(view) < 0:
+        return "mirrored"
+    return None
+
+
+def orientation(view: View) -> float:
+    """Sign of the handedness of board to image: negative in a mirrored picture.
+
+    The determinant of the affine map that fits best; a homography's has the same sign wherever the whole
+    board is in front of the camera, and this one stays defined under strong distortion too.
+    """
+    p = view.object_points[:, :2] - view.object_points[:, :2].mean(axis=0)
+    q = view.image_points - view.image_points.mean(axis=0)
+    return float(np.sign(np.linalg.det(p.T @ q)))

@@ -1,0 +1,45 @@
+"""What the user should know of a whole capture."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from .calibration import Calibration
+from .choice import suggest_model
+from .view import View
+
+
+@dataclass(frozen=True)
+class Advice:
+    """A code for programs, an English sentence for people."""
+
+    code: Literal["prediction_disagrees", "model_too_simple", "limit_reached"]
+    text: str
+
+
+LIMIT = Advice(
+    "limit_reached",
+    "So many views are in that more would hardly help; the error that was aimed for is not reached.",
+)
+
+
+def disagreement(off: float, better: str | None) -> tuple[Advice, ...]:
+    """Say that the last view was `off` times as far from where it was predicted as it should be."""
+    said = Advice(
+        "prediction_disagrees",
+        f"The last view lies {off:.1f} times as far off as was predicted; more views will tell.",
+    )
+    if better is None:
+        return (said,)
+    simple = Advice(
+        "model_too_simple", f"This lens bends more than the model can; {better} explains it better."
+    )
+    return said, simple
+
+
+def suggestion(views: Sequence[View], calibration: Calibration) -> str | None:
+    """Return the model that explains the views better than that of their `calibration`, if one does."""
+    if len(views) < 3:
+        return None
+    found = suggest_model(views, calibration.camera.img_size).model
+    return found if found != calibration.camera.model else None

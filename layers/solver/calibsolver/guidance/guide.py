@@ -1,0 +1,31 @@
+"""What every guidance can do."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from ..calibration import Calibration
+from ..target import TargetPose
+from ..view import View
+
+
+class Guide(Protocol):
+    """Chooses poses; which of them were answered is all it is told."""
+
+    def next_pose(
+        self,
+        views: Sequence[View],
+        calibration: Calibration | None,
+        skipped: Sequence[TargetPose] = (),
+        unreached: Sequence[TargetPose] = (),
+    ) -> TargetPose:
+        """Choose the pose of the next view.
+
+        Parameters
+        ----------
+        views, calibration
+            The views so far, and the estimate from them; None where there is none yet.
+        skipped
+            Targets given up since the last view.
+        unreached
+            Targets given up before that.
+        """
