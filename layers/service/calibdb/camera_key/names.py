@@ -21,7 +21,8 @@ _MAKERS = """
     lenovo lg liteon logi logitech microsoft msi nvidia philips quanta realtek ricoh samsung sonix sony
     sunplus sunplusit suyin syntek toshiba trust vimicro xiaomi
 """
-_GENERIC = frozenset(_GENERIC_WORDS.split()) | frozenset(_MAKERS.split())
+_MAKER = frozenset(_MAKERS.split())
+_GENERIC = frozenset(_GENERIC_WORDS.split()) | _MAKER
 # Built-in cameras that carry one name over many years and modules: on the labels collected, `HP TrueVision HD
 # Camera` has two USB ids, `Lenovo EasyCamera` four.
 _FAMILIES = re.compile(
@@ -37,6 +38,11 @@ _STRIPPED = re.compile(r"^(?:logitech|logi|microsoft)\b[ ,.:-]*")
 def words(name: str) -> list[str]:
     """Return the words of a name (lower case): letters and digits of any script."""
     return _WORDS.findall(name)
+
+
+def is_maker(word: str) -> bool:
+    """Tell whether `word` (lower case) is the name of a maker."""
+    return word in _MAKER
 
 
 def says_too_little(name: str) -> bool:

@@ -9,6 +9,15 @@ from calibdb.schema.calibration import (
     ReportedCalibration,
     Uncertainty,
 )
+from calibdb.schema.cameras import (
+    CameraDetail,
+    CameraEntry,
+    CameraList,
+    CameraMember,
+    CameraMode,
+    CameraSize,
+    CamerasRequest,
+)
 from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView
 from calibdb.schema.documents import (
     CalibrationDocument,
@@ -23,8 +32,9 @@ from calibdb.schema.documents import (
 )
 from calibdb.schema.fields import DISTORTION_MODELS
 from calibdb.schema.lookup import LookupRequest, Miss
+from calibdb.schema.prior import PriorDocument
 from calibdb.schema.problem import FieldProblem, LookupProblem, Problem
-from calibdb.schema.refit import RefitAnswer, RefitRequest
+from calibdb.schema.refit import BackfillAnswer, BackfillBatch, RefitAnswer, RefitRequest
 from calibdb.schema.session import (
     Health,
     Pose,
@@ -42,9 +52,18 @@ __all__ = [
     "DICTIONARIES",
     "DISTORTION_MODELS",
     "Adapted",
+    "BackfillAnswer",
+    "BackfillBatch",
     "Board",
     "Calibration",
     "CalibrationDocument",
+    "CameraDetail",
+    "CameraEntry",
+    "CameraList",
+    "CameraMember",
+    "CameraMode",
+    "CameraSize",
+    "CamerasRequest",
     "CheckAnswer",
     "CheckRequest",
     "CheckView",
@@ -60,6 +79,7 @@ __all__ = [
     "LookupRequest",
     "Miss",
     "Pose",
+    "PriorDocument",
     "Problem",
     "RefitAnswer",
     "RefitRequest",

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pydantic_core import from_json
+
+from calibdb.camera_key import PATTERN
 from calibdb.schema import ConsensusDocument
+from calibdb.schema.cameras import CameraMember
 from calibdb.store.consensus import documents
-from calibdb.store.keys import camera_pk
+from calibdb.store.keys import Mode, calibrations_prefix, camera_pk
 from calibdb.store.names import ALL, SAME_AS
-from calibdb.store.table import Table
+from calibdb.store.table import Item, Table
 
 
 @dataclass(frozen=True)
@@ -44,11 +48,49 @@ class Cameras:
             tuple(sk.removeprefix(SAME_AS) for sk in others if sk.startswith(SAME_AS)),
         )
 
-    def search(self, word: str, limit: int, after: str | None) -> tuple[list[str], str | None]:
-        """Return keys of cameras of whose names a word begins with `word`, and where to go on: one Query.
+    def name(self, camera_key: str) -> str | None:
+        """Return the normalised label of a camera, None when none is known under this key."""
+        item = self._table.get(ALL, camera_key, consistent=False)
+        return str(item["name"]) if item else None
 
-        An empty word finds all. `after` is what an earlier answer gave, or None.
+    def search(self, word: str, limit: int, after: str | None) -> tuple[list[tuple[str, str]], str | None]:
+        """Return cameras of whose names a word begins with `word`, and where to go on: one Query.
+
+        Each by key and normalised label. An empty word finds all. `after`: what an earlier answer for the
+        same word gave (`is_place`), or None.
         """
         items, more = self._table.page(ALL + word[:1], word, limit, after)
-        found = [str(item["sk"]) for item in items]
-        return [sk.rpartition("#")[2] for sk in found], found[-1] if more and found else None
+        found = [(str(item["sk"]).rpartition("#")[2], str(item["name"])) for item in items]
+        return found, str(items[-1]["sk"]) if more and items else None
+
+    def members(self, mode: Mode, group: frozenset[str], limit: int) -> list[CameraMember]:
+        """Return the newest calibrations at a size and zoom that count; `group`: those that agree."""
+        prefix = calibrations_prefix(mode.img_size, mode.zoom)
+        items = self._table.query(mode.pk, prefix, newest_first=True, limit=limit)
+        counted = (item for item in items if "withdrawn" not in item and item.get("native", 1) != 0)
+        return [member for item in counted if (member := _member(item, group)) is not None]
+
+
+def is_place(word: str, after: str) -> bool:
+    """Tell whether `after` is where a search for `word` can go on."""
+    before, _, key = after.rpartition("#")
+    return PATTERN.fullmatch(key) is not None and after.startswith(word) and bool(before) == bool(word)
+
+
+def _member(item: Item, group: frozenset[str]) -> CameraMember | None:
+    fit = from_json(str(item.get("fit", "{}")))
+    if not fit:
+        return None
+    (fx, _, cx), (_, fy, cy), _ = fit["camera_matrix"]
+    own_id = str(item["sk"]).rpartition("#")[2]
+    return CameraMember(
+        id=own_id,
+        time=int(str(item["time"])),
+        fx=fx,
+        fy=fy,
+        cx=cx,
+        cy=cy,
+        rms=fit["avg_reprojection_error"],
+        model=str(item["model"]),
+        in_group=own_id in group,
+    )

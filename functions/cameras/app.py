@@ -1,0 +1,81 @@
+"""Shows the database: a search by words, and all that is known of one camera."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+from starlette.responses import Response
+
+from calibdb import browse, http
+from calibdb.camera_key import PATTERN
+from calibdb.errors import InvalidError, NotFoundError
+from calibdb.schema import ConsensusDocument
+from calibdb.schema.cameras import CameraDetail, CameraList, CameraMode, CamerasRequest
+from calibdb.store import Mode
+from calibdb.store.cameras import is_place
+
+_MOST_MEMBERS = 200
+_READERS = 8  # cameras read at a time
+_CACHED = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
+
+
+def search(call: http.Call) -> Response:
+    """Answer with the cameras of whose names a word begins with every word asked for."""
+    call.api_token()
+    request = call.query(CamerasRequest)
+    wanted = browse.asked(request.query)
+    word = wanted[0] if wanted else ""
+    if request.after is not None and not is_place(word, request.after):
+        raise InvalidError.field("after", "must be `next` of an answer to the same query")
+    store = call.service.store.cameras
+    found, following = store.search(word, request.limit, request.after)
+    with ThreadPoolExecutor(_READERS) as readers:
+        known = list(readers.map(lambda camera: store.known(camera[0]).consensuses, found))
+    entries = (
+        browse.entry(key, name, consensuses)
+        for (key, name), consensuses in zip(found, known, strict=True)
+        if browse.matches(wanted[1:], name, consensuses)
+    )
+    answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
+    return http.answer(answer, headers=_CACHED)
+
+
+def show(call: http.Call) -> Response:
+    """Answer with one camera: what its calibrations are, and how far they agree."""
+    call.api_token()
+    key = call.path("key")
+    store = call.service.store.cameras
+    name = store.name(key) if PATTERN.fullmatch(key) else None
+    if name is None and PATTERN.fullmatch(key):
+        others = store.known(key).same_as  # a key of earlier rules, or of a name alone
+        if len(others) == 1:
+            key, name = others[0], store.name(others[0])
+    if name is None:
+        raise NotFoundError("There is no camera with this key.")
+    known = store.known(key).consensuses
+    camera, platform = browse.shown(name, known)
+    modes = tuple(_mode(call, Mode(key, *mode), here) for mode, here in browse.by_mode(known))
+    return http.answer(CameraDetail(key=key, camera=camera, platform=platform, modes=modes), headers=_CACHED)
+
+
+def _mode(call: http.Call, mode: Mode, known: list[ConsensusDocument]) -> CameraMode:
+    store = call.service.store
+    best = browse.leading(known)
+    behind = store.consensuses.groups(best)
+    groups = behind.groups if behind else ()
+    return CameraMode(
+        img_size=mode.img_size,
+        zoom=mode.zoom,
+        calibrations=max(c.total for c in known),
+        contributors=best.calibration.contributors if best.calibration else 0,
+        reason=None if best.reliable else best.reason,
+        groups=groups,
+        consensus={c.distortion_model: c.calibration for c in known if c.calibration},
+        members=tuple(store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MOST_MEMBERS)),
+    )
+
+
+handler = http.handler(
+    http.resource("/v1/cameras", GET=search),
+    http.resource("/v1/cameras/{key}", GET=show),
+)

@@ -1,0 +1,77 @@
+"""The database as it is shown: a camera's consensuses gathered by size and zoom, and words compared."""
+
+from __future__ import annotations
+
+import itertools
+import unicodedata
+from collections.abc import Iterator, Sequence
+
+from calibdb.camera_key.names import is_maker, words
+from calibdb.schema import Calibration, ConsensusDocument
+from calibdb.schema.cameras import CameraEntry, CameraSize
+
+Mode = tuple[tuple[int, int], float]
+_MOST_WORDS = 8
+
+
+def asked(query: str) -> list[str]:
+    """Return the words of a query, the one that says most first.
+
+    A maker's name is left out where there are other words: not every system says it.
+    """
+    text = unicodedata.normalize("NFKC", query).casefold()
+    found = list(dict.fromkeys(words(text)))[:_MOST_WORDS]
+    named = [word for word in found if not is_maker(word)] or found
+    return sorted(named, key=len, reverse=True)
+
+
+def matches(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocument]) -> bool:
+    """Tell whether every word that is wanted begins a word of the camera's name or labels."""
+    labels = {c.calibration.camera for c in known if c.calibration}
+    text = unicodedata.normalize("NFKC", " ".join((name, *labels))).casefold()
+    there = words(text)
+    return all(any(word.startswith(w) for word in there) for w in wanted)
+
+
+def by_mode(known: Sequence[ConsensusDocument]) -> Iterator[tuple[Mode, list[ConsensusDocument]]]:
+    """Yield the consensuses of every size and zoom, the largest picture first."""
+
+    def order(c: ConsensusDocument) -> tuple[int, tuple[int, int], float]:
+        return -c.img_size[0] * c.img_size[1], c.img_size, c.zoom
+
+    for _, found in itertools.groupby(sorted(known, key=order), key=order):
+        here = list(found)
+        yield (here[0].img_size, here[0].zoom), here
+
+
+def leading(known: Sequence[ConsensusDocument]) -> ConsensusDocument:
+    """Return the consensus that speaks for a size: a reliable one, of those the one of most calibrations."""
+    return max(known, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
+
+
+def entry(key: str, name: str, known: Sequence[ConsensusDocument]) -> CameraEntry:
+    """Return a camera as a search shows it; `name`: its normalised label."""
+    camera, platform = shown(name, known)
+    sizes = []
+    for (img_size, zoom), here in by_mode(known):
+        best = leading(here)
+        sizes.append(
+            CameraSize(
+                img_size=img_size,
+                zoom=zoom,
+                models=tuple(c.distortion_model for c in here),
+                calibrations=max(c.total for c in here),
+                contributors=best.calibration.contributors if best.calibration else 0,
+                reliable=best.reliable,
+            )
+        )
+    return CameraEntry(key=key, camera=camera, platform=platform, sizes=tuple(sizes))
+
+
+def shown(name: str, known: Sequence[ConsensusDocument]) -> tuple[str, str]:
+    """Return label and platform of the newest calibration, or else the normalised label."""
+    found: list[Calibration] = [c.calibration for c in known if c.calibration]
+    if not found:
+        return name, ""
+    newest = max(found, key=lambda c: (c.calibration_time, c.camera))
+    return newest.camera, newest.platform

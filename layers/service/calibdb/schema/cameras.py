@@ -1,0 +1,90 @@
+"""The database as it is browsed: what cameras there are, and what is known of one."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from calibdb.schema.calibration import Calibration
+from calibdb.schema.fields import DistortionModel, ImgSize, Open
+from calibdb.schema.lookup import Reason
+
+MOST_CAMERAS = 50
+
+
+def _whole(value: object) -> object:
+    return int(value) if isinstance(value, str) and value.isascii() and value.isdecimal() else value
+
+
+class CamerasRequest(BaseModel):
+    """What is searched; unknown parameters are passed over."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
+
+    query: str = Field("", max_length=128)
+    limit: Annotated[int, Field(ge=1, le=MOST_CAMERAS), BeforeValidator(_whole)] = 20
+    after: str | None = Field(None, max_length=256)
+
+
+class CameraSize(Open):
+    """What is known of a camera at one size and zoom."""
+
+    img_size: ImgSize
+    zoom: float
+    models: tuple[DistortionModel, ...] = Field(description="That were computed.")
+    calibrations: int = Field(description="All that count, whether they agree or not.")
+    contributors: int = Field(description="Of those that agree.")
+    reliable: bool = Field(description="A lookup answers with it, by at least one model.")
+
+
+class CameraEntry(Open):
+    """A camera that was found."""
+
+    key: str
+    camera: str
+    platform: str
+    sizes: tuple[CameraSize, ...]
+
+
+class CameraList(Open):
+    """The cameras found, and where to go on. A page may hold fewer than asked for, even none, and go on."""
+
+    cameras: tuple[CameraEntry, ...]
+    next: str | None = Field(description="`after` of the next page; null: there is none.")
+
+
+class CameraMember(Open):
+    """One calibration of the camera, by the model that its session fitted; px."""
+
+    id: str
+    time: int = Field(description="Unix time, seconds.")
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    rms: float
+    model: str
+    in_group: bool = Field(description="It is one of those that agree.")
+
+
+class CameraMode(Open):
+    """A camera at one size and zoom."""
+
+    img_size: ImgSize
+    zoom: float
+    calibrations: int
+    contributors: int
+    reason: Reason | None = Field(description="Why it is not reliable by any model; null: it is.")
+    groups: tuple[tuple[str, ...], ...] = Field(description="Calibrations that agree, largest group first.")
+    consensus: dict[DistortionModel, Calibration] = Field(description="By model; where there is one.")
+    members: tuple[CameraMember, ...] = Field(description="The newest, last begun first.")
+
+
+class CameraDetail(Open):
+    """All that is known of a camera."""
+
+    key: str
+    camera: str
+    platform: str
+    modes: tuple[CameraMode, ...]
