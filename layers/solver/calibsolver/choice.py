@@ -6,9 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import models
-from .arrays import Array
 from .calibration import Calibration
-
 from .errors import CalibrationError
 from .fit import MIN_POINTS, fit
 from .heldout import HeldOut, held_out
@@ -67,9 +65,7 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     if not scores:
         raise refused[models.NAMES[0]]
     best = min(scores, key=lambda name: scores[name].rms)
-    counts = np.array([len(view) for view in tested])
-    simple = [name for name in sorted(scores, key=simplicity) if close(scores[name], scores[best], counts)]
-    chosen = simple[0]
+    chosen = next(name for name in sorted(scores, key=simplicity) if close(scores[name], scores[best]))
     errors = {name: scores[name].rms if name in scores else None for name in models.NAMES}
     return Choice(chosen, errors, tuple(reasons(chosen, best, scores, refused)))
 
@@ -89,15 +85,16 @@ def explained(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:
     return out
 
 
-def close(one: HeldOut, best: HeldOut, counts: Array) -> bool:
-    """Whether one model is as good as the best as far as views with so many points (v,) can tell."""
+def close(one: HeldOut, best: HeldOut) -> bool:
+    """Whether one model is as good as the best, as far as these views can tell."""
     if one.rms <= MARGIN * best.rms:
         return True
-    more = one.view_errors**2 - best.view_errors**2
-    weight = counts / counts.sum()
-    mean = float(weight @ more)
-    error = float(np.sqrt(np.sum(weight**2 * (more - mean) ** 2)))
-    return bool(mean <= error)
+    # Logarithms: a view that a model cannot follow at all is one vote against it, not a large variance.
+    worse = np.log(one.view_errors / best.view_errors)
+    free = max(len(worse) - 1, 1)
+    error = float(np.std(worse)) / np.sqrt(free)
+    # Student's t, one-sided 5 %, to 0.05 from 3 degrees of freedom on.
+    return bool(np.mean(worse) <= (1.645 + 2.1 / free) * error)
 
 
 def reasons(

@@ -1,0 +1,68 @@
+"""Model choice on real lenses."""
+
+import numpy as np
+import pytest
+
+from calibsolver import CalibrationError, View, models
+from calibsolver.choice import suggest_model
+from tests import specimens, synthetic
+from tests.data import corner_set
+
+WIDE = {"fisheye", "rational", "omnidirectional"}
+EXPECTED = {
+    "opencv_left": {"rectilinear"},
+    "pv_charuco_480": {"rectilinear"},
+    "pv_charuco_1280": {"rectilinear"},
+    "pv_picam_320": {"rectilinear"},
+    "jy_left": WIDE,
+    "derlunz": WIDE,
+    "ocam_fisheye2": {"fisheye", "omnidirectional"},
+    "babel_ov_plane": {"fisheye", "omnidirectional"},
+}
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_real_lenses(name: str) -> None:
+    data = corner_set(name)
+    choice = suggest_model([View(v["obj"], v["img"]) for v in data["views"]], tuple(data["image_size"]))
+    assert choice.model in EXPECTED[name]
+    assert set(choice.held_out) == set(models.NAMES)
+    least = min(error for error in choice.held_out.values() if error is not None)
+    found = choice.held_out[choice.model]
+    assert found is not None
+    assert found < 1.1 * least
+    assert choice.model in choice.reasons[0]
+    assert len(choice.reasons) == len(models.NAMES)
+
+
+def test_a_model_is_not_preferred_for_what_chance_gives_it() -> None:
+    """Four views of a lens that every model can follow: the plainest is suggested, whatever the noise."""
+    camera = synthetic.rectilinear_cameras()[9]
+    for seed in range(4):
+        views = specimens.views(camera, np.random.default_rng(seed), count=4)
+        assert suggest_model(views, camera.img_size).model == "rectilinear"
+
+
+def test_wild_corners_do_not_decide() -> None:
+    camera = synthetic.fisheye_cameras()[8]
+    rng = np.random.default_rng(1)
+    views = []
+    for view in specimens.views(camera, rng):
+        q = view.image_points.copy()
+        q[rng.integers(len(q))] += 30
+        views.append(View(view.object_points, q))
+    choice = suggest_model(views, camera.img_size)
+    assert choice.model in WIDE
+    found = choice.held_out[choice.model]
+    assert found is not None
+    assert found < 0.4
+
+
+def test_where_nothing_fits_there_is_no_choice() -> None:
+    rng = np.random.default_rng(0)
+    camera = synthetic.rectilinear_cameras()[4]
+    views = [
+        View(v.object_points, rng.uniform(0, 700, v.image_points.shape)) for v in specimens.views(camera, rng)
+    ]
+    with pytest.raises(CalibrationError):
+        suggest_model(views, camera.img_size)

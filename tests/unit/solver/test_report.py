@@ -1,0 +1,105 @@
+"""The verdict and the figures behind it."""
+
+import json
+
+import numpy as np
+import pytest
+
+from calibsolver import Board, Calibration, View, fit, rotation
+from calibsolver.report import assess, describe
+from calibsolver.verdict import residual_vectors
+from tests import specimens, synthetic
+from tests.data import corner_set
+
+CAMERA = synthetic.rectilinear_cameras()[5]
+
+
+def codes(calibration: Calibration, views: list[View], held_out: float | None = None) -> set[str]:
+    return {reason.code for reason in assess(calibration, views, held_out).reasons}
+
+
+def good() -> tuple[Calibration, list[View]]:
+    views = specimens.views(CAMERA, np.random.default_rng(0))
+    return fit(views, CAMERA.img_size), views
+
+
+def test_a_good_capture_is_called_good() -> None:
+    calibration, views = good()
+    verdict = assess(calibration, views, 1.05 * calibration.avg_reprojection_error)
+    assert (verdict.level, verdict.reasons) == ("good", ())
+
+
+def test_few_views_in_the_middle_without_tilt() -> None:
+    board = Board()
+    rng = np.random.default_rng(0)
+    at = np.array([0, 0, 20.0]) - board.outline.mean(axis=0)
+    views = [
+        synthetic.seen(board, CAMERA, np.radians(rng.uniform(-2, 2, 3)), at + rng.uniform(-1, 1, 3), rng)
+        for _ in range(3)
+    ]
+    calibration = fit(views, CAMERA.img_size)
+    verdict = assess(calibration, views)
+    assert verdict.level == "poor"
+    assert {"too_few_views", "no_tilt", "edges_not_covered"} <= {reason.code for reason in verdict.reasons}
+    assert "3 views" in verdict.reasons[0].text
+
+
+def test_noise_outliers_and_views_left_out() -> None:
+    rng = np.random.default_rng(0)
+    views = specimens.views(CAMERA, rng, noise=0.8)
+    assert codes(fit(views, CAMERA.img_size), views) == {"noisy", "uncertain"}
+    views = specimens.views(CAMERA, rng)
+    wild = []
+    for view in views:
+        q = view.image_points.copy()
+        q[:4] += rng.uniform(10, 40, (4, 2))
+        wild.append(View(view.object_points, q))
+    assert codes(fit(wild, CAMERA.img_size), wild) == {"outliers"}
+
+
+def test_what_a_model_cannot_follow_is_said() -> None:
+    """OpenCV's fisheye lens, real: the rectilinear model errs by 0.15 px everywhere alike."""
+    data = corner_set("jy_left")
+    views = [View(v["obj"], v["img"]) for v in data["views"]]
+    size = tuple(data["image_size"])
+    assert codes(fit(views, size), views) == {"model_too_simple"}
+    assert codes(fit(views, size, "fisheye"), views) == set()
+
+
+def test_over_fitting_is_what_held_out_views_show() -> None:
+    calibration, views = good()
+    train = calibration.avg_reprojection_error
+    assert codes(calibration, views, 2 * train) == {"over_fitted"}
+    assert assess(calibration, views, 5 * train).level == "poor"
+
+
+def test_description_is_json_and_says_what_the_fit_says() -> None:
+    calibration, views = good()
+    told = json.loads(json.dumps(describe(calibration, views, indices=[*range(10, 18)], held_out=0.3)))
+    assert told["verdict"] == {"level": "good", "reasons": []}
+    assert told["held_out"] == 0.3
+    std = np.sqrt(np.diag(calibration.covariance))
+    assert told["std"]["fx"] == pytest.approx(std[0], rel=0.01)
+    np.testing.assert_allclose(told["std"]["distortion"], std[4:], rtol=0.01)
+    np.testing.assert_allclose(np.array(told["error_map"]["px"]), calibration.projection_std(), rtol=0.01)
+    assert np.shape(told["error_map"]["px"]) == (15, 20)
+    assert [view["index"] for view in told["views"]] == [*range(10, 18)]
+    for i, view in enumerate(told["views"]):
+        np.testing.assert_allclose(view["points"], views[i].image_points, atol=0.006)
+        length = np.linalg.norm(view["residuals"], axis=1)
+        np.testing.assert_allclose(length, calibration.residuals[i], atol=2e-3)
+        assert view["rms"] == pytest.approx(calibration.view_errors[i], abs=1e-4)
+        assert view["cut"] == np.flatnonzero(~calibration.used[i]).tolist()
+        assert view["reason"] is None
+        r = rotation.matrix(np.array([view["rvec"]]))[0]
+        p = views[i].object_points @ r.T + np.array(view["tvec"])
+        off = views[i].image_points - CAMERA.project(p)
+        assert np.sqrt(np.mean(off**2)) < 1
+
+
+def test_residuals_are_measured_minus_predicted() -> None:
+    calibration, views = good()
+    moved = [View(v.object_points, v.image_points + np.array([0.5, 0])) for v in views]
+    before, after = residual_vectors(calibration, views), residual_vectors(calibration, moved)
+    for b, a in zip(before, after, strict=True):
+        np.testing.assert_allclose(a - b, np.tile([0.5, 0.0], (len(a), 1)), atol=1e-9)
