@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pydantic import Field
+
 from calibdb.schema.documents import ConsensusDocument
 from calibdb.schema.fields import DistortionModel, ImgSize, Open, Zoom
 
@@ -24,3 +26,21 @@ class RefitAnswer(Open):
     """By model: the consensus now stored, or null where there is no calibration at all."""
 
     models: dict[DistortionModel, ConsensusDocument | None]
+
+
+class ListedObject(Open):
+    """An object as S3 lists it."""
+
+    key: str = Field(alias="Key")
+
+
+class BackfillBatch(Open):
+    """What a distributed map of Step Functions hands to each of its children."""
+
+    items: tuple[ListedObject, ...] = Field(alias="Items")
+
+
+class BackfillAnswer(Open):
+    """What `refit` is to be asked for."""
+
+    requests: tuple[RefitRequest, ...]

@@ -86,6 +86,13 @@ def calibration_object(calibration_id: str) -> str | None:
     return f"calibrations/{match[1]}/{calibration_id}.json" if match else None
 
 
+def parse_calibration_object(name: str) -> tuple[str, str] | None:
+    """Return camera key and id of the calibration in the object of this name, None when it holds none."""
+    folder, _, file = name.removeprefix("calibrations/").partition("/")
+    calibration_id = file.removesuffix(".json")
+    return (folder, calibration_id) if calibration_object(calibration_id) == name else None
+
+
 def tombstone_object(calibration_id: str) -> str | None:
     """Return the name of the object that says that the calibration was withdrawn; None as above."""
     name = calibration_object(calibration_id)

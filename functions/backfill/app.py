@@ -1,0 +1,43 @@
+"""Which consensuses rest on a batch of calibrations? Internal: the first step of every batch of a backfill.
+
+The state machine lists the bucket and hands on the names, a thousand at a time; the names of one camera's
+calibrations stand together. What is answered here are requests for `refit`, one for each camera, size and
+zoom, which the state machine then makes. A camera on the border of two batches is asked for twice; the
+second time there is nothing to compute.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import Any
+
+from calibdb.camera_key import VERSION
+from calibdb.schema import BackfillAnswer, BackfillBatch, RefitRequest
+from calibdb.service import Service
+from calibdb.store import Calibrations, Mode
+from calibdb.store.keys import parse_calibration_object
+from calibdb.store.names import today
+
+
+def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
+    """Return what `refit` is to be asked for."""
+    batch = BackfillBatch.model_validate(event)
+    calibrations = Service.of(os.environ).store.calibrations
+    found = sorted(
+        set(modes(calibrations, [listed.key for listed in batch.items])),
+        key=lambda mode: (mode.camera_key, mode.img_size, mode.zoom),
+    )
+    requests = tuple(RefitRequest(camera=m.camera_key, img_size=m.img_size, zoom=m.zoom) for m in found)
+    return BackfillAnswer(requests=requests).model_dump(mode="json")
+
+
+def modes(calibrations: Calibrations, names: list[str]) -> Iterator[Mode]:
+    """Yield the modes of the calibrations with these objects' names; other names are passed over."""
+    places = [place for name in names if (place := parse_calibration_object(name))]
+    for camera_key in {key for key, _ in places if key.startswith(f"{VERSION}-")}:
+        yield from calibrations.modes(camera_key)
+    # Under which key these are found today is in the documents alone.
+    earlier = [calibration_id for key, calibration_id in places if not key.startswith(f"{VERSION}-")]
+    for document in map(today, calibrations.read(earlier)):
+        yield Mode(document.camera_key, document.img_size, document.zoom)
