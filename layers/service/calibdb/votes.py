@@ -24,7 +24,7 @@ from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
 from calibdb.store.keys import size_text, zoom_text
 
-_FINEST = 2e-4  # of the image's width: errors below it are nobody's concern
+_FINEST = 1e-4  # of the image's width: errors below it are nobody's concern
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,116 @@
+"""What checks on fresh views decide, and what they cannot."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calibdb.schema import CheckRequest, CheckView, Votes
+from calibdb.settings import Thresholds
+from calibdb.votes import Finding, fits, judged, tally, vote_id
+
+NOW = 1_700_000_000
+DAY = 86_400
+RULE = Thresholds()
+
+
+def found(*votes: tuple[str, bool], time: int = NOW) -> list[Finding]:
+    return [Finding(who, time, agrees) for who, agrees in votes]
+
+
+def test_views_fit_up_to_twice_what_is_expected_or_what_they_could_be() -> None:
+    assert fits(0.39, expected=0.2, noise=0.1, width=1280, ratio=2)
+    assert not fits(0.41, expected=0.2, noise=0.1, width=1280, ratio=2)
+    assert fits(0.41, expected=0.2, noise=0.3, width=1280, ratio=2), "a noisier detector is no other camera"
+    assert fits(0.25, expected=0.01, noise=0.01, width=1280, ratio=2), "a fraction of a pixel is no concern"
+
+
+def test_each_contributor_has_one_vote_the_newest() -> None:
+    votes = found(("a", True), ("b", True), ("a", False), ("a", False))
+    assert tally(votes, NOW, frozenset(), apart=True) == Votes(agree=2, disagree=0)
+    assert tally(votes, NOW, frozenset(), apart=False) == Votes(agree=2, disagree=2)
+
+
+def test_who_contributed_a_calibration_votes_neither_for_it_nor_against() -> None:
+    votes = found(("a", True), ("b", False), ("c", True))
+    assert tally(votes, NOW, frozenset({"a", "b"}), apart=True) == Votes(agree=1, disagree=0)
+    # Where all are the same contributor, that would be nobody.
+    assert tally(votes, NOW, frozenset({"a", "b"}), apart=False) == Votes(agree=2, disagree=1)
+
+
+def test_doubts_end_with_the_next_calibration_that_agrees_on_and_agreement_does_not() -> None:
+    votes = found(("a", True), ("b", False), time=NOW - 1)
+    assert tally(votes, NOW, frozenset(), apart=True) == Votes(agree=1, disagree=0)
+    assert tally(votes, NOW - 1, frozenset(), apart=True) == Votes(agree=1, disagree=1)
+
+
+@pytest.mark.parametrize(
+    ("reason", "agree", "disagree", "expected"),
+    [
+        ("too_few", 0, 0, ("too_few", None)),
+        ("too_few", 2, 0, ("too_few", None)),
+        ("too_few", 3, 0, (None, "checked")),
+        ("too_few", 3, 2, (None, "checked")),
+        ("too_few", 3, 3, ("disagree", None)),
+        ("few_contributors", 3, 0, (None, "checked")),
+        (None, 0, 0, (None, "consensus")),
+        (None, 9, 2, (None, "consensus")),
+        (None, 0, 3, ("disagree", None)),
+        (None, 4, 3, (None, "consensus")),
+    ],
+)
+def test_three_confirm_and_three_withdraw(
+    reason: str | None, agree: int, disagree: int, expected: tuple[str | None, str | None]
+) -> None:
+    votes = Votes(agree=agree, disagree=disagree)
+    assert judged(reason, votes, RULE, confirmable=True, contributors=5) == expected  # type: ignore[arg-type]
+
+
+def test_calibrations_that_disagree_are_confirmed_by_nobody() -> None:
+    for reason in ("too_few", "disagree"):
+        votes = Votes(agree=100)
+        assert judged(reason, votes, RULE, confirmable=False, contributors=2) == (reason, None)  # type: ignore[arg-type]
+
+
+def test_the_more_stand_behind_it_the_more_must_doubt_it() -> None:
+    def after(disagree: int) -> object:
+        return judged(None, Votes(disagree=disagree), RULE, confirmable=False, contributors=60)[1]
+
+    assert [after(5), after(6)] == ["consensus", None]
+
+
+@given(st.integers(0, 200), st.integers(0, 20), st.integers(0, 20), st.integers(1, 200))
+def test_two_who_collude_neither_confirm_nor_withdraw(
+    honest: int, agree: int, disagree: int, contributors: int
+) -> None:
+    """Whatever the honest say: without the three that the rule asks for, two more change nothing wrong."""
+    before = judged("too_few", Votes(), RULE, confirmable=True, contributors=contributors)
+    assert judged("too_few", Votes(agree=min(agree, 2)), RULE, confirmable=True, contributors=3) == before
+    reason, basis = judged(
+        None, Votes(agree=honest, disagree=min(disagree, 2)), RULE, confirmable=False, contributors=5
+    )
+    assert (reason, basis) == (None, "consensus")
+
+
+def test_a_vote_is_one_of_its_contributor_camera_size_and_day() -> None:
+    view = CheckView(ids=(0,), points=((1.0, 1.0),))
+    asked = CheckRequest(camera="C", platform="P", img_size=(1280, 720), views=(view,))
+    sid = f"{NOW:08x}0123456789abcdef"
+
+    def name(
+        request: CheckRequest = asked, who: str = "a", session: str = sid, now: int = NOW, period: int = DAY
+    ) -> str:
+        return vote_id(request, "c2-c-0123456789ab", who, session, now, period)
+
+    midnight = NOW // DAY * DAY
+    assert name() == name(session="other", now=midnight) == name(now=midnight + DAY - 1)
+    others = [
+        name(who="b"),
+        name(now=midnight + DAY),
+        name(asked.model_copy(update={"img_size": (640, 360)})),
+        name(asked.model_copy(update={"zoom": 2.0})),
+        name(period=0),
+        name(session=f"{NOW:08x}f123456789abcdef", period=0),
+    ]
+    assert len({name(), *others}) == 7
+    assert name() < name(now=midnight + DAY), "names sort by time"
+    assert name(period=0) == name(who="b", now=NOW + 99, period=0), "of one session it is one"
