@@ -125,6 +125,8 @@ class LocalStack:
         invokes = Invokes(self.functions, self.storage, self._data_dir is not None, self._retry_pauses)
         stack.enter_context(intercepting(services | {"lambda": invokes.handle}))
         stack.callback(invokes.close)
+        self.failures = invokes.failures
+        """Returns the asynchronous calls that failed every time, as Lambda records them."""
         self._workers = Workers(_THREADS, "function")
         stack.callback(self._workers.close)
         self._gateway = Gateway(self.template, self.functions, self._clock, lambda: str(uuid.uuid4()))
@@ -154,8 +156,8 @@ class LocalStack:
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
         token = ApiToken(token_id, secret_hash(secret), plan="development", created=int(self._clock()))
         tokens = Store.of(Settings.from_environment(self.environment)).tokens
-        if tokens.get(token_id) is None:
-            tokens.change(token)
+        if tokens.get(token_id) is None:  # not yet, or the index was lost
+            tokens.change({known.id: known for known in tokens.all()}.get(token_id, token))
 
     def warm(self) -> tuple[str, ...]:
         """Load all functions now; return the names of those that could not be, and that will answer 500."""

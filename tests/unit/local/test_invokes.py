@@ -113,6 +113,31 @@ def test_a_call_that_always_fails_is_given_up(
     assert len(calls()) == 3
 
 
+def test_what_failed_every_time_is_kept_in_the_queue_that_is_named_for_it(
+    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
+) -> None:
+    queue = """
+      EventInvokeConfig:
+        MaximumRetryAttempts: 1
+        DestinationConfig: {OnFailure: {Type: SQS, Destination: !GetAtt Failed.Arn}}
+  Failed:
+    Type: AWS::SQS::Queue
+"""
+    code = "      CodeUri: functions/Record/"
+    template.write_text(template.read_text().replace(code, code + queue.rstrip()))
+    with LocalStack(tmp_path / "data", template=template, retry_pauses=(0.0,)) as stack:
+        invoke({"fail": 99, "n": 7}, "Event")
+        invoke({"n": 8}, "Event")
+        wait_for(lambda: stack.failures() != [] and len(calls()) == 3)
+    with LocalStack(tmp_path / "data", template=template) as stack:
+        (record,) = stack.failures()
+    assert record["requestPayload"] == {"fail": 99, "n": 7}
+    assert record["responsePayload"] == {"errorMessage": "not yet", "errorType": "ValueError"}
+    assert record["requestContext"]["condition"] == "RetriesExhausted"
+    assert record["requestContext"]["approximateInvokeCount"] == 2
+    assert len(calls()) == 3, "it is not tried again by itself"
+
+
 def test_an_accepted_call_survives_a_crash(
     template: Path, tmp_path: Path, calls: Callable[[], list[Any]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
