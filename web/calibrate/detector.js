@@ -65,12 +65,12 @@ export class Detector {
   /**
    * Finds the board's corners. Takes over the frame and closes it.
    * @param {VideoFrame | ImageBitmap} frame
-   * @param {{full?: boolean, probe?: string | null}} [options] full: all threshold windows and a sub-pixel second pass, for a
-   *   view that is kept; probe: what else to look for where no corner is seen
+   * @param {{full?: boolean, probe?: string | null, patience?: number}} [options] full: all threshold windows and a sub-pixel
+   *   second pass, for a view that is kept; probe: what else to look for where no corner is seen; patience: ms
    * @returns {Promise<Detection>}
    */
-  detect(frame, { full = false, probe = null } = {}) {
-    return this.#ask({ frame, full, probe }, [frame], FRAME);
+  detect(frame, { full = false, probe = null, patience = FRAME } = {}) {
+    return this.#ask({ frame, full, probe }, [frame], patience);
   }
 
   /** How many frames are in the worker: above 0, drop the next one rather than queue it. */
