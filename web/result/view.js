@@ -117,7 +117,7 @@ function plot({ svg, caption, scale }) {
 }
 
 /** @param {Calibration} calibration @param {Report | null} report */
-function tables(calibration, report) {
+export function tables(calibration, report) {
   const { horizontal, vertical, diagonal } = fieldOfView(calibration);
   const degrees = (/** @type {number | null} */ angle) => (angle === null ? "–" : number(angle, 1));
   /** @param {string} name @param {string} value @param {string} more @param {string} unit */
@@ -147,9 +147,9 @@ function views(calibration, report) {
     })));
 }
 
-/** @param {Result} result */
-function files({ calibration, explain }) {
-  const select = el("select", { id: "format" }, ...FORMATS.map((format) =>
+/** The files it is to be had as. @param {Pick<Result, "calibration" | "explain">} result @param {string} [suffix] of the ids, where a page offers several */
+export function files({ calibration, explain }, suffix = "") {
+  const select = el("select", { id: `format${suffix}` }, ...FORMATS.map((format) =>
     new Option(known(`result.format_${format}`) ? t(`result.format_${format}`) : format, format)));
   const problem = el("p", { class: "problem", role: "status" });
   const download = async () => {
@@ -162,12 +162,13 @@ function files({ calibration, explain }) {
   };
   const json = `${JSON.stringify(calibration, null, 2)}\n`;
   return el("div", { class: "take" },
-    el("div", { class: "fields" }, el("div", { class: "field" }, el("label", { for: "format" }, t("result.format")), select),
-      button(t("result.download"), download, { id: "download", class: "primary" })),
+    el("div", { class: "fields" }, el("div", { class: "field" }, el("label", { for: `format${suffix}` }, t("result.format")), select),
+      button(t("result.download"), download, { id: `download${suffix}`, class: "primary" })),
     problem,
-    ...(calibration.id ? [el("p", {}, el("a", { href: address(calibration.id) }, t("result.address")))] : []),
+    ...(calibration.id && calibration.id !== new URLSearchParams(location.search).get("id")
+      ? [el("p", {}, el("a", { href: address(calibration.id) }, t("result.address")))] : []),
     el("details", {}, el("summary", {}, t("result.as_answered")),
-      el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: "json" }, json))));
+      el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: `json${suffix}` }, json))));
 }
 
 /** This result's own page. @param {string} id */

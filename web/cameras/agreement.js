@@ -1,0 +1,90 @@
+// How far the calibrations of one camera agree, drawn: focal lengths one after the other, principal points in the plane.
+import { number, t } from "../i18n.js";
+import { make, short } from "../result/svg.js";
+
+/**
+ * @typedef {object} Member one calibration
+ * @property {string} id
+ * @property {number} time unix seconds
+ * @property {number} fx px
+ * @property {number} fy
+ * @property {number} cx
+ * @property {number} cy
+ * @property {number} rms px
+ * @property {string} model
+ * @property {boolean} in_group does it agree with most of the others?
+ */
+
+const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [360, 230, 58, 12, 10, 40];
+const LEAST = 0.02; // of the value: smaller differences are not blown up to fill the plot
+
+/**
+ * The range of an axis, and round numbers in it.
+ * @param {number[]} values @param {number} least width
+ */
+export function axis(values, least) {
+  const [low, high] = [Math.min(...values), Math.max(...values)];
+  const pad = Math.max(least - (high - low), 0.16 * (high - low)) / 2;
+  const [from, to] = [low - pad, high + pad];
+  const raw = (to - from) / 5;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((factor) => factor * power).find((each) => each >= raw * 0.999) ?? raw;
+  const first = Math.ceil(from / step - 1e-9);
+  const last = Math.floor(to / step + 1e-9);
+  return { from, to, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), ticks: Array.from({ length: last - first + 1 }, (_, index) => (first + index) * step) };
+}
+
+/** @typedef {ReturnType<typeof axis>} Axis */
+
+/** @param {Axis} across @param {Axis | null} names no numbers where null @param {Axis} up @param {string} label @param {string} x @param {string} y */
+function frame(across, names, up, label, x, y) {
+  const at = {
+    x: (/** @type {number} */ value) => LEFT + ((value - across.from) / (across.to - across.from)) * (WIDTH - LEFT - RIGHT),
+    y: (/** @type {number} */ value) => HEIGHT - BOTTOM - ((value - up.from) / (up.to - up.from)) * (HEIGHT - TOP - BOTTOM),
+  };
+  const svg = make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": label, class: "plot" });
+  svg.append(make("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM, class: "ground" }));
+  for (const value of up.ticks) {
+    svg.append(make("path", { d: `M${LEFT} ${short(at.y(value))}H${WIDTH - RIGHT}`, class: "grid" }),
+      make("text", { x: LEFT - 7, y: short(at.y(value) + 4), "text-anchor": "end" }, [number(value, up.digits)]));
+  }
+  for (const value of names?.ticks ?? []) {
+    svg.append(make("path", { d: `M${short(at.x(value))} ${HEIGHT - BOTTOM}v5`, class: "tick" }),
+      make("text", { x: short(at.x(value)), y: HEIGHT - BOTTOM + 18, "text-anchor": "middle" }, [number(value, across.digits)]));
+  }
+  svg.append(make("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM, class: "edge" }),
+    make("text", { x: LEFT + (WIDTH - LEFT - RIGHT) / 2, y: HEIGHT - 5, "text-anchor": "middle" }, [x]),
+    make("text", { x: 12, y: TOP + (HEIGHT - TOP - BOTTOM) / 2, "text-anchor": "middle", transform: `rotate(-90 12 ${TOP + (HEIGHT - TOP - BOTTOM) / 2})` }, [y]));
+  return { svg, at };
+}
+
+/** A dot for what agrees, a cross for what does not. @param {number} x @param {number} y @param {boolean} agrees */
+const mark = (x, y, agrees) => (agrees
+  ? make("circle", { cx: short(x), cy: short(y), r: 3.4, class: "agrees" })
+  : make("path", { d: `M${short(x - 4)} ${short(y - 4)}l8 8m0-8l-8 8`, class: "cut" }));
+
+/** Focal lengths, oldest first. @param {Member[]} members @param {number | null} agreed px */
+export function focalPlot(members, agreed) {
+  const sorted = [...members].sort((a, b) => a.time - b.time);
+  const values = [...sorted.map(({ fx }) => fx), ...(agreed === null ? [] : [agreed])];
+  const up = axis(values, LEAST * values[0]);
+  const across = { from: 0, to: sorted.length + 1, digits: 0, ticks: [] };
+  const label = t("cameras.focal_label", { low: number(Math.min(...values), 0), high: number(Math.max(...values), 0) });
+  const { svg, at } = frame(across, null, up, label, t("cameras.in_order"), "fx, px");
+  if (agreed !== null) svg.append(make("path", { d: `M${LEFT} ${short(at.y(agreed))}H${WIDTH - RIGHT}`, class: "agreed" }));
+  svg.append(...sorted.map(({ fx, in_group }, index) => mark(at.x(index + 1), at.y(fx), in_group)));
+  return svg;
+}
+
+/** Principal points. @param {Member[]} members @param {[number, number] | null} agreed px */
+export function centrePlot(members, agreed) {
+  const points = [...members.map(({ cx, cy }) => [cx, cy]), ...(agreed ? [agreed] : [])];
+  const [across, up] = [0, 1].map((coordinate) => axis(points.map((point) => point[coordinate]), 0.02 * points[0][0]));
+  const { svg, at } = frame(across, across, up, t("cameras.centre_label"), "cx, px", "cy, px");
+  svg.append(...members.map(({ cx, cy, in_group }) => mark(at.x(cx), at.y(cy), in_group)));
+  if (agreed) {
+    const [x, y] = [at.x(agreed[0]), at.y(agreed[1])];
+    svg.append(make("path", { d: `M${short(x - 9)} ${short(y)}h18M${short(x)} ${short(y - 9)}v18`, class: "agreed" }));
+  }
+  return svg;
+}

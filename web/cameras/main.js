@@ -1,0 +1,105 @@
+// The database, to look through: /cameras/ searches, /cameras/?key=… shows one camera.
+import { ApiError, OfflineError } from "../calibrate/api.js";
+import { el, part } from "../dom.js";
+import { onLanguage, t } from "../i18n.js";
+import { openPage } from "../page.js";
+import { SettingsError } from "../settings.js";
+import words from "../words/cameras.js";
+import result from "../words/result.js";
+import { cameraView, nameOf } from "./camera.js";
+import { camera, search } from "./source.js";
+
+/** @typedef {import("./source.js").Found} Found */
+
+const PAUSE = 250; // ms after the last key
+openPage({ cameras: words, result });
+const [searching, status, list, one] = ["searching", "status", "found", "one"].map((id) => part(id, HTMLElement));
+const [input, more] = [part("query", HTMLInputElement), part("more", HTMLButtonElement)];
+/** @type {Found[]} */
+let found = [];
+/** @type {string | null} */
+let next = null;
+/** @type {import("./source.js").CameraPage | null} */
+let shown = null;
+/** What is asked for now; an answer to anything else comes too late. */
+let asked = 0;
+
+/** @param {unknown} error */
+function explain(error) {
+  if ([ApiError, OfflineError, SettingsError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
+  console.error(error);
+  return t("common.went_wrong", { message: String(error) });
+}
+
+/** @param {string} key */
+const address = (key) => `./?${new URLSearchParams({ key })}`;
+
+/** @param {Found} camera */
+function item({ key, camera: name, platform, sizes }) {
+  const calibrations = sizes.reduce((sum, each) => sum + each.calibrations, 0);
+  return el("li", {},
+    el("a", { href: address(key) }, el("strong", {}, name), el("span", { class: "muted" }, platform)),
+    el("ul", { class: "sizes number" }, ...sizes.map((size) =>
+      el("li", { class: size.reliable ? "known" : "" }, nameOf({ ...size, groups: [], consensus: {}, members: [] }),
+        el("span", { class: "unseen" }, ` ${t(size.reliable ? "cameras.reliable" : "cameras.unreliable")}`)))),
+    el("span", { class: "count number muted" }, t("cameras.calibrations", { count: calibrations })));
+}
+
+function showList() {
+  list.replaceChildren(...found.map(item));
+  more.hidden = next === null;
+  status.textContent = found.length ? "" : t(input.value.trim() ? "cameras.none" : "cameras.empty");
+}
+
+/** @param {{further?: boolean}} [options] */
+async function look({ further = false } = {}) {
+  const own = ++asked;
+  if (!further) status.textContent = t("cameras.searching");
+  try {
+    const answer = await search(input.value.trim(), further ? next : null);
+    if (own !== asked) return;
+    found = further ? [...found, ...answer.cameras] : answer.cameras;
+    next = answer.next;
+    // Where many names begin with the first word, a page of answers may hold none of them.
+    if (answer.cameras.length === 0 && next !== null) return await look({ further: true });
+    showList();
+  } catch (error) {
+    if (own === asked) status.textContent = explain(error);
+  }
+}
+
+/** @param {string} key */
+async function show(key) {
+  searching.hidden = true;
+  const waiting = part("waiting", HTMLElement);
+  waiting.hidden = false;
+  try {
+    shown = await camera(key);
+    document.title = `${shown.camera} · calibDB`;
+    waiting.hidden = true;
+    one.replaceChildren(cameraView(shown, explain));
+  } catch (error) {
+    waiting.textContent = explain(error);
+  }
+}
+
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let timer;
+input.addEventListener("input", () => {
+  clearTimeout(timer);
+  timer = setTimeout(look, PAUSE);
+});
+part("search", HTMLFormElement).addEventListener("submit", (event) => {
+  event.preventDefault();
+  clearTimeout(timer);
+  void look();
+});
+more.addEventListener("click", () => look({ further: true }));
+onLanguage(() => (shown ? one.replaceChildren(cameraView(shown, explain)) : showList()));
+const parameters = new URLSearchParams(location.search);
+const key = parameters.get("key");
+if (key) void show(key);
+else {
+  input.value = parameters.get("query") ?? "";
+  void look();
+}

@@ -1,0 +1,59 @@
+// What the database knows of cameras.
+import { Api } from "../calibrate/api.js";
+import { loadSettings } from "../settings.js";
+
+/**
+ * @typedef {import("../sdk/calibdb.js").Calibration} Calibration
+ * @typedef {import("./agreement.js").Member} Member
+ *
+ * @typedef {object} Size
+ * @property {[number, number]} img_size
+ * @property {number} zoom
+ * @property {string[]} models
+ * @property {number} calibrations
+ * @property {number} contributors
+ * @property {boolean} reliable
+ *
+ * @typedef {object} Found
+ * @property {string} key
+ * @property {string} camera
+ * @property {string} platform
+ * @property {Size[]} sizes
+ *
+ * @typedef {object} Mode one size and zoom
+ * @property {[number, number]} img_size
+ * @property {number} zoom
+ * @property {number} calibrations
+ * @property {number} contributors
+ * @property {string | null} [reason] why it is not reliable
+ * @property {string[][]} groups
+ * @property {Record<string, Calibration>} consensus by model
+ * @property {Member[]} members
+ *
+ * @typedef {{key: string, camera: string, platform: string, modes: Mode[]}} CameraPage
+ */
+
+/** @param {string} query @param {string | null} [next] where the last page of answers ended @returns {Promise<{cameras: Found[], next: string | null}>} */
+export async function search(query, next = null) {
+  const { api, token } = await loadSettings();
+  const parameters = new URLSearchParams({ query, limit: "20", ...(next ? { after: next } : {}) });
+  return new Api(api).json("GET", `/cameras?${parameters}`, token);
+}
+
+/** @param {string} key @returns {Promise<CameraPage>} */
+export async function camera(key) {
+  const { api, token } = await loadSettings();
+  return new Api(api).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
+}
+
+/**
+ * The consensus of one mode for another model: computed now where nobody has asked for it yet.
+ * @param {CameraPage} page @param {Mode} mode @param {string} model
+ * @returns {Promise<Calibration>}
+ */
+export async function withModel({ camera, platform }, { img_size, zoom }, model) {
+  const { api, token } = await loadSettings();
+  return new Api(api).json("POST", "/lookup", token, {
+    body: { camera, platform, img_size, zoom, distortion_model: model, redirect: false },
+  });
+}
