@@ -59,9 +59,10 @@ class Cameras:
         Each by key and normalised label. An empty word finds all. `after`: what an earlier answer for the
         same word gave (`is_place`), or None.
         """
-        items, more = self._table.page(ALL + word[:1], word, limit, after)
-        found = [(str(item["sk"]).rpartition("#")[2], str(item["name"])) for item in items]
-        return found, str(items[-1]["sk"]) if more and items else None
+        # A prefix may not be empty; that of every key is its version's letter.
+        items, more = self._table.page(ALL + word[:1], word or "c", limit, after)
+        found = {str(item["sk"]).rpartition("#")[2]: str(item["name"]) for item in items}
+        return list(found.items()), str(items[-1]["sk"]) if more and items else None
 
     def members(self, mode: Mode, group: frozenset[str], limit: int) -> list[CameraMember]:
         """Return the newest calibrations at a size and zoom that count; `group`: those that agree."""

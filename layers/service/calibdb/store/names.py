@@ -92,7 +92,7 @@ def _aliases(named: _Named) -> list[Item]:
 def _search_items(named: _Named) -> list[Item]:
     found = list(dict.fromkeys(words(named.identity.name)))[:_MOST_WORDS]
     if named.identity.usb_id:
-        found += [named.identity.usb_id, *named.identity.usb_id.split(":")]
+        found += named.identity.usb_id.split(":")
     name = named.identity.name
     by_word: list[Item] = [
         {"pk": ALL + word[0], "sk": f"{word}#{named.key}", "name": name} for word in dict.fromkeys(found)

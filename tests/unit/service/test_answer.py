@@ -1,0 +1,135 @@
+"""What is said of a size or zoom that was not calibrated: what is verified, and nothing else."""
+
+import pytest
+
+from calibdb.answer import answer, between, neighbours
+from calibdb.schema import Calibration, ConsensusDocument, LookupAnswer
+from tests.known import consensus, fit
+
+Size = tuple[int, int]
+F = 900.0  # px at 1280
+
+
+def at(size: Size, s: float | None = None, **options: object) -> ConsensusDocument:
+    """The camera at a size, its picture scaled by width unless told by what."""
+    return consensus(fit(size, F * (size[0] / 1280 if s is None else s), uncertainty=0.1), **options)  # type: ignore[arg-type]
+
+
+def asked(known: list[ConsensusDocument], size: Size, answered: int = 0) -> LookupAnswer:
+    found = known[answered].calibration
+    assert found is not None
+    return answer(found, known, size)
+
+
+def test_between_two_sizes_that_show_the_same_it_shows_the_same() -> None:
+    known = [at((640, 360)), at((1920, 1080))]
+    for nearest in (0, 1):
+        found = asked(known, (1280, 720), nearest)
+        assert (found.relation, found.exact_size) == ("scale", False)
+        assert found.adapted is not None
+        assert found.adapted.img_size == (1280, 720)
+        assert found.adapted.camera_matrix[0][0] == pytest.approx(F)
+        assert found.adapted.camera_matrix[0][2] == pytest.approx(639.5)
+        assert found.adapted.interpolated is False
+        # what is stored stands beside it as it is
+        assert found.camera_matrix == known[nearest].calibration.camera_matrix  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("size", [(1920, 1080), (320, 180)])
+def test_beyond_them_nothing_is_known(size: Size) -> None:
+    """A camera that scales from 320 to 960 may cut at 1920: one of those measured does."""
+    found = asked([at((640, 360)), at((960, 540))], size)
+    assert (found.relation, found.adapted) == ("scale", None)
+
+
+def test_another_aspect_between_them_is_another_picture() -> None:
+    found = asked([at((640, 360)), at((1920, 1080))], (1280, 960))
+    assert found.adapted is None
+
+
+def test_sizes_that_do_not_scale_say_nothing_of_one_between() -> None:
+    found = asked([at((640, 360)), at((1920, 1080), s=1.9)], (1280, 720))
+    assert (found.relation, found.adapted) == ("scale+crop", None)
+
+
+def test_one_size_alone_has_no_relation() -> None:
+    found = asked([at((640, 360))], (1280, 720))
+    assert (found.relation, found.adapted) == (None, None)
+
+
+def test_few_calibrations_at_the_size_asked_for_verify_what_they_are_too_few_to_say() -> None:
+    few = at((640, 480), s=0.5, reason="too_few", calibrations=2)
+    found = asked([at((1280, 960)), few], (640, 480))
+    assert found.relation == "scale"
+    assert found.adapted is not None
+    assert found.adapted.camera_matrix[0][0] == pytest.approx(F / 2)
+    cut = at((640, 480), s=1.0, reason="few_contributors", calibrations=3)
+    found = asked([at((1280, 720)), cut], (640, 480))
+    assert found.relation == "crop"
+    assert found.adapted is not None
+    assert found.adapted.camera_matrix[0][0] == pytest.approx(F)
+
+
+@pytest.mark.parametrize(("reason", "calibrations"), [("too_few", 1), ("disagree", 6)])
+def test_one_alone_or_some_that_disagree_verify_nothing(reason: str, calibrations: int) -> None:
+    # Between two sizes that scale, too: what is known of this very size comes first.
+    known = [at((640, 360)), at((1920, 1080)), at((1280, 720), reason=reason, calibrations=calibrations)]
+    found = asked(known, (1280, 720))
+    assert (found.relation, found.adapted) == (None, None)
+
+
+def test_evidence_against_scaling_comes_before_what_the_others_do() -> None:
+    known = [at((640, 360)), at((1920, 1080)), at((1280, 720), s=1.3, reason="too_few", calibrations=3)]
+    found = asked(known, (1280, 720), 1)
+    assert found.relation == "scale+crop"
+    assert found.adapted is not None
+    assert found.adapted.camera_matrix[0][0] == pytest.approx(1.3 * F, rel=1e-3)
+
+
+def test_the_exact_size_says_how_it_relates_to_the_others() -> None:
+    found = asked([at((640, 360)), at((1280, 720))], (640, 360))
+    assert (found.exact_size, found.relation, found.adapted) == (True, "scale", None)
+
+
+def zoomed(*focal: tuple[float, float]) -> list[ConsensusDocument]:
+    return [consensus(fit(f=f), zoom=zoom) for zoom, f in focal]
+
+
+def test_between_two_zooms_the_lens_is_between_them_and_it_says_so() -> None:
+    pair = neighbours(zoomed((1.0, 900.0), (2.0, 1700.0), (3.0, 2500.0)), (1280, 720), 1.25, "rectilinear")
+    assert pair is not None
+    found = between(*pair, 1.25)
+    assert found.camera_matrix[0][0] == pytest.approx(1100.0)
+    assert (found.zoom, found.id, found.reliable) == (1.25, None, True)
+    assert found.adapted is not None
+    assert found.adapted.interpolated is True
+    assert found.adapted.camera_matrix == found.camera_matrix
+    assert found.uncertainty.rms == 0.2
+
+
+@pytest.mark.parametrize(
+    ("known", "zoom"),
+    [
+        (((1.0, 900.0), (2.0, 1700.0)), 2.5),  # beyond
+        (((1.0, 900.0), (2.0, 1700.0)), 0.0),  # a browser that does not say
+        (((1.0, 900.0), (2.0, 850.0)), 1.5),  # not growing
+        (((1.0, 900.0), (2.0, 1700.0), (3.0, 1600.0)), 1.5),  # nor everywhere
+        (((1.0, 900.0), (4.0, 3600.0)), 2.0),  # too far apart
+        (((1.0, 900.0),), 1.5),
+    ],
+)
+def test_zooms_that_say_nothing_between_them(known: tuple[tuple[float, float], ...], zoom: float) -> None:
+    assert neighbours(zoomed(*known), (1280, 720), zoom, "rectilinear") is None
+
+
+def test_only_what_is_reliable_is_interpolated() -> None:
+    known = [consensus(fit(f=900.0), zoom=1.0), consensus(fit(f=1500.0), zoom=2.0, reason="too_few")]
+    assert neighbours(known, (1280, 720), 1.5, "rectilinear") is None
+
+
+def test_the_answer_is_the_calibration_and_more() -> None:
+    known = [at((1280, 720))]
+    stored = known[0].calibration
+    found = asked(known, (1280, 720))
+    assert Calibration.model_validate(found.model_dump()) == stored
+    assert (found.spread, found.held_out_error, found.basis) == (0.4, 0.3, "consensus")

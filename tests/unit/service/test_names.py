@@ -1,0 +1,146 @@
+"""Under which names a camera is found, and that they all follow from the calibrations."""
+
+import itertools
+
+import boto3
+import pytest
+
+from calibdb.camera_key import camera_key, identify
+from calibdb.store import Calibrations, Cameras, Objects, Table
+from calibdb.store.cameras import is_place
+from tests.known import C920, LINUX, calibration
+from tests.unit.service.conftest import REGION
+
+MAC = "Macintosh; Intel Mac OS X 10_15_7"
+NAMED = identify("HD Pro Webcam C920", MAC)
+
+
+@pytest.fixture
+def calibrations(table: Table, objects: Objects) -> Calibrations:
+    return Calibrations(table, objects)
+
+
+@pytest.fixture
+def cameras(table: Table) -> Cameras:
+    return Cameras(table)
+
+
+def items() -> dict[tuple[str, str], object]:
+    """Everything in the table."""
+    found = boto3.client("dynamodb", REGION).scan(TableName="table")["Items"]
+    return {(item["pk"]["S"], item["sk"]["S"]): item for item in found}
+
+
+def test_a_calibration_with_a_usb_id_is_known_under_its_name_too(
+    calibrations: Calibrations, cameras: Cameras
+) -> None:
+    calibrations.publish(calibration())
+    assert cameras.known(NAMED.key).same_as == (camera_key(C920, LINUX),)
+    assert cameras.known(camera_key(C920, LINUX)).same_as == ()
+    calibrations.publish(calibration("Logitech HD Pro Webcam C920 (046d:0892)", number=1))
+    assert len(cameras.known(NAMED.key).same_as) == 2
+
+
+def test_a_key_of_earlier_rules_leads_to_todays(calibrations: Calibrations, cameras: Cameras) -> None:
+    old = "c1-hd-pro-webcam-c920-0123456789ab"
+    stored = calibration(key=old)
+    calibrations.publish(stored)
+    assert cameras.known(old).same_as == (camera_key(C920, LINUX),)
+    found = calibrations.get(stored.id)
+    assert found is not None
+    assert (found.id, found.camera_key) == (stored.id, camera_key(C920, LINUX))
+    assert [mode.camera_key for mode in calibrations.modes(camera_key(C920, LINUX))] == [
+        camera_key(C920, LINUX)
+    ]
+
+
+def test_the_search_finds_words_cut_short(calibrations: Calibrations, cameras: Cameras) -> None:
+    calibrations.publish(calibration())
+    calibrations.publish(calibration("Razer Kiyo (1532:0e03)", number=1))
+    c920, kiyo = camera_key(C920, LINUX), camera_key("Razer Kiyo (1532:0e03)", LINUX)
+    for word, keys in {
+        "c920": [c920],
+        "c9": [c920],
+        "web": [c920],
+        "046d": [c920],
+        "082d": [c920],
+        "kiy": [kiyo],
+        "": [c920, kiyo],
+        "920": [],
+    }.items():
+        assert [key for key, _ in cameras.search(word, 10, None)[0]] == keys, word
+    assert cameras.search("kiyo", 10, None) == ([(kiyo, "razer kiyo")], None)
+
+
+def test_the_search_goes_on_where_it_stopped(calibrations: Calibrations, cameras: Cameras) -> None:
+    for number in range(7):
+        calibrations.publish(calibration(f"Webcam X{number}00 (1234:00{number:02x})", number=number))
+    for word in ("webcam", ""):
+        seen: list[str] = []
+        after: str | None = None
+        for _ in itertools.count():
+            found, after = cameras.search(word, 3, after)
+            seen += [key for key, _ in found]
+            if after is None:
+                break
+            assert is_place(word, after)
+        assert len(seen) == len(set(seen)) == 7
+
+
+@pytest.mark.parametrize(
+    "after", ["", "x", "c920", "c920#", "kiyo#c2-a-0123456789ab", "c920#c2-A-0123456789ab"]
+)
+def test_a_place_that_no_search_gave_is_none(after: str) -> None:
+    assert not is_place("c920", after)
+    assert is_place("c920", "c920e#c2-webcam-c920e-0123456789ab")
+    assert not is_place("", "c920#c2-a-0123456789ab")
+
+
+def test_the_index_made_anew_has_the_same_names(
+    calibrations: Calibrations, table: Table, objects: Objects
+) -> None:
+    """Byte for byte, whatever was published first."""
+    documents = [
+        calibration(),
+        calibration("HD Pro Webcam C920", MAC, number=1),
+        calibration("Logitech HD Pro Webcam C920 (046d:082d)", number=2),
+        calibration("Integrated Camera (04f2:b6d0)", number=3),
+        calibration("後置雙廣角相機", "iPhone; CPU iPhone OS 17_5 like Mac OS X", number=4),
+        calibration("OBS Virtual Camera", number=5),
+        calibration(key="c1-hd-pro-webcam-c920-0123456789ab", number=6),
+    ]
+    for document in documents:
+        calibrations.publish(document)
+    before = items()
+    for pk, sk in before:
+        table.delete(pk, sk)
+    anew = Calibrations(table, objects)
+    for document, withdrawn in reversed(list(anew.everything())):
+        anew.index(document, withdrawn=withdrawn)
+    assert items() == before
+
+
+def test_a_camera_of_which_nothing_counts_any_more_is_not_found(
+    calibrations: Calibrations, cameras: Cameras
+) -> None:
+    first, second = calibration(), calibration(number=1)
+    calibrations.publish(first)
+    calibrations.publish(second)
+    calibrations.withdraw(first, "a test", 0)
+    assert cameras.known(NAMED.key).same_as
+    calibrations.withdraw(second, "a test", 0)
+    assert cameras.known(NAMED.key).same_as == ()
+    assert cameras.search("", 10, None) == ([], None)
+
+
+def test_publishing_again_writes_no_more_than_it_must(
+    calibrations: Calibrations, table: Table, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calibrations.publish(calibration())
+    written: list[object] = []
+    put = table.put
+    monkeypatch.setattr(
+        table, "put", lambda item, condition=None: written.append(item) or put(item, condition)
+    )
+    calibrations.publish(calibration(number=1))
+    assert len(written) == 2  # the calibration, and the name it has without its USB id

@@ -1,0 +1,47 @@
+"""The plain projection of a lookup is the solver's, and goes no further than the picture."""
+
+import math
+
+import numpy as np
+import pytest
+
+from calibdb.projection import distorted, rays_in_view
+from calibdb.schema import Calibration
+from calibsolver import Camera
+from tests.known import LENS, consensus, fit
+
+LENSES = {
+    "rectilinear": LENS,
+    "fisheye": (-0.02, 0.004, -0.001, 0.0002),
+    "rational": (0.3, -0.1, 0.0005, -0.0004, 0.01, 0.5, -0.05, 0.02),
+    "omnidirectional": (1.1, -0.2, 0.05, 0.0005, -0.0004),
+}
+
+
+def camera(model: str, f: float = 700.0) -> Calibration:
+    found = consensus(fit(f=f, distortion=LENSES[model], model=model)).calibration
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("model", LENSES)
+def test_it_is_the_solvers(model: str) -> None:
+    stored = camera(model, 1400.0 if model == "omnidirectional" else 700.0)
+    solver = Camera(model, np.array(stored.camera_matrix), LENSES[model], stored.img_size)
+    rays = list(rays_in_view(stored))
+    assert len(rays) > 150
+    theta, phi = (np.array([ray[i] for ray in rays]) for i in (0, 1))
+    v = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1)
+    q = np.array([ray[2] for ray in rays])
+    assert np.abs(solver.project(v) - q).max() < 1e-9
+    assert (q >= -0.5).all()
+    assert (q <= np.array(stored.img_size) - 0.5).all()
+    assert np.ptp(q, axis=0) == pytest.approx(np.array(stored.img_size), rel=0.25)
+
+
+def test_a_model_that_folds_is_followed_to_its_fold_only() -> None:
+    folding = consensus(fit(f=300.0, distortion=(-0.4, 0, 0, 0, 0))).calibration
+    assert folding is not None
+    fold = math.atan(math.sqrt(1 / 1.2))  # d/dr of r (1 - 0.4 r^2) is 0 at r^2 = 1 / 1.2
+    assert fold - 0.06 < max(theta for theta, _, _ in rays_in_view(folding)) < fold + 0.06  # to a step
+    assert distorted("rectilinear", (-0.4, 0, 0, 0, 0), fold, 0.0)[0] == pytest.approx(0.6086, abs=1e-4)

@@ -1,0 +1,102 @@
+"""By which key a camera is found; and how often the index is read for it."""
+
+import pytest
+
+from calibdb import resolution
+from calibdb.camera_key import identify
+from calibdb.store import Known
+from tests.known import C920, LINUX, consensus, fit
+
+FIREFOX = identify("HD Pro Webcam C920", "Windows NT 10.0; Win64; x64")
+CHROME = identify(C920, LINUX)
+OTHER = identify("HD Pro Webcam C920 (046d:0892)", LINUX)
+SIZE = (1280, 720)
+
+
+def resolve(
+    index: dict[str, Known], identity: object = FIREFOX, *, private: bool = False
+) -> tuple[str, object, int]:
+    asked: list[str] = []
+
+    def read(key: str) -> Known:
+        asked.append(key)
+        return index.get(key, Known([]))
+
+    found = resolution.resolve(read, identity, SIZE, 0.0, "rectilinear", private=private)  # type: ignore[arg-type]
+    assert len(asked) <= 2
+    assert asked[0] == identity.key  # type: ignore[attr-defined]
+    return found.key, found.choice.found, len(asked)
+
+
+def test_a_camera_known_under_its_own_key_is_one_query() -> None:
+    known = consensus()
+    assert resolve({CHROME.key: Known([known])}, CHROME) == (CHROME.key, known, 1)
+
+
+def test_a_name_alone_finds_the_one_usb_id_that_is_known_under_it() -> None:
+    known = consensus()
+    index = {FIREFOX.key: Known([], (CHROME.key,)), CHROME.key: Known([known])}
+    assert resolve(index) == (CHROME.key, known, 2)
+
+
+def test_a_name_that_two_ids_bear_finds_neither() -> None:
+    index = {FIREFOX.key: Known([], (CHROME.key, OTHER.key)), CHROME.key: Known([consensus()])}
+    assert resolve(index) == (FIREFOX.key, None, 1)
+
+
+def test_what_is_known_under_the_name_alone_comes_first() -> None:
+    known = consensus(camera="HD Pro Webcam C920")
+    index = {FIREFOX.key: Known([known], (CHROME.key,)), CHROME.key: Known([consensus()])}
+    assert resolve(index) == (FIREFOX.key, known, 1)
+    few = consensus(camera="HD Pro Webcam C920", reason="too_few", calibrations=2)
+    index = {FIREFOX.key: Known([few], (CHROME.key,)), CHROME.key: Known([consensus()])}
+    assert resolve(index)[0] == CHROME.key
+
+
+def test_a_name_under_which_calibrations_disagree_is_no_one_cameras() -> None:
+    split = consensus(camera="HD Pro Webcam C920", reason="disagree")
+    index = {FIREFOX.key: Known([split], (CHROME.key,)), CHROME.key: Known([consensus()])}
+    assert resolve(index) == (FIREFOX.key, None, 1)
+
+
+def test_an_id_nobody_calibrated_yet_finds_what_is_known_of_the_name() -> None:
+    known = consensus(camera="HD Pro Webcam C920")
+    assert resolve({CHROME.name_key: Known([known])}, CHROME) == (CHROME.name_key, known, 2)
+    # but not where the name is another id's
+    assert resolve({CHROME.name_key: Known([known], (OTHER.key,))}, CHROME) == (CHROME.key, None, 2)
+    # nor where the id itself is known, and not to be relied on
+    index = {CHROME.key: Known([consensus(reason="disagree")]), CHROME.name_key: Known([known])}
+    assert resolve(index, CHROME) == (CHROME.key, None, 1)
+
+
+def test_a_name_that_many_products_bear_leads_nowhere_but_at_home() -> None:
+    named, with_id = identify("Integrated Camera", LINUX), identify("Integrated Camera (04f2:b6d0)", LINUX)
+    index = {named.key: Known([], (with_id.key,)), with_id.key: Known([consensus()])}
+    assert resolve(index, named) == (named.key, None, 1)
+    assert resolve(index, named, private=True)[0] == with_id.key
+
+
+@pytest.mark.parametrize(
+    ("label", "private", "resize_mode", "why"),
+    [
+        ("HD Pro Webcam C920", False, None, None),
+        ("HD Pro Webcam C920", False, "none", None),
+        ("HD Pro Webcam C920", False, "crop-and-scale", resolution.RESIZED),
+        ("Integrated Camera", False, None, resolution.AMBIGUOUS),
+        ("Integrated Camera", True, None, None),
+        ("OBS Virtual Camera", True, None, resolution.VIRTUAL),
+    ],
+)
+def test_cameras_that_the_database_cannot_know(
+    label: str, private: bool, resize_mode: str | None, why: str | None
+) -> None:
+    found = resolution.hopeless(identify(label, LINUX), private=private, resize_mode=resize_mode)
+    assert found == why
+
+
+def test_a_model_that_is_to_be_computed_is_an_answer_too() -> None:
+    index = {
+        FIREFOX.key: Known([], (CHROME.key,)),
+        CHROME.key: Known([consensus(fit(model="rational", distortion=(0.0,) * 8))]),
+    }
+    assert resolve(index)[0] == CHROME.key
