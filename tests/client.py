@@ -52,6 +52,7 @@ class Client:
 
     stack: LocalStack
     session_id: str = ""
+    api_token: str = TOKEN
 
     def call(
         self,
@@ -82,7 +83,7 @@ class Client:
 
     def open(self, **start: object) -> Answer:
         """Get a session id, and start a session unless told not to."""
-        opened = self.call("POST", "/v1/auth", token=TOKEN)
+        opened = self.call("POST", "/v1/auth", token=self.api_token)
         assert opened.status == 201, opened.body
         self.session_id = opened.json["session_id"]
         return self.call("POST", "/v1/session", {**CAMERA, **start})
@@ -97,7 +98,7 @@ class Client:
         return self.call("GET", "/v1/session").json
 
     def lookup(self, **asked: object) -> Answer:
-        return self.call("POST", "/v1/lookup", {**CAMERA, **asked}, token=TOKEN)
+        return self.call("POST", "/v1/lookup", {**CAMERA, **asked}, token=self.api_token)
 
 
 @dataclass

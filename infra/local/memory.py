@@ -48,6 +48,10 @@ class Memory:
         item = self._tables.tables[address.container].get_item(*_item_key(address))
         return Content(json.dumps(_plain_map(item.attrs)).encode()) if item else None
 
+    def names(self, bucket: str, prefix: str) -> list[str]:
+        """Return the names of the objects that begin with `prefix`."""
+        return [name for name in self._buckets.get_bucket(bucket).keys if name.startswith(prefix)]
+
     def write(self, change: Change) -> None:
         """Let an address hold what the change says, without checks or conditions."""
         if change.address.kind == OBJECT:

@@ -34,7 +34,6 @@ READS: Mapping[str, frozenset[str]] = {
             "HeadBucket",
             "HeadObject",
             "ListBuckets",
-            "ListObjectVersions",
             "ListObjects",
             "ListObjectsV2",
         }
@@ -88,7 +87,7 @@ def _items(call: Call, item_address: ItemAddress) -> tuple[Address, ...] | None:
 
 
 def _objects(call: Call) -> tuple[Address, ...] | None:
-    bucket, key = _bucket_and_key(call.url)
+    bucket, key = bucket_and_key(call.url)
     match call.operation:
         case "PutObject" | "CopyObject" | "DeleteObject":
             return (Address(OBJECT, bucket, key),)
@@ -100,7 +99,7 @@ def _objects(call: Call) -> tuple[Address, ...] | None:
     return None
 
 
-def _bucket_and_key(url: str) -> tuple[str, str]:
+def bucket_and_key(url: str) -> tuple[str, str]:
     """Split a virtual-hosted (bucket.s3.region…/key) or path-style (s3.region…/bucket/key) address."""
     parts = urlsplit(url)
     host, path = parts.hostname or "", unquote(parts.path).removeprefix("/")

@@ -22,8 +22,9 @@ from moto.core.botocore_stubber import BotocoreStubber
 
 from infra.local.journal import ITEM, OBJECT, Address, Change, Journal, JournalError
 from infra.local.memory import Memory
-from infra.local.operations import Call, touched
+from infra.local.operations import Call, bucket_and_key, touched
 from infra.local.template import BucketSpec, TableSpec
+from infra.local.versions import listing, prefix_of
 
 _log = logging.getLogger("infra.local.storage")
 
@@ -89,10 +90,13 @@ class Storage:
             addresses = touched(Call(service, operation, request.url, body), self._memory.item_address)
         except LookupError as error:
             return _error(service, 400, "ValidationException", f"no such table, or no such key: {error}")
+        ask = self._ask_moto
+        if operation == "ListObjectVersions":
+            addresses, ask = (), self._list_versions
         if addresses is None:
             return _error(service, 501, "NotImplemented", f"the local storage does not know {operation}")
         try:
-            return self._apply(addresses, lambda: self._ask_moto(request))
+            return self._apply(addresses, lambda: ask(request))
         except NotDurableError as error:
             # Not 500, which clients try again for seconds: a full disk stays full.
             return _error(service, 507, "InsufficientStorage", str(error))
@@ -128,6 +132,11 @@ class Storage:
                 self._broken = True
                 self._journal.close()
                 self._memory.reset()
+
+    def _list_versions(self, request: AWSPreparedRequest) -> Answer:
+        bucket, _ = bucket_and_key(request.url)
+        names = self._memory.names(bucket, prefix_of(request.url))
+        return Answer(200, {"content-type": "application/xml"}, listing(names))
 
     def _ask_moto(self, request: AWSPreparedRequest) -> Answer:
         answer = self._moto.process_request(request)

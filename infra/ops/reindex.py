@@ -1,15 +1,23 @@
-"""The index of calibrations made anew from the bucket, which is the truth."""
+"""The index made anew from the bucket, which is the truth."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import functools
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-import boto3
+from calibdb import capture
+from calibdb.errors import UnavailableError
+from calibdb.schema import CalibrationDocument, RefitRequest
+from calibdb.store import Calibrations, Condition, Mode, Priors, Table, Tokens, Votes, clients
+from calibdb.store.names import today
+from calibdb.store.table import Item
+from infra.ops.desk import Desk
+from infra.ops.index import Key
 
-from calibdb.schema import DISTORTION_MODELS, CalibrationDocument, RefitRequest
-from calibdb.store import Store
-from calibdb.store.keys import calibrations_prefix, camera_pk
+# What a computation writes; everything else beside a camera follows from single objects.
+_COMPUTED = ("CONSENSUS", "GROUPS")
 
 
 @dataclass(frozen=True)
@@ -17,81 +25,120 @@ class Report:
     """What was done."""
 
     calibrations: int
+    published: int  # that a crash had left unpublished
+    votes: int
+    tokens: int
+    sessions: int  # running ones that the index did not know
     consensuses: int
+    failed: int  # modes whose consensus could not be computed
     removed: int
 
 
-@dataclass(frozen=True)
-class _Group:
-    """What one consensus rests on: one camera at one size and zoom."""
+class _Noting(Table):
+    """A table that notes what is written to it."""
 
-    camera_key: str
-    img_size: tuple[int, int]
-    zoom: float
+    def __init__(self, desk: Desk) -> None:
+        settings = desk.settings
+        super().__init__(functools.partial(clients.dynamodb, settings.region), settings.table_name)
+        self.written: set[Key] = set()
+
+    def put(self, item: Item, condition: Condition | None = None) -> bool:
+        """Write the item as `Table` does."""
+        self.written.add((str(item["pk"]), str(item["sk"])))
+        return super().put(item, condition)
 
 
-def reindex(store: Store, table_name: str, say: Callable[[str], None]) -> Report:
-    """Let the index name exactly what is in the bucket, and recompute every consensus.
+def reindex(desk: Desk, only: Iterable[Mode] | None = None) -> Report:
+    """Let the index name exactly what is in the bucket, and compute every consensus that is not of it.
 
     Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
-    there. What is published while it runs is indexed by its own submit.
+    there. What is published while it runs is indexed by its own submit. Counters of use are not in the bucket
+    and stay as they are, or begin anew.
 
     Parameters
     ----------
-    store
-        The storage.
-    table_name
-        Its table.
-    say
-        Told about each camera as it is done.
+    desk
+        The deployment.
+    only
+        Modes whose consensus is computed again; None: all.
     """
     # First, so that what is published from here on cannot be mistaken for something that the bucket lacks.
-    indexed = set(_keys(table_name))
-    named: set[tuple[str, str]] = set()
-    groups: dict[_Group, int] = {}
-    for document in store.calibrations.all():
-        store.calibrations.index(document)
-        named.add(_key(document))
-        group = _Group(document.camera_key, document.img_size, document.zoom)
-        groups[group] = groups.get(group, 0) + 1
-    stale = {key for key in indexed if key[1].startswith("CALIBRATION#") and key not in named}
-    # A consensus that counted what is gone would never give way to one that counts less.
-    cameras = {pk for pk, _ in stale}
-    stale |= {key for key in indexed if key[1].startswith("CONSENSUS#") and key[0] in cameras}
-    _remove(table_name, stale)
-    consensuses = 0
-    for group, count in groups.items():
-        request = RefitRequest(
-            camera=group.camera_key, img_size=group.img_size, zoom=group.zoom, models=DISTORTION_MODELS
-        )
-        answer = store.refit.now(request)
-        consensuses += sum(1 for consensus in answer.models.values() if consensus is not None)
-        say(f"{group.camera_key} {group.img_size[0]}x{group.img_size[1]}: {count} calibrations")
-    return Report(sum(groups.values()), consensuses, len(stale))
-
-
-def _key(document: CalibrationDocument) -> tuple[str, str]:
-    prefix = calibrations_prefix(document.img_size, document.zoom)
-    return camera_pk(document.camera_key), f"{prefix}{document.id}"
-
-
-def _keys(table_name: str) -> Iterator[tuple[str, str]]:
-    pages = (
-        boto3.client("dynamodb")
-        .get_paginator("scan")
-        .paginate(
-            TableName=table_name,
-            FilterExpression="begins_with(pk, :cameras)",
-            ExpressionAttributeValues={":cameras": {"S": "CAMERA#"}},
-            ProjectionExpression="pk, sk",
-        )
+    indexed = set(desk.index.keys("CAMERA"))
+    published = publish_finished(desk)
+    table = _Noting(desk)
+    calibrations, votes = Calibrations(table, desk.objects), Votes(table, desk.objects)
+    modes: Counter[Mode] = Counter()
+    for document, withdrawn in calibrations.everything():
+        calibrations.index(document, withdrawn=withdrawn)
+        modes[mode(document)] += 1
+    tokens, cast = Tokens(table, desk.objects), 0
+    for vote in votes.all():
+        votes.index(vote)
+        cast += 1
+    issued = 0
+    for token in tokens.all():
+        tokens.index(token)
+        issued += 1
+    priors = Priors(table, desk.objects)
+    for prior in priors.all():
+        priors.index(prior)
+    sessions = desk.store.sessions.index(desk.now)
+    computed = {(known.pk, known.text) for known in modes}
+    stale = {key for key in indexed if key not in table.written and _computed_of(key) not in computed}
+    desk.index.remove(stale)
+    consensuses = failed = 0
+    for wanted in modes if only is None else [known for known in only if known in modes]:
+        found = refit(desk, wanted)
+        failed += found is None
+        consensuses += found or 0
+        desk.say(f"{wanted.camera_key} {wanted.text}: {modes[wanted]} calibrations")
+    return Report(
+        calibrations=sum(modes.values()),
+        published=published,
+        votes=cast,
+        tokens=issued,
+        sessions=sessions,
+        consensuses=consensuses,
+        failed=failed,
+        removed=len(stale),
     )
-    for page in pages:
-        for item in page["Items"]:
-            yield item["pk"]["S"], item["sk"]["S"]
 
 
-def _remove(table_name: str, keys: set[tuple[str, str]]) -> None:
-    client = boto3.client("dynamodb")
-    for pk, sk in sorted(keys):
-        client.delete_item(TableName=table_name, Key={"pk": {"S": pk}, "sk": {"S": sk}})
+def publish_finished(desk: Desk) -> int:
+    """Publish what converged and, for a crash, was not published; return how many calibrations.
+
+    The client that repeats its last view does the same; one that never comes back cannot.
+    """
+    published = 0
+    for session in desk.store.sessions.all():
+        if session.finish is not None and desk.store.calibrations.get(session.finish.calibration_id) is None:
+            desk.store.calibrations.publish(capture.calibration(session))
+            published += 1
+    return published
+
+
+def refit(desk: Desk, wanted: Mode) -> int | None:
+    """Have the consensus of every model computed; return of how many there is one, None where it failed."""
+    request = RefitRequest(
+        camera=wanted.camera_key,
+        img_size=wanted.img_size,
+        zoom=wanted.zoom,
+    )
+    try:
+        answer = desk.store.refit.now(request)
+    except UnavailableError as error:
+        desk.say(f"{wanted.camera_key} {wanted.text}: {error.detail}")
+        return None
+    return sum(1 for found in answer.models.values() if found is not None)
+
+
+def mode(document: CalibrationDocument) -> Mode:
+    """Return what the calibration is one of."""
+    return Mode(today(document).camera_key, document.img_size, document.zoom)
+
+
+def _computed_of(key: Key) -> tuple[str, str] | None:
+    """Return partition and text of the mode that the item was computed for, None for other items."""
+    pk, sk = key
+    kind, _, rest = sk.partition("#")
+    return (pk, rest.rpartition("#")[0]) if kind in _COMPUTED else None

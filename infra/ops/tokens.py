@@ -1,65 +1,78 @@
-"""API tokens: issued, listed, revoked."""
+"""API tokens: issued, listed, exchanged, revoked."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import time
+from collections.abc import Sequence
+from dataclasses import replace
 from urllib.parse import urlsplit
 
-import boto3
-
-from calibdb.store import Tokens
+from calibdb.plans import PLANS
 from calibdb.tokens import ApiToken, secret_hash
+from infra.ops.desk import Desk, OpsError
+
+_SECRET = 24  # bytes
 
 
-def create(
-    tokens: Tokens, origins: Sequence[str], plan: str, now: int, random_hex: Callable[[int], str]
-) -> str:
+def create(desk: Desk, origins: Sequence[str], plan: str) -> str:
     """Store a new token and return it. Only its hash is kept: this is the one time that it can be seen.
 
-    Parameters
-    ----------
-    tokens
-        Where tokens are stored.
-    origins
-        Web origins that may use it; none: any.
-    plan
-        Name of its plan.
-    now
-        Unix seconds.
-    random_hex
-        Returns so many random bytes in hex.
-
-    Raises
-    ------
-    ValueError
-        If something given is not an origin.
+    Raises OpsError where an origin is none, or the plan is not known.
     """
     for origin in origins:
         _check(origin)
+    if plan not in PLANS:
+        raise OpsError(f"there is no plan {plan!r}; there are {', '.join(PLANS)}")
     while True:
-        token_id, secret = random_hex(8), random_hex(24)
-        token = ApiToken(token_id, secret_hash(secret), tuple(origins), plan, now)
-        if tokens.create(token):
+        token_id, secret = desk.random_hex(8), desk.random_hex(_SECRET)
+        token = ApiToken(token_id, secret_hash(secret), tuple(origins), plan, desk.now)
+        if desk.store.tokens.create(token):
             return f"cdb_{token_id}_{secret}"
 
 
-def every(tokens: Tokens, table_name: str) -> Iterator[ApiToken]:
-    """Yield all tokens, in no order. Reads the whole index; no function has the right to."""
-    pages = (
-        boto3.client("dynamodb")
-        .get_paginator("scan")
-        .paginate(
-            TableName=table_name,
-            FilterExpression="begins_with(pk, :tokens) AND sk = :meta",
-            ExpressionAttributeValues={":tokens": {"S": "TOKEN#"}, ":meta": {"S": "META"}},
-            ProjectionExpression="pk",
+def listed(desk: Desk) -> list[str]:
+    """Return a line for each token, oldest first."""
+    return [
+        "  ".join(
+            (
+                token.id,
+                time.strftime("%Y-%m-%d", time.gmtime(token.created)),
+                token.plan,
+                " ".join(token.origins) or "any origin",
+            )
+        )
+        for token in sorted(desk.store.tokens.all(), key=lambda token: (token.created, token.id))
+    ]
+
+
+def rotate(desk: Desk, token_id: str, grace: float) -> str:
+    """Give the token another secret and return it; the one before opens for `grace` hours more.
+
+    A third is refused at once: of two exchanges within the grace, the second ends what the first left open.
+    """
+    token = _known(desk, token_id)
+    secret = desk.random_hex(_SECRET)
+    desk.store.tokens.change(
+        replace(
+            token,
+            secret_sha256=secret_hash(secret),
+            former_sha256=token.secret_sha256,
+            former_until=desk.now + int(grace * 3600),
         )
     )
-    for page in pages:
-        for item in page["Items"]:
-            token = tokens.get(item["pk"]["S"].removeprefix("TOKEN#"))
-            if token is not None:  # else it was revoked a moment ago
-                yield token
+    return f"cdb_{token_id}_{secret}"
+
+
+def revoke(desk: Desk, token_id: str) -> None:
+    """Refuse the token from now on, for good: its id is never another's."""
+    desk.store.tokens.revoke(_known(desk, token_id), desk.now)
+
+
+def _known(desk: Desk, token_id: str) -> ApiToken:
+    token = desk.store.tokens.get(token_id)
+    if token is None:
+        raise OpsError(f"there is no token {token_id}")
+    return token
 
 
 def _check(origin: str) -> None:
@@ -67,6 +80,6 @@ def _check(origin: str) -> None:
     # slash.
     parts = urlsplit(origin)
     if parts.scheme not in ("http", "https") or not parts.hostname or origin != origin.lower():
-        raise ValueError(f"{origin!r} is not an origin such as https://example.org")
+        raise OpsError(f"{origin!r} is not an origin such as https://example.org")
     if f"{parts.scheme}://{parts.netloc}" != origin or parts.username is not None:
-        raise ValueError(f"{origin!r} has more than scheme, host and port")
+        raise OpsError(f"{origin!r} has more than scheme, host and port")

@@ -1,7 +1,9 @@
 """The operator's command line: tokens, and an index that follows from the bucket alone."""
 
+import json
 import re
 import time
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,9 +11,10 @@ from typing import Any
 import boto3
 import pytest
 
+from calibdb.schema import DISTORTION_MODELS
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.client import Client, Truth
+from tests.client import Client, Truth, until
 
 
 @pytest.fixture(scope="module")
@@ -33,19 +36,6 @@ def on_it(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def stack(data_dir: Path) -> Iterator[LocalStack]:
     with LocalStack(data_dir) as running:
         yield running
-
-
-def cameras(stack: LocalStack) -> dict[tuple[str, str], Any]:
-    items = boto3.client("dynamodb").scan(TableName=stack.environment["TABLE_NAME"])["Items"]
-    return {
-        (item["pk"]["S"], item["sk"]["S"]): item for item in items if item["pk"]["S"].startswith("CAMERA#")
-    }
-
-
-def remove(stack: LocalStack, key: tuple[str, str]) -> None:
-    boto3.client("dynamodb").delete_item(
-        TableName=stack.environment["TABLE_NAME"], Key={"pk": {"S": key[0]}, "sk": {"S": key[1]}}
-    )
 
 
 def test_a_token_is_issued_listed_and_revoked(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -89,43 +79,200 @@ def test_an_unknown_token_cannot_be_revoked(capsys: pytest.CaptureFixture[str]) 
     assert "no token nobody" in capsys.readouterr().err
 
 
-def test_the_index_follows_from_the_bucket(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def items(stack: LocalStack) -> dict[tuple[str, str], Any]:
+    """All that the table holds; times aside, and what only says who does what just now."""
+    found = boto3.client("dynamodb").scan(TableName=stack.environment["TABLE_NAME"])["Items"]
+    return {
+        (item["pk"]["S"], item["sk"]["S"]): {k: v for k, v in item.items() if k != "ttl"}
+        for item in found
+        if not (item["sk"]["S"].startswith("QUOTA#") or item["pk"]["S"].startswith("REFIT#"))
+    }
+
+
+def remove(stack: LocalStack, key: tuple[str, str]) -> None:
+    boto3.client("dynamodb").delete_item(
+        TableName=stack.environment["TABLE_NAME"], Key={"pk": {"S": key[0]}, "sk": {"S": key[1]}}
+    )
+
+
+def objects(stack: LocalStack, prefix: str = "") -> list[str]:
+    listed = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"], Prefix=prefix)
+    return [entry["Key"] for entry in listed.get("Contents", [])]
+
+
+def test_the_table_follows_from_the_bucket(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with LocalStack(data_dir) as stack:
-        before = cameras(stack)
+        before = items(stack)
         for key in before:
             remove(stack, key)
-        assert cameras(stack) == {}
-    assert sorted(sk.split("#")[0] for _, sk in before) == ["CALIBRATION"] * 3 + ["CONSENSUS"] * 2
+        assert items(stack) == {}
+    kinds = Counter(sk.split("#")[0] if sk != "META" else pk.split("#")[0] for pk, sk in before)
+    assert kinds["CALIBRATION"] == kinds["SESSION"] == 3
+    assert kinds["CONSENSUS"] == len(DISTORTION_MODELS)
+    assert kinds["TOKEN"] >= 1
     for _ in range(2):  # the second time changes nothing
         assert main(["reindex"]) == 0
-        assert "3 calibrations indexed, 2 consensuses computed, 0 stale" in capsys.readouterr().out
+        said = capsys.readouterr().out
+        assert "3 calibrations indexed, 0 of them published only now" in said
+        assert f"{len(DISTORTION_MODELS)} consensuses computed, 0 stale entries removed" in said
         with LocalStack(data_dir) as stack:
-            assert cameras(stack) == before
+            assert items(stack) == before
+
+
+def test_what_a_crash_left_unpublished_is_published(
+    data_dir: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with LocalStack(data_dir) as stack:
+        before = items(stack)
+        lost = objects(stack, "calibrations/")[0]
+        boto3.client("s3").delete_object(Bucket=stack.environment["BUCKET_NAME"], Key=lost)
+        for key in before:
+            if lost.split("/")[2][:-5] in key[1] or key[1].startswith(("CONSENSUS#", "GROUPS#")):
+                remove(stack, key)
+    assert main(["reindex"]) == 0
+    assert "3 calibrations indexed, 1 of them published only now" in capsys.readouterr().out
+    with LocalStack(data_dir) as stack:
+        assert items(stack) == before
 
 
 def test_what_is_not_in_the_bucket_leaves_the_index(
     data_dir: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with LocalStack(data_dir) as stack:
-        before = cameras(stack)
+        before = items(stack)
         files, bucket = boto3.client("s3"), stack.environment["BUCKET_NAME"]
-        listed = files.list_objects_v2(Bucket=bucket, Prefix="calibrations/")["Contents"]
-        newest = max(entry["Key"] for entry in listed)
-        kept = files.get_object(Bucket=bucket, Key=newest)["Body"].read()
-        files.delete_object(Bucket=bucket, Key=newest)
+        kept = {
+            name: files.get_object(Bucket=bucket, Key=name)["Body"].read()
+            for name in (*objects(stack, "sessions/"), max(objects(stack, "calibrations/")))
+        }
+        newest = max(name for name in kept if name.startswith("calibrations/"))
+        for name in kept:
+            files.delete_object(Bucket=bucket, Key=name)
     assert main(["reindex"]) == 0
-    assert (
-        "2 calibrations indexed, 2 consensuses computed, 3 stale entries removed" in capsys.readouterr().out
-    )
+    assert "2 calibrations indexed" in capsys.readouterr().out
     with LocalStack(data_dir) as stack:
-        after = cameras(stack)
-        assert set(before) - set(after) == {key for key in before if newest.split("/")[2][:-5] in key[1]}
-        totals = {key[1].split("#")[-1]: item["total"]["N"] for key, item in after.items() if "total" in item}
-        assert totals == {"rectilinear": "2", "fisheye": "2"}
-        boto3.client("s3").put_object(Bucket=bucket, Key=newest, Body=kept)
+        after = items(stack)
+        gone = {key for key in set(before) - set(after) if not key[0].startswith("SESSION#")}
+        assert gone == {key for key in before if newest.split("/")[2][:-5] in key[1]}
+        totals = {
+            json.loads(item["document"]["S"])["total"]
+            for (_, sk), item in after.items()
+            if sk.startswith("CONSENSUS#")
+        }
+        assert totals == {2}
+        for name, content in kept.items():
+            boto3.client("s3").put_object(Bucket=bucket, Key=name, Body=content)
     assert main(["reindex"]) == 0
     with LocalStack(data_dir) as stack:
-        assert cameras(stack) == before
+        assert items(stack) == before
+
+
+def test_a_token_gets_another_secret(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def said(*arguments: str) -> str:
+        assert main(list(arguments)) == 0
+        return capsys.readouterr().out.strip()
+
+    def admitted(*tokens: str) -> list[bool]:
+        with LocalStack(data_dir) as stack:
+            return [Client(stack).call("POST", "/v1/auth", token=t).status == 201 for t in tokens]
+
+    first = said("token", "create")
+    token_id = first.split("_")[1]
+    second = said("token", "rotate", token_id)
+    assert second.split("_")[1] == token_id
+    assert admitted(first, second) == [True, True]
+    third = said("token", "rotate", token_id, "--grace", "0")
+    assert admitted(first, second, third) == [False, False, True]
+
+
+def test_a_plan_must_be_known(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["token", "create", "--plan", "golden"]) == 1
+    assert "there is no plan 'golden'; there are free" in capsys.readouterr().err
+
+
+def test_cameras_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["camera", "list"]) == 0
+    line = capsys.readouterr().out.strip()
+    key = line.split()[0]
+    assert line == f"{key}  3 calibrations"
+    assert main(["camera", "list", "no such"]) == 0
+    assert capsys.readouterr().out == ""
+    assert main(["camera", "show", key]) == 0
+    shown = capsys.readouterr().out
+    assert "Test camera, " in shown
+    assert "rectilinear: not reliable (too_few); 3 of 3 agree, 1 contributors, fx 9" in shown
+    assert len(re.findall(rf"{key}-[0-9a-f]{{20}}  .* contributor [0-9a-f]{{12}}  rectilinear", shown)) == 3
+    assert main(["camera", "show", "c1-none-000000000000"]) == 1
+    assert "nothing is known of a camera" in capsys.readouterr().err
+
+
+def totals(stack: LocalStack) -> set[int]:
+    return {
+        json.loads(item["document"]["S"])["total"]
+        for (_, sk), item in items(stack).items()
+        if sk.startswith("CONSENSUS#")
+    }
+
+
+def test_a_withdrawn_calibration_counts_for_nothing(
+    data_dir: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with LocalStack(data_dir) as stack:
+        before = items(stack)
+        victim = objects(stack, "calibrations/")[1].split("/")[2][:-5]
+    assert main(["calibration", "withdraw", victim, "--reason", "held in front of a mirror"]) == 0
+    assert main(["calibration", "withdraw", victim]) == 0
+    assert "withdrawn before" in capsys.readouterr().out
+    with LocalStack(data_dir) as stack:
+        withdrawn = items(stack)
+        assert totals(stack) == {2}
+        for key in withdrawn:
+            remove(stack, key)
+    assert main(["reindex"]) == 0
+    with LocalStack(data_dir) as stack:
+        assert items(stack) == withdrawn  # the bucket says so, too
+    assert main(["calibration", "restore", victim]) == 0
+    assert main(["calibration", "restore", victim]) == 1
+    with LocalStack(data_dir) as stack:
+        assert items(stack) == before
+    for action in ("withdraw", "restore"):
+        assert main(["calibration", action, "c1-none-000000000000-00000000000000000000"]) == 1
+
+
+def test_nothing_of_a_contributor_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two tokens at one address are two contributors; of the one that goes, not even a session stays."""
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
+    assert main(["token", "create", "--plan", "development"]) == 0
+    other = capsys.readouterr().out.strip()
+    with LocalStack(tmp_path / "data") as stack:
+        Truth(seed=1).calibrate(Client(stack))
+        until(lambda: totals(stack) == {1})
+    with LocalStack(tmp_path / "data") as stack:  # all that was queued is done
+        before = items(stack)
+        kept = objects(stack)
+        Truth(seed=2).calibrate(Client(stack, api_token=other))
+        until(lambda: totals(stack) == {2})
+    assert main(["contributor", "forget", "--address", "192.0.2.77"]) == 1
+    assert "nothing came from there" in capsys.readouterr().err
+    forget = ["contributor", "forget", "--address", "127.0.0.1", "--token", other.split("_")[1]]
+    assert main(forget) == 0
+    assert "removed 1 calibrations, 1 sessions, 0 votes" in capsys.readouterr().out
+    with LocalStack(tmp_path / "data") as stack:
+        assert objects(stack) == kept
+        assert items(stack) == before
+    assert main(["contributor", "forget", "0123"]) == 1
+    assert main(["contributor", "forget", "0123456789ab"]) == 1
+    assert main(["contributor", "forget"]) == 1
+    key = kept[0].split("/")[1]
+    capsys.readouterr()
+    assert main(["camera", "show", key]) == 0
+    who = re.findall("contributor ([0-9a-f]{12})", capsys.readouterr().out)
+    assert main(["contributor", "forget", who[0]]) == 0
+    with LocalStack(tmp_path / "data") as stack:
+        assert [name for name in objects(stack) if not name.startswith("tokens/")] == []
+        assert {pk.split("#")[0] for pk, _ in items(stack)} == {"TOKEN"}
 
 
 def test_storage_elsewhere_must_be_named(

@@ -6,6 +6,7 @@ from calibdb.store.consensus import Consensuses
 from calibdb.store.keys import Mode
 from calibdb.store.leases import Leases
 from calibdb.store.objects import Objects
+from calibdb.store.priors import Priors
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
 from calibdb.store.sessions import Sessions
@@ -24,6 +25,7 @@ __all__ = [
     "Leases",
     "Mode",
     "Objects",
+    "Priors",
     "Quotas",
     "Refit",
     "Sessions",

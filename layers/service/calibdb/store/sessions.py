@@ -7,7 +7,7 @@ made anew.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -17,6 +17,7 @@ from calibdb.store.objects import Objects
 from calibdb.store.table import ABSENT, Condition, Item, Table
 
 LIFETIME = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
+_PREFIX = "sessions/"
 _ATTEMPTS = 5  # of a change that others keep overtaking
 _MOST_ORPHANS = 16  # versions written and never pointed to, one after the other
 
@@ -98,6 +99,44 @@ class Sessions:
                 return True
         raise _overtaken()
 
+    def all(self) -> Iterator[SessionDocument]:
+        """Yield every session that is not forgotten, as it stands. For operators.
+
+        Where the index says nothing of a session, its highest version counts: whoever writes one in vain
+        takes it away again.
+        """
+        for sid, version in self._versions().items():
+            head = self._head(sid)
+            if head is None:
+                head = _Head(version, forgotten=False)
+            content = None if head.forgotten else self._objects.get(_name(sid, head.version))
+            if content is not None:
+                yield SessionDocument.model_validate_json(content)
+
+    def index(self, now: int) -> int:
+        """Let the index name every session in the bucket that it does not know; return how many it did not.
+
+        For operators, who lost the index.
+        """
+        return sum(
+            self._table.put(_item(sid, version, now), ABSENT) for sid, version in self._versions().items()
+        )
+
+    def erase(self, sid: str) -> int:
+        """Remove all that is stored of the session, for good; return how many objects those were."""
+        removed = self._objects.erase(list(self._objects.names(f"{_PREFIX}{sid}/")))
+        self._table.delete(f"SESSION#{sid}", "META")
+        return removed
+
+    def _versions(self) -> dict[str, int]:
+        highest: dict[str, int] = {}
+        for name in self._objects.names(_PREFIX):
+            sid, _, file = name.removeprefix(_PREFIX).partition("/")
+            version = file.removesuffix(".json")
+            if version.isdecimal():
+                highest[sid] = max(highest.get(sid, 0), int(version))
+        return highest
+
     def _find(self, sid: str) -> tuple[SessionDocument, int] | None:
         for _ in range(_ATTEMPTS):
             head = self._head(sid)
@@ -127,11 +166,15 @@ class Sessions:
         # A write that was retried because its answer got lost finds itself done: nobody else has this
         # version.
         head = self._head(sid)
-        return head == _Head(version, forgotten=False)
+        if head == _Head(version, forgotten=False):
+            return True
+        # Ours counts for nothing: it must not be taken for the session's state when the index is made anew.
+        self._objects.delete([_name(sid, version)])
+        return False
 
 
 def _name(sid: str, version: int) -> str:
-    return f"sessions/{sid}/{version}.json"
+    return f"{_PREFIX}{sid}/{version}.json"
 
 
 def _item(sid: str, version: int, now: int) -> Item:

@@ -12,6 +12,7 @@ from calibdb.store.cameras import Cameras
 from calibdb.store.consensus import Consensuses
 from calibdb.store.leases import Leases
 from calibdb.store.objects import Objects
+from calibdb.store.priors import Priors
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
 from calibdb.store.sessions import Sessions
@@ -31,6 +32,7 @@ class Store:
     cameras: Cameras
     consensuses: Consensuses
     votes: Votes
+    priors: Priors
     leases: Leases
     refit: Refit
 
@@ -47,6 +49,7 @@ class Store:
             cameras=Cameras(table),
             consensuses=Consensuses(table),
             votes=Votes(table, objects),
+            priors=Priors(table, objects),
             leases=Leases(table),
             refit=Refit(functools.partial(clients.lambda_, settings.region), settings.refit_function),
         )

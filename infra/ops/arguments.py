@@ -1,0 +1,76 @@
+"""What the operator's command line understands."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser. Every command leaves its name in `command`, its verb, if any, in `action`."""
+    top = argparse.ArgumentParser(prog="python -m infra.ops", description="The operator's command line.")
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    token = _group(commands, "token", "API tokens")
+    create = token.add_parser("create", help="issue a token; it is shown once")
+    create.add_argument("--origin", action="append", default=[], help="origin that may use it; repeatable")
+    create.add_argument("--plan", default="free", help="what it may use in an hour (default: free)")
+    token.add_parser("list", help="show all tokens, without their secrets")
+    revoke = token.add_parser("revoke", help="refuse a token for good, within a minute")
+    revoke.add_argument("id")
+    rotate = token.add_parser("rotate", help="give a token a new secret; it is shown once")
+    rotate.add_argument("id")
+    rotate.add_argument(
+        "--grace", type=_hours, default=24, metavar="HOURS", help="how long the old one still works (24)"
+    )
+
+    camera = _group(commands, "camera", "what is known of cameras")
+    listing = camera.add_parser("list", help="show the cameras that were calibrated")
+    listing.add_argument("text", nargs="?", default="", help="only those whose key holds this")
+    show = camera.add_parser("show", help="show one camera: what agrees, and every calibration")
+    show.add_argument("key")
+
+    calibration = _group(commands, "calibration", "single calibrations")
+    withdraw = calibration.add_parser("withdraw", help="let a calibration count for nothing any more")
+    withdraw.add_argument("id")
+    withdraw.add_argument("--reason", default="", help="kept with it")
+    restore = calibration.add_parser("restore", help="let one that was withdrawn count again")
+    restore.add_argument("id")
+
+    contributor = _group(commands, "contributor", "who sent something")
+    forget = contributor.add_parser("forget", help="remove everything that a contributor sent, for good")
+    forget.add_argument("id", nargs="?", help="as `camera show` prints it; its first 12 digits are enough")
+    forget.add_argument("--address", help="instead: the address that it came from …")
+    forget.add_argument("--token", help="… and the id of the token; without it, all tokens are tried")
+
+    commands.add_parser("reindex", help="make the index anew from the bucket, which is the truth")
+
+    dump = commands.add_parser("dump", help="write all calibrations and keypoints to a new folder (CC0)")
+    dump.add_argument("folder", type=Path)
+    load = commands.add_parser("load", help="take in what `dump` wrote")
+    load.add_argument("folder", type=Path)
+
+    seed = commands.add_parser(
+        "seed", help="take in calibrations from elsewhere (CSV), as first guesses for a capture only"
+    )
+    seed.add_argument("file", type=Path)
+    seed.add_argument(
+        "--camera", default="{camera}", help="label, made of columns, such as '{brand} {model} {lens}'"
+    )
+    seed.add_argument("--platform", default="{platform}", help="platform, in the same way")
+    seed.add_argument("--model", default="rectilinear", help="of rows that name none (rectilinear)")
+    seed.add_argument("--source", default="", help="where they come from; kept with them")
+    return top
+
+
+def _group(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, about: str
+) -> argparse._SubParsersAction[argparse.ArgumentParser]:
+    return commands.add_parser(name, help=about).add_subparsers(dest="action", required=True, metavar="VERB")
+
+
+def _hours(text: str) -> float:
+    hours = float(text)
+    if not 0 <= hours <= 24 * 366:
+        raise argparse.ArgumentTypeError("from 0 to a year of hours")
+    return hours

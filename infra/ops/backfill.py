@@ -1,0 +1,91 @@
+"""Every model's consensus for every camera: what the state machine `BackfillMachine` does on AWS, by command.
+
+For after a release with a new model, a better solver or other thresholds. Whatever is up to date costs a few
+reads and is left as it is, so it can be stopped and run again at any time.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from calibdb.errors import UnavailableError
+from calibdb.schema import DISTORTION_MODELS, BackfillAnswer, RefitRequest
+from calibdb.store import clients
+from infra.ops.desk import Desk
+
+BATCH = 1000  # names that the state machine hands on together
+_FUNCTION = "BackfillFunction"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was done: of so many cameras at one size and zoom, so many consensuses changed, so many failed."""
+
+    modes: int
+    changed: int
+    failed: int
+
+
+def backfill(desk: Desk, after: str = "") -> Report:
+    """Bring every consensus up to date.
+
+    Parameters
+    ----------
+    desk
+        The deployment.
+    after
+        Key of a camera: it and those before it, in the order of the keys, are left out.
+    """
+    modes = changed = failed = 0
+    names = desk.objects.names("calibrations/")
+    wanted = (name for name in names if not after or name.split("/")[1] > after)
+    done: RefitRequest | None = None
+    for batch in _batches(wanted):
+        for request in _requests(desk, batch):
+            if request == done:  # on the border of two batches
+                continue
+            done = request
+            modes += 1
+            found = _refit(desk, request)
+            failed += found is None
+            changed += found or 0
+            size = f"{request.img_size[0]}x{request.img_size[1]}"
+            desk.say(f"{request.camera} {size}: {'failed' if found is None else f'{found} changed'}")
+    return Report(modes, changed, failed)
+
+
+def _refit(desk: Desk, request: RefitRequest) -> int | None:
+    """Ask for one mode, model by model; return how many consensuses changed, None where it failed."""
+    before = {
+        known.distortion_model: known.basis
+        for known in desk.store.consensuses.of(request.camera)
+        if (known.img_size, known.zoom) == (request.img_size, request.zoom)
+    }
+    changed = 0
+    try:
+        for model in DISTORTION_MODELS:
+            answer = desk.store.refit.now(request.model_copy(update={"models": (model,)}))
+            changed += sum(
+                1 for c in answer.models.values() if c and before.get(c.distortion_model) != c.basis
+            )
+    except UnavailableError:
+        return None
+    return changed
+
+
+def _requests(desk: Desk, names: Iterable[str]) -> Iterator[RefitRequest]:
+    asked = json.dumps({"Items": [{"Key": name} for name in names]}).encode()
+    answer = clients.lambda_(desk.settings.region).invoke(FunctionName=_FUNCTION, Payload=asked)
+    content = answer["Payload"].read()
+    if "FunctionError" in answer:
+        raise RuntimeError(f"{_FUNCTION} failed: {content.decode()[:500]}")
+    yield from BackfillAnswer.model_validate_json(content).requests
+
+
+def _batches(names: Iterable[str]) -> Iterator[list[str]]:
+    names = iter(names)
+    while batch := list(itertools.islice(names, BATCH)):
+        yield batch

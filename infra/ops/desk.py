@@ -1,0 +1,48 @@
+"""What a command works with, put together once; and the errors that it ends with."""
+
+from __future__ import annotations
+
+import functools
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from calibdb.settings import Settings
+from calibdb.store import Objects, Store, clients
+from infra.ops.index import Index
+
+
+class OpsError(ValueError):
+    """The command cannot be done; the message says why, in the operator's words."""
+
+
+@dataclass(frozen=True)
+class Desk:
+    """One deployment's storage, from the operator's side."""
+
+    settings: Settings
+    secret_known: bool  # whether `settings.contributor_secret` is the deployment's
+    store: Store
+    objects: Objects
+    index: Index
+    now: int  # unix seconds
+    random_hex: Callable[[int], str]  # of so many bytes
+    say: Callable[[str], None]
+
+    @classmethod
+    def of(
+        cls, environment: Mapping[str, str], *, secret_known: bool, say: Callable[[str], None] = print
+    ) -> Desk:
+        """Return the desk of the deployment that `environment` names."""
+        settings = Settings.from_environment(environment)
+        return cls(
+            settings=settings,
+            secret_known=secret_known,
+            store=Store.of(settings),
+            objects=Objects(functools.partial(clients.s3, settings.region), settings.bucket_name),
+            index=Index(functools.partial(clients.dynamodb, settings.region), settings.table_name),
+            now=int(time.time()),
+            random_hex=secrets.token_hex,
+            say=say,
+        )

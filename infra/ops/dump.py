@@ -1,0 +1,165 @@
+"""The database as files for anyone: JSON Lines that `load` reads, and Parquet tables for analysis (CC0)."""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+from pyarrow import parquet
+
+from calibdb.camera_key import public_label, public_platform
+from calibdb.schema import CalibrationDocument, VoteDocument
+from infra.ops.desk import Desk, OpsError
+from infra.ops.load import CALIBRATIONS, VOTES
+
+_ROWS = 500  # calibrations written to Parquet together
+
+ABOUT = """calibDB: calibrations of cameras, and the keypoints that they were computed from
+
+To the extent possible under law, everyone who contributed has waived all copyright and related rights to this
+work: CC0 1.0 Universal, https://creativecommons.org/publicdomain/zero/1.0/
+
+calibrations.jsonl    one calibration a line, with the corners of every view; pixel centres at whole numbers
+votes.jsonl           one check of a camera's calibrations on fresh views a line
+calibrations.parquet  one row a calibration: camera, matrix, distortion, error
+keypoints.parquet     one row a corner: calibration, view, id on the board, x, y (px)
+
+`contributor` tells contributors of this dump apart and nothing else: other dumps name them otherwise.
+"""
+
+_TABLE = pa.schema(
+    [
+        ("id", pa.string()),
+        ("camera_key", pa.string()),
+        ("camera", pa.string()),
+        ("platform", pa.string()),
+        ("width", pa.int32()),
+        ("height", pa.int32()),
+        ("zoom", pa.float64()),
+        ("distortion_model", pa.string()),
+        ("fx", pa.float64()),
+        ("fy", pa.float64()),
+        ("cx", pa.float64()),
+        ("cy", pa.float64()),
+        ("distortion_coefficients", pa.list_(pa.float64())),
+        ("avg_reprojection_error", pa.float64()),
+        ("uncertainty_rms", pa.float64()),
+        ("views", pa.int32()),
+        ("squares_x", pa.int32()),
+        ("squares_y", pa.int32()),
+        ("time", pa.timestamp("s", tz="UTC")),
+        ("contributor", pa.string()),
+    ]
+)
+_CORNERS = pa.schema(
+    [
+        ("calibration", pa.string()),
+        ("view", pa.int32()),
+        ("corner", pa.int32()),
+        ("x", pa.float64()),
+        ("y", pa.float64()),
+    ]
+)
+
+
+def dump(desk: Desk, folder: Path) -> tuple[int, int]:
+    """Write everything that counts to a new folder; return how many calibrations and votes.
+
+    Withdrawn calibrations are left out. Contributors are named by a hash whose key is thrown away, and the
+    names of people that a label may hold are removed once more, by today's rules.
+
+    Raises OpsError where the folder is there already.
+    """
+    if folder.exists():
+        raise OpsError(f"{folder} is there already; a dump needs a folder of its own")
+    alias = _aliases(desk.random_hex(32))
+    draft = folder.with_name(folder.name + ".partial")  # a dump is whole or it is not there
+    draft.mkdir(parents=True, exist_ok=True)
+    with (
+        (draft / CALIBRATIONS).open("w", encoding="utf-8") as lines,
+        parquet.ParquetWriter(draft / "calibrations.parquet", _TABLE, compression="zstd") as table,
+        parquet.ParquetWriter(draft / "keypoints.parquet", _CORNERS, compression="zstd") as corners,
+    ):
+        count = 0
+        batch: list[CalibrationDocument] = []
+        for document in _public(desk, alias):
+            lines.write(document.model_dump_json() + "\n")
+            count += 1
+            batch.append(document)
+            if len(batch) == _ROWS:
+                _write(table, corners, batch)
+                batch = []
+        _write(table, corners, batch)
+    votes = _votes(desk, alias, draft / VOTES)
+    (draft / "README.txt").write_text(ABOUT, encoding="utf-8")
+    draft.rename(folder)
+    return count, votes
+
+
+def _public(desk: Desk, alias: Callable[[str], str]) -> Iterator[CalibrationDocument]:
+    for document, withdrawn in desk.store.calibrations.everything():
+        if not withdrawn:
+            yield document.model_copy(
+                update={
+                    "camera": public_label(document.camera),
+                    "platform": public_platform(document.platform),
+                    "contributor": alias(document.contributor),
+                }
+            )
+
+
+def _votes(desk: Desk, alias: Callable[[str], str], path: Path) -> int:
+    count = 0
+    with path.open("w", encoding="utf-8") as lines:
+        for vote in desk.store.votes.all():
+            named: VoteDocument = vote.model_copy(update={"contributor": alias(vote.contributor)})
+            lines.write(named.model_dump_json() + "\n")
+            count += 1
+    return count
+
+
+def _aliases(key: str) -> Callable[[str], str]:
+    return lambda contributor: hmac.new(key.encode(), contributor.encode(), hashlib.sha256).hexdigest()
+
+
+def _write(table: Any, corners: Any, documents: list[CalibrationDocument]) -> None:
+    if documents:
+        table.write_table(pa.Table.from_pylist([_row(d) for d in documents], _TABLE))
+        corners.write_table(pa.Table.from_pylist([row for d in documents for row in _points(d)], _CORNERS))
+
+
+def _row(document: CalibrationDocument) -> dict[str, Any]:
+    fit = document.fits[document.distortion_model]
+    (fx, _, cx), (_, fy, cy), _ = fit.camera_matrix
+    return {
+        "id": document.id,
+        "camera_key": document.camera_key,
+        "camera": document.camera,
+        "platform": document.platform,
+        "width": document.img_size[0],
+        "height": document.img_size[1],
+        "zoom": document.zoom,
+        "distortion_model": document.distortion_model,
+        "fx": fx,
+        "fy": fy,
+        "cx": cx,
+        "cy": cy,
+        "distortion_coefficients": fit.distortion_coefficients,
+        "avg_reprojection_error": fit.avg_reprojection_error,
+        "uncertainty_rms": fit.uncertainty.rms,
+        "views": len(document.views),
+        "squares_x": document.board.squares[0],
+        "squares_y": document.board.squares[1],
+        "time": document.time,
+        "contributor": document.contributor,
+    }
+
+
+def _points(document: CalibrationDocument) -> Iterator[dict[str, Any]]:
+    for view in document.views:
+        for corner, (x, y) in zip(view.ids, view.points, strict=True):
+            yield {"calibration": document.id, "view": view.index, "corner": corner, "x": x, "y": y}

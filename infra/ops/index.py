@@ -1,0 +1,53 @@
+"""The whole table, as only an operator reads it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from calibdb.store.clients import available
+
+if TYPE_CHECKING:
+    from mypy_boto3_dynamodb import DynamoDBClient
+
+Key = tuple[str, str]  # pk, sk
+
+_MOST_AT_ONCE = 25  # deletes in one request
+_PAUSE = 0.2  # s, when DynamoDB could not do all of them
+
+
+class Index:
+    """Keys of all items, and the removal of many."""
+
+    def __init__(self, client: Callable[[], DynamoDBClient], name: str) -> None:
+        self._client = client
+        self._name = name
+
+    def keys(self, *prefixes: str) -> Iterator[Key]:
+        """Yield the keys whose `pk` begins with one of `prefixes`. Reads the whole table."""
+        with available():
+            pages = self._client().get_paginator("scan")
+            for page in pages.paginate(TableName=self._name, ProjectionExpression="pk, sk"):
+                for item in page["Items"]:
+                    pk, sk = item["pk"]["S"], item["sk"]["S"]
+                    if pk.startswith(prefixes):
+                        yield pk, sk
+
+    def remove(self, keys: Iterable[Key]) -> int:
+        """Remove the items under these keys; return how many keys they were."""
+        wanted = sorted(set(keys))
+        for start in range(0, len(wanted), _MOST_AT_ONCE):
+            left: dict[str, object] = {
+                self._name: [
+                    {"DeleteRequest": {"Key": {"pk": {"S": pk}, "sk": {"S": sk}}}}
+                    for pk, sk in wanted[start : start + _MOST_AT_ONCE]
+                ]
+            }
+            while left:
+                with available():
+                    answer = self._client().batch_write_item(RequestItems=left)  # type: ignore[arg-type]
+                left = dict(answer.get("UnprocessedItems", {}))
+                if left:
+                    time.sleep(_PAUSE)
+        return len(wanted)

@@ -1,0 +1,165 @@
+"""Calibrations from elsewhere, as first guesses: a capture may begin with them, no lookup tells them."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from calibdb.camera_key import identify, public_label, public_platform
+from calibdb.schema import FitRecord, PriorDocument
+from infra.ops.desk import Desk, OpsError
+
+#: columns that hold the coefficients, in their order
+COEFFICIENTS = {
+    "rectilinear": ("k1", "k2", "p1", "p2", "k3"),
+    "fisheye": ("k1", "k2", "k3", "k4"),
+    "rational": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
+    "omnidirectional": ("xi", "k1", "k2", "p1", "p2"),
+}
+# Ratio of focal lengths beyond which rows are of several lenses or modes under one name: no guess at all.
+_ONE_LENS = 1.1
+# Nobody knows how good they are: of the image's width, about what a guess without any knowledge misses by.
+_UNKNOWN = 0.05
+
+
+@dataclass(frozen=True)
+class Seeded:
+    """What became of the rows."""
+
+    priors: int
+    cameras: int
+    rows: int
+    skipped: Mapping[str, int]  # rows, by why they were passed over
+
+
+@dataclass(frozen=True)
+class _Row:
+    camera: str
+    platform: str
+    zoom: float
+    fit: FitRecord
+
+
+def seed(desk: Desk, path: Path, camera: str, platform: str, model: str, source: str) -> Seeded:
+    """Store a guess for every camera, size, zoom and model in a CSV file.
+
+    Columns: `w h fx fy cx cy`, the coefficients by their names, optionally `zoom` and `distortion_model`,
+    and whatever the labels are made of. Of several rows of one camera the one with the median focal length
+    counts; where they are of several lenses, none does.
+
+    Parameters
+    ----------
+    desk
+        The deployment.
+    path
+        The file.
+    camera, platform
+        What the browser would say, made of columns: `{brand} {model}`.
+    model
+        Of rows that name none.
+    source
+        Kept with every guess.
+    """
+    groups: dict[tuple[str, tuple[int, int], float, str], list[_Row]] = defaultdict(list)
+    skipped: Counter[str] = Counter()
+    rows = 0
+    for number, fields in _fields(path, (camera, platform)):
+        rows += 1
+        row = _row(fields, camera, platform, model, number)
+        if isinstance(row, str):
+            skipped[row] += 1
+            continue
+        identity = identify(row.camera, row.platform)
+        if identity.ambiguous or identity.virtual:
+            skipped["the label does not say which camera it is"] += 1
+            continue
+        groups[identity.key, row.fit.img_size, row.zoom, row.fit.distortion_model].append(row)
+    priors = 0
+    cameras = set()
+    for (key, _, zoom, _), members in groups.items():
+        focals = sorted(_focal(row) for row in members)
+        if focals[-1] > _ONE_LENS * focals[0]:
+            skipped["several lenses or modes under one name"] += len(members)
+            continue
+        middle = sorted(members, key=_focal)[len(members) // 2]
+        desk.store.priors.keep(
+            PriorDocument(
+                camera_key=key,
+                camera=public_label(middle.camera),
+                platform=public_platform(middle.platform),
+                zoom=zoom,
+                fit=middle.fit,
+                source=source or path.name,
+                measured=len(members),
+            )
+        )
+        priors += 1
+        cameras.add(key)
+    return Seeded(priors, len(cameras), rows, skipped)
+
+
+def _fields(path: Path, labels: tuple[str, str]) -> Iterator[tuple[int, dict[str, str]]]:
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        reader = csv.DictReader(file)
+        missing = {"w", "h", "fx", "fy", "cx", "cy"} - set(reader.fieldnames or ())
+        if missing:
+            raise OpsError(f"{path} has no column {', '.join(sorted(missing))}")
+        known = dict.fromkeys(reader.fieldnames or (), "")
+        for label in labels:
+            try:
+                label.format_map(known)
+            except (KeyError, ValueError, IndexError) as error:
+                raise OpsError(f"{label!r} cannot be made of the columns of {path}: {error}") from error
+        for row in reader:
+            yield reader.line_num, {name: value or "" for name, value in row.items() if name is not None}
+
+
+def _row(fields: Mapping[str, str], camera: str, platform: str, model: str, number: int) -> _Row | str:
+    model = fields.get("distortion_model") or model
+    if model not in COEFFICIENTS:
+        raise OpsError(f"line {number}: there is no distortion model {model!r}")
+    absent = [name for name in COEFFICIENTS[model] if name not in fields]
+    if absent:
+        raise OpsError(f"there is no column {absent[0]}, which {model} needs; see --model")
+    if any(fields.get(name, "") not in ("", "1", "1.0") for name in ("hstretch", "vstretch")):
+        return "the image is stretched"
+    try:
+        size = int(fields["w"]), int(fields["h"])
+        fx, fy, cx, cy = (_number(fields[name]) for name in ("fx", "fy", "cx", "cy"))
+        if not (0 < fx < 100 * size[0] and 0.5 < fy / fx < 2 and 0 < cx < size[0] and 0 < cy < size[1]):
+            return "no camera is like that"
+        fit = FitRecord(
+            img_size=size,
+            camera_matrix=((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0)),
+            distortion_coefficients=tuple(_number(fields[name]) for name in COEFFICIENTS[model]),
+            distortion_model=model,
+            avg_reprojection_error=_number(fields.get("rms") or "0"),
+            uncertainty={"rms": _UNKNOWN * size[0], "max": _UNKNOWN * size[0]},
+        )
+        zoom = _number(fields.get("zoom") or "0")
+    except ValidationError:
+        return "no camera is like that"
+    except ValueError:
+        return "a number is missing"
+    return _Row(_label(camera, fields), _label(platform, fields), zoom, fit)
+
+
+def _label(made_of: str, fields: Mapping[str, str]) -> str:
+    return " ".join(made_of.format_map(fields).split())
+
+
+def _number(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(text)
+    return number
+
+
+def _focal(row: _Row) -> float:
+    return row.fit.camera_matrix[0][0]

@@ -1,0 +1,117 @@
+"""Calibrations that count for nothing any more, and contributors of whom nothing may be left."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from calibdb.schema import CalibrationDocument
+from calibdb.store import Mode
+from calibdb.store.keys import calibration_object, tombstone_object, vote_object
+from calibdb.tokens import contributor
+from infra.ops import reindex
+from infra.ops.desk import Desk, OpsError
+
+_SHORTEST = 12  # hex digits of a contributor that name one
+
+
+@dataclass(frozen=True)
+class Forgotten:
+    """What was removed."""
+
+    calibrations: int
+    sessions: int
+    votes: int
+
+
+def withdraw(desk: Desk, calibration_id: str, reason: str) -> bool:
+    """Let a calibration count for nothing, and have the consensus computed without it.
+
+    The calibration stays, a tombstone beside it. False when it was withdrawn before.
+    """
+    document = _calibration(desk, calibration_id)
+    done = desk.store.calibrations.withdraw(document, reason, desk.now)
+    _refit(desk, reindex.mode(document))
+    return done
+
+
+def restore(desk: Desk, calibration_id: str) -> None:
+    """Let a calibration that was withdrawn count again."""
+    document = _calibration(desk, calibration_id)
+    tombstone = tombstone_object(calibration_id)
+    if tombstone is None or desk.objects.get(tombstone) is None:
+        raise OpsError(f"{calibration_id} is not withdrawn")
+    desk.objects.erase([tombstone])
+    mode = reindex.mode(document)
+    # Its item is marked, and nothing unmarks an item: it is made anew.
+    desk.index.remove([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
+    desk.store.calibrations.index(document)
+    _refit(desk, mode)
+
+
+def named(desk: Desk, start: str) -> str:
+    """Return the contributor whose id begins with `start`; raises OpsError where there is not just one."""
+    if len(start) < _SHORTEST:
+        raise OpsError(f"a contributor is named by {_SHORTEST} digits or more")
+    found = {one for one in _contributors(desk) if one.startswith(start.lower())}
+    if len(found) != 1:
+        raise OpsError(f"{len(found) or 'no'} contributors begin with {start}")
+    return found.pop()
+
+
+def at_address(desk: Desk, address: str, token_id: str | None) -> set[str]:
+    """Return the contributors that someone at `address` is, with one token or with any.
+
+    Addresses are not stored: who they are can only be told by making the keyed hash again.
+    """
+    tokens = [token_id] if token_id else [token.id for token in desk.store.tokens.all()]
+    known = set(_contributors(desk))
+    return {contributor(desk.settings.contributor_secret, address, token) for token in tokens} & known
+
+
+def forget(desk: Desk, contributors: set[str]) -> Forgotten:
+    """Remove everything that these contributors sent, in every version, and what was computed from it.
+
+    Sessions that have not converged name no contributor; they expire within two days. A copy that someone
+    made by `dump` is theirs.
+    """
+    touched: set[Mode] = set()
+    counts: Counter[str] = Counter()
+    # Sessions first: what is published follows from them, and must not be published again.
+    for session in list(desk.store.sessions.all()):
+        if session.finish is not None and session.finish.contributor in contributors:
+            desk.store.sessions.erase(session.session)
+            counts["sessions"] += 1
+    for document, _ in list(desk.store.calibrations.everything()):
+        if document.contributor in contributors:
+            names = (calibration_object(document.id), tombstone_object(document.id))
+            desk.objects.erase([name for name in names if name])
+            touched.add(reindex.mode(document))
+            counts["calibrations"] += 1
+    for vote in list(desk.store.votes.all()):
+        if vote.contributor in contributors:
+            desk.objects.erase([vote_object(vote.camera_key, vote.id)])
+            touched.add(Mode(vote.camera_key, vote.img_size, vote.zoom))
+            counts["votes"] += 1
+    reindex.reindex(desk, only=touched)
+    return Forgotten(counts["calibrations"], counts["sessions"], counts["votes"])
+
+
+def _contributors(desk: Desk) -> set[str]:
+    return {
+        *(document.contributor for document, _ in desk.store.calibrations.everything()),
+        *(vote.contributor for vote in desk.store.votes.all()),
+        *(s.finish.contributor for s in desk.store.sessions.all() if s.finish is not None),
+    }
+
+
+def _calibration(desk: Desk, calibration_id: str) -> CalibrationDocument:
+    document = desk.store.calibrations.get(calibration_id)
+    if document is None:
+        raise OpsError(f"there is no calibration {calibration_id}")
+    return document
+
+
+def _refit(desk: Desk, mode: Mode) -> None:
+    if reindex.refit(desk, mode) is None:
+        raise OpsError("the consensus could not be computed; `reindex` tries again")

@@ -1,0 +1,55 @@
+"""Calibrations from elsewhere: objects that the operator wrote, and items where a capture finds them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from calibdb.schema import FitRecord, PriorDocument
+from calibdb.store.keys import camera_pk, size_text, zoom_text
+from calibdb.store.objects import Objects
+from calibdb.store.table import Table
+
+_PREFIX = "priors/"
+
+
+class Priors:
+    """First guesses, by camera, size, zoom and model."""
+
+    def __init__(self, table: Table, objects: Objects) -> None:
+        self._table = table
+        self._objects = objects
+
+    def find(self, camera_key: str, img_size: tuple[int, int], zoom: float, model: str) -> FitRecord | None:
+        """Return the guess, None when there is none: one read."""
+        item = self._table.get(camera_pk(camera_key), _sk(img_size, zoom, model), consistent=False)
+        return FitRecord.model_validate_json(str(item["fit"])) if item else None
+
+    def keep(self, document: PriorDocument) -> None:
+        """Store the guess in the place of the one that was there."""
+        fit = document.fit
+        place = f"{size_text(fit.img_size)}~{zoom_text(document.zoom)}~{fit.distortion_model}"
+        name = f"{_PREFIX}{document.camera_key}/{place}.json"
+        self._objects.put(name, document.model_dump_json().encode())
+        self.index(document)
+
+    def index(self, document: PriorDocument) -> None:
+        """Write the index item; it follows from the document."""
+        fit = document.fit
+        self._table.put(
+            {
+                "pk": camera_pk(document.camera_key),
+                "sk": _sk(fit.img_size, document.zoom, fit.distortion_model),
+                "fit": fit.model_dump_json(),
+            }
+        )
+
+    def all(self) -> Iterator[PriorDocument]:
+        """Yield every guess in the bucket. For operators."""
+        for name in self._objects.names(_PREFIX):
+            content = self._objects.get(name)
+            if content is not None:
+                yield PriorDocument.model_validate_json(content)
+
+
+def _sk(img_size: tuple[int, int], zoom: float, model: str) -> str:
+    return f"PRIOR#{size_text(img_size)}#{zoom_text(zoom)}#{model}"
