@@ -1,0 +1,193 @@
+"""Checks on fresh views: they confirm few calibrations, withdraw wrong ones, and count once."""
+
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import boto3
+import numpy as np
+import pytest
+
+from calibdb import schema
+from calibdb.settings import Settings
+from calibdb.store import Mode, Store
+from infra.local import LocalStack
+from tests.client import CAMERA, TOKEN, Answer, Client, Truth, until
+
+TILTS = ((0.5, 0.1, 0.1), (-0.4, 0.5, 0.0), (0.1, -0.6, 0.2), (0.0, 0.5, -0.3), (0.4, -0.4, 0.0))
+
+
+def views(count: int = 3, seed: int = 100, fx: float = 950.0, tilts: Any = TILTS) -> list[dict[str, Any]]:
+    """What a camera with this focal length sees of a board held by hand, nine squares away and more."""
+    truth = Truth(fx=fx, fy=fx - 2, seed=seed)
+    seen = []
+    for n in range(count):
+        tvec = [-4.5 + truth.rng.normal(0, 0.5), -3 + truth.rng.normal(0, 0.5), 9 + n]
+        ids, points = truth.see({"rvec": tilts[n % len(tilts)], "tvec": tvec})
+        seen.append({"ids": ids, "points": points})
+    return seen
+
+
+def store(stack: LocalStack) -> Store:
+    return Store.of(Settings.from_environment(stack.environment))
+
+
+def calibrated(stack: LocalStack, camera: str, count: int, **truth: Any) -> str:
+    """Calibrate a camera so often; return its key."""
+    for seed in range(count):
+        state = Truth(seed=seed, **truth).calibrate(Client(stack), camera=camera)
+    key = str(state["calibration_id"]).rpartition("-")[0]
+    known = store(stack).consensuses
+    until(lambda: [c.total for c in known.of(key)] == [count] * len(schema.DISTORTION_MODELS), 30)
+    return key
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[LocalStack]:
+    """Two calibrations are enough here; five only take longer."""
+    with LocalStack(environment={"MIN_CALIBRATIONS": "2"}) as stack:
+        yield stack
+
+
+@pytest.fixture
+def camera(request: pytest.FixtureRequest, stack: LocalStack) -> Callable[[int], str]:
+    """Makes a camera of its own for this test."""
+    name = re.sub(r"\W+", " ", request.node.name)
+
+    def make(count: int) -> str:
+        calibrated(stack, name, count)
+        return name
+
+    return make
+
+
+def check(stack: LocalStack, camera: str, **body: Any) -> Answer:
+    """One check, in a session of its own."""
+    client = Client(stack)
+    client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
+    return client.call("POST", "/v1/checks", {**CAMERA, "camera": camera, "views": views(), **body})
+
+
+def test_three_checks_that_agree_confirm_a_single_calibration(
+    stack: LocalStack, camera: Callable[[int], str], client: Client
+) -> None:
+    name = camera(1)
+    assert client.lookup(camera=name).json["reason"] == "too_few"
+    answers = [check(stack, name, views=views(seed=seed)).json for seed in range(3)]
+    assert [a["fits"] for a in answers] == ["fits"] * 3
+    assert [a["votes"]["agree"] for a in answers] == [1, 2, 3]
+    assert [a["calibration"]["reliable"] for a in answers] == [False, False, True]
+    assert all(a["counted"] and a["error"] < 2 * a["expected"] for a in answers)
+    found = client.lookup(camera=name)
+    assert found.status == 200
+    assert (found.json["calibrations"], found.json["basis"]) == (1, "checked")
+    # The other models are confirmed by the same views.
+    until(lambda: client.lookup(camera=name, distortion_model="rational").status == 200)
+
+
+def test_three_that_do_not_withdraw_it_until_it_is_calibrated_anew(
+    stack: LocalStack, camera: Callable[[int], str], client: Client
+) -> None:
+    name = camera(2)
+    before = client.lookup(camera=name)
+    assert (before.status, before.json["basis"]) == (200, "consensus")
+    for seed in range(3):
+        answer = check(stack, name, views=views(seed=seed, fx=980.0)).json
+        assert answer["fits"] == "does_not_fit"
+        assert answer["error"] > 2 * answer["expected"]
+    assert answer["votes"] == {"agree": 0, "disagree": 3}
+    found = client.lookup(camera=name)
+    assert (found.status, found.json["reason"]) == (307, "disagree")
+    # Doubts of this second still count, and a capture with its views takes longer.
+    Truth(seed=77).calibrate(Client(stack), camera=name)
+    until(lambda: client.lookup(camera=name).status == 200, 30)
+    assert client.lookup(camera=name).json["calibrations"] == 3
+
+
+def test_checks_of_one_session_are_one_vote(stack: LocalStack, camera: Callable[[int], str]) -> None:
+    name = camera(1)
+    client = Client(stack)
+    client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
+    body = {**CAMERA, "camera": name, "views": views()}
+    first = client.call("POST", "/v1/checks", body)
+    assert (first.status, first.json["votes"]) == (200, {"agree": 1, "disagree": 0})
+    assert client.call("POST", "/v1/checks", body).json == first.json, "a repeated request is answered again"
+    other = client.call("POST", "/v1/checks", {**body, "views": views(fx=1100.0)}).json
+    assert other["fits"] == "does_not_fit"
+    assert other["votes"] == {"agree": 1, "disagree": 0}, "the first one counts"
+
+
+def test_views_that_would_fit_any_camera_confirm_nothing(
+    stack: LocalStack, camera: Callable[[int], str]
+) -> None:
+    name = camera(1)
+    answer = check(stack, name, views=views(1, tilts=((0.01, 0.0, 0.0),))).json
+    assert (answer["fits"], answer["counted"]) == ("fits", False)
+    assert answer["votes"] == {"agree": 0, "disagree": 0}
+
+
+def test_a_misread_corner_does_not_make_it_another_camera(
+    stack: LocalStack, camera: Callable[[int], str]
+) -> None:
+    name = camera(1)
+    seen = views(4)
+    seen[1]["points"][7][0] += 25.0
+    answer = check(stack, name, views=seen).json
+    assert answer["fits"] == "fits"
+    assert answer["error"] < 0.4
+
+
+def test_a_changed_consensus_inherits_no_votes_that_were_on_another(
+    stack: LocalStack, client: Client
+) -> None:
+    """One wrong calibration, confirmed by three; then more that are right: the three now say against it."""
+    wrong = "A camera that was first mistaken for another"
+    key = calibrated(stack, wrong, 1, fx=1100.0, fy=1098.0)
+    for seed in range(3):
+        check(stack, wrong, views=views(seed=seed, fx=1100.0))
+    assert client.lookup(camera=wrong).json["basis"] == "checked"
+    for seed in range(3):
+        Truth(seed=seed).calibrate(Client(stack), camera=wrong)
+    known = store(stack).consensuses
+    mode = Mode(key, (1280, 720), 0.0)
+    until(lambda: {c.total for c in known.at(mode)} == {4}, 30)
+    (now,) = (c for c in known.at(mode) if c.distortion_model == "rectilinear")
+    assert now.calibration is not None
+    assert abs(now.calibration.camera_matrix[0][0] - 950) < 2, "three of four agree"
+    assert now.votes == schema.Votes(agree=0, disagree=0), "what was said against it was said before"
+    assert now.calibration.basis == "consensus"
+
+
+def test_what_cannot_be_checked(stack: LocalStack, camera: Callable[[int], str]) -> None:
+    assert check(stack, "A camera that nobody calibrated").status == 404
+    name = camera(1)
+    assert check(stack, name, img_size=[640, 480], views=[{"ids": [0], "points": [[1, 1]]}]).status == 404
+    assert check(stack, name, zoom=2).status == 404
+    rng = np.random.default_rng(0)
+    noise = [{"ids": list(range(40)), "points": rng.uniform(0, 700, (40, 2)).tolist()}]
+    refused: list[tuple[list[dict[str, Any]], str]] = [
+        ([], "views"),
+        (views(6), "views"),
+        (noise, "views"),
+        ([{"ids": [0, 1], "points": [[1, 1], [2, 2]]}], "views"),
+        ([{"ids": [0, 0], "points": [[1, 1], [2, 2]]}], "views.0.ids"),
+        ([{"ids": [0, 1], "points": [[1, 1]]}], "views.0.points"),
+        ([{"ids": [40], "points": [[1, 1]]}], "views.0.ids.0"),
+        ([{"ids": [0], "points": [[1, 800]]}], "views.0.points.0"),
+    ]
+    for seen, field in refused:
+        answer = check(stack, name, views=seen)
+        assert answer.status == 422, (seen, answer.body)
+        assert answer.json["errors"][0]["field"] == field
+    client = Client(stack)
+    assert client.call("POST", "/v1/checks", {**CAMERA, "views": views()}, token=TOKEN).status == 403
+
+
+def test_no_address_is_kept(stack: LocalStack, camera: Callable[[int], str]) -> None:
+    check(stack, camera(1))
+    files, bucket = boto3.client("s3"), stack.environment["BUCKET_NAME"]
+    listed = files.list_objects_v2(Bucket=bucket, Prefix="votes/")["Contents"]
+    for entry in listed:
+        content = files.get_object(Bucket=bucket, Key=entry["Key"])["Body"].read()
+        assert b"127.0.0.1" not in content
+        assert b"cdb_" not in content
