@@ -51,7 +51,8 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
         # Not computed yet, or not since the calibrations came in that made another model reliable.
         if any(wanted is None or (wanted.total, wanted.latest) < (c.total, c.latest) for c in others):
             return Choice(missing_at=size)
-    exact = [c.reason for (size, _), c in here.items() if size == img_size and c.reason]
+    order = sorted(here.items(), key=lambda known: known[0][1] != model)
+    exact = [c.reason for (size, _), c in order if size == img_size and c.reason]
     return Choice(reason=exact[0] if exact else "too_few" if here else "unknown_camera")
 
 

@@ -1,0 +1,289 @@
+"""Lookups through the gateway: what is read for them, what they answer, and that nothing is written."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+from urllib.parse import quote
+
+import pytest
+
+from calibdb.camera_key import camera_key, identify
+from calibdb.schema import ConsensusDocument, GroupsDocument
+from calibdb.settings import Settings
+from calibdb.store import Store, clients
+from infra.local import LocalStack
+from tests.client import TOKEN, Answer, Client
+from tests.known import C920, LINUX, calibration, consensus, fit
+
+WINDOWS = "Windows NT 10.0; Win64; x64"
+
+
+@contextmanager
+def storage_calls(stack: LocalStack) -> Iterator[list[str]]:
+    """What the functions ask of table, bucket and other functions within the block."""
+    asked: list[str] = []
+    region = Settings.from_environment(stack.environment).region
+    used = (clients.dynamodb(region), clients.s3(region), clients.lambda_(region))
+    for client in used:
+        client.meta.events.register(
+            "before-call.*", lambda model, **_: asked.append(model.name), unique_id="d"
+        )
+    try:
+        yield asked
+    finally:
+        for client in used:
+            client.meta.events.unregister("before-call.*", unique_id="d")
+
+
+@pytest.fixture(scope="module")
+def store(stack: LocalStack) -> Store:
+    return Store.of(Settings.from_environment(stack.environment))
+
+
+def put(store: Store, *documents: ConsensusDocument) -> None:
+    for document in documents:
+        assert store.consensuses.put(document, GroupsDocument(pooled=document.pooled), None)
+
+
+def ask(stack: LocalStack, camera: str, platform: str = LINUX, **asked: Any) -> Answer:
+    return Client(stack).lookup(camera=camera, platform=platform, **asked)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def known(stack: LocalStack, store: Store) -> None:
+    """A webcam of one USB id, at two sizes and two zooms; one that is in doubt; and one of earlier rules."""
+    store.calibrations.publish(calibration())
+    put(
+        store,
+        consensus(fit((1280, 720), uncertainty=0.1)),
+        consensus(fit((640, 360), 475.0, uncertainty=0.1)),
+        consensus(fit((1280, 720), 2000.0), zoom=3.0),
+        consensus(fit((1280, 720), 1200.0), zoom=2.0),
+        consensus(camera="Doubtful X1 (1111:0001)", reason="disagree"),
+        consensus(
+            fit(model="fisheye", distortion=(0.0,) * 4), camera="Doubtful X1 (1111:0001)", reason="too_few"
+        ),
+    )
+    ask(stack, C920)  # the token is remembered from here on
+
+
+@pytest.mark.parametrize("platform", [LINUX, WINDOWS])
+def test_a_hit_is_one_query_and_no_write(stack: LocalStack, platform: str) -> None:
+    with storage_calls(stack) as asked:
+        answer = ask(stack, C920, platform)
+    assert answer.status == 200
+    assert asked == ["Query"]
+    assert answer.json["exact_size"] is True
+    assert {k: answer.json[k] for k in ("spread", "held_out_error", "basis", "relation", "adapted")} == {
+        "spread": 0.4,
+        "held_out_error": 0.3,
+        "basis": "consensus",
+        "relation": "scale",
+        "adapted": None,
+    }
+
+
+def test_a_name_alone_takes_a_second_query(stack: LocalStack) -> None:
+    with storage_calls(stack) as asked:
+        answer = ask(stack, "Logitech HD Pro Webcam C920", WINDOWS)
+    assert (answer.status, answer.json["camera"]) == (200, C920)
+    assert asked == ["Query", "Query"]
+
+
+@pytest.mark.parametrize(
+    ("camera", "options", "reason", "queries"),
+    [
+        ("Nobody's X9 (1111:0009)", {}, "unknown_camera", 2),
+        ("Nobody's X9", {}, "unknown_camera", 1),
+        ("Doubtful X1 (1111:0001)", {}, "disagree", 1),
+        ("Doubtful X1 (1111:0001)", {"distortion_model": "fisheye"}, "too_few", 1),
+        (C920, {"zoom": 4.0}, "unknown_camera", 1),
+        (C920, {"resize_mode": "crop-and-scale"}, "unknown_camera", 0),
+        (C920, {"resizeMode": "crop-and-scale"}, "unknown_camera", 0),
+        ("OBS Virtual Camera", {}, "unknown_camera", 0),
+    ],
+)
+def test_a_miss_says_why_and_computes_nothing(
+    stack: LocalStack, camera: str, options: dict[str, Any], reason: str, queries: int
+) -> None:
+    with storage_calls(stack) as asked:
+        answer = ask(stack, camera, **options)
+    assert asked == ["Query"] * queries
+    assert answer.status == 307
+    assert answer.json["reason"] == reason
+    assert len(answer.json["detail"]) > 20
+    assert answer.json["guidance_url"] == answer.headers["location"]
+    refused = ask(stack, camera, **options, redirect=False)
+    assert (refused.status, refused.json["reason"]) == (404, reason)
+    assert refused.json["detail"] == answer.json["detail"]
+
+
+def test_a_size_between_two_that_scale(stack: LocalStack) -> None:
+    found = ask(stack, C920, img_size=[960, 540]).json
+    assert (found["exact_size"], found["relation"]) == (False, "scale")
+    assert found["adapted"]["img_size"] == [960, 540]
+    assert found["adapted"]["camera_matrix"][0] == [pytest.approx(712.5), 0.0, pytest.approx(479.5)]
+    assert ask(stack, C920, img_size=[1920, 1080]).json["adapted"] is None
+
+
+def test_a_zoom_between_two(stack: LocalStack) -> None:
+    found = ask(stack, C920, zoom=2.5).json
+    assert (found["zoom"], found["adapted"]["interpolated"]) == (2.5, True)
+    assert found["camera_matrix"][0][0] == pytest.approx(1600.0)
+    assert ask(stack, C920, zoom=2.0).json["adapted"] is None
+
+
+def test_a_model_that_cannot_be_computed_is_tried_once(stack: LocalStack, store: Store) -> None:
+    """A hostile client cannot make every lookup a computation: what came out is stored, be it nothing."""
+    label = "Worthless X2 (1111:0002)"
+    for number in range(5):
+        store.calibrations.publish(calibration(label, number=number))
+    put(store, consensus(camera=label))
+    with storage_calls(stack) as asked:
+        answer = ask(stack, label, distortion_model="fisheye")
+    assert answer.status == 307
+    assert asked.count("Invoke") == 1
+    for _ in range(3):
+        with storage_calls(stack) as asked:
+            assert ask(stack, label, distortion_model="fisheye").status == 307
+        assert asked == ["Query"]
+
+
+def test_a_second_id_under_a_name_ends_what_the_name_alone_says(stack: LocalStack, store: Store) -> None:
+    label = "Twofold X3"
+    store.calibrations.publish(calibration(f"{label} (1111:0003)"))
+    put(store, consensus(camera=f"{label} (1111:0003)"))
+    assert ask(stack, label).status == 200
+    store.calibrations.publish(calibration(f"{label} (1111:0004)", number=1))
+    assert ask(stack, label).status == 307
+    assert ask(stack, f"{label} (1111:0003)").status == 200
+
+
+def test_in_public_a_name_that_many_bear_answers_nobody(
+    stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(store, consensus(camera="Integrated Camera"))
+    assert ask(stack, "Integrated Camera").status == 200  # at home one knows which is meant
+    monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
+    answer = ask(stack, "Integrated Camera", redirect=False)
+    assert (answer.status, answer.json["reason"]) == (404, "unknown_camera")
+    assert "USB id" in answer.json["detail"]
+    assert ask(stack, C920).status == 200
+
+
+def test_a_cropped_stream_is_kept_and_never_pooled(stack: LocalStack, store: Store) -> None:
+    label = "Cropped X5 (1111:0005)"
+    store.calibrations.publish(calibration(label, resize_mode="crop-and-scale"))
+    key = camera_key(label, LINUX)
+    shown = Client(stack).call("GET", f"/v1/calibrations/{key}-{0:020x}", token=TOKEN)
+    assert shown.status == 200
+    detail = Client(stack).call("GET", f"/v1/cameras/{key}", token=TOKEN)
+    assert (detail.status, detail.json["modes"]) == (200, [])
+
+
+# ---- the database as it is browsed
+
+
+def browse(stack: LocalStack, query: str) -> Answer:
+    return Client(stack).call("GET", "/v1/cameras", token=TOKEN, query=query)
+
+
+def test_a_search_finds_the_camera_whatever_is_said_of_it(stack: LocalStack) -> None:
+    for query in ("c920", "logitech C920", "webc c9", "046d:082d", "HD Pro C920"):
+        found = browse(stack, f"query={quote(query)}").json
+        assert [camera["camera"] for camera in found["cameras"]] == [C920], query
+        assert found["next"] is None
+    assert browse(stack, "query=c920+kiyo").json["cameras"] == []
+    sizes = browse(stack, "query=c920").json["cameras"][0]["sizes"]
+    assert [(s["img_size"], s["zoom"], s["models"], s["reliable"]) for s in sizes] == [
+        ([1280, 720], 0, ["rectilinear"], True),
+        ([1280, 720], 2, ["rectilinear"], True),
+        ([1280, 720], 3, ["rectilinear"], True),
+        ([640, 360], 0, ["rectilinear"], True),
+    ]
+
+
+def test_a_search_goes_on_page_by_page(stack: LocalStack, store: Store) -> None:
+    for number in range(5):
+        store.calibrations.publish(calibration(f"Paged Y{number}00 (2222:00{number:02x})", number=number))
+    seen: list[str] = []
+    query = "query=paged&limit=2"
+    while True:
+        page = browse(stack, query).json
+        assert len(page["cameras"]) <= 2
+        seen += [camera["key"] for camera in page["cameras"]]
+        if page["next"] is None:
+            break
+        query = f"query=paged&limit=2&after={quote(page['next'])}"
+    assert len(seen) == len(set(seen)) == 5
+
+
+@pytest.mark.parametrize(
+    "query", ["limit=0", "limit=51", "limit=x", "query=c920&after=x", "query=" + "x" * 129]
+)
+def test_a_search_that_makes_no_sense_is_refused_by_field(stack: LocalStack, query: str) -> None:
+    answer = browse(stack, query)
+    assert answer.status == 422
+    assert answer.json["errors"]
+
+
+def test_a_camera_is_shown_with_its_calibrations(stack: LocalStack, store: Store) -> None:
+    label = "Shown X6 (1111:0006)"
+    key = camera_key(label, LINUX)
+    documents = [calibration(label, number=number) for number in range(6)]
+    for document in documents:
+        store.calibrations.publish(document)
+    group = tuple(document.id for document in documents[:5])
+    shown = consensus(camera=label)
+    groups = GroupsDocument(pooled=shown.pooled, groups=(group, (documents[5].id,)))
+    assert store.consensuses.put(shown, groups, None)
+    detail = Client(stack).call("GET", f"/v1/cameras/{key}", token=TOKEN).json
+    assert (detail["key"], detail["camera"], detail["platform"]) == (key, label, LINUX)
+    (mode,) = detail["modes"]
+    assert (mode["img_size"], mode["zoom"], mode["calibrations"], mode["reason"]) == ([1280, 720], 0, 5, None)
+    assert mode["groups"] == [list(group), [documents[5].id]]
+    assert mode["consensus"]["rectilinear"]["reliable"] is True
+    members = mode["members"]
+    assert [m["id"] for m in members] == [d.id for d in documents[::-1]]
+    assert [m["in_group"] for m in members] == [False, *[True] * 5]
+    assert {k: members[0][k] for k in ("fx", "fy", "cx", "cy", "rms", "model")} == {
+        "fx": 950.0,
+        "fy": 950.0,
+        "cx": 639.5,
+        "cy": 359.5,
+        "rms": 0.2,
+        "model": "rectilinear",
+    }
+    assert "contributor 0" not in json.dumps(detail)
+
+
+def test_a_key_of_earlier_rules_and_one_of_a_name_lead_to_the_camera(stack: LocalStack, store: Store) -> None:
+    label, old = "Older X7 (1111:0007)", "c1-older-x7-0123456789ab"
+    store.calibrations.publish(calibration(label, key=old))
+    put(store, consensus(camera=label))
+    client, key = Client(stack), camera_key(label, LINUX)
+    for asked in (key, old, identify(label, LINUX).name_key):
+        assert client.call("GET", f"/v1/cameras/{asked}", token=TOKEN).json["key"] == key
+    consensus_of_old = client.call("GET", f"/v1/calibrations/{old}~1280x720~0~rectilinear", token=TOKEN)
+    assert (consensus_of_old.status, consensus_of_old.json["camera"]) == (200, label)
+    assert client.call("GET", f"/v1/calibrations/{old}-{0:020x}", token=TOKEN).status == 200
+
+
+@pytest.mark.parametrize(
+    "key", ["x", "c2-nobody-0123456789ab", "c1-nobody-0123456789ab", "..", "%00", "c2-a~b"]
+)
+def test_a_camera_that_nobody_calibrated_is_not_found(stack: LocalStack, key: str) -> None:
+    assert Client(stack).call("GET", f"/v1/cameras/{key}", token=TOKEN).status == 404
+
+
+def test_a_calibration_carries_what_its_session_found_out(stack: LocalStack, store: Store) -> None:
+    label = "Reported X8 (1111:0008)"
+    report = {"verdict": {"level": "good", "reasons": []}, "held_out": 0.3}
+    stored = calibration(label).model_copy(update={"report": report})
+    store.calibrations.publish(stored)
+    answer = Client(stack).call("GET", f"/v1/calibrations/{stored.id}", token=TOKEN)
+    assert answer.json["report"] == report
+    put(store, consensus(camera=label))
+    of_consensus = f"/v1/calibrations/{camera_key(label, LINUX)}~1280x720~0~rectilinear"
+    assert Client(stack).call("GET", of_consensus, token=TOKEN).json["report"] is None
