@@ -1,0 +1,70 @@
+"""Calibrations as finished sessions leave them, made without any session."""
+
+import hashlib
+from typing import Any
+
+import calibsolver
+from calibdb import schema
+from calibdb.camera_key import camera_key
+from calibdb.settings import Settings
+from calibdb.store import Mode, Store
+from calibsolver import Board, fit
+from infra.local import LocalStack
+from tests.client import Truth
+
+NOW = 1_700_000_000
+PLATFORM = "X11; Linux x86_64"
+TILTS = ((0.5, 0.1, 0.1), (-0.4, 0.5, 0.0), (0.1, -0.6, 0.2), (0.0, 0.5, -0.3), (0.4, -0.4, 0.0))
+BOARD = Board()
+
+
+def store(stack: LocalStack) -> Store:
+    return Store.of(Settings.from_environment(stack.environment))
+
+
+def held(truth: Truth, count: int) -> list[tuple[list[int], list[list[float]]]]:
+    """What the camera sees of a board held by hand in several ways: ids and points."""
+    seen = []
+    for n in range(count):
+        tvec = [-4.5 + truth.rng.normal(0, 0.7), -3 + truth.rng.normal(0, 0.5), 8 + 0.7 * n]
+        seen.append(truth.see({"rvec": TILTS[n % len(TILTS)], "tvec": tvec}))
+    return seen
+
+
+def calibration(camera: str, n: int, views: int = 5, **truth: Any) -> schema.CalibrationDocument:
+    """The `n`th calibration of a camera, each of another contributor and begun a second after the other."""
+    seen = held(Truth(seed=n, **truth), views)
+    size = (1280, 720)
+    key = camera_key(camera, PLATFORM)
+    record = fit([BOARD.view(ids, points) for ids, points in seen], size).record()
+    name = hashlib.sha256(f"{camera}/{n}".encode()).hexdigest()[:12]
+    return schema.CalibrationDocument(
+        id=f"{key}-{NOW + n:08x}{name}",
+        camera_key=key,
+        camera=camera,
+        platform=PLATFORM,
+        img_size=size,
+        zoom=0.0,
+        distortion_model="rectilinear",
+        board=schema.Board(),
+        guidance="projection-uncertainty",
+        target_error=0.3,
+        track=schema.Track(),
+        views=tuple(
+            schema.ViewDocument(index=i, ids=tuple(ids), points=tuple((x, y) for x, y in points))
+            for i, (ids, points) in enumerate(seen)
+        ),
+        fits={"rectilinear": schema.FitRecord.model_validate(record)},
+        solver=calibsolver.__version__,
+        contributor=hashlib.sha256(f"contributor {n}".encode()).hexdigest(),
+        time=NOW + n + 60,
+    )
+
+
+def mode_of(document: schema.CalibrationDocument) -> Mode:
+    return Mode(document.camera_key, document.img_size, document.zoom)
+
+
+def asked(mode: Mode, *models: str) -> schema.RefitRequest:
+    """The request for the consensus; of all models, where none is named."""
+    return schema.RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=models)

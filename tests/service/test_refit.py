@@ -1,0 +1,242 @@
+"""The consensus of a camera: one computation for all who ask, never an older over a newer, nothing lost."""
+
+import json
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from typing import Any
+
+import boto3
+import pytest
+
+from calibdb import schema
+from calibdb.errors import UnavailableError
+from calibdb.settings import Settings
+from calibdb.store import Store, clients
+from infra.local import LocalStack
+from tests.client import Client, Truth, until
+from tests.published import asked, calibration, mode_of, store
+
+MODELS = len(schema.DISTORTION_MODELS)
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[LocalStack]:
+    with LocalStack(retry_pauses=(0.0, 0.0)) as stack:
+        yield stack
+
+
+@pytest.fixture
+def at_rest(stack: LocalStack) -> Store:
+    return store(stack)
+
+
+@contextmanager
+def writes(stack: LocalStack) -> Iterator[list[str]]:
+    """Names of the operations that write to the table within the block."""
+    events = clients.dynamodb(Settings.from_environment(stack.environment).region).meta.events
+    seen: list[str] = []
+
+    def note(model: Any, **_: object) -> None:
+        if model.name not in ("Query", "GetItem"):
+            seen.append(model.name)
+
+    events.register("before-call.dynamodb.*", note, unique_id="writes")
+    try:
+        yield seen
+    finally:
+        events.unregister("before-call.dynamodb.*", unique_id="writes")
+
+
+def totals(at_rest: Store, document: schema.CalibrationDocument) -> list[int]:
+    return [known.total for known in at_rest.consensuses.at(mode_of(document))]
+
+
+def test_captures_that_end_together_are_one_computation_more_and_not_each_one(
+    stack: LocalStack, at_rest: Store
+) -> None:
+    documents = [calibration("Twelve at once", n) for n in range(12)]
+    mode = mode_of(documents[0])
+    ready = threading.Barrier(12)
+
+    def finish(document: schema.CalibrationDocument) -> None:
+        ready.wait()
+        at_rest.calibrations.publish(document)
+        at_rest.refit.later(asked(mode))
+
+    with writes(stack) as seen:
+        with ThreadPoolExecutor(12) as pool:
+            list(pool.map(finish, documents))
+        until(lambda: totals(at_rest, documents[0]) == [12] * MODELS, 60)
+        # Nobody holds it any more, and what nobody waits for is not done.
+        table = boto3.client("dynamodb")
+        until(lambda: not table_items(table, stack, "REFIT#"), 60)
+    assert seen.count("TransactWriteItems") <= 4 * MODELS
+    (rectilinear,) = (c for c in at_rest.consensuses.at(mode) if c.distortion_model == "rectilinear")
+    assert rectilinear.calibration is not None
+    assert (rectilinear.calibration.calibrations, rectilinear.reliable) == (12, True)
+    groups = at_rest.consensuses.groups(rectilinear)
+    assert groups is not None
+    assert {d.id for d in documents} == {i for group in groups.groups for i in group}
+
+
+def table_items(table: Any, stack: LocalStack, prefix: str) -> list[Any]:
+    found = table.scan(TableName=stack.environment["TABLE_NAME"])["Items"]
+    return [item for item in found if item["pk"]["S"].startswith(prefix)]
+
+
+def test_many_who_compute_at_once_leave_the_newest(at_rest: Store) -> None:
+    """Without waiting for each other, while calibrations keep coming in."""
+    documents = [calibration("Computed by many", n, views=3) for n in range(8)]
+    mode = mode_of(documents[0])
+    at_rest.calibrations.publish(documents[0])
+
+    def compute(n: int) -> int:
+        at_rest.calibrations.publish(documents[n])
+        try:
+            (found,) = at_rest.refit.now(asked(mode, "rectilinear")).models.values()
+        except UnavailableError:  # overtaken too often; who overtook it has seen what it has
+            return 0
+        assert found is not None
+        return found.total
+
+    with ThreadPoolExecutor(8) as pool:
+        seen = list(pool.map(compute, range(8)))
+    # What was answered considered at least the caller's own; what is stored in the end, all of them.
+    assert max(seen) == 8
+    (left,) = at_rest.consensuses.at(mode)
+    assert (left.total, left.calibration and left.calibration.calibrations) == (8, 8)
+
+
+def test_a_result_that_was_overtaken_is_not_written(at_rest: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    documents = [calibration("Overtaken", n, views=3) for n in range(2)]
+    mode = mode_of(documents[0])
+    at_rest.calibrations.publish(documents[0])
+    read = type(at_rest.calibrations).read
+    overtaken = []
+
+    def slow(self: Any, ids: list[str]) -> list[schema.CalibrationDocument]:
+        found = read(self, ids)
+        if not overtaken:  # all is read; now somebody is quicker
+            overtaken.append(True)
+            at_rest.calibrations.publish(documents[1])
+            at_rest.refit.now(asked(mode, "rectilinear"))
+        return found
+
+    monkeypatch.setattr(type(at_rest.calibrations), "read", slow)
+    (found,) = at_rest.refit.now(asked(mode, "rectilinear")).models.values()
+    assert found is not None
+    assert found.total == 2
+    assert totals(at_rest, documents[0]) == [2]
+
+
+def test_what_can_never_be_computed_ends_in_the_queue_of_failures(stack: LocalStack, at_rest: Store) -> None:
+    before = len(stack.failures())
+    queue = boto3.client("lambda")
+    for garbage in ({"camera": 5}, [], {"camera": "k", "img_size": [0, 0]}):
+        queue.invoke(
+            FunctionName="RefitFunction", InvocationType="Event", Payload=json.dumps(garbage).encode()
+        )
+    until(lambda: len(stack.failures()) == before + 3)
+    assert {r["requestContext"]["approximateInvokeCount"] for r in stack.failures()} == {3}
+    assert stack.failures()[before]["responsePayload"]["errorType"] == "ValidationError"
+    # And nobody else has to wait for it.
+    document = calibration("After the garbage", 0)
+    at_rest.calibrations.publish(document)
+    at_rest.refit.later(asked(mode_of(document)))
+    until(lambda: totals(at_rest, document) == [1] * MODELS, 30)
+
+
+def test_a_computation_that_broke_down_is_taken_up_again(
+    at_rest: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    document = calibration("Broken down", 0)
+    at_rest.calibrations.publish(document)
+    broken: list[bool] = []
+    read = type(at_rest.calibrations).read
+
+    def breaking(self: Any, ids: list[str]) -> list[schema.CalibrationDocument]:
+        if not broken:
+            broken.append(True)
+            raise UnavailableError("Storage did not answer.")
+        return read(self, ids)
+
+    monkeypatch.setattr(type(at_rest.calibrations), "read", breaking)
+    at_rest.refit.later(asked(mode_of(document)))
+    until(lambda: totals(at_rest, document) == [1] * MODELS, 30)
+    assert broken
+
+
+def test_a_model_of_a_later_version_is_passed_over(at_rest: Store, stack: LocalStack) -> None:
+    document = calibration("Asked by a later version", 0)
+    at_rest.calibrations.publish(document)
+    answer = at_rest.refit.now(asked(mode_of(document), "double_sphere", "fisheye"))
+    assert list(answer.models) == ["fisheye"]
+    place = {"pk": {"S": f"CAMERA#{document.camera_key}"}, "sk": {"S": "CONSENSUS#1280x720#0#double_sphere"}}
+    (known,) = at_rest.consensuses.of(document.camera_key)
+    later = known.model_dump_json().replace('"fisheye"', '"double_sphere"')
+    table = boto3.client("dynamodb")
+    table.put_item(TableName=stack.environment["TABLE_NAME"], Item={**place, "document": {"S": later}})
+    assert Client(stack).lookup(camera="Asked by a later version").status == 307
+    assert list(at_rest.refit.now(asked(mode_of(document))).models) == list(schema.DISTORTION_MODELS)
+
+
+def test_what_is_withdrawn_counts_for_nothing(stack: LocalStack, at_rest: Store) -> None:
+    documents = [calibration("Withdrawn", n) for n in range(3)]
+    mode = mode_of(documents[0])
+    for document in documents:
+        at_rest.calibrations.publish(document)
+    assert totals_now(at_rest, documents[0]) == {3}
+    at_rest.calibrations.withdraw(documents[2], "a mirror", 1)
+    assert totals_now(at_rest, documents[0]) == {2}
+    for document in documents[:2]:
+        at_rest.calibrations.withdraw(document, "all of them", 1)
+    assert set(at_rest.refit.now(asked(mode)).models.values()) == {None}
+    assert at_rest.consensuses.of(mode.camera_key) == []
+    assert Client(stack).lookup(camera="Withdrawn").json["reason"] == "unknown_camera"
+
+
+def totals_now(at_rest: Store, document: schema.CalibrationDocument) -> set[int]:
+    answer = at_rest.refit.now(asked(mode_of(document)))
+    return {known.total for known in answer.models.values() if known}
+
+
+def test_cropped_streams_are_not_pooled_with_native_ones(at_rest: Store) -> None:
+    cropped = schema.Track(resizeMode="crop-and-scale")
+    native = calibration("Cropped", 0)
+    at_rest.calibrations.publish(native)
+    at_rest.calibrations.publish(
+        calibration("Cropped", 1, fx=1300.0, fy=1298.0).model_copy(update={"track": cropped})
+    )
+    assert totals_now(at_rest, native) == {1}
+
+
+def test_a_view_that_is_sent_by_many_at_once_ends_the_session_once(stack: LocalStack, at_rest: Store) -> None:
+    """The client gave up waiting and sent it again, and again, while the first was still worked on."""
+    client, truth = Client(stack), Truth(seed=5)
+    client.open(camera="Impatient client")
+    while True:
+        pose = client.pose().json
+        seen = truth.see(pose)
+        last = client.state()
+        ready = threading.Barrier(6)
+
+        def send(_: int, index: int = pose["index"], seen: Any = seen, ready: Any = ready) -> Any:
+            ready.wait()
+            return client.view(index, *seen)
+
+        with ThreadPoolExecutor(6) as pool:
+            answers = list(pool.map(send, range(6)))
+        assert {answer.status for answer in answers} == {200}
+        assert len({json.dumps({**a.json, "hint": None}, sort_keys=True) for a in answers}) == 1
+        assert len(answers[0].json["views"]) <= len(last["views"]) + 1
+        if answers[0].json["status"] == "converged":
+            break
+    calibration_id = str(answers[0].json["calibration_id"])
+    key = calibration_id.rpartition("-")[0]
+    files = boto3.client("s3").list_objects_v2(
+        Bucket=stack.environment["BUCKET_NAME"], Prefix=f"calibrations/{key}/"
+    )["Contents"]
+    assert [entry["Key"] for entry in files] == [f"calibrations/{key}/{calibration_id}.json"]
+    until(lambda: [c.total for c in at_rest.consensuses.of(key)] == [1] * MODELS, 30)
