@@ -1,0 +1,105 @@
+"""Other tools' files, by name. A new one is a class in a file beside this one and a line in the registry."""
+
+import re
+
+from .. import transform as transforms
+from ..errors import CalibrationError
+from . import (
+    artoolkit,
+    calibdb,
+    colmap,
+    dng,
+    gyroflow,
+    kalibr,
+    lensfun,
+    mrcal,
+    opencv,
+    opensfm,
+    photonvision,
+    ros,
+    web,
+)
+from .base import VISIBLE, Conversion, Read, Shape, Subject, Written
+from .format import Format
+
+REGISTRY: dict[str, Format] = {
+    form.name: form
+    for form in (
+        calibdb.CalibDb(),
+        opencv.OpenCvYaml(),
+        opencv.OpenCvJson(),
+        ros.Ros(),
+        kalibr.Kalibr(),
+        colmap.Colmap(),
+        opensfm.OpenSfm(),
+        mrcal.Mrcal(),
+        mrcal.CornersVnl(),
+        gyroflow.Gyroflow(),
+        lensfun.Lensfun(),
+        dng.Dng(),
+        web.WebXr(),
+        web.Gltf(),
+        photonvision.PhotonVision(),
+        artoolkit.ArToolKit(),
+    )
+}
+NAMES = tuple(REGISTRY)
+
+__all__ = [
+    "NAMES",
+    "REGISTRY",
+    "VISIBLE",
+    "Conversion",
+    "Format",
+    "Read",
+    "Shape",
+    "Subject",
+    "Written",
+    "write",
+]
+
+
+def write(subject: Subject, name: str, transform: transforms.Transform | None = None) -> Written:
+    """Write a calibration as the file called `name`, of the transformed picture where one is given.
+
+    Raises CalibrationError ``unknown_format``, or ``not_representable`` where the format cannot hold it.
+    """
+    form = REGISTRY.get(name)
+    if form is None:
+        raise CalibrationError(
+            "unknown_format", f"no format is called {name!r}; there are {', '.join(NAMES)}"
+        )
+    if transform is not None:
+        subject = moved(subject, transform)
+    held = form.convert(subject)
+    return Written(
+        content=form.write(subject, held),
+        media_type=form.media_type,
+        filename=f"{slug(subject.name)}-{subject.camera.img_size[0]}x{subject.camera.img_size[1]}{form.suffix}",
+        error=held.error,
+        coverage=held.coverage,
+        warning=held.warning,
+    )
+
+
+def moved(subject: Subject, transform: transforms.Transform) -> Subject:
+    """Carry camera and measurements along; a mirrored board is no board any more."""
+    camera, views = transforms.apply(transform, subject.camera, subject.views)
+    mirrored = bool(views) and float(transform.linear[0, 0] * transform.linear[1, 1]) < float(
+        transform.linear[0, 1] * transform.linear[1, 0]
+    )
+    return Subject(
+        camera,
+        views,
+        None if mirrored else subject.board,
+        subject.name,
+        subject.identifier,
+        subject.rms,
+        subject.time,
+        subject.record,
+    )
+
+
+def slug(name: str) -> str:
+    """Return a name that is safe as a file's."""
+    return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:60] or "camera"

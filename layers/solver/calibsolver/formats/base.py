@@ -1,0 +1,126 @@
+"""What every file format has: what it can hold, how it is written."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..board import Board
+from ..camera import Camera
+from ..view import View
+
+VISIBLE = 0.1
+"""px: a conversion that is further off says so in the file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What is exported.
+
+    Attributes
+    ----------
+    camera
+        The calibrated camera.
+    views
+        The measurements it was fitted to; may be none.
+    board
+        The board that the views show, where it is one board.
+    name, identifier
+        The camera's label, and the calibration's id.
+    rms
+        px over all measurements.
+    time
+        Unix seconds of the calibration.
+    record
+        All that the service answers about it.
+    """
+
+    camera: Camera
+    views: tuple[View, ...] = ()
+    board: Board | None = None
+    name: str = "camera"
+    identifier: str = ""
+    rms: float = 0.0
+    time: int = 0
+    record: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Conversion:
+    """The camera that a file holds, and how far it is from the one that was to be written.
+
+    Attributes
+    ----------
+    camera
+        What the file holds.
+    error
+        px, largest distance over the image between where the two project the same ray.
+    coverage
+        Share of the image whose rays the file's camera can project at all.
+    """
+
+    camera: Camera
+    error: float = 0.0
+    coverage: float = 1.0
+
+    @property
+    def warning(self) -> str | None:
+        """What a reader of the file must know; None where the conversion cannot be seen."""
+        if self.coverage < 0.999:
+            return (
+                f"Approximation: this format holds {100 * self.coverage:.0f} % of the image; "
+                f"there it is up to {self.error:.2f} px off."
+            )
+        if self.error > VISIBLE:
+            return f"Approximation: up to {self.error:.2f} px off somewhere in the image."
+        return None
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Cameras that a format can hold: those of a model, perhaps with some coefficients zero, or fx = fy."""
+
+    model: str
+    zero: tuple[str, ...] = ()
+    square: bool = False
+
+
+@dataclass(frozen=True)
+class Written:
+    """A file.
+
+    Attributes
+    ----------
+    content, media_type, filename
+        As a download needs them.
+    error, coverage, warning
+        See `Conversion`.
+    """
+
+    content: bytes
+    media_type: str
+    filename: str
+    error: float
+    coverage: float
+    warning: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class Read:
+    """What a file held.
+
+    Attributes
+    ----------
+    camera
+        None where the file has measurements alone.
+    views
+        With the coordinates of the file's own board, in its unit.
+    img_size
+        Width and height, px; None where the file does not say.
+    name
+        The camera's name in the file, or "".
+    """
+
+    camera: Camera | None
+    views: tuple[View, ...] = ()
+    img_size: tuple[int, int] | None = None
+    name: str = ""

@@ -1,0 +1,239 @@
+"""From the model that was fitted to one that a format can hold, exactly or by a fit to the same keypoints."""
+
+import numpy as np
+
+from .. import models, normal, rotation, score
+from ..arrays import Array, Mask
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..fit import fit
+from ..models import Model
+from ..observations import Observations
+from ..view import View
+from .base import Conversion, Shape, Subject
+
+ITERATIONS = 50
+SETTLED = 1e-14
+"""Relative decrease of the squared error below which a fit is left."""
+WORSE, UNSEEN = 1.05, 1e-3
+"""Ratio and px by which one shape's rms may exceed another's before they count as different."""
+LOST = 0.01
+"""Share of the image that one shape may leave out beyond what the others do."""
+FARTHEST = 0.05
+"""Image widths: a conversion that is further off somewhere is none."""
+GRID = (33, 25)
+"""Columns and rows of the pixels at which two cameras are compared, those of the image's edge among them."""
+
+
+def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
+    """Return the camera closest to the subject's that one of `shapes` can hold.
+
+    The subject's own, where it can be held. Otherwise each shape is fitted to the subject's views (without
+    any, to noise-free views that its camera would have had), and the first wins that explains them about as
+    well as the best: what a tool is used to comes first among its shapes.
+
+    Raises CalibrationError ``not_representable`` where none comes near.
+    """
+    for shape in shapes:
+        held = widened(subject.camera, shape.model)
+        if held is not None and holds(held, shape):
+            return Conversion(held)
+    found: list[tuple[float, Conversion]] = []
+    reasons = []
+    views = subject.views or synthetic(subject.camera)
+    for shape in shapes:
+        try:
+            camera = fitted(subject, shape)
+            found.append((score.score(camera, views).rms, compared(subject.camera, camera)))
+        except CalibrationError as error:
+            reasons.append(str(error))
+    if not found:
+        raise CalibrationError("not_representable", f"this format cannot hold the camera: {reasons[0]}")
+    enough = WORSE * min(rms for rms, _ in found) + UNSEEN
+    near = [conversion for rms, conversion in found if rms <= enough]
+    widest = max(conversion.coverage for conversion in near)
+    held = next(conversion for conversion in near if conversion.coverage > widest - LOST)
+    if held.error > FARTHEST * subject.camera.img_size[0]:
+        raise CalibrationError(
+            "not_representable",
+            f"the closest camera that this format can hold is {held.error:.0f} px off somewhere in the image",
+        )
+    return held
+
+
+def widened(camera: Camera, model: str) -> Camera | None:
+    """Return the same camera under a model of which its own is a special case; None where it is not."""
+    if camera.model == model:
+        return camera
+    if (camera.model, model) == ("rectilinear", "rational"):
+        return Camera(model, camera.matrix, np.append(camera.distortion, [0.0, 0.0, 0.0]), camera.img_size)
+    return None
+
+
+def holds(camera: Camera, shape: Shape) -> bool:
+    """Tell whether a camera of the shape's model is of that shape."""
+    names = models.get(camera.model).coefficients
+    bent = any(camera.distortion[names.index(name)] != 0 for name in shape.zero)
+    return not bent and not (shape.square and camera.matrix[0, 0] != camera.matrix[1, 1])
+
+
+def compared(camera: Camera, other: Camera) -> Conversion:
+    """Say how far `other` projects the rays of the image of `camera` from where they were seen."""
+    w, h = camera.img_size
+    x, y = np.meshgrid(np.linspace(0, w - 1, GRID[0]), np.linspace(0, h - 1, GRID[1]))
+    q = np.stack([x.ravel(), y.ravel()], axis=1)
+    rays = camera.unproject(q)
+    seen = np.isfinite(rays).all(axis=1)
+    q, rays = q[seen], rays[seen]
+    inside = other.valid(rays)
+    if not inside.any():
+        raise CalibrationError("not_representable", "nothing of the image is left")
+    away = np.linalg.norm(other.project(rays[inside]) - q[inside], axis=1)
+    return Conversion(other, float(away.max()), float(inside.mean()))
+
+
+def fitted(subject: Subject, shape: Shape) -> Camera:
+    """Fit a camera of some shape to the subject's views.
+
+    Raises CalibrationError where no believable one fits.
+    """
+    measured = bool(subject.views)
+    views = subject.views or synthetic(subject.camera)
+    first = widened(subject.camera, shape.model)
+    used: tuple[Mask, ...] = tuple(np.ones(len(view), dtype=bool) for view in views)
+    if first is None:
+        calibration = fit(views, subject.camera.img_size, model=shape.model, robust=measured)
+        first, used = calibration.camera, calibration.used
+        if not (shape.zero or shape.square):
+            return first
+    return restricted(first, shape, views, used)
+
+
+def restricted(camera: Camera, shape: Shape, views: tuple[View, ...], used: tuple[Mask, ...]) -> Camera:
+    """Least squares over the cameras of one shape, from a camera of its model.
+
+    k = T a: the columns of T are the directions in which the intrinsics may still go. Gauss-Newton with
+    Marquardt's damping, the poses eliminated.
+
+    Raises CalibrationError ``not_representable`` where nothing comes of it.
+    """
+    model = models.get(camera.model)
+    free = _directions(model, shape)
+    a = np.asarray(np.linalg.lstsq(free, camera.intrinsics, rcond=None)[0], dtype=np.float64)
+    obs = Observations.of(views)
+    weights = np.zeros(obs.mask.shape)
+    for row, mask in zip(weights, used, strict=True):
+        row[: len(mask)] = mask
+    poses, _ = score.resect(model, free @ a, obs)
+    here, h, g = _normal(model, free, a, poses, obs, weights)
+    damping = 1e-6
+    with np.errstate(all="ignore"):  # a step too far is tested before it is taken
+        for _ in range(ITERATIONS):
+            da, dp = _step(h, g, damping, len(a))
+            moved = poses.moved(dp)
+            cost, h_moved, g_moved = _normal(model, free, a + da, moved, obs, weights)
+            if cost < here:
+                settled = here - cost < SETTLED * here
+                a, poses, here, h, g = a + da, moved, cost, h_moved, g_moved
+                damping = max(damping * 0.1, 1e-12)
+                if settled:
+                    break
+            elif damping > 1e6:
+                break
+            else:
+                damping = max(damping, 1e-9) * 10
+    if not np.isfinite(a).all() or not np.isfinite(here):
+        raise CalibrationError("not_representable", "the fit of the simpler model ran away")
+    return Camera.from_intrinsics(model.name, free @ a, camera.img_size)
+
+
+def _directions(model: Model, shape: Shape) -> Array:
+    """T (p, a): fx fy cx cy and the coefficients that a shape leaves free."""
+    kept = [
+        i for i, name in enumerate(("fx", "fy", "cx", "cy", *model.coefficients)) if name not in shape.zero
+    ]
+    free = np.eye(model.size)[:, kept]
+    if shape.square:
+        free = np.delete(free, 1, axis=1)
+        free[1, 0] = 1
+    return free
+
+
+def _normal(
+    model: Model, free: Array, a: Array, poses: normal.Poses, obs: Observations, weights: Array
+) -> tuple[float, Array, Array]:
+    """Squared error, px^2; its Gauss-Newton matrix (v, a + 6, a + 6) and half gradient (v, a + 6)."""
+    q, j = normal.design(model, free @ a, poses, obs.points)
+    r = (q - obs.pixels) * np.sqrt(weights)[:, None, :]
+    j = j * np.sqrt(weights)[:, None, None, :]
+    rows = np.concatenate(
+        [np.tensordot(j[:, : model.size], free, axes=(1, 0)).transpose(0, 3, 1, 2), j[:, model.size :]],
+        axis=1,
+    )
+    flat = rows.reshape(len(q), rows.shape[1], -1)
+    return (
+        float(np.sum(r * r)),
+        flat @ flat.transpose(0, 2, 1),
+        np.einsum("vij,vj->vi", flat, r.reshape(len(q), -1)),
+    )
+
+
+def _step(h: Array, g: Array, damping: float, size: int) -> tuple[Array, Array]:
+    """Damped step of the parameters (a,) and of the poses (v, 6)."""
+    b = h[:, size:, size:] * (1 + damping * np.eye(6)) + 1e-12 * np.eye(6)
+    w, gp = h[:, size:, :size], g[:, size:]
+    solved = np.linalg.solve(b, np.concatenate([w, gp[:, :, None]], axis=2))
+    total = h[:, :size, :size].sum(axis=0)
+    scale = 1 / np.sqrt(np.maximum(np.diagonal(total), 1e-300))
+    left = total * (1 + damping * np.eye(size)) - np.einsum("vpi,vpj->ij", w, solved[:, :, :size])
+    right = g[:, :size].sum(axis=0) - np.einsum("vpi,vp->i", w, solved[:, :, size])
+    da = -scale * np.linalg.solve(left * scale[:, None] * scale, right * scale)
+    return da, -(solved[:, :, size] + solved[:, :, :size] @ da)
+
+
+def synthetic(camera: Camera) -> tuple[View, ...]:
+    """Make views without noise, as the camera would have them of a plane: they stand in for measurements.
+
+    Planes facing nine directions over the image, each turned to two sides.
+    """
+    w, h = camera.img_size
+    x, y = np.meshgrid(np.linspace(0, w - 1, 33), np.linspace(0, h - 1, 25))
+    q = np.stack([x.ravel(), y.ravel()], axis=1)
+    rays = camera.unproject(q)
+    good = np.isfinite(rays).all(axis=1)
+    q, rays = q[good], rays[good]
+    views = []
+    for cx in (0.2, 0.5, 0.8):
+        for cy in (0.2, 0.5, 0.8):
+            centre = camera.unproject(np.array([[cx * (w - 1), cy * (h - 1)]]))[0]
+            if not np.isfinite(centre).all():
+                continue
+            for turn in ([0.0, 0.5, 0.0], [0.5, -0.3, 0.0]):
+                view = _plane(rays, q, centre, np.array(turn))
+                if view is not None:
+                    views.append(view)
+    if not views:
+        raise CalibrationError("not_representable", "the camera has no rays")
+    return tuple(views)
+
+
+def _plane(rays: Array, q: Array, centre: Array, turn: Array) -> View | None:
+    """Where the rays near `centre` meet a plane one unit away, tilted by `turn`."""
+    near = rays @ centre > np.cos(0.6)
+    frame = _facing(centre) @ rotation.matrix(turn[None])[0]
+    depth = rays[near] @ frame[:, 2]
+    distance = float(centre @ frame[:, 2])
+    ahead = depth > 0.1
+    if ahead.sum() < 12:
+        return None
+    p = rays[near][ahead] * (distance / depth[ahead])[:, None]
+    plane = (p - centre) @ frame
+    plane[:, 2] = 0.0
+    return View(plane, q[near][ahead])
+
+
+def _facing(ray: Array) -> Array:
+    """Return a rotation (3, 3) whose third column is the unit vector `ray`."""
+    side = np.cross([0.0, 1.0, 0.0], ray)
+    side /= np.linalg.norm(side)
+    return np.stack([side, np.cross(ray, side), ray], axis=1)

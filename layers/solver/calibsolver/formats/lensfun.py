@@ -1,0 +1,128 @@
+"""Lensfun's lens database: an XML file with the camera, the lens, and its distortion as `ptlens`."""
+
+import math
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from ..arrays import Array
+from ..camera import Camera
+from ..errors import CalibrationError
+from .base import Conversion, Shape, Subject
+from .convert import GRID, convert
+from .format import Format
+
+DIAGONAL = math.hypot(36, 24)
+"""mm: the frame to which crop factors refer. Ours is 1: only the ratio of frame and focal length is known."""
+RADIAL = ("p1", "p2")
+
+
+class Lensfun(Format):
+    """`ptlens`: distorted radius = a r^4 + b r^3 + c r^2 + (1 - a - b - c) r of the corrected one.
+
+    Radii are in units of half the picture's smaller side, the axis is `center`. The scale of the corrected
+    picture is free, and chosen so that the four terms are least squares over the picture. Tangential
+    distortion, and fx other than fy, have no place in it.
+    """
+
+    name = "lensfun"
+    suffix = ".xml"
+    media_type = "application/xml"
+    shapes = (Shape("rectilinear", zero=RADIAL, square=True), Shape("fisheye", square=True))
+
+    def convert(self, subject: Subject) -> Conversion:
+        """Take the closest radial camera; the error is that of the polynomial."""
+        held = convert(subject, self.shapes)
+        return Conversion(held.camera, *_away(subject.camera, held.camera))
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write a database of one camera and one lens."""
+        c = held.camera
+        (w, h), k = c.img_size, np.asarray(c.matrix)
+        unit = half(c)
+        a, b, c2 = polynomial(c)[:3]
+        focal = k[0, 0] * DIAGONAL / math.hypot(w, h)
+        name = escape(subject.name or "camera", {'"': "&quot;"})
+        kind = "\n        <type>fisheye</type>" if c.model == "fisheye" else ""
+        center = f'x="{float(k[0, 2] - (w - 1) / 2) / unit!r}" y="{float(k[1, 2] - (h - 1) / 2) / unit!r}"'
+        note = f"\n<!-- {held.warning} -->" if held.warning else ""
+        law = f'model="ptlens" focal="{float(focal)!r}" a="{float(a)!r}" b="{float(b)!r}" c="{float(c2)!r}"'
+        return f"""<?xml version="1.0" encoding="utf-8"?>{note}
+<lensdatabase version="1">
+    <mount>
+        <name>calibDB</name>
+    </mount>
+    <camera>
+        <maker>calibDB</maker>
+        <model>{name}</model>
+        <mount>calibDB</mount>
+        <cropfactor>1</cropfactor>
+    </camera>
+    <lens>
+        <maker>calibDB</maker>
+        <model>{name}</model>
+        <mount>calibDB</mount>{kind}
+        <cropfactor>1</cropfactor>
+        <aspect-ratio>{(max(w, h) - 1) / (min(w, h) - 1)!r}</aspect-ratio>
+        <center {center}/>
+        <calibration>
+            <distortion {law}/>
+        </calibration>
+    </lens>
+</lensdatabase>
+""".encode()
+
+
+def half(camera: Camera) -> float:
+    """Lensfun's unit of length, px: from the middle of the picture to the centre of its outermost pixels."""
+    return (min(camera.img_size) - 1) / 2
+
+
+def polynomial(camera: Camera) -> Array:
+    """Fit a, b, c, and the scale s of the corrected picture against the camera's focal length, (4,).
+
+    With rho = f g(angle) / unit, g the tangent or for a fisheye the angle itself, distorted radii are fitted
+    by A rho^4 + B rho^3 + C rho^2 + D rho; then r = s rho makes the coefficients sum to one where
+    s^4 - D s^3 - C s^2 - B s - A = 0.
+    """
+    k = np.asarray(camera.matrix)
+    unit = half(camera)
+    (w, h), f = camera.img_size, float(k[0, 0])
+    reach = math.hypot(max(k[0, 2], w - 1 - k[0, 2]), max(k[1, 2], h - 1 - k[1, 2]))
+    radius = np.linspace(0, reach, 400)[1:]
+    rays = camera.unproject(np.stack([k[0, 2] + radius, np.full_like(radius, k[1, 2])], axis=1))
+    angle = np.arctan2(np.hypot(rays[:, 0], rays[:, 1]), rays[:, 2])
+    seen = np.isfinite(angle) & (angle < (np.pi if camera.model == "fisheye" else 1.5))
+    if seen.sum() < 10:
+        raise CalibrationError("not_representable", "too little of the image can be corrected")
+    rho = f * (angle[seen] if camera.model == "fisheye" else np.tan(angle[seen])) / unit
+    terms = np.stack([rho**4, rho**3, rho**2, rho], axis=1)
+    # every ring of the picture counts by its area
+    weight = np.sqrt(radius[seen])
+    fitted = np.linalg.lstsq(terms * weight[:, None], radius[seen] / unit * weight, rcond=None)[0]
+    roots = np.roots([1.0, *-fitted[::-1]])
+    real = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0)]
+    if not len(real):
+        raise CalibrationError("not_representable", "ptlens cannot express this distortion")
+    s = float(real[np.argmin(np.abs(real - 1))])
+    found: Array = np.array([fitted[0] / s**4, fitted[1] / s**3, fitted[2] / s**2, s])
+    return found
+
+
+def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
+    """Largest distance, px, of the polynomial from the camera over the image, and the share it reaches."""
+    (w, h), k = camera.img_size, np.asarray(radial.matrix)
+    x, y = np.meshgrid(np.linspace(0, w - 1, GRID[0]), np.linspace(0, h - 1, GRID[1]))
+    q = np.stack([x.ravel(), y.ravel()], axis=1)
+    rays = camera.unproject(q)
+    flat = np.hypot(rays[:, 0], rays[:, 1])
+    angle = np.arctan2(flat, rays[:, 2])
+    seen = np.isfinite(angle) & (angle < (np.pi if radial.model == "fisheye" else 1.5))
+    a, b, c, s = polynomial(radial)
+    unit = half(camera)
+    r = s * k[0, 0] * (angle[seen] if radial.model == "fisheye" else np.tan(angle[seen])) / unit
+    distorted = unit * (a * r**4 + b * r**3 + c * r**2 + (1 - a - b - c) * r)
+    side = rays[seen, :2] / np.maximum(flat[seen], 1e-300)[:, None]
+    away = np.linalg.norm(k[:2, 2] + side * distorted[:, None] - q[seen], axis=1)
+    known = np.isfinite(rays).all(axis=1).sum()
+    return float(away.max(initial=0.0)), float(seen.sum() / max(known, 1))

@@ -1,0 +1,200 @@
+"""mrcal: the camera model with all that it was made from, and the table of detected corners."""
+
+import ast
+import base64
+import io
+import math
+import zipfile
+from collections import defaultdict
+from typing import Any
+
+import numpy as np
+
+from .. import models, rotation, score
+from ..arrays import Array
+from ..board import Board
+from ..errors import CalibrationError
+from ..view import View
+from . import text
+from .base import Conversion, Read, Shape, Subject
+from .calibdb import camera, padded
+from .format import Format
+
+SIZES = {"LENSMODEL_PINHOLE": 0, "LENSMODEL_OPENCV4": 4, "LENSMODEL_OPENCV5": 5, "LENSMODEL_OPENCV8": 8}
+LARGEST = 64_000_000
+"""Bytes that the measurements in a file may unpack to."""
+
+
+class Mrcal(Format):
+    """A .cameramodel: a Python dictionary as text. The optimisation inputs are an npz in base 85.
+
+    With these mrcal's own tools work on the file: residuals, projection uncertainty, fitting anew. (Pixel
+    centres at whole numbers, as ours; a board's origin is its first corner, ours the board's edge.)
+    """
+
+    name = "mrcal"
+    suffix = ".cameramodel"
+    shapes = (Shape("rectilinear"), Shape("rational"))
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write the model."""
+        c = held.camera
+        law = f"LENSMODEL_OPENCV{len(c.distortion)}"
+        body = [
+            "{",
+            f"    'lensmodel':  '{law}',",
+            "    # fx,fy,cx,cy,distortion0,distortion1,...",
+            f"    'intrinsics': [ {text.numbers(c.intrinsics)}],",
+            # the name that 2.5 and later write, and the one that every reader knows
+            "    'rt_cam_ref': [ 0, 0, 0, 0, 0, 0,],",
+            "    'extrinsics': [ 0, 0, 0, 0, 0, 0,],",
+            f"    'imagersize': [ {c.img_size[0]}, {c.img_size[1]},],",
+        ]
+        if subject.views and subject.board:
+            packed = self._inputs(subject, held, subject.board, law)
+            body += ["    'icam_intrinsics': 0,", f"    'optimization_inputs': {packed!r},"]
+        return text.lines(self.comment(subject, held), body, "}")
+
+    @staticmethod
+    def _inputs(subject: Subject, held: Conversion, board: Board, law: str) -> bytes:
+        """Pack the arguments of mrcal.optimize() at the optimum."""
+        across, down = board.squares[0] - 1, board.squares[1] - 1
+        # Corners that were not seen have a negative weight: mrcal's mark of a point to be left out.
+        seen = np.full((len(subject.views), down, across, 3), (0.0, 0.0, -1.0))
+        for grid, view in zip(seen, subject.views, strict=True):
+            column, row = (view.object_points[:, :2].round().astype(int) - 1).T
+            grid[row, column, :2], grid[row, column, 2] = view.image_points, 1.0
+        poses = score.score(held.camera, subject.views).poses.copy()
+        poses[:, 3:] += rotation.matrix(poses[:, :3]) @ np.array([1.0, 1.0, 0.0])
+        n = len(subject.views)
+        indices = np.stack([np.arange(n), np.zeros(n), np.full(n, -1)], axis=1).astype(np.int32)
+        inputs: dict[str, Any] = {
+            "intrinsics": np.asarray(held.camera.intrinsics)[None],
+            "extrinsics_rt_fromref": np.zeros((0, 6)),
+            "frames_rt_toref": poses,
+            "points": "",
+            "observations_board": seen,
+            "indices_frame_camintrinsics_camextrinsics": indices,
+            "observations_point": "",
+            "indices_point_camintrinsics_camextrinsics": "",
+            "lensmodel": law,
+            "imagersizes": np.array([held.camera.img_size], dtype=np.int32),
+            "calobject_warp": "",
+            "do_optimize_intrinsics_core": True,
+            "do_optimize_intrinsics_distortions": True,
+            "do_optimize_extrinsics": True,
+            "do_optimize_frames": True,
+            "do_optimize_calobject_warp": False,
+            "calibration_object_spacing": 1.0,
+            "do_apply_regularization": False,
+            "do_apply_outlier_rejection": False,
+            "imagepaths": np.array([f"view{i:03d}" for i in range(n)]),
+        }
+        packed = io.BytesIO()
+        np.savez_compressed(packed, allow_pickle=False, **inputs)
+        return base64.b85encode(packed.getvalue())
+
+
+class CornersVnl(Format):
+    """The table of corners that mrcal-calibrate-cameras reads: a line for every corner of every view."""
+
+    name = "corners-vnl"
+    suffix = ".vnl"
+    shapes = tuple(Shape(model) for model in models.NAMES)
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write the keypoints; `-` where a corner was not seen."""
+        board = subject.board
+        if board is None or not subject.views:
+            raise CalibrationError("not_representable", "there are no keypoints of one board to write")
+        body = [
+            f"# {board.squares[0] - 1} x {board.squares[1] - 1} corners, one square apart",
+            "# filename x y level",
+        ]
+        for i, view in enumerate(subject.views):
+            column, row = (view.object_points[:, :2].round().astype(int) - 1).T
+            seen = dict(zip((row * (board.squares[0] - 1) + column).tolist(), view.image_points, strict=True))
+            for corner in range(board.corner_count):
+                at = seen.get(corner)
+                place = "- - -" if at is None else f"{text.number(at[0])} {text.number(at[1])} 0"
+                body.append(f"view{i:03d}.png {place}")
+        return text.lines(self.comment(subject, held), body)
+
+
+def read(content: str) -> Read:
+    """Read a .cameramodel, with its keypoints where it has them; CalibrationError ``malformed``."""
+    try:
+        data = ast.literal_eval(
+            "\n".join(line for line in content.splitlines() if not line.lstrip().startswith("#"))
+        )
+    except (ValueError, SyntaxError, MemoryError, RecursionError) as error:
+        raise text.refuse(f"the file is no Python dictionary: {type(error).__name__}") from None
+    law = text.member(data, "lensmodel")
+    if law not in SIZES:
+        raise text.refuse(f"lensmodel {law!r} is none of {', '.join(SIZES)}")
+    k = text.floats(text.member(data, "intrinsics"), "intrinsics", 4 + SIZES[law], 4 + SIZES[law])
+    w, h = text.floats(text.member(data, "imagersize"), "imagersize", 2, 2)
+    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1.0]])
+    model = "rational" if SIZES[law] == 8 else "rectilinear"
+    d = k[4:] if SIZES[law] == 8 else padded(k[4:], 5)
+    packed = data.get("optimization_inputs")
+    number = data.get("icam_intrinsics", 0)
+    views = _views(packed, number if isinstance(number, int) else 0) if isinstance(packed, bytes) else ()
+    return Read(camera(model, matrix, d, (int(w), int(h))), views)
+
+
+def _views(packed: bytes, number: int) -> tuple[View, ...]:
+    """Unpack the board observations of camera `number`; no pickles, and no more than fits."""
+    try:
+        archive = io.BytesIO(base64.b85decode(packed))
+        with zipfile.ZipFile(archive) as files:
+            if sum(info.file_size for info in files.infolist()) > LARGEST:
+                raise text.refuse("optimization_inputs unpack to too much")
+        with np.load(archive, allow_pickle=False) as arrays:
+            seen = arrays["observations_board"]
+            indices = arrays["indices_frame_camintrinsics_camextrinsics"]
+            spacing = float(arrays["calibration_object_spacing"])
+    except (ValueError, KeyError, OSError, zipfile.BadZipFile, EOFError, TypeError) as error:
+        raise text.refuse(f"optimization_inputs cannot be read: {type(error).__name__}") from None
+    if seen.ndim != 4 or seen.shape[3] != 3 or indices.shape != (len(seen), 3) or not math.isfinite(spacing):
+        raise text.refuse("optimization_inputs have arrays of a wrong shape")
+    column, row = np.meshgrid(np.arange(seen.shape[2]), np.arange(seen.shape[1]))
+    points = np.stack([column + 1, row + 1, np.zeros_like(row)], axis=2).reshape(-1, 3) * (spacing or 1.0)
+    views = []
+    for grid, index in zip(seen.astype(np.float64), indices, strict=True):
+        flat = grid.reshape(-1, 3)
+        good = (flat[:, 2] >= 0) & np.isfinite(flat).all(axis=1)
+        if index[1] == number and good.any():
+            views.append(View(points[good], flat[good, :2]))
+    return tuple(views)
+
+
+def read_corners(content: str, squares: tuple[int, int]) -> Read:
+    """Read a corners.vnl of a board of so many squares; CalibrationError ``malformed``."""
+    found: defaultdict[str, list[tuple[int, Array]]] = defaultdict(list)
+    counted: defaultdict[str, int] = defaultdict(int)
+    board = Board(squares)
+    for line in content.splitlines():
+        fields = line.split()
+        if not fields or fields[0].startswith("#"):
+            continue
+        if len(fields) < 3:
+            raise text.refuse(f"a line has {len(fields)} fields, filename, x and y are needed")
+        corner = counted[fields[0]]
+        counted[fields[0]] += 1
+        if "-" in fields[1:3] or (len(fields) > 3 and fields[3] in ("-", "-1")):
+            continue
+        try:
+            q = text.floats([float(fields[1]), float(fields[2])], "a corner", 2, 2)
+        except ValueError:
+            raise text.refuse(f"{fields[1]} {fields[2]} are no pixels") from None
+        found[fields[0]].append((corner, q))
+    wrong = [name for name, corners in counted.items() if corners != board.corner_count]
+    if wrong or not counted:
+        raise text.refuse(
+            f"every picture must have {board.corner_count} lines, one for each corner of the board"
+        )
+    views = [
+        board.view([i for i, _ in seen], np.array([q for _, q in seen])) for seen in found.values() if seen
+    ]
+    return Read(None, tuple(views))

@@ -1,0 +1,116 @@
+"""OpenCV's FileStorage, YAML and JSON, under the names that calibration programs have long used."""
+
+from datetime import UTC, datetime
+
+import numpy as np
+
+from .. import models
+from ..arrays import Array
+from . import text
+from .base import Conversion, Read, Shape, Subject
+from .calibdb import camera, has, opencv
+from .format import Format
+
+
+class OpenCvYaml(Format):
+    """`%YAML:1.0`, matrices as `!!opencv-matrix`."""
+
+    name = "opencv-yaml"
+    suffix = ".yml"
+    media_type = "application/yaml"
+    shapes = tuple(Shape(model) for model in models.NAMES)
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write plain members, then the matrices; omnidirectional cameras have `xi` and four coefficients."""
+        body = [f"{key}: {_scalar(value)}" for key, value in members(subject, held).items()]
+        for key, value in matrices(held).items():
+            rows, columns = value.shape
+            body += [
+                f"{key}: !!opencv-matrix",
+                f"   rows: {rows}",
+                f"   cols: {columns}",
+                "   dt: d",
+                f"   data: [ {text.numbers(value.ravel())} ]",
+            ]
+        return text.lines("%YAML:1.0", "---", self.comment(subject, held), body)
+
+
+class OpenCvJson(Format):
+    """The same as JSON, matrices with `type_id: opencv-matrix`."""
+
+    name = "opencv-json"
+    suffix = ".json"
+    media_type = "application/json"
+    shapes = OpenCvYaml.shapes
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write plain members, then the matrices."""
+        value: dict[str, object] = dict(members(subject, held))
+        for key, matrix in matrices(held).items():
+            rows, columns = matrix.shape
+            value[key] = {
+                "type_id": "opencv-matrix",
+                "rows": rows,
+                "cols": columns,
+                "dt": "d",
+                "data": matrix.ravel().tolist(),
+            }
+        return text.dump(value, held.warning)
+
+
+def members(subject: Subject, held: Conversion) -> dict[str, str | int | float]:
+    """Return the plain members of the file."""
+    c, board = held.camera, subject.board
+    return {
+        "calibration_time": datetime.fromtimestamp(subject.time, UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "nr_of_frames": len(subject.views),
+        "image_width": c.img_size[0],
+        "image_height": c.img_size[1],
+        "board_width": board.squares[0] if board else 0,
+        "board_height": board.squares[1] if board else 0,
+        "square_size": 1.0,
+        "flags": 0,
+        "fisheye_model": int(c.model == "fisheye"),
+        "distortion_model": c.model,
+        "camera_name": subject.name,
+        "avg_reprojection_error": subject.rms,
+    }
+
+
+def matrices(held: Conversion) -> dict[str, Array]:
+    """Return the matrices of the file."""
+    c = held.camera
+    found = {"camera_matrix": np.asarray(c.matrix)}
+    d = np.asarray(c.distortion)
+    if c.model == "omnidirectional":
+        found["xi"], d = d[:1, None], d[1:]
+    # cv2.fisheye wants a column of four, everything else takes a row
+    found["distortion_coefficients"] = d[:, None] if c.model == "fisheye" else d[None]
+    return found
+
+
+def _scalar(value: str | int | float) -> str:
+    if isinstance(value, str):
+        return text.quoted(value)
+    return str(value) if isinstance(value, int) else text.number(value)
+
+
+def read(data: object) -> Read:
+    """Read the parsed file, YAML or JSON; CalibrationError ``malformed``."""
+    matrix = _matrix(data, "camera_matrix", 9, 9).reshape(3, 3)
+    d = _matrix(data, "distortion_coefficients", 0, 14)
+    size = (
+        text.count(text.member(data, "image_width"), "image_width"),
+        text.count(text.member(data, "image_height"), "image_height"),
+    )
+    fisheye = has(data, "fisheye_model") and bool(text.member(data, "fisheye_model"))
+    name = text.member(data, "camera_name") if has(data, "camera_name") else ""
+    if has(data, "xi"):
+        xi = _matrix(data, "xi", 1, 1)
+        return Read(camera("omnidirectional", matrix, np.concatenate([xi, d]), size), name=str(name))
+    return Read(opencv(matrix, d, size, fisheye), name=str(name))
+
+
+def _matrix(data: object, key: str, least: int, most: int) -> Array:
+    found = text.member(data, key)
+    return text.floats(found["data"] if has(found, "data") else found, key, least, most)

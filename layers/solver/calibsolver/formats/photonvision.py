@@ -1,0 +1,124 @@
+"""PhotonVision's calibration JSON, the keypoints among it."""
+
+from typing import Any
+
+import numpy as np
+
+from .. import rotation, score
+from ..arrays import Array
+from ..errors import CalibrationError
+from ..view import View
+from . import text
+from .base import Conversion, Read, Shape, Subject
+from .calibdb import opencv
+from .format import Format
+
+VIEWS, POINTS = 1000, 10_000
+"""More than any capture has."""
+
+
+class PhotonVision(Format):
+    """OpenCV's matrices as flat JSON; `observations` hold what was seen. Board lengths are in squares."""
+
+    name = "photonvision"
+    suffix = ".json"
+    media_type = "application/json"
+    shapes = (Shape("rectilinear"), Shape("rational"))
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write the camera and the keypoints."""
+        c = held.camera
+        board = subject.board.squares if subject.board else (0, 0)
+        return text.dump(
+            {
+                "resolution": {"width": float(c.img_size[0]), "height": float(c.img_size[1])},
+                "cameraIntrinsics": _matrix(np.asarray(c.matrix)),
+                "distCoeffs": _matrix(np.asarray(c.distortion)[None]),
+                "calobjectWarp": [0.0, 0.0],
+                "observations": self._observations(subject, held),
+                "calobjectSize": {"width": float(board[0]), "height": float(board[1])},
+                "calobjectSpacing": 1.0,
+                "lensmodel": "LENSMODEL_OPENCV",
+            },
+            held.warning,
+        )
+
+    @staticmethod
+    def _observations(subject: Subject, held: Conversion) -> list[dict[str, Any]]:
+        if not subject.views:
+            return []
+        found = []
+        for i, (view, rt) in enumerate(
+            zip(subject.views, score.score(held.camera, subject.views).poses, strict=True)
+        ):
+            r = rotation.matrix(rt[None, :3])[0]
+            residuals = held.camera.project(view.object_points @ r.T + rt[3:]) - view.image_points
+            found.append(
+                {
+                    "locationInObjectSpace": [_point(p) for p in view.object_points],
+                    "locationInImageSpace": [_point(q) for q in view.image_points],
+                    "reprojectionErrors": [_point(e) for e in residuals],
+                    "optimisedCameraToObject": {
+                        "translation": _point(rt[3:]),
+                        "rotation": {"quaternion": _quaternion(rt[:3])},
+                    },
+                    "cornersUsed": [True] * len(view),
+                    "snapshotName": f"view{i}",
+                    "snapshotDataLocation": "",
+                }
+            )
+        return found
+
+
+def _matrix(m: Array) -> dict[str, object]:
+    return {"rows": m.shape[0], "cols": m.shape[1], "type": 6, "data": m.ravel().tolist()}
+
+
+def _point(p: Array) -> dict[str, float]:
+    return dict(zip("xyz", p.tolist(), strict=False))
+
+
+def _quaternion(rvec: Array) -> dict[str, float]:
+    angle = float(np.linalg.norm(rvec))
+    axis = rvec / angle if angle else np.zeros(3)
+    x, y, z = (np.sin(angle / 2) * axis).tolist()
+    return {"W": float(np.cos(angle / 2)), "X": x, "Y": y, "Z": z}
+
+
+def read(data: object) -> Read:
+    """Read a parsed file; CalibrationError ``malformed``."""
+    size = (
+        text.count(text.member(data, "resolution", "width"), "resolution.width"),
+        text.count(text.member(data, "resolution", "height"), "resolution.height"),
+    )
+    k = text.floats(text.member(data, "cameraIntrinsics", "data"), "cameraIntrinsics", 9, 9).reshape(3, 3)
+    law = "distCoeffs" if isinstance(data, dict) and "distCoeffs" in data else "cameraExtrinsics"
+    d = text.floats(text.member(data, law, "data"), law, 0, 14)
+    seen = data.get("observations", []) if isinstance(data, dict) else []
+    if not isinstance(seen, list) or len(seen) > VIEWS:
+        raise text.refuse(f"observations must be a list of at most {VIEWS}")
+    views = [view for view in (_view(item) for item in seen) if len(view)]
+    return Read(opencv(k, d, size, fisheye=False), tuple(views))
+
+
+def _view(item: object) -> View:
+    p = _points(text.member(item, "locationInObjectSpace"), "xyz")
+    q = _points(text.member(item, "locationInImageSpace"), "xy")
+    used = item.get("cornersUsed") if isinstance(item, dict) else None
+    try:
+        view = View(p, q)
+    except ValueError as error:
+        raise text.refuse(f"an observation makes no sense: {error}") from None
+    keep = (q >= -0.5).all(axis=1)  # corners that were not seen are written as negative pixels
+    if isinstance(used, list) and len(used) == len(p):
+        keep &= np.array([bool(flag) for flag in used])
+    return View(view.object_points[keep], view.image_points[keep])
+
+
+def _points(items: object, axes: str) -> Array:
+    if not isinstance(items, list) or len(items) > POINTS:
+        raise text.refuse(f"an observation must be a list of at most {POINTS} points")
+    flat = text.floats([[text.member(item, axis) for axis in axes] for item in items], "an observation")
+    if len(flat) != len(items) * len(axes):
+        raise CalibrationError("malformed", "an observation has points of too many numbers")
+    return flat.reshape(-1, len(axes))

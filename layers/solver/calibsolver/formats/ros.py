@@ -1,0 +1,58 @@
+"""ROS camera_info, as camera_info_manager and camera_calibration_parsers read it."""
+
+import numpy as np
+
+from . import text
+from .base import Conversion, Read, Shape, Subject
+from .calibdb import camera, has, opencv
+from .format import Format
+
+NAMES = {"rectilinear": "plumb_bob", "rational": "rational_polynomial", "fisheye": "equidistant"}
+
+
+class Ros(Format):
+    """camera_info YAML in full precision; rectified by the identity, projected by K."""
+
+    name = "ros"
+    suffix = ".yaml"
+    media_type = "application/yaml"
+    shapes = (Shape("rectilinear"), Shape("rational"), Shape("fisheye"))
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write the members in the order that ROS writes them."""
+        c = held.camera
+        k = np.asarray(c.matrix)
+        p = np.concatenate([k, np.zeros((3, 1))], axis=1)
+        name = "".join(ch if ch.isascii() and ch.isalnum() else "_" for ch in subject.name) or "camera"
+        return text.lines(
+            self.comment(subject, held),
+            f"image_width: {c.img_size[0]}",
+            f"image_height: {c.img_size[1]}",
+            f"camera_name: {text.quoted(name)}",
+            self._matrix("camera_matrix", 3, 3, k.ravel()),
+            f"distortion_model: {NAMES[c.model]}",
+            self._matrix("distortion_coefficients", 1, len(c.distortion), c.distortion),
+            self._matrix("rectification_matrix", 3, 3, np.eye(3).ravel()),
+            self._matrix("projection_matrix", 3, 4, p.ravel()),
+        )
+
+    @staticmethod
+    def _matrix(name: str, rows: int, columns: int, data: np.typing.NDArray[np.float64]) -> list[str]:
+        return [f"{name}:", f"  rows: {rows}", f"  cols: {columns}", f"  data: [{text.numbers(data)}]"]
+
+
+def read(data: object) -> Read:
+    """Read the parsed YAML; CalibrationError ``malformed``."""
+    size = (
+        text.count(text.member(data, "image_width"), "image_width"),
+        text.count(text.member(data, "image_height"), "image_height"),
+    )
+    matrix = text.floats(text.member(data, "camera_matrix", "data"), "camera_matrix", 9, 9).reshape(3, 3)
+    d = text.floats(text.member(data, "distortion_coefficients", "data"), "distortion_coefficients", 0, 14)
+    law = text.member(data, "distortion_model")
+    name = str(text.member(data, "camera_name")) if has(data, "camera_name") else ""
+    if law == "equidistant":
+        return Read(camera("fisheye", matrix, d, size), name=name)
+    if law not in ("plumb_bob", "rational_polynomial"):
+        raise text.refuse(f"distortion_model {law!r} is none of plumb_bob, rational_polynomial, equidistant")
+    return Read(opencv(matrix, d, size, fisheye=False), name=name)

@@ -1,0 +1,94 @@
+"""Numbers and files as text, in full precision."""
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import CalibrationError
+
+
+def number(value: float) -> str:
+    """Write a float so that reading it gives the same again, and so that YAML 1.1 takes it for a float."""
+    text = repr(float(value))
+    return text if "." in text or "e" not in text else text.replace("e", ".0e")
+
+
+def numbers(values: Iterable[float]) -> str:
+    """Write floats as the inside of a list."""
+    return ", ".join(number(value) for value in values)
+
+
+def lines(*parts: str | Iterable[str]) -> bytes:
+    """Join lines to the content of a file."""
+    flat: list[str] = []
+    for part in parts:
+        flat.extend([part] if isinstance(part, str) else part)
+    return ("\n".join(flat) + "\n").encode()
+
+
+def dump(value: Mapping[str, Any], warning: str | None = None) -> bytes:
+    """Write a JSON object, the warning as its member ``warning``."""
+    if warning:
+        value = {**value, "warning": warning}
+    return (json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def quoted(text: str) -> str:
+    """Write a string in double quotes, as JSON and YAML both read it."""
+    return json.dumps("".join(c if c.isprintable() else " " for c in text))
+
+
+def refuse(what: str) -> CalibrationError:
+    """Return the error of a file that does not hold what it should."""
+    return CalibrationError("malformed", what)
+
+
+def member(data: object, *path: str | int) -> Any:
+    """Return what lies at `path` in parsed data; CalibrationError ``malformed`` names what is missing."""
+    here: Any = data
+    for i, key in enumerate(path):
+        found = (isinstance(here, Mapping) and key in here) or (
+            isinstance(here, Sequence)
+            and not isinstance(here, str)
+            and isinstance(key, int)
+            and key < len(here)
+        )
+        if not found:
+            raise refuse(f"the file has no {'.'.join(str(part) for part in path[: i + 1])}")
+        here = here[key]
+    return here
+
+
+def floats(value: object, name: str, least: int = 0, most: int = 1_000_000) -> Array:
+    """Return nested lists of numbers as one flat array; ``malformed`` for anything else, NaN among it."""
+    flat: list[float] = []
+
+    def take(item: object, depth: int) -> None:
+        if depth > 4 or len(flat) > most:
+            raise refuse(f"{name} has more in it than it should")
+        if isinstance(item, list | tuple):
+            for part in item:
+                take(part, depth + 1)
+        elif isinstance(item, bool) or not isinstance(item, int | float):
+            raise refuse(f"{name} must be numbers, not {type(item).__name__}")
+        elif not math.isfinite(item) or abs(item) > 1e12:
+            raise refuse(f"{name} holds a number that is none of a camera's")
+        else:
+            flat.append(float(item))
+
+    take(value, 0)
+    if not least <= len(flat) <= most:
+        raise refuse(f"{name} must be {least} to {most} numbers, not {len(flat)}")
+    return np.array(flat)
+
+
+def count(value: object, name: str) -> int:
+    """Return a whole number of 1 to 65,536."""
+    size = floats(value, name, 1, 1)[0]
+    if not (size == int(size) and 1 <= size <= 65_536):
+        raise refuse(f"{name} must be a whole number of 1 to 65536")
+    return int(size)

@@ -1,0 +1,102 @@
+"""What runs in a page: the WebXR attributes, and glTF's camera."""
+
+import math
+
+import numpy as np
+
+from .. import models
+from ..arrays import Array
+from ..camera import Camera
+from . import text
+from .base import Conversion, Shape, Subject
+from .convert import compared
+from .format import Format
+
+NEAR, FAR = 0.1, 1000.0
+
+
+def projection_matrix(camera: Camera, near: float = NEAR, far: float = FAR) -> Array:
+    """Return OpenGL's projection (4, 4) of the camera without its distortion, the viewport its whole image.
+
+    Column vectors; clip space as in WebXR: x right, y up, the view frame diag(1, -1, -1) times ours.
+    """
+    (w, h), k = camera.img_size, np.asarray(camera.matrix)
+    p = np.zeros((4, 4))
+    p[0, 0], p[1, 1] = 2 * k[0, 0] / w, 2 * k[1, 1] / h
+    # pixel centres are at whole numbers, the edge of the viewport is half a pixel further out
+    p[0, 2], p[1, 2] = 1 - 2 * (k[0, 2] + 0.5) / w, 2 * (k[1, 2] + 0.5) / h - 1
+    p[2, 2], p[2, 3], p[3, 2] = -(far + near) / (far - near), -2 * far * near / (far - near), -1
+    return p
+
+
+class WebXr(Format):
+    """The attributes of the lens extension of XRView, matrices column-major as in WebXR."""
+
+    name = "webxr"
+    suffix = ".json"
+    media_type = "application/json"
+    shapes = tuple(Shape(model) for model in models.NAMES)
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write the attributes, and the projection matrix that goes with them."""
+        c = held.camera
+        return text.dump(
+            {
+                "camera": subject.name,
+                "viewport": {"x": 0, "y": 0, "width": c.img_size[0], "height": c.img_size[1]},
+                "cameraMatrix": np.asarray(c.matrix).ravel(order="F").tolist(),
+                "distortionModel": c.model,
+                "distortionCoefficients": c.distortion.tolist(),
+                "depthNear": NEAR,
+                "depthFar": FAR,
+                "projectionMatrix": projection_matrix(c).ravel(order="F").tolist(),
+            },
+            held.warning,
+        )
+
+
+class Gltf(Format):
+    """A glTF 2.0 scene with one perspective camera; what its two numbers leave out is in `extras`."""
+
+    name = "gltf"
+    suffix = ".gltf"
+    media_type = "model/gltf+json"
+    shapes = WebXr.shapes
+
+    def convert(self, subject: Subject) -> Conversion:
+        """Return the pinhole with its axis in the middle that readers of the two numbers see."""
+        c = subject.camera
+        (w, h), matrix = c.img_size, np.array(c.matrix)
+        matrix[:2, 2] = (w - 1) / 2, (h - 1) / 2
+        return compared(c, Camera("rectilinear", matrix, np.zeros(5), c.img_size))
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write the scene."""
+        c = subject.camera
+        (w, h), k = c.img_size, np.asarray(c.matrix)
+        camera = {
+            "name": subject.name,
+            "type": "perspective",
+            "perspective": {
+                "yfov": 2 * math.atan(h / (2 * float(k[1, 1]))),
+                "aspectRatio": w * float(k[1, 1]) / (h * float(k[0, 0])),
+                "znear": NEAR,
+                "zfar": FAR,
+            },
+            "extras": {
+                "img_size": [w, h],
+                "camera_matrix": k.tolist(),
+                "distortion_model": c.model,
+                "distortion_coefficients": c.distortion.tolist(),
+                "warning": held.warning,
+            },
+        }
+        return text.dump(
+            {
+                "asset": {"version": "2.0", "generator": "calibDB"},
+                "scene": 0,
+                "scenes": [{"nodes": [0]}],
+                "nodes": [{"name": subject.name, "camera": 0}],
+                "cameras": [camera],
+            }
+        )

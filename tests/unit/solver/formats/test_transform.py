@@ -1,0 +1,72 @@
+"""What a resized, cut, turned or mirrored picture's camera is, against the picture itself."""
+
+import numpy as np
+import pytest
+
+from calibsolver import CalibrationError, models, transform
+from calibsolver.score import score
+from tests.formats import IMG_SIZE, image_rays, subject
+
+TRANSFORMS = {
+    "half": transform.resize(IMG_SIZE, (640, 360)),
+    "stretched": transform.resize(IMG_SIZE, (960, 720)),
+    "cut": transform.crop(IMG_SIZE, (160, 0), (960, 720)),
+    **{f"turned {d}": transform.rotate(IMG_SIZE, d) for d in (90, 180, 270)},
+    "mirrored": transform.mirror(IMG_SIZE),
+    "turned and mirrored": transform.rotate(IMG_SIZE, 90).then(transform.mirror((720, 1280))),
+}
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+@pytest.mark.parametrize("name", TRANSFORMS)
+def test_camera_of_the_picture_projects_to_where_its_pixels_went(name: str, model: str) -> None:
+    turn = TRANSFORMS[name]
+    before = subject(model)
+    camera, views = transform.apply(turn, before.camera, before.views)
+    rays, q = image_rays(before.camera)
+    # the frame turns with the picture's axes; scales do not touch it
+    frame = np.eye(3)
+    frame[:2, :2] = np.sign(turn.linear)
+    assert np.abs(camera.project(rays @ frame.T) - turn.pixels(q)).max() < 1e-6
+    assert camera.img_size == turn.img_size
+    # The measurements went along: they fit as well as before, where no axis is scaled differently.
+    if name != "stretched":
+        scale = float(np.sqrt(abs(np.linalg.det(turn.linear))))
+        assert score(camera, views).rms == pytest.approx(scale * score(before.camera, before.views).rms, rel=1e-6)
+
+
+def test_resizing_keeps_the_corner_of_the_picture_not_the_centre_of_its_pixel() -> None:
+    half = transform.resize((640, 480), (320, 240))
+    assert half.pixels(np.array([[-0.5, -0.5], [639.5, 479.5], [319.5, 239.5]])).tolist() == [
+        [-0.5, -0.5],
+        [319.5, 239.5],
+        [159.5, 119.5],
+    ]
+
+
+def test_four_turns_and_two_mirrors_are_none() -> None:
+    turned = transform.rotate(IMG_SIZE, 360)
+    assert np.array_equal(turned.linear, np.eye(2))
+    twice = transform.mirror(IMG_SIZE).then(transform.mirror(IMG_SIZE))
+    assert np.array_equal(twice.linear, np.eye(2))
+    assert np.abs(twice.offset).max() == 0
+    camera = subject("rectilinear").camera
+    there = transform.rotate(IMG_SIZE, 90).camera(camera)
+    back = transform.rotate((720, 1280), 270).camera(there)
+    assert np.abs(back.intrinsics - camera.intrinsics).max() < 1e-12 * 1280
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda: transform.crop(IMG_SIZE, (700, 0), (640, 720)),
+        lambda: transform.crop(IMG_SIZE, (-1, 0), (640, 480)),
+        lambda: transform.rotate(IMG_SIZE, 45),
+        lambda: transform.resize(IMG_SIZE, (0, 480)),
+        lambda: transform.resize(IMG_SIZE, (100_000, 480)),
+    ],
+)
+def test_what_is_no_picture_is_refused(wrong: object) -> None:
+    assert callable(wrong)
+    with pytest.raises(CalibrationError):
+        wrong()
