@@ -44,6 +44,10 @@ def parser() -> argparse.ArgumentParser:
     forget.add_argument("--token", help="… and the id of the token; without it, all tokens are tried")
 
     commands.add_parser("reindex", help="make the index anew from the bucket, which is the truth")
+    fill = commands.add_parser(
+        "backfill", help="bring every consensus up to date: after a new model, another solver or other rules"
+    )
+    fill.add_argument("--after", default="", metavar="KEY", help="go on after this camera")
 
     dump = commands.add_parser("dump", help="write all calibrations and keypoints to a new folder (CC0)")
     dump.add_argument("folder", type=Path)

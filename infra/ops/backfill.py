@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from calibdb.errors import UnavailableError
 from calibdb.schema import DISTORTION_MODELS, BackfillAnswer, RefitRequest
 from calibdb.store import clients
-from infra.ops.desk import Desk
+from infra.ops.desk import Desk, OpsError
 
 BATCH = 1000  # names that the state machine hands on together
 _FUNCTION = "BackfillFunction"
@@ -81,7 +81,7 @@ def _requests(desk: Desk, names: Iterable[str]) -> Iterator[RefitRequest]:
     answer = clients.lambda_(desk.settings.region).invoke(FunctionName=_FUNCTION, Payload=asked)
     content = answer["Payload"].read()
     if "FunctionError" in answer:
-        raise RuntimeError(f"{_FUNCTION} failed: {content.decode()[:500]}")
+        raise OpsError(f"{_FUNCTION} failed: {content.decode()[:500]}")
     yield from BackfillAnswer.model_validate_json(content).requests
 
 

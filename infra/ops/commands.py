@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from infra.ops import cameras, tokens, withdrawal
+from infra.ops.backfill import backfill
 from infra.ops.desk import Desk, OpsError
 from infra.ops.load import load
 from infra.ops.reindex import reindex
@@ -31,6 +32,8 @@ def run(asked: argparse.Namespace, desk: Desk) -> None:
             _forget(asked, desk)
         case "reindex", _:
             _reindex(desk)
+        case "backfill", _:
+            _backfill(asked, desk)
         case "dump", _:
             from infra.ops.dump import dump  # pyarrow takes its time
 
@@ -74,6 +77,13 @@ def _forget(asked: argparse.Namespace, desk: Desk) -> None:
         raise OpsError("nothing came from there")
     done = withdrawal.forget(desk, who)
     desk.say(f"removed {done.calibrations} calibrations, {done.sessions} sessions, {done.votes} votes")
+
+
+def _backfill(asked: argparse.Namespace, desk: Desk) -> None:
+    done = backfill(desk, asked.after)
+    desk.say(f"{done.modes} modes of cameras looked at, {done.changed} consensuses computed")
+    if done.failed:
+        raise OpsError(f"of {done.failed} modes the consensus could not be computed; run it again")
 
 
 def _reindex(desk: Desk) -> None:

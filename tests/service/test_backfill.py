@@ -1,0 +1,121 @@
+"""Backfills: every camera, every model; twice is once; and what the state machine does is the same."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import boto3
+import pytest
+
+from calibdb import schema
+from infra.local import LocalStack
+from infra.local.intrinsics import parse
+from infra.ops.__main__ import main
+from tests.published import asked, calibration, mode_of, store
+
+ROOT = Path(__file__).parents[2]
+CAMERAS = ("Backfilled one", "Backfilled two", "Backfilled three")
+MODELS = set(schema.DISTORTION_MODELS)
+
+
+@pytest.fixture
+def data_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A stack's folder, left by a version that knew one model: three cameras, one of them at two sizes."""
+    folder = tmp_path / "data"
+    monkeypatch.setenv("DATA_DIR", str(folder))
+    with LocalStack(folder) as stack:
+        for camera in CAMERAS:
+            for n in range(2):
+                document = calibration(camera, n, views=3)
+                store(stack).calibrations.publish(document)
+            store(stack).refit.now(asked(mode_of(document), "rectilinear"))
+        other_zoom = document.model_copy(update={"zoom": 2.0, "id": document.id[:-4] + "ffff"})
+        store(stack).calibrations.publish(other_zoom)
+    return folder
+
+
+@pytest.fixture
+def stack(data_dir: Path) -> Iterator[LocalStack]:
+    with LocalStack(data_dir) as stack:
+        yield stack
+
+
+def known(stack: LocalStack) -> dict[tuple[str, float], set[str]]:
+    found: dict[tuple[str, float], set[str]] = {}
+    for camera in CAMERAS:
+        for c in store(stack).consensuses.of(calibration(camera, 0, views=3).camera_key):
+            found.setdefault((camera, c.zoom), set()).add(c.distortion_model)
+    return found
+
+
+def everything() -> dict[tuple[str, float], set[str]]:
+    return {**{(camera, 0.0): MODELS for camera in CAMERAS}, (CAMERAS[-1], 2.0): MODELS}
+
+
+def test_the_command(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["backfill"]) == 0
+    said = capsys.readouterr().out
+    assert f"4 modes of cameras looked at, {3 * 3 + 4} consensuses computed" in said
+    with LocalStack(data_dir) as stack:
+        assert known(stack) == everything()
+    assert main(["backfill"]) == 0
+    assert "4 modes of cameras looked at, 0 consensuses computed" in capsys.readouterr().out
+
+
+@pytest.mark.usefixtures("data_dir")
+def test_it_goes_on_where_it_was_stopped(capsys: pytest.CaptureFixture[str]) -> None:
+    first, *others = sorted(calibration(camera, 0, views=3).camera_key for camera in CAMERAS)
+    assert main(["backfill", "--after", first]) == 0
+    said = capsys.readouterr().out
+    assert first not in said
+    assert all(key in said for key in others)
+
+
+def test_the_state_machine(stack: LocalStack) -> None:
+    """Its states, interpreted here as Step Functions would: list, batch, name the modes, compute each."""
+    definition = parse(ROOT / "template.yaml")["Resources"]["BackfillMachine"]["Properties"]["Definition"]
+    outer = definition["States"][definition["StartAt"]]
+    assert outer["ItemReader"]["Resource"].endswith(":s3:listObjectsV2")
+    assert outer["ItemProcessor"]["ProcessorConfig"]["Mode"] == "DISTRIBUTED"
+    prefix, size = outer["ItemReader"]["Parameters"]["Prefix"], outer["ItemBatcher"]["MaxItemsPerBatch"]
+    listed = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"], Prefix=prefix)
+    items = [{"Key": e["Key"], "Size": e["Size"]} for e in listed["Contents"]]
+    child = outer["ItemProcessor"]["States"]
+    first = child[outer["ItemProcessor"]["StartAt"]]
+    assert first["Parameters"]["Payload.$"] == "$"
+    assert first["ResultSelector"] == {"requests.$": "$.Payload.requests"}
+    second = child[first["Next"]]
+    assert second["ItemsPath"] == "$.requests"
+    (refit,) = second["ItemProcessor"]["States"].values()
+    assert refit["Parameters"]["Payload.$"] == "$"
+    for start in range(0, len(items), size):
+        found = invoke("BackfillFunction", {"Items": items[start : start + size]})
+        for request in found["requests"]:
+            invoke("RefitFunction", request)
+    assert known(stack) == everything()
+    functions = {first["Parameters"]["FunctionName"], refit["Parameters"]["FunctionName"]}
+    assert functions == {"${Backfill}", "${Refit}"}
+
+
+def invoke(function: str, payload: Any) -> Any:
+    answer = boto3.client("lambda").invoke(FunctionName=function, Payload=json.dumps(payload).encode())
+    content = json.load(answer["Payload"])
+    assert "FunctionError" not in answer, content
+    return content
+
+
+def test_other_objects_are_passed_over_and_earlier_keys_are_followed(stack: LocalStack) -> None:
+    old = calibration(CAMERAS[0], 0, views=3)
+    earlier = f"c1-{old.camera_key[3:]}"
+    renamed = old.model_copy(update={"camera_key": earlier, "id": earlier + old.id[-21:]})
+    store(stack).calibrations.publish(renamed)
+    names = [
+        f"calibrations/{earlier}/{renamed.id}.json",
+        f"calibrations/{earlier}/{renamed.id}.withdrawn.json",
+        "calibrations/",
+        "calibrations/x/y.json",
+    ]
+    found = invoke("BackfillFunction", {"Items": [{"Key": name} for name in names]})
+    assert [r["camera"] for r in found["requests"]] == [old.camera_key]
+    assert invoke("BackfillFunction", {"Items": []}) == {"requests": []}
