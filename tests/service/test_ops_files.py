@@ -1,0 +1,228 @@
+"""The operator's files: a dump that anyone may have, a stack made of it, and guesses from elsewhere."""
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pyarrow import parquet
+
+from calibdb.camera_key import camera_key
+from calibdb.schema import DISTORTION_MODELS
+from calibdb.settings import Settings
+from calibdb.store import Store
+from infra.local import LocalStack
+from infra.ops.__main__ import main
+from tests.client import Client, Truth, until
+from tests.data import data_dir as shared
+
+LABEL = "Anna's iPhone Camera"
+PLATFORM = "iPhone; CPU iPhone OS 17_1 like Mac OS X"
+
+
+@pytest.fixture(scope="module")
+def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A stack in which one camera is reliably known, and a phone with a name on it once."""
+    folder = tmp_path_factory.mktemp("files") / "data"
+    with LocalStack(folder) as stack:
+        client = Client(stack)
+        for seed in range(5):
+            Truth(seed=seed).calibrate(client)
+        Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM)
+        until(lambda: client.lookup().status == 200)
+    return folder
+
+
+@pytest.fixture
+def dumped(data_dir: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("DATA_DIR", str(data_dir))
+    assert main(["dump", str(tmp_path / "dump")]) == 0
+    return tmp_path / "dump"
+
+
+def lines(path: Path) -> Iterator[dict[str, Any]]:
+    for line in path.read_text().splitlines():
+        yield json.loads(line)
+
+
+def lookups(stack: LocalStack) -> list[Any]:
+    """What is answered to all sorts of questions; the address of the guidance page is each stack's own."""
+    client = Client(stack)
+    asked: list[dict[str, Any]] = [{"distortion_model": model} for model in DISTORTION_MODELS]
+    asked += [{"img_size": [640, 360]}, {"img_size": [640, 480]}, {"zoom": 2}, {"camera": "Other"}]
+    asked += [{"camera": LABEL, "platform": PLATFORM}]
+    answers = [client.lookup(**what, redirect=False) for what in asked]
+    return [(a.status, {k: v for k, v in a.json.items() if k != "guidance_url"}) for a in answers]
+
+
+def test_what_was_dumped_answers_alike_elsewhere(
+    data_dir: Path,
+    dumped: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with LocalStack(data_dir) as stack:
+        expected = lookups(stack)
+    assert [status for status, _ in expected[:2]] == [200, 200]  # rectilinear and fisheye
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "elsewhere"))
+    for _ in range(2):  # the second time changes nothing
+        assert main(["load", str(dumped)]) == 0
+        assert "6 calibrations and 0 votes taken in" in capsys.readouterr().out
+        with LocalStack(tmp_path / "elsewhere") as stack:
+            assert lookups(stack) == expected
+
+
+def test_a_dump_names_nobody(data_dir: Path, dumped: Path, tmp_path: Path) -> None:
+    with LocalStack(data_dir) as stack:
+        store = Store.of(Settings.from_environment(stack.environment))
+        known = {document.contributor for document in store.calibrations.all()}
+    documents = list(lines(dumped / "calibrations.jsonl"))
+    everything = b"".join(path.read_bytes() for path in dumped.iterdir())
+    assert {len(d["contributor"]) for d in documents} == {64}
+    for secret in (*known, "Anna", "127.0.0.1", "cdb_"):
+        assert secret.encode() not in everything
+    assert main(["dump", str(tmp_path / "again")]) == 0
+    again = list(lines(tmp_path / "again" / "calibrations.jsonl"))
+    assert [d["id"] for d in documents] == [d["id"] for d in again]
+    assert {d["contributor"] for d in documents}.isdisjoint({d["contributor"] for d in again})
+    assert len({d["contributor"] for d in documents}) == len(known)  # and yet they can be told apart
+
+
+def test_a_dump_is_a_table_of_everything(dumped: Path) -> None:
+    documents = {d["id"]: d for d in lines(dumped / "calibrations.jsonl")}
+    rows = parquet.read_table(dumped / "calibrations.parquet").to_pylist()
+    assert len(rows) == len(documents) == 6
+    for row in rows:
+        fit = documents[row["id"]]["fits"]["rectilinear"]
+        assert (row["fx"], row["cy"]) == (fit["camera_matrix"][0][0], fit["camera_matrix"][1][2])
+        assert row["distortion_coefficients"] == fit["distortion_coefficients"]
+        assert row["time"].timestamp() == documents[row["id"]]["time"]
+    corners = parquet.read_table(dumped / "keypoints.parquet").to_pylist()
+    expected = [
+        (d["id"], view["index"], corner, *point)
+        for d in documents.values()
+        for view in d["views"]
+        for corner, point in zip(view["ids"], view["points"], strict=True)
+    ]
+    assert [tuple(corner.values()) for corner in corners] == expected
+    assert "CC0 1.0" in (dumped / "README.txt").read_text()
+
+
+def test_a_dump_is_never_written_over_another(dumped: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["dump", str(dumped)]) == 1
+    assert "is there already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("not JSON\n", "line 7: the line: Invalid JSON"),
+        ('{"layout": 2}\n', "line 7: layout"),
+    ],
+)
+def test_a_broken_dump_is_not_taken_in_by_half(
+    dumped: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    line: str,
+    said: str,
+) -> None:
+    with (dumped / "calibrations.jsonl").open("a") as file:
+        file.write(line)
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "elsewhere"))
+    assert main(["load", str(dumped)]) == 1
+    assert said in capsys.readouterr().err
+    assert main(["camera", "list"]) == 0
+    assert capsys.readouterr().out == ""
+
+
+def test_only_a_dump_is_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "elsewhere"))
+    assert main(["load", str(tmp_path)]) == 1
+    assert "not the folder of a dump" in capsys.readouterr().err
+
+
+def seed(path: Path, *options: str) -> int:
+    names = ("--camera", "{brand} {model} {lens}", "--platform", "photograph", "--model", "fisheye")
+    return main(["seed", str(path), *names, *options])
+
+
+def test_guesses_from_elsewhere_are_no_answers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
+    profiles = (shared() / "lens_profiles.csv").read_text().splitlines(keepends=True)
+    some = tmp_path / "some.csv"
+    some.write_text("".join(profiles[:81]))
+    assert seed(some, "--source", "lens profiles (CC0)") == 0
+    said = capsys.readouterr().out
+    found = re.match(r"(?:\d+) rows: (\d+) first guesses for (\d+) cameras", said)
+    assert found
+    assert int(found[1]) > 60
+    with LocalStack(tmp_path / "data") as stack:
+        store = Store.of(Settings.from_environment(stack.environment))
+        priors = list(store.priors.all())
+        assert len(priors) == int(found[1])
+        for prior in priors:
+            fit = store.priors.find(prior.camera_key, prior.fit.img_size, prior.zoom, "fisheye")
+            assert fit == prior.fit
+        client = Client(stack)
+        for prior in priors[:20]:
+            asked = {"camera": prior.camera, "platform": prior.platform, "distortion_model": "fisheye"}
+            answer = client.lookup(**asked, img_size=list(prior.fit.img_size), redirect=False)
+            assert answer.status == 404
+            assert answer.json["reason"] == "unknown_camera"
+        before = client.call("GET", "/v1/cameras", token="cdb_dev_local")
+    assert before.json["cameras"] == []  # nor are they shown as known
+    assert main(["reindex"]) == 0
+    with LocalStack(tmp_path / "data") as stack:
+        store = Store.of(Settings.from_environment(stack.environment))
+        assert store.priors.find(*key_of(priors[0])) == priors[0].fit
+
+
+def key_of(prior: Any) -> tuple[str, tuple[int, int], float, str]:
+    return prior.camera_key, prior.fit.img_size, prior.zoom, prior.fit.distortion_model
+
+
+def test_rows_that_disagree_are_no_guess(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
+    rows = [
+        "brand,model,lens,w,h,fx,fy,cx,cy,k1,k2,k3,k4",
+        "A,One camera,,1280,720,900,900,640,360,0,0,0,0",
+        "A,One camera,,1280,720,930,930,640,360,0,0,0,0",
+        "A,One camera,,1280,720,910,910,640,360,0,0,0,0",
+        "A,Two lenses,,1280,720,900,900,640,360,0,0,0,0",
+        "A,Two lenses,,1280,720,1400,1400,640,360,0,0,0,0",
+        "A,No camera,,1280,720,-900,900,640,360,0,0,0,0",
+        "A,No camera,,1280,720,900,900,6400,360,0,0,0,0",
+        "A,No camera,,1,720,900,900,0.5,360,0,0,0,0",
+        "A,No number,,1280,720,nan,900,640,360,0,0,0,0",
+    ]
+    file = tmp_path / "rows.csv"
+    file.write_text("\n".join(rows))
+    assert seed(file) == 0
+    said = capsys.readouterr().out
+    assert "9 rows: 1 first guesses for 1 cameras" in said
+    assert "2 passed over: several lenses or modes under one name" in said
+    assert "3 passed over: no camera is like that" in said
+    assert "1 passed over: a number is missing" in said
+    with LocalStack(tmp_path / "data") as stack:
+        store = Store.of(Settings.from_environment(stack.environment))
+        fit = store.priors.find(camera_key("A One camera", "photograph"), (1280, 720), 0, "fisheye")
+        assert fit is not None
+        assert fit.camera_matrix[0][0] == 910
+    for arguments, complaint in (
+        (["seed", str(file)], "'{camera}' cannot be made of the columns"),
+        (["seed", str(file), "--camera", "{brand}", "--platform", "p"], "no column p1, which rectilinear"),
+        (["seed", str(tmp_path / "none.csv")], "No such file"),
+    ):
+        assert main(arguments) == 1
+        assert complaint in capsys.readouterr().err
