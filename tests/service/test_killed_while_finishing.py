@@ -1,0 +1,147 @@
+"""kill -9 while captures end: afterwards all of a calibration is there or nothing, and a retry completes it.
+
+`CALIBDB_KILLS` says at how many moments; 12 unless told otherwise.
+"""
+
+import os
+import random
+import threading
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import boto3
+import httpx
+import pytest
+
+from calibdb import schema
+from infra.local import LocalStack
+from infra.local.invokes import INVOKE
+from infra.ops.__main__ import main
+from tests.client import CAMERA, Client, Truth, until
+from tests.processes import LocalProcess
+from tests.published import store
+
+AT_ONCE = 6  # captures that end when the server is killed: each is cut off at a moment of its own
+KILLS = max(1, int(os.environ.get("CALIBDB_KILLS", "12")) // AT_ONCE)
+TOKEN = {"authorization": "Bearer cdb_dev_local"}
+Views = list[dict[str, Any]]
+
+
+def capture() -> Views:
+    """The views of a capture, up to the one that ends it."""
+    views: Views = []
+    with LocalStack() as stack:
+        client, truth = Client(stack), Truth(seed=3)
+        client.open()
+        while True:
+            pose = client.pose().json
+            ids, points = truth.see(pose)
+            answer = client.view(pose["index"], ids, points).json
+            if answer["accepted"]:
+                views.append({"index": pose["index"], "ids": ids, "points": points})
+            if answer["status"] == "converged":
+                return views
+
+
+def begin(client: httpx.Client, views: Views) -> str:
+    """A session that lacks its last view."""
+    session = str(client.post("/v1/auth", headers=TOKEN).json()["session_id"])
+    assert send(client, session, "/v1/session", CAMERA).status_code == 201
+    for view in views[:-1]:
+        answer = send(client, session, "/v1/session/views", view)
+        assert answer.json()["accepted"], answer.text
+    return session
+
+
+def send(client: httpx.Client, session: str, path: str, body: dict[str, Any]) -> httpx.Response:
+    return client.post(path, headers={"authorization": f"Bearer {session}"}, json=body)
+
+
+def end_together(server: LocalProcess, sessions: list[str], last: dict[str, Any], kill_after: float) -> float:
+    """Send all last views at once, kill the server so many seconds later; return how long they took."""
+    ready = threading.Barrier(len(sessions) + 1)
+
+    def end(session: str) -> None:
+        with httpx.Client(base_url=server.url, timeout=20) as client:
+            client.get("/healthz")  # connected before it matters
+            ready.wait()
+            with suppress(httpx.TransportError):
+                send(client, session, "/v1/session/views", last)
+
+    with ThreadPoolExecutor(len(sessions)) as pool:
+        ended = [pool.submit(end, session) for session in sessions]
+        ready.wait()
+        started = time.monotonic()
+        wait(ended, kill_after)
+        if time.monotonic() - started >= kill_after:
+            server.kill()
+        wait(ended)
+    return time.monotonic() - started
+
+
+def at_rest(data_dir: Path) -> tuple[set[str], set[str], set[str]]:
+    """Ids of the calibrations in the bucket, in the index, and behind the consensus of every model."""
+    with LocalStack(data_dir) as stack:
+        queue = stack.storage
+        until(lambda: queue and not queue.remembered(INVOKE), 30)  # what was asked for is done
+        table, bucket = stack.environment["TABLE_NAME"], stack.environment["BUCKET_NAME"]
+        items = boto3.client("dynamodb").scan(TableName=table)["Items"]
+        listed = boto3.client("s3").list_objects_v2(Bucket=bucket, Prefix="calibrations/")
+        files = {entry["Key"].rpartition("/")[2][:-5] for entry in listed.get("Contents", [])}
+        indexed = [i["sk"]["S"].rpartition("#")[2] for i in items if i["sk"]["S"].startswith("CALIBRATION#")]
+        known = {name.rpartition("-")[0] for name in files}
+        consensuses = [c for key in known for c in store(stack).consensuses.of(key)]
+        groups = [store(stack).consensuses.groups(c) for c in consensuses]
+    members = [{i for group in found.groups for i in group} if found else set() for found in groups]
+    assert len(members) == (len(schema.DISTORTION_MODELS) if files else 0)
+    assert all(found == members[0] for found in members)
+    assert len(indexed) == len(set(indexed))
+    return files, set(indexed), members[0] if members else set()
+
+
+def test_all_or_nothing_and_a_retry_completes_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data_dir, views = tmp_path / "data", capture()
+    monkeypatch.setenv("DATA_DIR", str(data_dir))
+    rng = random.Random(7)
+    cut: list[str] = []
+    window = 0.0
+    outcomes: Counter[str] = Counter()
+    for number in range(KILLS + 1):
+        if cut:
+            assert main(["reindex"]) == 0
+            files, indexed, behind = at_rest(data_dir)
+            assert files == indexed == behind, "in the bucket, in the index, in the consensus: all or nothing"
+        with (
+            LocalProcess(data_dir) as server,
+            httpx.Client(base_url=server.url, timeout=20) as client,
+        ):
+            for session in cut:
+                headers = {"authorization": f"Bearer {session}"}
+                state = client.get("/v1/session", headers=headers).json()
+                outcomes[state["status"]] += 1
+                if state["status"] == "capturing":
+                    assert len(state["views"]) == len(views) - 1
+                else:
+                    assert state["calibration_id"] in files
+                retried = send(client, session, "/v1/session/views", views[-1]).json()
+                assert (retried["status"], len(retried["views"])) == ("converged", len(views))
+                again = send(client, session, "/v1/session/views", views[-1]).json()
+                assert again == retried
+            if number == KILLS:
+                break
+            if not window:  # how long it takes here and today
+                undisturbed = [begin(client, views) for _ in range(AT_ONCE)]
+                window = 1.2 * end_together(server, undisturbed, views[-1], 30.0)
+            cut = [begin(client, views) for _ in range(AT_ONCE)]
+            # Random, and yet from all of the time that it takes.
+            end_together(server, cut, views[-1], window * (number + rng.random()) / KILLS)
+            server.kill()
+    files, indexed, behind = at_rest(data_dir)
+    assert files == indexed == behind
+    assert sum(outcomes.values()) == KILLS * AT_ONCE
+    assert len(files) == (KILLS + 1) * AT_ONCE, "every capture once"
+    print(f"of {KILLS * AT_ONCE} captures {outcomes['converged']} had ended when the server was killed")
