@@ -81,8 +81,9 @@ function show() {
   part("description", HTMLElement).textContent = t("board.what", {
     columns, rows, dictionary, ratio: number(marker_ratio, 2), layout: t(legacy ? "board.layout_legacy" : "board.layout_new"),
   });
-  for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href*="/calibrate/"]'))) {
-    link.href = address("../calibrate/");
+  for (const page of ["../calibrate/", "../photos/"]) {
+    const there = address(page);
+    for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll(`a[href*="${page.slice(2)}"]`))) link.href = there;
   }
 }
 

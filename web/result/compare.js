@@ -5,15 +5,29 @@ import { Rectifier, RectifierError } from "../sdk/rectifier.js";
 
 /** @typedef {import("./numbers.js").Calibration} Calibration */
 
+const WIDEST = 1600; // px; nobody sees more here, and maps of large photographs would fill the GPU
+
+/** The calibration of the same picture made smaller: lengths scale, pixel centres stay at whole numbers. @param {Calibration} calibration @returns {Calibration} */
+export function reduced(calibration) {
+  const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
+  const s = Math.min(1, WIDEST / width);
+  const centre = (/** @type {number} */ c) => (c + 0.5) * s - 0.5;
+  return {
+    ...calibration, img_size: [Math.round(width * s), Math.round(height * s)],
+    camera_matrix: [[fx * s, 0, centre(cx)], [0, fy * s, centre(cy)], [0, 0, 1]],
+  };
+}
+
 /**
- * @param {Calibration} calibration
+ * @param {Calibration} whole
  * @param {HTMLCanvasElement} picture of the calibration's size; it stays on this device
  * @returns {{element: HTMLElement, dispose: () => void}}
  */
-export function comparison(calibration, picture) {
+export function comparison(whole, picture) {
+  const calibration = reduced(whole);
   const [width, height] = calibration.img_size;
   const before = el("canvas", { width, height, role: "img", "aria-label": t("result.before") });
-  before.getContext("2d")?.drawImage(picture, 0, 0);
+  before.getContext("2d")?.drawImage(picture, 0, 0, width, height);
   let rectifier;
   try {
     rectifier = new Rectifier(calibration);

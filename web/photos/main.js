@@ -1,0 +1,265 @@
+// Calibration from photographs or a video. Boards are looked for on this device; only where their corners are is sent.
+import { boardFrom, boardQuery } from "../board/geometry.js";
+import { Api, ApiError, OfflineError } from "../calibrate/api.js";
+import { observedOutline } from "../calibrate/area.js";
+import { Detector, DetectorError } from "../calibrate/detector.js";
+import { el, part } from "../dom.js";
+import { known, number, onLanguage, t } from "../i18n.js";
+import { openPage } from "../page.js";
+import { load } from "../result/source.js";
+import { imagePlot, make, short } from "../result/svg.js";
+import { ResultView } from "../result/view.js";
+import { COEFFICIENTS } from "../sdk/projection.js";
+import { SettingsError, loadSettings } from "../settings.js";
+import capture from "../words/capture.js";
+import words from "../words/photos.js";
+import result from "../words/result.js";
+import { card, thumbnail } from "./card.js";
+import { UnreadableError, shots } from "./files.js";
+import { groups } from "./group.js";
+import { ranked } from "./rank.js";
+import { calibrate } from "./series.js";
+
+/**
+ * @typedef {import("./card.js").Picture} Picture
+ * @typedef {import("./series.js").Judgement} Judgement
+ * @typedef {import("./series.js").Outcome} Outcome
+ */
+
+const PATIENCE = 120_000; // ms for the board in one picture: they may have a hundred times the pixels of a frame
+const MOST = 30; // views offered: the service ends a session after 15
+
+openPage({ photos: words, result, capture });
+const query = new URLSearchParams(location.search);
+const { board, problem } = boardFrom(query);
+const parts = {
+  drop: part("drop", HTMLElement), files: part("files", HTMLInputElement), status: part("status", HTMLElement),
+  progress: part("progress", HTMLProgressElement), pictures: part("pictures", HTMLElement), form: part("form", HTMLFormElement),
+  series: part("series", HTMLSelectElement), several: part("several", HTMLElement), camera: part("camera", HTMLInputElement),
+  focal: part("focal", HTMLInputElement), model: part("model", HTMLSelectElement), start: part("start", HTMLButtonElement),
+  wanted: part("wanted", HTMLElement), board: part("board", HTMLElement), problem: part("problem", HTMLElement),
+};
+const view = new ResultView(part("result", HTMLElement));
+/** @type {Picture[]} */
+let pictures = [];
+/** @type {Map<Picture, Judgement>} */
+const judgements = new Map();
+/** @type {Map<Picture, File>} to look at one again */
+const origins = new Map();
+/** @type {Promise<Detector> | null} */
+let detector = null;
+/** The search that is going on. */
+let run = new AbortController();
+
+/** @param {unknown} error */
+function explain(error) {
+  if (error instanceof DetectorError && known(`capture.fault_${error.code}`)) return t(`capture.fault_${error.code}`, { detail: error.message });
+  if ([ApiError, OfflineError, SettingsError, DetectorError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
+  console.error(error);
+  return t("common.went_wrong", { message: String(error) });
+}
+
+const openDetector = () => (detector ??= Detector.open(board).catch((error) => {
+  detector = null;
+  throw error;
+}));
+
+/** The series chosen. */
+const chosen = () => groups(pictures).find(({ id }) => id === parts.series.value) ?? groups(pictures)[0] ?? null;
+
+function showPictures() {
+  const members = new Set(chosen()?.members);
+  parts.pictures.replaceChildren(...pictures.map((picture, index) => card(picture, members.has(index), judgements.get(picture))));
+}
+
+function showSeries() {
+  const found = groups(pictures);
+  const before = parts.series.value;
+  parts.series.replaceChildren(...found.map(({ id, camera, focal, size, members }) =>
+    new Option([camera || t("photos.unnamed"), ...(focal ? [`${focal} mm`] : []), size.join(" × "), t("photos.count", { count: members.length })].join(" · "), id)));
+  if (found.some(({ id }) => id === before)) parts.series.value = before;
+  parts.several.hidden = found.length < 2;
+  parts.form.hidden = found.length === 0;
+}
+
+/** What the files say of their camera; what a person has typed stays. */
+function proposeKey() {
+  const group = chosen();
+  if (!group) return;
+  parts.camera.value = group.camera || (query.get("camera") ?? parts.camera.value);
+  parts.focal.value = group.focal ? String(group.focal) : "";
+}
+
+/** @param {File[]} files */
+async function look(files) {
+  run.abort();
+  const { signal } = run = new AbortController();
+  view.clear();
+  parts.wanted.replaceChildren();
+  judgements.clear();
+  parts.progress.hidden = false;
+  const unreadable = [];
+  try {
+    parts.status.textContent = t("photos.loading");
+    const finder = await openDetector();
+    for (const [index, file] of files.entries()) {
+      parts.status.textContent = t("photos.looking", { name: file.name });
+      parts.progress.value = index / files.length;
+      try {
+        for await (const shot of shots(file, signal)) {
+          const picture = await find(finder, shot);
+          if (signal.aborted) return;
+          pictures.push(picture);
+          origins.set(picture, file);
+          showSeries();
+          showPictures();
+        }
+      } catch (error) {
+        if (!(error instanceof UnreadableError)) throw error;
+        unreadable.push(error.message);
+      }
+      if (signal.aborted) return;
+    }
+    proposeKey();
+    const views = groups(pictures).reduce((sum, { members }) => sum + members.length, 0);
+    parts.status.textContent = [t("photos.found", { count: views, all: pictures.length }), ...(views === 0 ? [t("photos.which_board")] : []),
+      ...(unreadable.length ? [t("photos.unreadable", { names: unreadable.join(", ") })] : [])].join(" ");
+  } catch (error) {
+    if (!signal.aborted) parts.status.textContent = explain(error);
+  } finally {
+    parts.progress.hidden = true;
+  }
+}
+
+/** @param {Detector} finder @param {import("./files.js").Shot} shot @returns {Promise<Picture>} */
+async function find(finder, { name, picture, camera, focal, kind }) {
+  const kept = await createImageBitmap(picture, { resizeWidth: Math.min(picture.width, 480), resizeQuality: "high" });
+  const { ids, points, size } = await finder.detect(picture, { full: true, patience: PATIENCE });
+  const scale = kept.width / size[0];
+  const small = thumbnail(kept, points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]));
+  kept.close();
+  return { name, camera, focal, kind, size, ids, points, outline: observedOutline(board, { ids, points }), thumbnail: small };
+}
+
+async function start() {
+  const group = chosen();
+  if (!group) return;
+  parts.start.disabled = true;
+  view.clear();
+  parts.wanted.replaceChildren();
+  judgements.clear();
+  try {
+    const { api: address, token, return_origins: returnOrigins } = await loadSettings();
+    const views = ranked(group.members.map((index) => pictures[index]), group.size).slice(0, MOST);
+    const request = {
+      camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
+      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,
+    };
+    parts.status.textContent = t("photos.calibrating");
+    const outcome = await calibrate(new Api(address), token, request, views, (judgement) => {
+      judgements.set(views[judgement.view], judgement);
+      showPictures();
+    });
+    await finish(outcome, views, returnOrigins);
+  } catch (error) {
+    parts.status.textContent = explain(error);
+  } finally {
+    parts.start.disabled = false;
+  }
+}
+
+/** @param {Outcome} outcome @param {Picture[]} views @param {string[] | undefined} returnOrigins */
+async function finish({ state, wanted }, views, returnOrigins) {
+  const taken = views.filter((each) => judgements.get(each)?.accepted);
+  const id = state.calibration_id;
+  if (!id) {
+    const { uncertainty } = state;
+    parts.status.textContent = uncertainty ? t("photos.not_enough", { rms: number(uncertainty.rms, 1) }) : t("photos.nothing_taken");
+    if (wanted) parts.wanted.replaceChildren(advice(wanted, state.img_size));
+    return;
+  }
+  parts.status.textContent = t("photos.done", { count: taken.length });
+  const { calibration, report } = await load(id);
+  const picture = await canvasOf(taken[0]);
+  view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, explain });
+  document.getElementById("verdict")?.focus();
+}
+
+/** A picture once more, as large as it is. @param {Picture | undefined} picture */
+async function canvasOf(picture) {
+  const file = picture && origins.get(picture);
+  if (!file) return null;
+  for await (const shot of shots(file, new AbortController().signal)) {
+    const { width, height } = shot.picture;
+    const canvas = el("canvas", { width, height });
+    canvas.getContext("2d")?.drawImage(shot.picture, 0, 0);
+    shot.picture.close();
+    return canvas;
+  }
+  return null;
+}
+
+/** The photograph that would help most. @param {import("../vendor/api.js").Pose} pose @param {[number, number]} size */
+function advice(pose, size) {
+  const { svg, area, x, y } = imagePlot(size, t("photos.like_this"), { plain: true });
+  const points = (/** @type {number[][]} */ list) => list.map(([u, v]) => `${short(x(u))},${short(y(v))}`).join(" ");
+  area.append(make("polygon", { points: points(pose.outline), class: "outline" }));
+  for (const [u, v] of pose.corners) area.append(make("circle", { cx: short(x(u)), cy: short(y(v)), r: 2, class: "agrees" }));
+  return el("figure", { class: "figure measured" }, svg, el("figcaption", {}, t("photos.like_this")));
+}
+
+/** @param {FileList | null | undefined} list */
+function take(list) {
+  const files = [...(list ?? [])].filter(({ type }) => /^(image|video)\//.test(type));
+  if (files.length) void look(files);
+}
+
+parts.model.append(...Object.keys(COEFFICIENTS).map((model) => new Option("", model)));
+function speak() {
+  for (const option of parts.model.options) option.textContent = t(`photos.model_${option.value}`);
+  const { squares, dictionary } = board;
+  parts.board.textContent = t("photos.board", { size: squares.join(" × "), dictionary });
+  showSeries();
+  showPictures();
+}
+speak();
+onLanguage(speak);
+parts.problem.textContent = problem;
+parts.problem.hidden = problem === "";
+for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href^="../board/"]'))) {
+  const there = new URL(link.href);
+  there.search = boardQuery(board).toString();
+  link.href = there.href;
+}
+parts.files.addEventListener("change", () => {
+  take(parts.files.files);
+  parts.files.value = "";
+});
+for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
+  parts.drop.addEventListener(name, (event) => {
+    event.preventDefault();
+    parts.drop.classList.toggle("over", name === "dragenter" || name === "dragover");
+    if (name === "drop") take(/** @type {DragEvent} */ (event).dataTransfer?.files);
+  });
+}
+parts.series.addEventListener("change", () => {
+  judgements.clear();
+  proposeKey();
+  showPictures();
+});
+parts.form.addEventListener("submit", (event) => {
+  event.preventDefault();
+  void start();
+});
+part("clear", HTMLButtonElement).addEventListener("click", () => {
+  run.abort();
+  pictures = [];
+  judgements.clear();
+  origins.clear();
+  view.clear();
+  parts.wanted.replaceChildren();
+  parts.status.textContent = "";
+  showSeries();
+  showPictures();
+  parts.files.focus();
+});

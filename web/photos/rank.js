@@ -1,0 +1,53 @@
+// In which order photographs are worth sending: what shows the board somewhere new, or in a new way, comes first. Pure.
+import { foreshortening } from "../calibrate/area.js";
+
+/**
+ * @typedef {object} Candidate
+ * @property {number[][]} points corners found, px
+ * @property {[number, number][] | null} outline of the board, px; null where too little of it is seen to tell
+ */
+
+const COLUMNS = 12; // cells of the picture, across
+const SHAPE = 1.5; // how much a new shape is worth beside new places
+const ENOUGH = 0.4; // of the width: outlines so different do not get more so
+
+/**
+ * @template {Candidate} C
+ * @param {C[]} candidates @param {[number, number]} size px
+ * @returns {C[]} best first; each is the one that adds most to those before it
+ */
+export function ranked(candidates, size) {
+  const left = candidates.map((candidate) => ({ candidate, cells: cells(candidate.points, size) }));
+  /** @type {C[]} */
+  const chosen = [];
+  const seen = new Set();
+  while (left.length) {
+    const scores = left.map(({ candidate, cells: its }) =>
+      [...its].filter((cell) => !seen.has(cell)).length / COLUMNS + SHAPE * novelty(candidate, chosen, size[0]));
+    const best = scores.indexOf(Math.max(...scores));
+    const [{ candidate, cells: its }] = left.splice(best, 1);
+    chosen.push(candidate);
+    for (const cell of its) seen.add(cell);
+  }
+  return chosen;
+}
+
+/** Cells of the picture that have seen corners. @param {number[][]} points @param {[number, number]} size */
+function cells(points, [width, height]) {
+  const side = width / COLUMNS;
+  const rows = Math.ceil(height / side);
+  return new Set(points.map(([x, y]) => Math.min(rows - 1, Math.floor((y + 0.5) / side)) * COLUMNS + Math.floor((x + 0.5) / side)));
+}
+
+/** How different a board lies from all chosen, 0…1; the first is to be a tilted one. @param {Candidate} candidate @param {Candidate[]} chosen @param {number} width */
+function novelty({ outline }, chosen, width) {
+  if (!outline) return 0;
+  if (chosen.length === 0) return Math.min(1, foreshortening(outline));
+  const distances = chosen.map((other) => (other.outline ? apart(outline, other.outline) / width : ENOUGH));
+  return Math.min(ENOUGH, ...distances) / ENOUGH;
+}
+
+/** Root mean squared distance of the vertices, px. @param {number[][]} a @param {number[][]} b */
+function apart(a, b) {
+  return Math.sqrt(a.reduce((sum, [x, y], index) => sum + (x - b[index][0]) ** 2 + (y - b[index][1]) ** 2, 0) / a.length);
+}
