@@ -1,18 +1,25 @@
-"""The whole guided capture, hands-free, against a camera that is known."""
+"""The whole guided capture, hands-free, against a camera that is known and held by hands that are not perfect."""
 
 import json
 import subprocess
 import time
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import httpx
-from playwright.sync_api import Page
+import numpy as np
+import pytest
+from playwright.sync_api import BrowserContext, Page, Request
 
 from .conftest import executable
 from .truth import Truth, projection_errors
 
 TRUTH = Truth()
+#: at half the size, so that three can be tried at once on two cores
+SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))
+KEYPOINTS = {"index", "ids", "points"}
+SESSION = {"camera", "platform", "img_size", "zoom", "board", "distortion_model", "track", "target_error"}
 
 
 def assert_true(calibration: dict[str, Any], views: int, seconds: float, where: str) -> None:
@@ -22,49 +29,70 @@ def assert_true(calibration: dict[str, Any], views: int, seconds: float, where: 
         f"{where}: {views} views, {seconds:.1f} s, fx {100 * (fx / TRUTH.fx - 1):+.3f} %, "
         f"projection error mean {errors.mean():.3f}, max {errors.max():.3f} px"
     )
-    assert views <= 8
-    assert abs(fx / TRUTH.fx - 1) < 0.005
-    assert errors.mean() < 0.6
+    assert views <= 6
+    assert seconds <= 40
+    assert errors.mean() < 0.4
 
 
-def test_chromium_from_the_first_click_to_the_result(page: Page, api: httpx.Client) -> None:
-    sent: list[str] = []
-    page.on("request", lambda request: sent.append(request.post_data or ""))
+def assert_only_keypoints(sent: list[Request]) -> None:
+    """What leaves the page is GETs, the opening of a session, and JSON of corner positions: never a picture."""
+    views = 0
+    for request in sent:
+        if request.method == "GET":
+            assert not request.post_data_buffer
+            continue
+        assert request.method == "POST", request.method
+        path = urlsplit(request.url).path
+        body = json.loads(request.post_data or "null")
+        if path == "/v1/auth":
+            assert body is None
+        elif path == "/v1/session":
+            assert set(body) <= SESSION
+            assert all(isinstance(value, (str, int, float)) for value in body["track"].values())
+        else:
+            assert path == "/v1/session/views"
+            assert set(body) == KEYPOINTS
+            assert len(body["ids"]) == len(body["points"]) <= 40
+            assert all(len(point) == 2 for point in body["points"])
+            assert len(request.post_data or "") < 4096
+            views += 1
+    assert views >= 4
+
+
+def test_chromium_hands_free_and_nothing_but_keypoints_leaves(page: Page, api: httpx.Client) -> None:
+    sent: list[Request] = []
+    page.on("request", sent.append)
+    page.on("websocket", lambda socket: pytest.fail(f"a socket to {socket.url}"))
     states: list[dict[str, Any]] = []
     page.on(
         "response",
         lambda answer: states.append(answer.json()) if answer.url.endswith("/session/views") else None,
     )
-    page.goto(f"/calibrate/?{TRUTH.query()}")
+    page.goto(f"/calibrate/?{TRUTH.query(hand='person')}")
+    page.locator("#controls:not([hidden])").wait_for()
     start = time.monotonic()
     page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
     seconds = time.monotonic() - start
     assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
-    calibration = json.loads(page.locator("#json").text_content() or "")
-    views = int((page.locator("#counts").text_content() or "0").split()[0])
-    assert views == len(states[-1]["views"])
-    assert_true(calibration, views, seconds, "Chromium")
+    stored = api.get(f"/calibrations/{states[-1]['calibration_id']}").json()
+    assert_true(stored, len(states[-1]["views"]), seconds, "Chromium")
+    assert_only_keypoints(sent)
 
+
+def test_the_result_can_be_taken_along(page: Page, api: httpx.Client) -> None:
+    page.goto(f"/calibrate/?{TRUTH.query(error=0)}")
+    page.wait_for_selector("#done:not([hidden])")
+    calibration = json.loads(page.locator("#json").text_content() or "")
     assert page.locator("#verdict").is_visible()
     with page.expect_download() as download:
         page.locator("#download").click()
-    saved = Path(download.value.path()).read_text()
-    assert json.loads(saved) == calibration
-    assert api.get(f"/calibrations/{calibration['id']}").json() == calibration
-
-    # Corner positions leave the device, pictures never: nothing that was sent is near a picture's size.
-    bodies = [body for body in sent if body]
-    assert bodies
-    assert max(map(len, bodies)) < 4096
-    for body in bodies:
-        assert set(json.loads(body)) <= {
-            *("camera", "platform", "img_size", "zoom", "board", "distortion_model", "track", "index"),
-            *("ids", "points"),
-        }
+    assert json.loads(Path(download.value.path()).read_text()) == calibration
+    stored = api.get(f"/calibrations/{calibration['id']}").json()
+    assert calibration == {name: stored[name] for name in calibration}
 
 
-def test_firefox_from_the_first_click_to_the_result(stack: str) -> None:
-    address = f"{stack}/calibrate/?{TRUTH.query(seed=5)}"
+def test_firefox_hands_free(stack: str) -> None:
+    address = f"{stack}/calibrate/?{TRUTH.query(seed=5, hand='person')}"
     script = Path(__file__).with_name("firefox.mjs")
     run = subprocess.run(
         ["node", str(script), executable("firefox-esr"), address],
@@ -79,3 +107,17 @@ def test_firefox_from_the_first_click_to_the_result(stack: str) -> None:
     assert outcome["complaints"] == []
     views = int(outcome["counts"].split()[0])
     assert_true(outcome["calibration"], views, outcome["elapsed"], "Firefox")
+
+
+def test_who_trembles_who_is_slow_and_who_goes_the_wrong_way_finishes_too(context: BrowserContext) -> None:
+    pages = {}
+    for seed, hand in enumerate(("shaky", "slow", "wrong")):
+        page = pages[hand] = context.new_page()
+        page.goto(f"/calibrate/?{SMALL.query(hand=hand, seed=seed, img_size='640x360')}")
+    for hand, page in pages.items():
+        page.bring_to_front()
+        page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])", timeout=120_000)
+        assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
+        errors = projection_errors(SMALL, json.loads(page.locator("#json").text_content() or ""))
+        print(f"{hand}: {page.locator('#counts').text_content()}, projection error mean {errors.mean():.3f} px")
+        assert np.mean(errors) < 0.4

@@ -16,7 +16,7 @@ import { reach } from "../network.js";
  */
 
 const SILENCE = 20_000; // ms; a worker that a content policy stops never answers and never fails
-const FRAME = 6_000; // ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
+const FRAME = 4_000; // ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
 const OPENCV = new URL("../vendor/opencv/", import.meta.url);
 
 /** Codes name texts: `capture.fault_<code>`. */

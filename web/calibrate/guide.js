@@ -3,7 +3,7 @@ import { ApiError } from "./api.js";
 import { lockFocus } from "./camera.js";
 import { DetectorError, grab } from "./detector.js";
 import { nextProbe } from "./diagnosis.js";
-import { decide } from "./hold.js";
+import { decide, lenience } from "./hold.js";
 import { plannedPose } from "./plan.js";
 import { isAway, viewCount } from "./session.js";
 import { isOfSize } from "./state.js";
@@ -43,6 +43,7 @@ export class Guide {
   #restarts = 0;
   #focused = false;
   #hidden = false;
+  #looked = false;
   /** @type {number[]} of the last frames */
   #sharpness = [];
   /** The conversation with the service that is going on. */
@@ -86,6 +87,8 @@ export class Guide {
       const detection = await this.#look({ probe: nextProbe(this.#state.diagnosis, performance.now()) });
       if (this.#signal.aborted) return null;
       if (!detection) continue;
+      if (!this.#looked) performance.mark("first detection");
+      this.#looked = true;
       if (detection.signs?.sharpness) this.#sharpness = [...this.#sharpness, detection.signs.sharpness].slice(-REMEMBERED);
       this.#tell({ type: "frame", detection, time: performance.now() });
       this.#focus();
@@ -142,7 +145,8 @@ export class Guide {
     const usual = [...this.#sharpness].sort((a, b) => a - b)[this.#sharpness.length >> 1];
     if (signs?.sharpness && usual && signs.sharpness < CRISP * usual) return;
     const view = { ids, points };
-    if (ids.length === 0 || motion(corners, view) > (STEADY * key.img_size[0]) / 1280) return;
+    const steady = (STEADY * key.img_size[0] * lenience(this.#state, performance.now())) / 1280;
+    if (ids.length === 0 || motion(corners, view) > steady) return;
     if (this.#state.away) {
       this.#session.keep(view);
       this.#tell({ type: "stored", corners: view, stored: this.#session.waiting, time: performance.now() });

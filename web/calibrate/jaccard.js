@@ -13,7 +13,9 @@ export function jaccard(a, b, [width, height]) {
   let both = 0;
   let either = 0;
   const [inA, inB] = [new Uint8Array(columns), new Uint8Array(columns)];
-  for (let row = 0; row < rows; row++) {
+  const heights = [...a, ...b].map((point) => point[1] / REDUCTION);
+  const [top, bottom] = [Math.max(0, Math.floor(Math.min(...heights)) - 1), Math.min(rows, Math.ceil(Math.max(...heights)) + 1)];
+  for (let row = top; row < bottom; row++) {
     const y = (row + 0.5) * REDUCTION - 0.5;
     fillRow(a, y, inA);
     fillRow(b, y, inB);

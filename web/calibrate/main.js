@@ -91,19 +91,23 @@ function openDetector() {
   return detector;
 }
 
-/** @param {string} choice id of a camera */
-async function capture(choice) {
+/**
+ * @param {string} choice id of a camera
+ * @param {import("./camera.js").OpenCamera | null} [opened] that camera, where it is open already
+ */
+async function capture(choice, opened = null) {
   run?.abort();
   const own = run = new AbortController();
   const { signal } = own;
   chosen = choice;
   dispatch({ type: "open" });
   try {
-    const camera = await open(choice, {
+    const camera = opened ?? await open(choice, {
       parameters, board: state.board, place: document.body, size: state.wanted.img_size ?? [1280, 720],
     });
-    signal.addEventListener("abort", () => camera.close());
-    if (signal.aborted) return camera.close();
+    const letGo = () => camera.close();
+    signal.addEventListener("abort", letGo);
+    if (signal.aborted) return letGo();
     parts.video.srcObject = camera.stream;
     await parts.video.play();
     // What arrives is what is calibrated: on a turned device some browsers' settings still speak of the sensor.
@@ -121,10 +125,12 @@ async function capture(choice) {
     const means = { session, detector: finder, camera, plan: await plan, signal };
     const end = state.phase === "capturing" ? await new Guide(page, means).run() : null;
     if (signal.aborted) return;
+    const resized = state.phase === "failed" && state.failure?.code === "resized";
+    if (resized) signal.removeEventListener("abort", letGo);
     own.abort();
-    if (end === "relayout") return relayout();
-    if (state.phase === "done") await cupboard.remove(aboutOf(key));
-    else if (state.failure?.code === "resized") await again("capture.resized");
+    if (resized) await again("capture.resized", camera);
+    else if (end === "relayout") await relayout();
+    else await cupboard.remove(aboutOf(key));
   } catch (error) {
     fail(error, signal);
   }
@@ -133,10 +139,10 @@ async function capture(choice) {
 /**
  * Another capture of the same camera, with its reason. A device that was turned shows a picture of another size: that is
  * calibrated as such, and the capture before waits for the device to be turned back.
- * @param {string} why a text
+ * @param {string} why a text @param {import("./camera.js").OpenCamera | null} [camera] where it stays open
  */
-async function again(why) {
-  const begun = capture(chosen);
+async function again(why, camera = null) {
+  const begun = capture(chosen, camera);
   const told = setInterval(() => {
     if (state.phase === "opening") return;
     clearInterval(told);
@@ -186,7 +192,7 @@ async function converse(key, track, signal) {
 /** @param {import("./session.js").Kept} kept */
 async function save(kept) {
   const saved = kept.views.length ? await cupboard.save(kept) : (await cupboard.remove(kept.about), true);
-  if (!saved) dispatch({ type: "unkept", time: performance.now() });
+  if (!saved) dispatch({ type: "unkept" });
 }
 
 /** What the session is to reach, where the address says so, px. */

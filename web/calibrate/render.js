@@ -128,7 +128,7 @@ function renderCapture(parts, state, before) {
   parts.ring.classList.toggle("taken", held === 0 && taken);
   text(parts.instruction, words.instruction(state));
   show(parts.remedy, words.remedy(state));
-  show(parts.away, state.away ? t("capture.away_now") : words.advice(state));
+  show(parts.away, words.standing(state));
   show(parts.notice, words.notice(state.notice));
   for (const kind of ["bad", "plain"]) parts.notice.classList.toggle(kind, state.notice?.kind === kind);
   text(parts.stop, words.stopping(state));

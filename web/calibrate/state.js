@@ -84,7 +84,7 @@ import { viewCount } from "./session.js";
  *   | {type: "back", session: SessionState, refused: number, time: number}
  *   | {type: "stalled", stalled: boolean}
  *   | {type: "shown", time: number}
- *   | {type: "unkept", time: number}
+ *   | {type: "unkept"}
  *   | {type: "told", notice: Notice, time: number}
  *   | {type: "stop", time: number}
  *   | {type: "failed", code: string, detail?: string}
@@ -161,7 +161,7 @@ export function reduce(state, event) {
       // The time that nobody saw does not count.
       return { ...state, posedAt: event.time, nearest: { ...state.nearest, time: event.time }, stillness: MOVING, diagnosis: HEALTHY };
     case "unkept":
-      return state.kept ? notify({ ...state, kept: false }, { key: "capture.not_kept", kind: "bad" }, event.time) : state;
+      return { ...state, kept: false };
     case "told":
       return notify(state, event.notice, event.time);
     case "stop":

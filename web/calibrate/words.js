@@ -60,8 +60,14 @@ export function counts({ session, stored }) {
   ].filter(Boolean).join(" · ");
 }
 
+/** What stays true for a while. @param {State} state */
+export function standing(state) {
+  if (state.away) return t("capture.away_now");
+  return state.kept ? advice(state) : t("capture.not_kept");
+}
+
 /** What the service advises; in its own words where the page has none. @param {State} state */
-export function advice({ session }) {
+function advice({ session }) {
   const first = session?.advice?.[0];
   if (!first) return "";
   const key = `capture.advice_${first.code}`;

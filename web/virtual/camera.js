@@ -1,6 +1,8 @@
 // A camera made of numbers: a MediaStream that shows the board through a known lens, and follows the targets.
 import { DEFAULT_BOARD } from "../board/geometry.js";
-import { between, misplaced, seeded } from "./pose.js";
+import { HANDS, Hand } from "./hand.js";
+import { matched } from "./match.js";
+import { FAULTS } from "./spoil.js";
 
 /**
  * @typedef {import("../board/geometry.js").Board} Board
@@ -12,13 +14,17 @@ import { between, misplaced, seeded } from "./pose.js";
  * @property {Lens} lens
  * @property {number} error how clumsy the hand is: 0 not at all, 1 about 3° and 3 % of the distance
  * @property {number} seed of the hand
+ * @property {string} hand whose it is, of `HANDS`
+ * @property {string} fault what is wrong with the picture, of `FAULTS`; "" for nothing
+ * @property {{legacy?: boolean, dictionary?: string, distance?: number}} shown how the board differs from the one asked for;
+ *   distance: how many times as far away as asked for
  */
 
 const FRAME = 50; // ms; a canvas that nobody paints on delivers no frames
-const MOVE = 500; // ms on the way from one pose to the next
 
 /**
- * The camera that an address asks for: `size=1280x720`, `fx fy cx cy` in px, `k1 k2 p1 p2 k3`, `error`, `seed`.
+ * The camera that an address asks for: `img_size=1280x720`, `fx fy cx cy` in px, `k1 k2 p1 p2 k3`; the hand, `error seed
+ * hand`; what is wrong, `fault shown_legacy shown_dictionary shown_distance`.
  * @param {URLSearchParams} parameters
  * @returns {Setup}
  */
@@ -31,6 +37,8 @@ export function setupFrom(parameters) {
     const value = Number(text);
     return text && Number.isFinite(value) ? value : otherwise;
   };
+  /** @param {string} name @param {string[]} known @param {string} otherwise */
+  const named = (name, known, otherwise) => known.find((each) => each === parameters.get(name)) ?? otherwise;
   const fx = number("fx", 0.8 * width);
   return {
     size: [width, height],
@@ -47,6 +55,13 @@ export function setupFrom(parameters) {
     },
     error: number("error", 1),
     seed: number("seed", 1),
+    hand: named("hand", Object.keys(HANDS), "still"),
+    fault: named("fault", FAULTS, ""),
+    shown: {
+      ...(parameters.has("shown_legacy") && { legacy: parameters.get("shown_legacy") === "true" }),
+      ...(parameters.has("shown_dictionary") && { dictionary: parameters.get("shown_dictionary") ?? "" }),
+      distance: number("shown_distance", 1),
+    },
   };
 }
 
@@ -68,16 +83,11 @@ export class VirtualCamera {
   #context;
   #worker;
   #setup;
-  #random;
+  #hand;
   #board;
-  /** @type {Pose} */
-  #from;
-  /** @type {Pose} */
-  #to;
-  #started = 0;
   /** Is a picture being painted? */
   #asked = false;
-  /** Has the last picture of this pose been asked for? */
+  /** Has the last picture of a hand that does not move been asked for? */
   #settled = false;
   /** @type {ImageData | null} */
   #picture = null;
@@ -90,7 +100,6 @@ export class VirtualCamera {
   constructor(setup, place, board = DEFAULT_BOARD) {
     this.#setup = setup;
     this.#board = board;
-    this.#random = seeded(setup.seed);
     this.#canvas = place.ownerDocument.createElement("canvas");
     [this.#canvas.width, this.#canvas.height] = setup.size;
     this.#canvas.className = "virtual-camera";
@@ -101,8 +110,11 @@ export class VirtualCamera {
     this.#context = context;
     this.#worker = new Worker(new URL("./thread.js", import.meta.url), { type: "module" });
     const [columns, rows] = board.squares;
-    const distance = (1.6 * columns * setup.lens.fx) / setup.size[0];
-    this.#from = this.#to = { rvec: [0, 0, 0], tvec: [-columns / 2, -rows / 2, distance] };
+    const distance = ((1.6 * columns * setup.lens.fx) / setup.size[0]) * (setup.shown.distance ?? 1);
+    this.#hand = new Hand(setup.hand, {
+      error: setup.error, seed: setup.seed, pivot: [columns / 2, rows / 2, 0], focal: setup.lens.fx,
+      start: { rvec: [0, 0, 0], tvec: [-columns / 2, -rows / 2, distance] },
+    });
   }
 
   get label() {
@@ -111,11 +123,12 @@ export class VirtualCamera {
 
   /** @returns {Promise<MediaStream>} */
   async open() {
-    const { lens, size } = this.#setup;
+    const { lens, size, fault, shown: { distance, ...shown } } = this.#setup;
+    const board = { ...this.#board, ...shown };
     await new Promise((resolve, reject) => {
       this.#worker.onmessage = resolve;
       this.#worker.onerror = (event) => reject(new Error(event.message || "the virtual camera could not start"));
-      this.#worker.postMessage({ open: { board: this.#board, lens, size } });
+      this.#worker.postMessage({ open: { board, lens, size, fault } });
     });
     this.#worker.onmessage = ({ data }) => this.#show(data.picture);
     const stream = this.#canvas.captureStream(30);
@@ -130,13 +143,14 @@ export class VirtualCamera {
     return stream;
   }
 
-  /** Moves the board there, as well as the hand can. @param {Pose} target board → camera, squares */
+  /**
+   * Moves the board to where it covers the target, as well as the hand can.
+   * @param {Pose & {ids?: readonly number[], corners?: readonly (readonly number[])[]}} target board → camera, squares
+   */
   follow(target) {
-    const [columns, rows] = this.#board.squares;
-    const { error } = this.#setup;
-    this.#from = this.#pose();
-    this.#to = error > 0 ? misplaced(target, error, this.#random, [columns / 2, rows / 2, 0]) : target;
-    this.#started = performance.now();
+    const { rvec, tvec } = matched(this.#board, this.#setup.lens, target);
+    const distance = this.#setup.shown.distance ?? 1;
+    this.#hand.follow({ rvec, tvec: [tvec[0], tvec[1], tvec[2] * distance] }, performance.now());
     this.#settled = false;
     if (!this.#asked) this.#ask();
   }
@@ -148,16 +162,11 @@ export class VirtualCamera {
     this.#canvas.remove();
   }
 
-  #pose() {
-    const part = Math.min(1, (performance.now() - this.#started) / MOVE);
-    // Slow at both ends, as hands are.
-    return between(this.#from, this.#to, part * part * (3 - 2 * part));
-  }
-
   #ask() {
-    this.#settled = performance.now() - this.#started >= MOVE;
+    const now = performance.now();
+    this.#settled = !this.#hand.moves(now);
     this.#asked = true;
-    this.#worker.postMessage({ pose: this.#pose() });
+    this.#worker.postMessage({ pose: this.#hand.pose(now), blur: this.#hand.blur() });
   }
 
   /** @param {ImageData} picture */

@@ -1,5 +1,6 @@
 // The virtual camera's painter in a Worker: a hundred milliseconds a picture would stop the page.
 import { Painter } from "./painter.js";
+import { smear, spoil } from "./spoil.js";
 
 /**
  * @typedef {import("../board/geometry.js").Board} Board
@@ -12,15 +13,24 @@ let painter = null;
 /** @type {[number, number]} */
 let size = [0, 0];
 
-/** @param {MessageEvent<{open: {board: Board, lens: Lens, size: [number, number]}} | {pose: Pose | null}>} event */
+let fault = "";
+
+/**
+ * @typedef {{open: {board: Board, lens: Lens, size: [number, number], fault: string}}} Open
+ * @typedef {{pose: Pose | null, blur: number}} Frame blur: px, across for even numbers, down for odd ones
+ */
+
+/** @param {MessageEvent<Open | Frame>} event */
 self.onmessage = ({ data }) => {
   if ("open" in data) {
-    size = data.open.size;
+    ({ size, fault } = data.open);
     painter = new Painter(data.open.board, data.open.lens, size);
     self.postMessage({ ready: true });
     return;
   }
   const picture = new ImageData(...size);
   painter?.paint(data.pose, picture.data);
+  if (data.blur > 0) smear(picture, data.blur, data.blur % 2 ? size[0] : 1);
+  if (fault) spoil(picture, fault);
   self.postMessage({ picture }, { transfer: [picture.data.buffer] });
 };

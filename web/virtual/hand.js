@@ -1,0 +1,114 @@
+// The hand that holds the board: how it gets to a target, and how still it is there. Pure: the time comes in.
+import { between, misplaced, seeded, transform } from "./pose.js";
+
+/**
+ * @typedef {import("./pose.js").Pose} Pose
+ *
+ * @typedef {object} Kind
+ * @property {number} travel ms from one pose to the next
+ * @property {number} tremor px, amplitude of a fast tremor, as the camera sees it
+ * @property {number} sway px, amplitude of a slow one
+ * @property {number} astray ms on a wrong way first: to where the target would be in a mirror
+ * @property {number} blurred share of the frames that motion blurs
+ */
+
+/** @type {Record<string, Kind>} */
+export const HANDS = {
+  still: { travel: 500, tremor: 0, sway: 0, astray: 0, blurred: 0 },
+  person: { travel: 1_200, tremor: 0.5, sway: 1, astray: 0, blurred: 0.1 },
+  shaky: { travel: 1_200, tremor: 2.5, sway: 4, astray: 0, blurred: 0.2 },
+  slow: { travel: 7_000, tremor: 0.5, sway: 1, astray: 0, blurred: 0.1 },
+  wrong: { travel: 1_200, tremor: 0.5, sway: 1, astray: 4_000, blurred: 0.1 },
+};
+
+const TREMOR = 8.3; // Hz: physiological tremor has 8 to 12
+const SWAY = 0.7; // Hz
+
+export class Hand {
+  #kind;
+  #error;
+  #random;
+  #pivot;
+  #focal;
+  /** @type {Pose} */
+  #from;
+  /** @type {Pose} */
+  #to;
+  /** @type {Pose | null} where it goes once it has seen that it went astray */
+  #then = null;
+  #started = -Infinity;
+  #phases;
+
+  /**
+   * @param {string} kind of `HANDS` @param {{error: number, seed: number, pivot: number[], focal: number, start: Pose}} options
+   *   error: how far it misses, 1 for about 3° and 3 % of the distance; pivot: the board's centre; focal: of the lens, px
+   */
+  constructor(kind, { error, seed, pivot, focal, start }) {
+    this.#kind = HANDS[kind] ?? HANDS.still;
+    this.#error = error;
+    this.#random = seeded(seed);
+    this.#pivot = pivot;
+    this.#focal = focal;
+    this.#from = this.#to = start;
+    this.#phases = Array.from({ length: 6 }, () => 2 * Math.PI * this.#random());
+  }
+
+  /** @param {Pose} target board → camera, squares @param {number} time ms */
+  follow(target, time) {
+    this.#from = this.#way(time);
+    const goal = this.#error > 0 ? misplaced(target, this.#error, this.#random, this.#pivot) : target;
+    const astray = this.#kind.astray > 0;
+    this.#to = astray ? mirrored(goal, this.#pivot) : goal;
+    this.#then = astray ? goal : null;
+    this.#started = time;
+  }
+
+  /** @param {number} time ms @returns {Pose} */
+  pose(time) {
+    return this.#trembling(this.#way(time), time);
+  }
+
+  /** Does the picture change at this time? @param {number} time ms */
+  moves(time) {
+    const { travel, astray, tremor, sway } = this.#kind;
+    return tremor > 0 || sway > 0 || time - this.#started < travel + (this.#then ? astray : 0);
+  }
+
+  /** The blur of one frame, px; 0 for none. */
+  blur() {
+    return this.#random() < this.#kind.blurred ? Math.round(7 + 8 * this.#random()) : 0;
+  }
+
+  /** @param {number} time */
+  #way(time) {
+    const { travel, astray } = this.#kind;
+    if (this.#then && time - this.#started > astray) {
+      [this.#from, this.#to, this.#then] = [this.#to, this.#then, null];
+      this.#started += astray;
+    }
+    const part = Math.min(1, (time - this.#started) / travel);
+    // Slow at both ends, as hands are.
+    return between(this.#from, this.#to, part * part * (3 - 2 * part));
+  }
+
+  /** @param {Pose} pose @param {number} time */
+  #trembling({ rvec, tvec }, time) {
+    const { tremor, sway } = this.#kind;
+    if (tremor === 0 && sway === 0) return { rvec, tvec };
+    const wave = (/** @type {number} */ index, /** @type {number} */ hertz) =>
+      Math.sin((2 * Math.PI * hertz * time) / 1000 + this.#phases[index]);
+    // One pixel at the board's distance, in squares.
+    const pixel = transform({ rvec, tvec }, this.#pivot)[2] / this.#focal;
+    const shift = [0, 1].map((axis) => pixel * (tremor * wave(axis, TREMOR + axis) + sway * wave(2 + axis, SWAY + 0.2 * axis)));
+    const turn = (tremor * wave(4, TREMOR - 1) + sway * wave(5, SWAY)) / this.#focal;
+    return { rvec: [rvec[0] + turn, rvec[1] - turn, rvec[2]], tvec: [tvec[0] + shift[0], tvec[1] + shift[1], tvec[2]] };
+  }
+}
+
+/** Where a target would be in a mirror: on the other side, tilted the other way. @param {Pose} pose @param {number[]} pivot @returns {Pose} */
+function mirrored(pose, pivot) {
+  const [x, y, z] = transform(pose, pivot);
+  const rvec = [pose.rvec[0], -pose.rvec[1], -pose.rvec[2]];
+  const turned = transform({ rvec, tvec: [0, 0, 0] }, pivot);
+  return { rvec, tvec: [-x - turned[0], y - turned[1], z - turned[2]] };
+}
