@@ -35,9 +35,9 @@ def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
     Raises CalibrationError ``not_representable`` where none comes near.
     """
     for shape in shapes:
-        held = widened(subject.camera, shape.model)
-        if held is not None and holds(held, shape):
-            return Conversion(held)
+        same = widened(subject.camera, shape.model)
+        if same is not None and holds(same, shape):
+            return Conversion(same)
     found: list[tuple[float, Conversion]] = []
     reasons = []
     views = subject.views or synthetic(subject.camera)
@@ -90,6 +90,40 @@ def compared(camera: Camera, other: Camera) -> Conversion:
         raise CalibrationError("not_representable", "nothing of the image is left")
     away = np.linalg.norm(other.project(rays[inside]) - q[inside], axis=1)
     return Conversion(other, float(away.max()), float(inside.mean()))
+
+
+def alike(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
+    """Return the camera of one of `shapes` that draws the picture most alike (see `nearest`).
+
+    Another model is fitted to the subject's views first. Raises CalibrationError ``not_representable``.
+    """
+    whole = convert(subject, tuple(Shape(shape.model) for shape in shapes)).camera
+    shape = next(shape for shape in shapes if shape.model == whole.model)
+    held = nearest(whole, shape).camera
+    return Conversion(held) if held is subject.camera else compared(subject.camera, held)
+
+
+def nearest(camera: Camera, shape: Shape) -> Conversion:
+    """Return the camera of one shape, of the camera's own model, that draws the picture most alike.
+
+    For files that correct pictures: there a turn of the camera, which a fit to keypoints is free to make, is
+    a shift of what is seen. Least squares of the distance over the image, Gauss-Newton.
+    """
+    if holds(camera, shape):
+        return Conversion(camera)
+    model = models.get(camera.model)
+    free = _directions(model, shape)
+    w, h = camera.img_size
+    x, y = np.meshgrid(np.linspace(0, w - 1, GRID[0]), np.linspace(0, h - 1, GRID[1]))
+    q = np.stack([x.ravel(), y.ravel()])
+    rays = model.unproject(camera.intrinsics, q)
+    seen = np.isfinite(rays).all(axis=0)
+    a = np.linalg.lstsq(free, camera.intrinsics, rcond=None)[0]
+    for _ in range(10):
+        there, by_k, _ = model.jacobian(free @ a, rays[:, seen])
+        rows = np.tensordot(by_k, free, axes=(0, 0)).transpose(2, 0, 1).reshape(free.shape[1], -1)
+        a = a - np.linalg.lstsq(rows.T, (there - q[:, seen]).ravel(), rcond=None)[0]
+    return compared(camera, Camera.from_intrinsics(model.name, free @ a, camera.img_size))
 
 
 def fitted(subject: Subject, shape: Shape) -> Camera:

@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..camera import Camera
 from .base import Conversion, Shape, Subject
-from .convert import compared, convert
+from .convert import alike, compared
 from .format import Format
 
 WARP_RECTILINEAR, WARP_FISHEYE = 1, 2
@@ -39,7 +39,7 @@ class Dng(Format):
 
     def convert(self, subject: Subject) -> Conversion:
         """Take fx = fy, then as a fisheye four terms over the angles that the opcode reaches."""
-        held = convert(subject, self.shapes)
+        held = alike(subject, self.shapes)
         if held.camera.model != "fisheye":
             return held
         four = shortened(held.camera)

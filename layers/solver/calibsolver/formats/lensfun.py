@@ -9,7 +9,7 @@ from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
 from .base import Conversion, Shape, Subject
-from .convert import GRID, convert
+from .convert import GRID, alike
 from .format import Format
 
 DIAGONAL = math.hypot(36, 24)
@@ -32,7 +32,7 @@ class Lensfun(Format):
 
     def convert(self, subject: Subject) -> Conversion:
         """Take the closest radial camera; the error is that of the polynomial."""
-        held = convert(subject, self.shapes)
+        held = alike(subject, self.shapes)
         return Conversion(held.camera, *_away(subject.camera, held.camera))
 
     def write(self, subject: Subject, held: Conversion) -> bytes:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import rotation, score
+from .. import models, rotation, score
 from ..arrays import Array
 from ..errors import CalibrationError
 from ..view import View
@@ -47,12 +47,14 @@ class PhotonVision(Format):
     def _observations(subject: Subject, held: Conversion) -> list[dict[str, Any]]:
         if not subject.views:
             return []
-        found = []
+        found, law = [], models.get(held.camera.model)
         for i, (view, rt) in enumerate(
             zip(subject.views, score.score(held.camera, subject.views).poses, strict=True)
         ):
             r = rotation.matrix(rt[None, :3])[0]
-            residuals = held.camera.project(view.object_points @ r.T + rt[3:]) - view.image_points
+            # the bare formula: a corner may lie just beyond where the model is one-to-one
+            seen = law.project(held.camera.intrinsics, r @ view.object_points.T + rt[3:, None]).T
+            residuals = seen - view.image_points
             found.append(
                 {
                     "locationInObjectSpace": [_point(p) for p in view.object_points],

@@ -32,7 +32,9 @@ def test_camera_of_the_picture_projects_to_where_its_pixels_went(name: str, mode
     # The measurements went along: they fit as well as before, where no axis is scaled differently.
     if name != "stretched":
         scale = float(np.sqrt(abs(np.linalg.det(turn.linear))))
-        assert score(camera, views).rms == pytest.approx(scale * score(before.camera, before.views).rms, rel=1e-6)
+        assert score(camera, views).rms == pytest.approx(
+            scale * score(before.camera, before.views).rms, rel=1e-6
+        )
 
 
 def test_resizing_keeps_the_corner_of_the_picture_not_the_centre_of_its_pixel() -> None:

@@ -1,0 +1,74 @@
+"""Which corner of which board every point of imported views is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..view import View
+from . import text
+
+OFF = 0.02
+"""Squares by which a point may lie off its corner."""
+MOST = 64
+"""Squares on a side of a board."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Views of a board of corners in rows and columns.
+
+    Attributes
+    ----------
+    squares
+        (columns, rows) of a board that has these corners.
+    ids
+        For each view the ids of its points, in their order.
+    """
+
+    squares: tuple[int, int]
+    ids: tuple[tuple[int, ...], ...]
+
+
+def grid(views: Sequence[View]) -> Grid:
+    """Recognise the rows and columns of a board in the coordinates of its points, whatever their unit.
+
+    Raises CalibrationError ``malformed`` where they are not those of a flat board with square fields.
+    """
+    if not views:
+        raise text.refuse("there are no views")
+    points = np.concatenate([view.object_points for view in views])
+    x, y = _axis(points[:, 0]), _axis(points[:, 1])
+    unit = min(_step(x), _step(y))
+    if np.ptp(points[:, 2]) > OFF * unit:
+        raise text.refuse("the board is not flat")
+    columns, rows = (round(float(np.ptp(axis)) / unit) + 1 for axis in (x, y))
+    if not (2 <= columns < MOST and 2 <= rows < MOST):
+        raise text.refuse(f"{columns} x {rows} corners are no board that is known here")
+    ids = []
+    for view in views:
+        at = (view.object_points[:, :2] - (x[0], y[0])) / unit
+        index = at.round()
+        if np.abs(at - index).max() > OFF:
+            raise text.refuse("the points do not lie in rows and columns of one distance")
+        found = (index[:, 1] * columns + index[:, 0]).astype(int).tolist()
+        if len(set(found)) != len(found):
+            raise text.refuse("a view has a corner twice")
+        ids.append(tuple(found))
+    return Grid((columns + 1, rows + 1), tuple(ids))
+
+
+def _axis(values: Array) -> Array:
+    """Return the distinct coordinates in order."""
+    order = np.sort(values)
+    reach = max(float(np.ptp(order)), 1e-12)
+    new = np.concatenate([[True], np.diff(order) > 1e-6 * reach])
+    found: Array = order[new]
+    if len(found) < 2:
+        raise text.refuse("the points lie on a line")
+    return found
+
+
+def _step(axis: Array) -> float:
+    return float(np.diff(axis).min())

@@ -1,0 +1,274 @@
+"""mrcal, Lensfun, DNG, ARToolKit, WebXR and glTF: what their own arithmetic makes of our files."""
+
+import ast
+import base64
+import io
+import json
+import math
+import struct
+import subprocess
+import sys
+from functools import cache
+
+import cv2
+import lensfunpy
+import numpy as np
+import pytest
+
+from calibsolver import Camera, formats, models
+from calibsolver.formats import lensfun as lensfun_format
+from calibsolver.formats.web import projection_matrix
+from tests.formats import IMG_SIZE, image_rays, subject
+
+W, H = IMG_SIZE
+
+
+def calibrated(model: str) -> Camera:
+    return subject(model).camera
+
+
+# ---- mrcal
+
+
+@cache
+def system_mrcal() -> str | None:
+    """The interpreter that has mrcal (Debian's package is for the system's), or None."""
+    for python in ("/usr/bin/python3", sys.executable):
+        found = subprocess.run([python, "-c", "import mrcal"], capture_output=True, check=False)
+        if found.returncode == 0:
+            return python
+    return None
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_mrcal_model_is_a_dictionary_with_everything_that_its_reader_asks_for(model: str) -> None:
+    file, mine = formats.write(subject(model), "mrcal"), subject(model)
+    data = ast.literal_eval(file.content.decode())
+    sizes = {"LENSMODEL_OPENCV5": 5, "LENSMODEL_OPENCV8": 8}
+    assert len(data["intrinsics"]) == 4 + sizes[data["lensmodel"]]
+    assert data["imagersize"] == [W, H]
+    assert data["extrinsics"] == data["rt_cam_ref"] == [0] * 6
+    assert isinstance(data["optimization_inputs"], bytes)
+    assert data["icam_intrinsics"] == 0
+    with np.load(io.BytesIO(base64.b85decode(data["optimization_inputs"])), allow_pickle=False) as inputs:
+        seen = inputs["observations_board"]
+        assert seen.shape == (len(mine.views), 5, 8, 3)
+        assert int((seen[..., 2] > 0).sum()) == sum(len(view) for view in mine.views)
+        # the poses are those of the corner grid, whose origin is its first corner
+        rt, k, d = inputs["frames_rt_toref"][0], data["intrinsics"][:4], data["intrinsics"][4:]
+    column, row = np.meshgrid(np.arange(8.0), np.arange(5.0))
+    points = np.stack([column, row, np.zeros_like(row)], axis=2).reshape(-1, 3)
+    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
+    q = cv2.projectPoints(points, rt[:3], rt[3:], matrix, np.array(d))[0].reshape(-1, 2)
+    good = seen[0, ..., 2].ravel() > 0
+    away = np.linalg.norm(q - seen[0, ..., :2].reshape(-1, 2), axis=1)[good]
+    assert np.sqrt(np.mean(away**2)) < 1.5 * mine.rms
+
+
+def test_mrcal_itself_reads_it_and_finds_nothing_to_improve() -> None:
+    python = system_mrcal()
+    if python is None:  # its grammar is checked above
+        return
+    program = """
+import sys, json, tempfile, numpy as np, mrcal
+with tempfile.NamedTemporaryFile('w', suffix='.cameramodel') as f:
+    f.write(sys.stdin.read()); f.flush()
+    model = mrcal.cameramodel(f.name)
+inputs = model.optimization_inputs()
+x = mrcal.optimizer_callback(**inputs)[1]
+before = np.array(inputs['intrinsics'])
+stats = mrcal.optimize(**inputs)
+v = np.array(json.loads(sys.argv[1]))
+q = mrcal.project(v, *model.intrinsics())
+error = mrcal.projection_uncertainty(mrcal.unproject(np.array([[640., 360.]]), *model.intrinsics()), model,
+    what='rms-stdev')
+print(json.dumps({'q': q.tolist(), 'rms': float(stats['rms_reproj_error__pixels']), 'std': float(error[0]),
+    'moved': float(np.abs(np.array(inputs['intrinsics']) - before)[0, :4].max())}))
+"""
+    for model in ("rectilinear", "rational"):
+        mine = subject(model)
+        rays, q = image_rays(mine.camera)
+        done = subprocess.run(
+            [python, "-c", program, json.dumps(rays.tolist())],
+            input=formats.write(mine, "mrcal").content.decode(),
+            capture_output=True,
+            check=True,
+            text=True,
+        )
+        said = json.loads(done.stdout)
+        assert np.abs(np.array(said["q"]) - q).max() < 1e-6
+        # mrcal reports the rms of single coordinates, corners that were not seen among them as zeros
+        seen = sum(len(view) for view in mine.views) / (40 * len(mine.views))
+        assert said["rms"] == pytest.approx(mine.rms * math.sqrt(seen / 2), rel=0.01)
+        assert said["moved"] < 1.0
+        assert 0.01 < said["std"] < 1
+
+
+def test_corners_table_has_a_line_for_every_corner_of_every_view() -> None:
+    mine = subject("fisheye")
+    lines = formats.write(mine, "corners-vnl").content.decode().splitlines()
+    assert "# filename x y level" in lines
+    rows = [line.split() for line in lines if not line.startswith("#")]
+    assert len(rows) == 40 * len(mine.views)
+    assert len({row[0] for row in rows}) == len(mine.views)
+    assert sum(row[1] == "-" for row in rows) == 40 * len(mine.views) - sum(len(v) for v in mine.views)
+
+
+# ---- Lensfun
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_lensfun_maps_the_corrected_picture_to_ours(model: str) -> None:
+    file, camera = formats.write(subject(model), "lensfun"), calibrated(model)
+    database = lensfunpy.Database(xml=file.content.decode(), load_common=False, load_bundled=False)
+    (body,) = database.find_cameras("calibDB", subject(model).name, loose_search=True)
+    (lens,) = database.find_lenses(body, "calibDB", subject(model).name, loose_search=True)
+    modifier = lensfunpy.Modifier(lens, body.crop_factor, W, H)
+    modifier.initialize(lens.min_focal, 8, 10, pixel_format=np.uint8, flags=lensfunpy.ModifyFlags.DISTORTION)
+    source = modifier.apply_geometry_distortion().astype(np.float64)
+    # The corrected picture is a pinhole's (a fisheye's: equidistant), of a focal length s times as large.
+    radial = formats.REGISTRY["lensfun"].convert(subject(model)).camera
+    s, f = lensfun_format.polynomial(radial)[3], radial.matrix[0, 0]
+    x, y = np.meshgrid(np.arange(0, W, 40), np.arange(0, H, 40))
+    d = np.stack([(x - radial.matrix[0, 2]) / (s * f), (y - radial.matrix[1, 2]) / (s * f)], axis=-1)
+    d = d.reshape(-1, 2)
+    r = np.linalg.norm(d, axis=1)
+    if radial.model == "fisheye":
+        rays = np.concatenate([d * np.sinc(r / np.pi)[:, None], np.cos(r)[:, None]], axis=1)
+    else:
+        rays = np.concatenate([d, np.ones((len(d), 1))], axis=1)
+    q = camera.project(rays)
+    there = source[y, x].reshape(-1, 2)
+    inside = np.isfinite(q).all(axis=1) & (q >= 0).all(axis=1) & (q <= (W - 1, H - 1)).all(axis=1)
+    away = np.linalg.norm(q[inside] - there[inside], axis=1)
+    # Lensfun's own arithmetic is single precision with an approximate square root: 0.1 px
+    assert away.max() < file.error + 0.15
+
+
+# ---- DNG
+
+
+def opcode(content: bytes) -> tuple[int, list[float], float, float]:
+    """Number, coefficients and centre of the one opcode, by the specification's layout."""
+    count, number, version, flags, size = struct.unpack_from(">5I", content)
+    assert (count, version, flags) == (1, 0x01030000, 1)
+    assert len(content) == 20 + size
+    (planes,) = struct.unpack_from(">I", content, 20)
+    assert planes == 1
+    *values, cx, cy = struct.unpack_from(f">{(size - 4) // 8}d", content, 24)
+    return number, values, cx, cy
+
+
+def warped(content: bytes, q: np.ndarray) -> np.ndarray:
+    """Source pixels of corrected pixels (n, 2): the arithmetic of chapter 7 of the specification."""
+    number, v, cx, cy = opcode(content)
+    centre = np.array([cx * W, cy * H])
+    m = math.hypot(max(centre[0], W - centre[0]), max(centre[1], H - centre[1]))
+    d = (q - centre) / m
+    r = np.linalg.norm(d, axis=1)
+    if number == 1:
+        ratio = v[0] + v[1] * r**2 + v[2] * r**4 + v[3] * r**6
+        x, y = d.T
+        tangential = np.stack(
+            [v[4] * 2 * x * y + v[5] * (r**2 + 2 * x * x), v[5] * 2 * x * y + v[4] * (r**2 + 2 * y * y)],
+            axis=1,
+        )
+        return centre + m * (d * ratio[:, None] + tangential)
+    t = np.arctan(r)
+    ratio = (v[0] * t + v[1] * t**3 + v[2] * t**5 + v[3] * t**7) / np.maximum(r, 1e-12)
+    return centre + m * d * ratio[:, None]
+
+
+@pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
+def test_dng_opcode_equals_opencvs_undistortion(model: str) -> None:
+    mine = subject(model)
+    held = formats.REGISTRY["dng"].convert(mine)
+    content = formats.REGISTRY["dng"].write(mine, held)
+    k, d = np.array(held.camera.matrix), np.array(held.camera.distortion)
+    assert k[0, 0] == k[1, 1]
+    number, values, *_ = opcode(content)
+    new = k.copy()
+    if model == "fisheye":
+        assert number == 2
+        new[0, 0] = new[1, 1] = math.hypot(max(k[0, 2], W - k[0, 2]), max(k[1, 2], H - k[1, 2]))
+        maps = cv2.fisheye.initUndistortRectifyMap(k, d, np.eye(3), new, IMG_SIZE, cv2.CV_32FC1)
+    else:
+        assert (number, values[0]) == (1, 1.0)
+        maps = cv2.initUndistortRectifyMap(k, d, np.eye(3), new, IMG_SIZE, cv2.CV_32FC1)
+    x, y = np.meshgrid(np.arange(0, W, 16), np.arange(0, H, 16))
+    ours = warped(content, np.stack([x.ravel(), y.ravel()], axis=1).astype(float))
+    theirs = np.stack([maps[0][y, x].ravel(), maps[1][y, x].ravel()], axis=1)
+    assert np.abs(ours - theirs).max() < 1e-3
+
+
+def test_dng_fisheye_refits_four_terms_where_cutting_the_fifth_would_show() -> None:
+    camera = Camera(
+        "fisheye", [[700, 0, 640], [0, 700, 360], [0, 0, 1]], [-0.03, 0.02, -0.02, 0.006], IMG_SIZE
+    )
+    bare = formats.Subject(camera)
+    held = formats.REGISTRY["dng"].convert(bare)
+    assert held.error < 0.01
+    cut = Camera("fisheye", camera.matrix, [*camera.distortion[:3], 0.0], IMG_SIZE)
+    angle = np.array([[np.sin(0.75), 0, np.cos(0.75)]])
+    assert abs(cut.project(angle) - camera.project(angle)).max() > 10 * held.error
+
+
+# ---- AR.js
+
+
+def test_camera_para_is_read_by_artoolkits_own_arithmetic() -> None:
+    mine = subject("rectilinear")
+    file = formats.write(mine, "artoolkit")
+    assert len(file.content) == 176, "the length says the version"
+    w, h, *rest = struct.unpack(">2i12d9d", file.content)
+    matrix = np.array(rest[:12]).reshape(3, 4)
+    k1, k2, p1, p2, fx, fy, x0, y0, s = rest[12:]
+    assert (w, h, s) == (W, H, 1.0)
+    rays, q = image_rays(mine.camera)
+    ideal = rays @ matrix[:, :3].T
+    ideal = ideal[:, :2] / ideal[:, 2:]
+    # arParamIdeal2Observ, version 4
+    x, y = (ideal[:, 0] - x0) * s / fx, (ideal[:, 1] - y0) * s / fy
+    r2 = x * x + y * y
+    radial = 1 + k1 * r2 + k2 * r2 * r2
+    ox = (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) * fx + x0
+    oy = (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) * fy + y0
+    assert np.linalg.norm(np.stack([ox, oy], axis=1) - q, axis=1).max() <= file.error + 0.01
+
+
+# ---- pages
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_webxr_attributes_are_column_major_and_the_matrix_projects_as_the_pinhole(model: str) -> None:
+    camera = calibrated(model)
+    data = json.loads(formats.write(subject(model), "webxr").content)
+    assert np.array_equal(np.array(data["cameraMatrix"]).reshape(3, 3).T, camera.matrix)
+    assert data["distortionCoefficients"] == camera.distortion.tolist()
+    assert data["distortionModel"] == model
+    p = np.array(data["projectionMatrix"]).reshape(4, 4).T
+    assert np.array_equal(p, projection_matrix(camera))
+    points = np.random.default_rng(1).uniform((-1, -1, 1), (1, 1, 5), (50, 3))
+    clip = np.concatenate([points * (1, -1, -1), np.ones((50, 1))], axis=1) @ p.T
+    ndc = clip[:, :2] / clip[:, 3:]
+    seen = np.stack([(ndc[:, 0] + 1) / 2 * W - 0.5, (1 - ndc[:, 1]) / 2 * H - 0.5], axis=1)
+    pinhole = points @ np.asarray(camera.matrix).T
+    assert np.abs(seen - pinhole[:, :2] / pinhole[:, 2:]).max() < 1e-9
+    assert p[0, 0] * W / 2 == pytest.approx(camera.matrix[0, 0], abs=1e-9)
+    # without the half pixel of WebXR's viewport it would be off by as much
+    assert abs(((1 - p[0, 2]) * W - 1) / 2 - camera.matrix[0, 2]) < 1e-9
+
+
+def test_gltf_states_what_its_two_numbers_leave_out() -> None:
+    file, camera = formats.write(subject("rectilinear"), "gltf"), calibrated("rectilinear")
+    data = json.loads(file.content)
+    lens = data["cameras"][data["nodes"][data["scenes"][data["scene"]]["nodes"][0]]["camera"]]
+    view = lens["perspective"]
+    # three.js: f = 1 / tan(yfov / 2), P0 = f / aspect, P5 = f
+    f = 1 / math.tan(view["yfov"] / 2)
+    assert f * H / 2 == pytest.approx(camera.matrix[1, 1], abs=1e-9)
+    assert f / view["aspectRatio"] * W / 2 == pytest.approx(camera.matrix[0, 0], abs=1e-9)
+    assert lens["extras"]["camera_matrix"] == camera.matrix.tolist()
+    assert lens["extras"]["distortion_coefficients"] == camera.distortion.tolist()
+    assert file.error > 1
+    assert f"{file.error:.2f}" in lens["extras"]["warning"]

@@ -1,0 +1,258 @@
+"""Files of text, read back by the tools they are for, or by what those document."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import cv2
+import numpy as np
+import pycolmap
+import pytest
+import yaml
+
+from calibsolver import CalibrationError, Camera, formats, models
+from calibsolver.arrays import Array
+from calibsolver.formats import Subject, Written
+from calibsolver.score import score
+from tests.formats import IMG_SIZE, image_rays, subject
+
+ROUGH = 0.01
+"""px: how far a tool's projection may be from ours beyond what the file says of itself."""
+
+
+def written(model: str, name: str) -> Written:
+    return formats.write(subject(model), name)
+
+
+def off(model: str, file: Written, project: Callable[[Array], Array]) -> None:
+    """Assert that a tool projects the rays of the image where we saw them, or as far off as the file says.
+
+    Only rays ahead of the camera: most tools divide by the depth, whatever the model.
+    """
+    rays, q = image_rays(subject(model).camera, 33, 25)
+    ahead = rays[:, 2] > 0.02
+    there = project(rays[ahead])
+    seen = np.isfinite(there).all(axis=1)
+    assert seen.mean() >= file.coverage - 0.01
+    away = np.linalg.norm(there[seen] - q[ahead][seen], axis=1)
+    away = away[away < np.quantile(away, min(file.coverage + 0.002, 1))] if file.coverage < 1 else away
+    assert away.max() <= file.error + ROUGH
+    if ahead.all() and file.coverage == 1:
+        assert away.max() >= 0.99 * file.error - ROUGH, "the file says more than is the case"
+
+
+def opencv(matrix: Array, d: Array, fisheye: bool = False) -> Callable[[Array], Array]:
+    def project(rays: Array) -> Array:
+        zero = np.zeros(3)
+        if fisheye:
+            q = cv2.fisheye.projectPoints(rays[:, None], zero, zero, matrix, d.reshape(4, 1))[0]
+        else:
+            q = cv2.projectPoints(rays, zero, zero, matrix, d)[0]
+        return np.asarray(q.reshape(-1, 2), dtype=np.float64)
+
+    return project
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+@pytest.mark.parametrize("name", ["opencv-yaml", "opencv-json"])
+def test_file_storage_reads_every_camera_to_the_last_bit(name: str, model: str) -> None:
+    file, camera = written(model, name), subject(model).camera
+    flags = cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY
+    storage = cv2.FileStorage(file.content.decode(), flags)
+    k, d = storage.getNode("camera_matrix").mat(), storage.getNode("distortion_coefficients").mat()
+    assert np.array_equal(k, camera.matrix)
+    xi = storage.getNode("xi").mat()
+    full = d.ravel() if xi is None else np.append(xi.ravel(), d.ravel())
+    assert np.array_equal(full, camera.distortion)
+    assert (storage.getNode("image_width").real(), storage.getNode("image_height").real()) == IMG_SIZE
+    assert storage.getNode("avg_reprojection_error").real() == subject(model).rms
+    assert storage.getNode("fisheye_model").real() == (model == "fisheye")
+    assert file.error == 0
+    if model in ("rectilinear", "rational", "fisheye"):
+        off(model, file, opencv(k, d, model == "fisheye"))
+    else:
+        rays, q = image_rays(camera)
+        there = cv2.omnidir.projectPoints(rays[:, None], np.zeros(3), np.zeros(3), k, float(xi[0, 0]), d)[0]
+        assert np.abs(there.reshape(-1, 2) - q).max() < ROUGH
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_ros_yaml_has_what_its_parsers_assert_in_full_precision(model: str) -> None:
+    file = written(model, "ros")
+    data = yaml.safe_load(file.content)
+    assert {
+        k: (data[k]["rows"], data[k]["cols"]) for k in data if k.endswith(("matrix", "coefficients"))
+    } == {
+        "camera_matrix": (3, 3),
+        "distortion_coefficients": (1, len(data["distortion_coefficients"]["data"])),
+        "rectification_matrix": (3, 3),
+        "projection_matrix": (3, 4),
+    }
+    size = {"plumb_bob": 5, "rational_polynomial": 8, "equidistant": 4}[data["distortion_model"]]
+    d = np.array(data["distortion_coefficients"]["data"])
+    assert len(d) == size
+    assert all(isinstance(v, float) for v in [*d.tolist(), *data["camera_matrix"]["data"]])
+    assert (data["image_width"], data["image_height"]) == IMG_SIZE
+    assert data["camera_name"].isascii()
+    k = np.array(data["camera_matrix"]["data"]).reshape(3, 3)
+    if model != "omnidirectional":
+        # ROS's own writer keeps six digits, which moves projections: ours must not
+        assert np.array_equal(k, subject(model).camera.matrix)
+        assert np.array_equal(d, subject(model).camera.distortion)
+    off(model, file, opencv(k, d, data["distortion_model"] == "equidistant"))
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_kalibr_has_four_coefficients_and_they_are_fitted_not_cut(model: str) -> None:
+    file = written(model, "kalibr")
+    cam = yaml.safe_load(file.content)["cam0"]
+    # what aslam_cv's parameter reader asserts
+    assert cam["camera_model"] in ("pinhole", "omni")
+    assert cam["distortion_model"] in ("radtan", "equidistant")
+    assert len(cam["distortion_coeffs"]) == 4
+    assert all(isinstance(n, int) for n in cam["resolution"])
+    assert all(isinstance(v, float) for v in [*cam["intrinsics"], *cam["distortion_coeffs"]])
+    assert cam["rostopic"].startswith("/")
+    *xi, fu, fv, pu, pv = cam["intrinsics"]
+    assert len(xi) == (cam["camera_model"] == "omni")
+    k, d = np.array([[fu, 0, pu], [0, fv, pv], [0, 0, 1]]), np.array(cam["distortion_coeffs"])
+    if xi:
+        full = Camera("omnidirectional", k, np.append(xi, d), IMG_SIZE)
+        off(model, file, full.project)
+    else:
+        off(model, file, opencv(k, d, cam["distortion_model"] == "equidistant"))
+    if model == "rectilinear":
+        mine = subject(model)
+        cut = Camera(model, mine.camera.matrix, np.append(mine.camera.distortion[:4], 0), IMG_SIZE)
+        refitted = Camera(model, k, np.append(d, 0), IMG_SIZE)
+        assert score(refitted, mine.views).rms < 1.05 * mine.rms
+        assert score(cut, mine.views).rms > 2 * mine.rms, "without the refit it would be visibly worse"
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_colmap_projects_half_a_pixel_further(model: str) -> None:
+    file = written(model, "colmap")
+    fields = file.content.decode().splitlines()[-1].split()
+    assert fields[0] == "1"
+    assert [int(n) for n in fields[2:4]] == list(IMG_SIZE)
+    params = [float(n) for n in fields[4:]]
+    camera = pycolmap.Camera(model=fields[1], width=IMG_SIZE[0], height=IMG_SIZE[1], params=params)
+
+    def project(rays: Array) -> Array:
+        found = [camera.img_from_cam(ray) for ray in rays]
+        return np.array([[np.nan, np.nan] if q is None else q for q in found]) - 0.5
+
+    off(model, file, project)
+    assert params[2] == pytest.approx(subject(model).camera.matrix[0, 2] + 0.5, abs=20)
+    if model in ("rectilinear", "fisheye"):
+        assert params[2] == subject(model).camera.matrix[0, 2] + 0.5
+
+
+def brown(data: dict[str, Any]) -> Callable[[Array], Array]:
+    """OpenSfM's documented projections, normalised coordinates and back to pixels."""
+
+    def project(rays: Array) -> Array:
+        side, x = max(data["width"], data["height"]), rays / np.linalg.norm(rays, axis=1)[:, None]
+        if data["projection_type"] == "brown":
+            u = np.where(x[:, 2:] > 0.02, x[:, :2] / x[:, 2:], np.nan)
+            r2 = (u**2).sum(axis=1)
+            radial = 1 + r2 * (data["k1"] + r2 * (data["k2"] + r2 * data["k3"]))
+            x2, y2, xy = u[:, 0] ** 2, u[:, 1] ** 2, u[:, 0] * u[:, 1]
+            d = np.stack(
+                [
+                    u[:, 0] * radial + 2 * data["p1"] * xy + data["p2"] * (r2 + 2 * x2),
+                    u[:, 1] * radial + data["p1"] * (r2 + 2 * y2) + 2 * data["p2"] * xy,
+                ],
+                axis=1,
+            )
+        else:
+            flat = np.hypot(x[:, 0], x[:, 1])
+            t = np.arctan2(flat, x[:, 2])
+            t2 = t * t
+            td = t * (1 + t2 * (data["k1"] + t2 * (data["k2"] + t2 * (data["k3"] + t2 * data["k4"]))))
+            d = x[:, :2] / np.maximum(flat, 1e-12)[:, None] * td[:, None]
+        q = d * (data["focal_x"], data["focal_y"]) + (data["c_x"], data["c_y"])
+        return q * side + np.array([data["width"] - 1, data["height"] - 1]) / 2
+
+    return project
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_opensfm_measures_from_the_middle_in_units_of_the_larger_side(model: str) -> None:
+    file = written(model, "opensfm")
+    ((name, data),) = json.loads(file.content).items()
+    assert name == subject(model).name
+    assert data["projection_type"] in ("brown", "fisheye_opencv")
+    off(model, file, brown(data))
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_gyroflow_uses_the_principal_point_that_is_written(model: str) -> None:
+    file = written(model, "gyroflow")
+    data = json.loads(file.content)
+    assert data["asymmetrical"] is True
+    assert data["distortion_model"] == "opencv_fisheye"
+    assert data["calib_dimension"] == {"w": 1280, "h": 720}
+    assert {"calibrator_version", "camera_brand", "camera_model", "lens_model"} <= data.keys()
+    params = data["fisheye_params"]
+    k, d = np.array(params["camera_matrix"]), np.array(params["distortion_coeffs"])
+    off(model, file, opencv(k, d, fisheye=True))
+    # without the flag the program puts the principal point into the middle
+    if model == "fisheye":
+        k[:2, 2] = 640, 360
+        rays, q = image_rays(subject(model).camera)
+        assert np.abs(opencv(k, d, fisheye=True)(rays) - q).max() > 5
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_photonvision_holds_the_keypoints(model: str) -> None:
+    file, mine = written(model, "photonvision"), subject(model)
+    data = json.loads(file.content)
+    k = np.array(data["cameraIntrinsics"]["data"]).reshape(3, 3)
+    d = np.array(data["distCoeffs"]["data"])
+    assert data["cameraIntrinsics"]["type"] == data["distCoeffs"]["type"] == 6
+    assert data["distCoeffs"]["cols"] == len(d)
+    off(model, file, opencv(k, d))
+    assert len(data["observations"]) == len(mine.views)
+    for seen, view in zip(data["observations"], mine.views, strict=True):
+        q = np.array([[p["x"], p["y"]] for p in seen["locationInImageSpace"]])
+        assert np.array_equal(q, view.image_points)
+        e = np.array([[p["x"], p["y"]] for p in seen["reprojectionErrors"]])
+        # the pose that is written is the one that these residuals belong to
+        rotation = seen["optimisedCameraToObject"]["rotation"]["quaternion"]
+        w, v = rotation["W"], np.array([rotation[a] for a in "XYZ"])
+        angle = 2 * np.arctan2(np.linalg.norm(v), w)
+        rvec = v / np.linalg.norm(v) * angle
+        t = np.array([seen["optimisedCameraToObject"]["translation"][a] for a in "xyz"])
+        back = cv2.projectPoints(view.object_points, rvec, t, k, d)[0].reshape(-1, 2)
+        assert np.abs(back - q - e).max() < 1e-6
+
+
+def test_warning_stands_in_every_text_that_is_off() -> None:
+    mine = subject("omnidirectional")
+    for name in ("ros", "colmap", "mrcal", "gyroflow", "opensfm", "lensfun", "gltf", "photonvision"):
+        file = formats.write(mine, name)
+        assert file.error > 0.1
+        assert f"{file.error:.2f} px off".encode() in file.content, name
+    for name in formats.NAMES:
+        file = formats.write(subject("rectilinear"), name)
+        assert (file.warning is not None) == (file.error > formats.VISIBLE)
+
+
+def test_calibration_without_keypoints_is_converted_too() -> None:
+    mine = subject("rectilinear")
+    bare = Subject(mine.camera, name=mine.name)
+    for name in formats.NAMES:
+        if name == "corners-vnl":
+            with pytest.raises(CalibrationError, match="no keypoints"):
+                formats.write(bare, name)
+        else:
+            assert formats.write(bare, name).error < 0.02 * IMG_SIZE[0] or name == "gltf"
+
+
+def test_a_format_that_cannot_come_near_says_so() -> None:
+    with pytest.raises(CalibrationError, match="px off") as caught:
+        formats.write(subject("fisheye"), "artoolkit")
+    assert caught.value.code == "not_representable"
+    with pytest.raises(CalibrationError, match="no format is called"):
+        formats.write(subject("fisheye"), "visicalc")
