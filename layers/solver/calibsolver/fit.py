@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from . import checks, models, normal, outliers, plausible, prior, start
+from . import checks, majority, models, normal, outliers, plausible, prior, start
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
@@ -14,6 +14,7 @@ from .checks import MIN_POINTS, check
 from .errors import CalibrationError
 from .lm import Options, Problem, State
 from .models import Model
+from .normal import Poses
 from .view import View
 
 __all__ = ["MIN_POINTS", "check", "fit"]
@@ -29,6 +30,10 @@ SURPRISE = 3.0
 """Other starts are tried too where pixels are this many sigmas from square, or the centre from the middle."""
 ROUNDS = 6
 """Cuts at most."""
+AGAIN = 3
+"""Times that views which fit badly are posed anew."""
+AGREES = 5.0
+"""Median errors within which a point of such a view agrees with most of its points."""
 TRIES = 4
 """Rungs of the ladder that are followed at most."""
 
@@ -108,34 +113,46 @@ class _Fit:
 
     def approach(self) -> State:
         """From several starts to near the optimum; the best of them."""
-        obs, everything = self.problem.obs, self.everything
+        obs, problem = self.problem.obs, self.problem
         few = start.few(obs, self.mask)
         if few is None:
-            trial, weights, mask = self.problem, everything, self.mask
-        else:
-            trial = Problem(self.model, obs.subset(few), self.problem.img_size)
-            weights, mask = everything[few], self.mask[few]
-        best: State | None = None
-        best_score = (2.0, 0.0)
+            return self.ranked(problem, self.everything, self.mask)[0]
+        trial = Problem(problem.model, obs.subset(few), problem.img_size)
+        found = self.ranked(trial, self.everything[few], self.mask[few])
+        # Where a few views leave it open which camera it is, all of them decide.
+        states = []
+        for k in [state.k for state in found[: 1 if self.ordinary(found[0]) else 2]]:
+            first = start.mended(problem.model, obs, start.at(problem.model, obs, k))
+            state = problem.at(first.k, first.poses)
+            # The camera is known about; what is far off already would only bend it on the way.
+            near = state.square <= AGREES**2 * majority.medians(state.square, self.mask)[:, None]
+            weights = self.trusted(problem, near & self.mask, self.mask)
+            state = problem.solve(state, weights, APPROACH)
+            states.append(self.posed_anew(problem, state, weights, self.mask))
+        return outliers.ranked(states, problem, self.mask)[0]
+
+    def ranked(self, trial: Problem, weights: Array, mask: Mask) -> list[State]:
+        """Optima that the starts lead to, the best first; no more than it takes to find an ordinary one."""
+        found: list[State] = []
         for first in self.starts(trial):
             state = trial.at(first.k, first.poses)
             if not state.finite:
                 continue
-            state = trial.solve(state, weights, APPROACH)
+            good = mask if first.weights is None else mask & (first.weights > 0)
+            state = trial.solve(state, self.trusted(trial, good, mask), APPROACH)
+            state = self.posed_anew(trial, state, weights, mask)
             if not state.finite:
                 continue
-            inside = plausible.folded(trial, state, mask) <= plausible.FOLDED
-            level = float(np.mean(np.sqrt(state.square[mask])))
-            if (not inside, level) < best_score:
-                best, best_score = state, (not inside, level)
-            if inside and level < DOUBTFUL * self.width and self.ordinary(state):
+            found.append(state)
+            if (
+                self.ordinary(state)
+                and outliers.level(state, mask) < DOUBTFUL * self.width
+                and plausible.folded(trial, state, mask) <= plausible.FOLDED
+            ):
                 break
-        if best is None:
+        if not found:
             raise CalibrationError("no_fit", "no camera explains these views")
-        if few is None:
-            return best
-        first = start.at(self.model, obs, best.k)
-        return self.problem.solve(self.problem.at(first.k, first.poses), everything, APPROACH)
+        return outliers.ranked(found, trial, mask)
 
     def starts(self, trial: Problem) -> Iterator[start.Start]:
         """Where to begin, the likeliest first."""
@@ -143,7 +160,8 @@ class _Fit:
         if self.known is not None and self.known.img_size == size:
             yield start.at(model, obs, start.like(model, self.known))
         yield from start.direct(model, obs, size)
-        yield from start.ladder(model, obs, size)[:TRIES]
+        for rung in start.ladder(model, obs, size)[:TRIES]:
+            yield start.mended(model, obs, rung)
 
     def ordinary(self, state: State) -> bool:
         """Whether this is a camera like others; a strange one may be a local minimum beside the right one."""
@@ -153,21 +171,67 @@ class _Fit:
         """From near the optimum to a result: outliers cut, least squares."""
         if not self.robust:
             return self.plain(state)
-        obs, img_size = self.problem.obs, self.problem.img_size
-        good = outliers.kept(state, self.mask, img_size)
-        if outliers.systematic(good, obs, img_size):
-            # It may be the model that fails there: then every point counts, or it would fail unseen.
-            whole = self.problem.solve(state, self.everything, Options())
-            if np.mean(whole.square[self.mask]) < SMOOTH**2 * np.mean(state.square[good]):
-                return self.result(whole, self.mask, with_prior=True)
-        for _ in range(ROUNDS):
-            state = self.problem.solve(state, outliers.weights(good, obs.mask), Options())
-            previous, good = good, outliers.kept(state, self.mask, img_size)
+        problem, obs, mask, size = self.problem, self.problem.obs, self.mask, self.problem.img_size
+        begun, tame = state, outliers.kept(state, mask, mask, outliers.WILD, size)
+        blamed, good = outliers.systematic(tame, mask, obs, size), tame
+        for _ in range(0 if blamed else ROUNDS):
+            state = problem.solve(state, outliers.weights(good, obs.mask), Options())
+            previous, good = good, outliers.kept(state, mask, good, outliers.CUT, size)
             if np.array_equal(previous, good):
                 break
-        else:  # a point or two change sides every time: either is as good
-            good = previous
+        else:  # where a point or two change sides every time, either is as good
+            good = good if blamed else previous
+        if blamed or outliers.systematic(good, tame, obs, size):
+            # It may be the model that fails there: then every point counts, or it would fail unseen.
+            whole = self.whole(begun)
+            if np.mean(whole.square[mask]) < SMOOTH**2 * np.mean(state.square[good]):
+                state, good = whole, mask
         return self.result(state, good, with_prior=True)
+
+    def whole(self, state: State) -> State:
+        """Least squares over all points, begun anew from the intrinsics of `state`."""
+        first = start.at(self.model, self.problem.obs, state.k)
+        state = self.problem.solve(self.problem.at(first.k, first.poses), self.everything, APPROACH)
+        return self.problem.solve(state, self.everything, Options())
+
+    def trusted(self, problem: Problem, good: Mask, mask: Mask) -> Array:
+        """Weights (v, n) of the `good` points, or of all where the others may show how the model fails."""
+        if outliers.systematic(good, mask, problem.obs, problem.img_size):
+            good = mask
+        return outliers.weights(good, problem.obs.mask)
+
+    def tamed(self, problem: Problem, state: State, mask: Mask) -> State:
+        """Fit without what is certainly wrong, so that it no longer bends the way."""
+        good = outliers.kept(state, mask, mask, outliers.WILD, problem.img_size)
+        if np.array_equal(good, mask) or outliers.systematic(good, mask, problem.obs, problem.img_size):
+            return state
+        return problem.solve(state, outliers.weights(good, problem.obs.mask), Options(tolerance=1e-4))
+
+    def posed_anew(self, problem: Problem, state: State, weights: Array, mask: Mask) -> State:
+        """Let views that fit badly start again, from what the majority of their points say.
+
+        A row of corners under wrong names pulls its view so far that robust weights alone do not bring it
+        back: to fit all points a little is cheaper than to fit most and miss some by far.
+        """
+        for _ in range(AGAIN):
+            bad = outliers.unfit(state, mask)
+            if not bad.size:
+                break
+            part = Problem(problem.model, problem.obs.subset(bad), problem.img_size)
+            rays = start.seen(problem.model, part.obs, state.k)
+            planes, _ = majority.planes(part.obs.points, rays, mask[bad], 0.0)
+            poses = planes.poses(part.obs.points[:, 2, 0])
+            square = part.at(state.k, poses).square
+            middle = majority.medians(square, mask[bad])
+            better = middle < majority.medians(state.square[bad], mask[bad])
+            if not better.any():
+                break
+            r, t, weights = state.poses.r.copy(), state.poses.t.copy(), weights.copy()
+            r[bad[better]], t[bad[better]] = poses.r[better], poses.t[better]
+            near = square <= AGREES**2 * middle[:, None]
+            weights[bad[better]] = (near & mask[bad])[better]
+            state = problem.solve(problem.at(state.k, Poses(r, t)), weights, APPROACH)
+        return self.tamed(problem, state, mask)
 
     def plain(self, state: State) -> Calibration:
         """Least squares over all points, without the prior where the points carry every parameter."""

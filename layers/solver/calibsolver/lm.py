@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from . import normal, prior
-from .arrays import Array
+from .arrays import Array, Mask
 from .models import Model
 from .normal import Poses
 from .observations import Observations
@@ -94,12 +94,13 @@ class Objective:
 
     def of(self, state: State) -> tuple[float, Array | None]:
         """Value at `state`, px^2, and the weights (v, n) of the squares there; None: all are 1."""
+        weights: Array | None
         if self.limit < np.inf:
-            share = np.minimum(1.0, self.limit / np.sqrt(np.maximum(state.square, 1e-300)))
+            share: Array = np.minimum(1.0, self.limit / np.sqrt(np.maximum(state.square, 1e-300)))
             rho = state.square * share * (2 - share)
             weights = share if self.weights is None else share * self.weights
         else:
-            rho, weights = state.square, self.weights
+            weights, rho = self.weights, state.square
         total = float(rho.sum()) if self.weights is None else float(np.vdot(rho, self.weights))
         return total + self.belief * float(state.belief @ state.belief), weights
 
@@ -259,14 +260,15 @@ class System:
         removed = c[:, :, :size].reshape(-1, size).T @ solved.reshape(-1, size + 1)
         lhs = self.a - removed[:, :size]
         lhs.flat[:: size + 1] += lift
-        dk = -np.linalg.solve(lhs, ga - removed[:, size])
-        return dk, -(solved[:, :, size] + solved[:, :, :size] @ dk)
+        dk: Array = -np.linalg.solve(lhs, ga - removed[:, size])
+        dp: Array = -(solved[:, :, size] + solved[:, :, :size] @ dk)
+        return dk, dp
 
 
 EYE = np.eye(6)
 
 
-def noise(state: State, counted: Array) -> float:
+def noise(state: State, counted: Mask) -> float:
     """Robust standard deviation of one coordinate of the residuals of points that count (v, n), px."""
     square = state.square[counted]
     used = square.size * 2

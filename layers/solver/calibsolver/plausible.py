@@ -36,5 +36,6 @@ def demand(problem: Problem, state: State, good: Mask, robust: bool) -> None:
     level = float(np.sqrt(np.mean(state.square[good])))
     if level > (WORST_KEPT if robust else WORST) * w:
         raise CalibrationError("not_believable", f"an rms of {level:.1f} px explains nothing")
-    if folded(problem, state, good) > FOLDED:
+    # Points cut count too: they may have been cut because the model has no place for them.
+    if folded(problem, state, mask & good.any(axis=1)[:, None]) > FOLDED:
         raise CalibrationError("not_believable", "the distortion folds inside the views")

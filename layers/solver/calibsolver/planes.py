@@ -1,0 +1,93 @@
+"""Homographies from a board to the rays on which it is seen, and the poses that they are."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import rotation
+from .arrays import Array
+from .normal import Poses
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """Homographies of planes (v): ray ~ h (X, Y, 1) with (X, Y) centred and scaled.
+
+    Attributes
+    ----------
+    h
+        (v, 3, 3), the mean length of the first two columns 1.
+    mean, spread
+        (v, 2) and (v,): X = (x - mean) / spread.
+    """
+
+    h: Array
+    mean: Array
+    spread: Array
+
+    @classmethod
+    def seen(cls, points: Array, rays: Array, weights: Array) -> "Planes":
+        """From points (v, 3, n), unit rays (v, 3, n) and weights (v, n) as of `plane_poses`, rays finite.
+
+        |ray x (H X)|^2 summed = h' [sum (1 - ray ray') (x) X X'] h is least for the smallest eigenvector.
+        """
+        v, _, n = rays.shape
+        xy = points[:, :2]
+        total = np.maximum(weights.sum(axis=1), 1e-9)
+        mean = (xy @ weights[:, :, None])[:, :, 0] / total[:, None]
+        x = np.ones((v, 3, n))
+        np.subtract(xy, mean[:, :, None], out=x[:, :2])
+        square = (x[:, 0] ** 2 + x[:, 1] ** 2) * weights
+        spread = np.maximum(np.sqrt(square.sum(axis=1) / total / 2), 1e-300)
+        x[:, :2] /= spread[:, None, None]
+        outer = (x[:, :, None, :] * (x * weights[:, None])[:, None, :, :]).reshape(v, 9, n)
+        shadow = (np.eye(3)[None, :, :, None] - rays[:, :, None, :] * rays[:, None, :, :]).reshape(v, 9, n)
+        m = (shadow @ outer.transpose(0, 2, 1)).reshape(v, 3, 3, 3, 3).transpose(0, 1, 3, 2, 4)
+        h = np.linalg.eigh(m.reshape(v, 9, 9))[1][:, :, 0].reshape(v, 3, 3)
+        side = ((h @ x) * rays).sum(axis=1) * weights
+        h = h * np.where(side.sum(axis=1) < 0, -1.0, 1.0)[:, None, None]
+        return cls(scaled(h), mean, spread)
+
+    def errors(self, points: Array, rays: Array) -> Array:
+        """Angles (v, n), radians, small ones, between unit rays (v, 3, n) and where points are mapped to."""
+        x = np.ones(rays.shape)
+        x[:, :2] = (points[:, :2] - self.mean[:, :, None]) / self.spread[:, None, None]
+        return from_rays(self.h @ x, rays)
+
+    def stretched(self, factor: float) -> "Planes":
+        """Take the same planes where rays have `factor` times the distance from the axis."""
+        return Planes(scaled(self.h * np.array([factor, factor, 1.0])[:, None]), self.mean, self.spread)
+
+    def poses(self, offset: Array) -> Poses:
+        """Nearest poses of the planes; a plane of constant z = `offset` (v,) only moves the origin."""
+        first, second = self.h[:, :, 0], self.h[:, :, 1]
+        r = rotation.nearest(np.stack([first, second, np.cross(first, second)], axis=2))
+        t = self.h[:, :, 2] * self.spread[:, None]
+        t = t - (r[:, :, :2] @ self.mean[:, :, None])[:, :, 0] - r[:, :, 2] * offset[:, None]
+        return Poses(r, t)
+
+    def stretch(self) -> float:
+        """Find the factor for `stretched` that makes the first two columns orthogonal and equally long.
+
+        Their vanishing points lie at right angles (Zhang 2000, with square pixels and a known centre);
+        NaN where all planes face the camera.
+        """
+        (x1, y1, z1), (x2, y2, z2) = self.h[:, :, 0].T, self.h[:, :, 1].T
+        image = np.concatenate([x1 * x2 + y1 * y2, (x1 * x1 + y1 * y1 - x2 * x2 - y2 * y2) / 2])
+        depth = np.concatenate([z1 * z2, (z1 * z1 - z2 * z2) / 2])
+        below = float(image @ image)
+        return float(np.sqrt(-(image @ depth) / below)) if below > 0 else float("nan")
+
+
+def scaled(h: Array) -> Array:
+    """Homographies (v, 3, 3) of which the first two columns have mean length 1."""
+    columns = np.sqrt((h[:, :, :2] ** 2).sum(axis=1)).sum(axis=1) / 2
+    out: Array = h / np.maximum(columns, 1e-300)[:, None, None]
+    return out
+
+
+def from_rays(p: Array, rays: Array) -> Array:
+    """Angles (v, n), radians, small ones, between points (v, 3, n), camera frame, and unit rays (v, 3, n)."""
+    e = p / np.maximum(np.sqrt((p * p).sum(axis=1, keepdims=True)), 1e-300) - rays
+    out: Array = np.sqrt((e * e).sum(axis=1))
+    return out
