@@ -36,21 +36,24 @@ def rectilinear_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int
         cx = (w - 1) / 2 + 0.012 * w * rng.normal()
         cy = (h - 1) / 2 + 0.012 * w * rng.normal()
         matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
-        # Real wide lenses draw the corners a third as large as the middle, not smaller: one that is
-        # about to fold there (its radial stretch near 0) does not bend that much.
-        while stretch_at_corner(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], img_size)) < 0.3:
+        # Real wide lenses draw the corners a third as large as the middle, not smaller, and nothing between
+        # them smaller still: one that is about to fold (its radial stretch near 0) does not bend that much.
+        while least_stretch(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], img_size)) < 0.3:
             k1, k2 = 0.95 * k1, k2 + 0.002
         cameras.append(camera)
     return cameras
 
 
-def stretch_at_corner(camera: Camera) -> float:
-    """Radial magnification at the farthest corner / that in the middle; 0 where nothing is seen."""
+def least_stretch(camera: Camera) -> float:
+    """Least radial magnification over the image / that in the middle; 0 where a corner is not seen."""
     w, h = camera.img_size
     rays = camera.unproject(np.array([[x, y] for x in (0.0, w - 1.0) for y in (0.0, h - 1.0)]))
-    s = ((rays[:, 0] ** 2 + rays[:, 1] ** 2) / rays[:, 2] ** 2).max()
+    farthest = ((rays[:, 0] ** 2 + rays[:, 1] ** 2) / rays[:, 2] ** 2).max()
+    if not np.isfinite(farthest):
+        return 0.0
     k1, k2, k3 = camera.distortion[[0, 1, 4]]
-    return float(1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3))) if np.isfinite(s) else 0.0
+    s = np.linspace(0, farthest, 100)
+    return float((1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3))).min())
 
 
 def fisheye_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:

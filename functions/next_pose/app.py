@@ -10,7 +10,7 @@ from starlette.responses import Response
 from calibdb import capture, http
 from calibdb.schema import Pose, SessionDocument
 from calibsolver import Board, Camera, guidance, overlay
-from calibsolver.capture import Capture
+from calibsolver.capture import Capture, SetAside
 
 Format = Literal["jpeg", "png"]
 FORMATS: dict[str, Format] = {"image/jpeg": "jpeg", "image/png": "png"}
@@ -46,8 +46,11 @@ def choose(document: SessionDocument) -> SessionDocument:
     """Return the document with the target open that helps most, unlike those that the user did not want."""
     rules = solver_rules(document)
     views = [rules.board.view(view.ids, view.points) for view in document.views]
+    aside = {i: SetAside(**v.set_aside.model_dump()) for i, v in enumerate(document.views) if v.set_aside}
     skipped = tuple(guidance.TargetPose.from_dict(target) for target in document.skipped)
-    return capture.with_target(document, rules.next_target(views, rules.estimate(views), skipped).to_dict())
+    unreached = tuple(guidance.TargetPose.from_dict(target) for target in document.unreached)
+    target = rules.next_target(views, rules.estimate(views, aside), skipped, unreached)
+    return capture.with_target(document, target.to_dict())
 
 
 def draw(document: SessionDocument, image_format: Format) -> bytes:
@@ -67,6 +70,7 @@ def solver_rules(document: SessionDocument) -> Capture:
         model=document.distortion_model,
         guidance=document.guidance,
         target_error=document.target_error,
+        prior=Camera.from_record(document.prior.model_dump()) if document.prior else None,
     )
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from starlette.responses import Response
 
 from calibdb import capture, http
+from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, NotFoundError
-from calibdb.schema import SessionRequest
+from calibdb.schema import FitRecord, SessionDocument, SessionRequest
+from calibdb.store import Store
 
 
 def start(call: http.Call) -> Response:
@@ -14,12 +16,22 @@ def start(call: http.Call) -> Response:
     sid = call.session().sid
     request = call.json(SessionRequest)
     now = call.service.now
-    document = call.service.store.sessions.start(
-        sid, now, lambda version: capture.begin(request, sid, version, now)
-    )
+    store = call.service.store
+
+    def begin(version: int) -> SessionDocument:
+        return capture.begin(request, sid, version, now, known(store, request))
+
+    document = store.sessions.start(sid, now, begin)
     if not capture.same_start(document, capture.begin(request, sid, document.first_version, now)):
         raise ConflictError("A session with other content runs under this session id.", kind="other-content")
     return http.answer(capture.state(document), 201)
+
+
+def known(store: Store, request: SessionRequest) -> FitRecord | None:
+    """Return what others measured of this camera, or the operator's guess, or None."""
+    key = camera_key(request.camera, request.platform)
+    place = (request.img_size, request.zoom, request.distortion_model)
+    return capture.first_guess(store.consensuses.of(key), *place) or store.priors.find(key, *place)
 
 
 def show(call: http.Call) -> Response:

@@ -7,6 +7,10 @@ again: a client that repeats a view whose answer it missed completes what a cras
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pydantic import JsonValue
 from starlette.responses import Response
 
 import calibsolver
@@ -20,9 +24,10 @@ from calibdb.schema import (
     ViewDocument,
     ViewRequest,
 )
-from calibdb.schema.session import Refusal
+from calibdb.schema.session import Advice, Hint, Refusal, SetAside
 from calibdb.tokens import contributor
-from calibsolver import Board, guidance
+from calibsolver import Board, Camera, guidance, report
+from calibsolver import capture as solver_capture
 from calibsolver.capture import Capture, Estimate
 
 
@@ -33,23 +38,19 @@ def submit(call: http.Call) -> Response:
     service = call.service
     who = contributor(service.settings.contributor_secret, call.address, ticket.token)
 
-    def change(
-        document: SessionDocument,
-    ) -> tuple[SessionDocument | None, tuple[SessionDocument, Refusal | None]]:
+    def change(document: SessionDocument) -> tuple[SessionDocument | None, tuple[SessionDocument, Judged]]:
         if capture.repeated(document, view):
-            return None, (document, None)
+            return None, (document, Judged())
         capture.check(document, view)
-        changed, reason = judge(document, view, service.now)
-        if changed is None:
-            return None, (document, reason)
-        if changed.estimate.converged:
-            changed = capture.finished(changed, service.now, who, calibsolver.__version__)
-        return changed, (changed, None)
+        judged = judge(document, view, service.now, who)
+        if judged.reason is not None:  # nothing changes that anyone could see
+            return judged.document, (document, judged)
+        return judged.document, (judged.document or document, judged)
 
-    document, reason = service.store.sessions.update(ticket.sid, service.now, change)
+    document, judged = service.store.sessions.update(ticket.sid, service.now, change)
     if document.finish is not None:
         publish(call, document)
-    return http.answer(ViewAnswer.model_validate(capture.view_state(document, reason)))
+    return http.answer(ViewAnswer.model_validate(capture.view_state(document, judged.reason, judged.hint)))
 
 
 def remove(call: http.Call) -> Response:
@@ -61,34 +62,52 @@ def remove(call: http.Call) -> Response:
         left = capture.undo(document, index)
         if left is None:
             return None, document
-        rules, views = solver(document, left)
-        estimate = rules.estimate(views)
-        target = rules.next_target(views, estimate).to_dict()
-        changed = capture.with_views(
-            document, left, recorded(estimate, call.service.now), estimate.view_errors, target
-        )
+        rules, views, aside = solver(document, left)
+        estimate = rules.settle(views, aside)
+        target = rules.next_target(views, estimate, unreached=targets(document.unreached)).to_dict()
+        now = call.service.now
+        changed = capture.with_views(document, left, recorded(estimate, now), standing(estimate), target)
         return changed, changed
 
     document = call.service.store.sessions.update(sid, call.service.now, change)
     return http.answer(capture.state(document))
 
 
-def judge(
-    document: SessionDocument, view: ViewRequest, now: int
-) -> tuple[SessionDocument | None, Refusal | None]:
-    """Return the document with the view in it, or None and why it was refused."""
-    rules, views = solver(document, document.views)
+@dataclass(frozen=True)
+class Judged:
+    """What a view makes of a session: the document to store if it changes, and why the view was refused."""
+
+    document: SessionDocument | None = None
+    reason: Refusal | None = None
+    hint: Hint | None = None
+
+
+def judge(document: SessionDocument, view: ViewRequest, now: int, who: str) -> Judged:
+    """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
+    rules, views, aside = solver(document, document.views)
     if document.target is not None:
         target = guidance.TargetPose.from_dict(document.target)
     else:  # nobody asked where to hold the board
-        target = rules.next_target(views, rules.estimate(views))
+        target = rules.next_target(views, rules.estimate(views, aside))
     seen = rules.board.view(view.ids, view.points)
-    verdict = rules.judge(views, target, seen)
+    doubted = [rules.board.view(known.ids, known.points) for known in document.doubted]
+    verdict = rules.judge(views, target, seen, aside, doubted)
     estimate = verdict.estimate
     if not verdict.accepted or estimate is None:
-        return None, verdict.reason
-    following = None if estimate.converged else rules.next_target([*views, seen], estimate).to_dict()
-    return capture.with_view(document, view, recorded(estimate, now), estimate.view_errors, following), None
+        hint = Hint(code=verdict.hint.code, text=verdict.hint.text) if verdict.hint else None
+        return Judged(capture.with_doubt(document, view) if verdict.witness else None, verdict.reason, hint)
+    everything = [*views, seen]
+    following = None
+    if not estimate.converged:
+        unreached = targets((*document.unreached, *document.skipped))
+        following = rules.next_target(everything, estimate, unreached=unreached).to_dict()
+    changed = capture.with_view(document, view, recorded(estimate, now), standing(estimate), following)
+    if estimate.converged and estimate.calibration is not None:
+        indices = [known.index for known in changed.views if known.set_aside is None]
+        used = [one for i, one in enumerate(everything) if i not in estimate.aside]
+        described = report.describe(estimate.calibration, used, indices)
+        changed = capture.finished(changed, now, who, calibsolver.__version__, described)
+    return Judged(changed)
 
 
 def publish(call: http.Call, document: SessionDocument) -> None:
@@ -108,8 +127,8 @@ def publish(call: http.Call, document: SessionDocument) -> None:
 
 def solver(
     document: SessionDocument, views: tuple[ViewDocument, ...]
-) -> tuple[Capture, list[calibsolver.View]]:
-    """Return the solver's rules for this session, and its views."""
+) -> tuple[Capture, list[calibsolver.View], dict[int, solver_capture.SetAside]]:
+    """Return the solver's rules for this session, its views, and which of them are set aside."""
     board = Board(**document.board.model_dump())
     rules = Capture(
         board,
@@ -117,8 +136,26 @@ def solver(
         model=document.distortion_model,
         guidance=document.guidance,
         target_error=document.target_error,
+        prior=Camera.from_record(document.prior.model_dump()) if document.prior else None,
     )
-    return rules, [board.view(view.ids, view.points) for view in views]
+    aside = {
+        i: solver_capture.SetAside(view.set_aside.reason, view.set_aside.detail)
+        for i, view in enumerate(views)
+        if view.set_aside is not None
+    }
+    return rules, [board.view(view.ids, view.points) for view in views], aside
+
+
+def targets(stored: Sequence[dict[str, JsonValue]]) -> tuple[guidance.TargetPose, ...]:
+    """Return stored targets as the solver knows them."""
+    return tuple(guidance.TargetPose.from_dict(target) for target in stored)
+
+
+def standing(estimate: Estimate) -> list[capture.Standing]:
+    """Return each view's error, and why it is set aside if it is."""
+    reasons = [estimate.aside.get(i) for i in range(len(estimate.view_errors))]
+    stored = [SetAside(reason=r.reason, detail=r.detail) if r else None for r in reasons]
+    return list(zip(estimate.view_errors, stored, strict=True))
 
 
 def recorded(estimate: Estimate, now: int) -> EstimateDocument:
@@ -130,6 +167,8 @@ def recorded(estimate: Estimate, now: int) -> EstimateDocument:
         uncertainty={"rms": uncertainty.rms, "max": uncertainty.max} if uncertainty else None,
         progress=estimate.progress,
         converged=estimate.converged,
+        advice=tuple(Advice(code=advice.code, text=advice.text) for advice in estimate.advice),
+        suggested_model=estimate.suggested_model,
         time=now,
     )
 

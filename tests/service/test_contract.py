@@ -39,6 +39,8 @@ def test_a_new_session_has_the_contracts_defaults(client: Client) -> None:
         "uncertainty": None,
         "calibration": None,
         "calibration_id": None,
+        "advice": [],
+        "suggested_model": None,
     }
     assert client.state() == answer.json
 

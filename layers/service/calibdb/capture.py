@@ -25,8 +25,10 @@ from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.schema import (
     Calibration,
     CalibrationDocument,
+    ConsensusDocument,
     EstimateDocument,
     Finish,
+    FitRecord,
     SessionDocument,
     SessionRequest,
     SessionState,
@@ -34,16 +36,23 @@ from calibdb.schema import (
     ViewRequest,
     ViewState,
 )
-from calibdb.schema.session import Refusal
+from calibdb.schema.session import Hint, Refusal, SetAside
 
 TARGET_ERROR = 0.3 / 1280  # px of predicted rms over the image, a pixel of its width
 MOST_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
 MOST_SKIPPED = 8  # targets remembered as unwanted
+MOST_DOUBTED = 4  # refused views remembered as witnesses
+Standing = tuple[float | None, SetAside | None]  # of a view: its error in px, and why it is set aside
 _MOST_FIELDS = 20
 
 
-def begin(request: SessionRequest, sid: str, first_version: int, now: int) -> SessionDocument:
-    """Return the document of a session that starts. Of the label, a person's name is not kept."""
+def begin(
+    request: SessionRequest, sid: str, first_version: int, now: int, prior: FitRecord | None = None
+) -> SessionDocument:
+    """Return the document of a session that starts. Of the label, a person's name is not kept.
+
+    `prior` is what others measured of this camera.
+    """
     target = request.target_error
     return SessionDocument(
         session=sid,
@@ -59,7 +68,22 @@ def begin(request: SessionRequest, sid: str, first_version: int, now: int) -> Se
         guidance=request.guidance,
         target_error=TARGET_ERROR * request.img_size[0] if target is None else target,
         track=request.track,
+        prior=prior,
     )
+
+
+def first_guess(
+    known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
+) -> FitRecord | None:
+    """Return what others measured of this camera at this size, zoom and model, reliable or not.
+
+    Where a capture begins, and no part of its result: it need not be right.
+    """
+    for consensus in known:
+        same = (consensus.img_size, consensus.zoom, consensus.distortion_model) == (img_size, zoom, model)
+        if same and consensus.calibration is not None:
+            return FitRecord.model_validate(consensus.calibration.model_dump())
+    return None
 
 
 def same_start(running: SessionDocument, asked: SessionDocument) -> bool:
@@ -107,21 +131,43 @@ def with_view(
     document: SessionDocument,
     view: ViewRequest,
     estimate: EstimateDocument,
-    view_errors: Sequence[float | None],
+    standing: Sequence[Standing],
     target: Mapping[str, JsonValue] | None,
 ) -> SessionDocument:
-    """Return the document with `view` accepted. Progress only grows."""
-    progress = max(document.estimate.progress, estimate.progress)
+    """Return the document with `view` accepted. Progress only grows.
+
+    `standing` has the error of each view, and why it is set aside if it is.
+    """
+    update = {
+        "progress": max(document.estimate.progress, estimate.progress),
+        # A suggestion is made once: it is dear to compute, and one more view hardly takes it back.
+        "suggested_model": estimate.suggested_model or document.estimate.suggested_model,
+    }
     views = (*document.views, ViewDocument(index=view.index, ids=view.ids, points=view.points))
+    unreached = (*document.unreached, *document.skipped)
     return document.model_copy(
         update={
             "next_index": view.index + 1,
-            "views": _with_errors(views, view_errors),
-            "estimate": estimate.model_copy(update={"progress": progress}),
+            "views": _standing(views, standing),
+            "estimate": estimate.model_copy(update=update),
             "target": None if target is None else dict(target),
             "skipped": (),
+            "unreached": unreached[-MOST_SKIPPED:],
+            "doubted": (),
         }
     )
+
+
+def with_doubt(document: SessionDocument, view: ViewRequest) -> SessionDocument | None:
+    """Return the document with a refused view kept as a witness; None when it is known already.
+
+    Nobody sees it, and it never becomes part of the result: when more views like it come, it was the accepted
+    ones that were wrong.
+    """
+    witness = ViewDocument(index=view.index, ids=view.ids, points=view.points)
+    if any((known.ids, known.points) == (view.ids, view.points) for known in document.doubted):
+        return None
+    return document.model_copy(update={"doubted": (*document.doubted, witness)[-MOST_DOUBTED:]})
 
 
 def undo(document: SessionDocument, index: int) -> tuple[ViewDocument, ...] | None:
@@ -141,13 +187,13 @@ def with_views(
     document: SessionDocument,
     views: tuple[ViewDocument, ...],
     estimate: EstimateDocument,
-    view_errors: Sequence[float | None],
+    standing: Sequence[Standing],
     target: Mapping[str, JsonValue],
 ) -> SessionDocument:
     """Return the document with `views` alone. Progress is what they are worth."""
     return document.model_copy(
         update={
-            "views": _with_errors(views, view_errors),
+            "views": _standing(views, standing),
             "estimate": estimate,
             "target": dict(target),
             "skipped": (),
@@ -172,7 +218,13 @@ def require_open(document: SessionDocument) -> None:
         raise _converged()
 
 
-def finished(document: SessionDocument, now: int, contributor: str, solver: str) -> SessionDocument:
+def finished(
+    document: SessionDocument,
+    now: int,
+    contributor: str,
+    solver: str,
+    report: Mapping[str, JsonValue] | None = None,
+) -> SessionDocument:
     """Return the document with its end fixed: everything that publishing it needs.
 
     The calibration's id follows from the session, and sorts by the time at which it was started: however
@@ -184,8 +236,10 @@ def finished(document: SessionDocument, now: int, contributor: str, solver: str)
         time=now,
         contributor=contributor,
         solver=solver,
+        report=None if report is None else dict(report),
     )
-    return document.model_copy(update={"finish": finish, "target": None, "skipped": ()})
+    ended = {"finish": finish, "target": None, "skipped": (), "unreached": (), "doubted": ()}
+    return document.model_copy(update=ended)
 
 
 def calibration(document: SessionDocument) -> CalibrationDocument:
@@ -205,8 +259,10 @@ def calibration(document: SessionDocument) -> CalibrationDocument:
         guidance=document.guidance,
         target_error=document.target_error,
         track=document.track,
-        views=document.views,
+        views=tuple(view for view in document.views if view.set_aside is None),
+        set_aside=tuple(view for view in document.views if view.set_aside is not None),
         fits={document.distortion_model: fit},
+        report=finish.report,
         solver=finish.solver,
         contributor=finish.contributor,
         time=finish.time,
@@ -218,9 +274,11 @@ def state(document: SessionDocument) -> SessionState:
     return SessionState(**_state(document))
 
 
-def view_state(document: SessionDocument, reason: Refusal | None) -> dict[str, object]:
-    """Return the fields of the answer to a view: the state, and why the view was refused, if it was."""
-    return {**_state(document), "accepted": reason is None, "reason": reason}
+def view_state(
+    document: SessionDocument, reason: Refusal | None, hint: Hint | None = None
+) -> dict[str, object]:
+    """Return the answer to a view: the state, and where it was refused why, and what to do."""
+    return {**_state(document), "accepted": reason is None, "reason": reason, "hint": hint}
 
 
 def _state(document: SessionDocument) -> dict[str, object]:
@@ -245,16 +303,24 @@ def _state(document: SessionDocument) -> dict[str, object]:
         "board": document.board,
         "guidance": document.guidance,
         "target_error": document.target_error,
-        "views": tuple(ViewState(index=v.index, points=len(v.ids), rms=v.rms) for v in document.views),
+        "views": tuple(
+            ViewState(index=v.index, points=len(v.ids), rms=v.rms, set_aside=v.set_aside)
+            for v in document.views
+        ),
         "progress": estimate.progress,
         "uncertainty": estimate.uncertainty,
         "calibration": fit,
         "calibration_id": calibration_id,
+        "advice": estimate.advice,
+        "suggested_model": estimate.suggested_model,
     }
 
 
-def _with_errors(views: tuple[ViewDocument, ...], errors: Sequence[float | None]) -> tuple[ViewDocument, ...]:
-    return tuple(v.model_copy(update={"rms": rms}) for v, rms in zip(views, errors, strict=True))
+def _standing(views: tuple[ViewDocument, ...], standing: Sequence[Standing]) -> tuple[ViewDocument, ...]:
+    return tuple(
+        v.model_copy(update={"rms": rms, "set_aside": aside})
+        for v, (rms, aside) in zip(views, standing, strict=True)
+    )
 
 
 def _converged() -> ConflictError:

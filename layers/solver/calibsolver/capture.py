@@ -62,13 +62,19 @@ class Capture:
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model).name
         self.target_error = float(target_error)
-        usable = prior is not None and (prior.model, prior.img_size) == (self.model, self.img_size)
-        self.prior = prior if usable else None
+        self.prior = prior if prior is not None and self._usable(prior) else None
         self.guide = GUIDES[guidance](board, self.img_size, self.model, self.prior)
         self.trial = Consistency(self.img_size, self.model, self.prior)
         # One view brings the prior down to some px; before it there is nothing to show.
         self._unknown = 0.03 * self.img_size[0]
         self._first_camera = Belief.of(self.model, self.img_size, None, self.prior).camera
+
+    def _usable(self, prior: Camera) -> bool:
+        """Whether a first estimate from elsewhere is one: of this model and size, and a camera at all."""
+        (w, h), k = self.img_size, prior.intrinsics
+        if (prior.model, prior.img_size) != (self.model, self.img_size) or not np.isfinite(k).all():
+            return False
+        return bool(0.1 * w < k[0] < 20 * w and abs(k[2] - w / 2) < w / 4 and abs(k[3] - h / 2) < h / 4)
 
     def camera(self, estimate: Estimate | None) -> Camera:
         """Return the camera to draw with: the estimate's, or the prior's where there is none."""

@@ -19,8 +19,8 @@ def view(index: int, points: tuple[tuple[float, float], ...] = ((1.0, 2.0), (3.0
 
 
 def accept(document: SessionDocument, index: int, progress: float) -> SessionDocument:
-    errors = [0.1] * (len(document.views) + 1)
-    return capture.with_view(document, view(index), EstimateDocument(progress=progress), errors, {})
+    standing = [(0.1, None)] * (len(document.views) + 1)
+    return capture.with_view(document, view(index), EstimateDocument(progress=progress), standing, {})
 
 
 def test_no_persons_name_enters_a_document() -> None:
@@ -66,7 +66,7 @@ def test_indices_go_up_by_one_and_are_not_used_again() -> None:
             capture.repeated(document, view(index))
     left = capture.undo(document, 1)
     assert left is not None
-    undone = capture.with_views(document, left, EstimateDocument(), [0.1], {})
+    undone = capture.with_views(document, left, EstimateDocument(), [(0.1, None)], {})
     assert undone.next_index == 2
     with pytest.raises(ConflictError):
         capture.repeated(undone, view(1))
@@ -78,7 +78,7 @@ def test_indices_go_up_by_one_and_are_not_used_again() -> None:
 def test_progress_grows_and_an_undo_takes_it_back() -> None:
     document = accept(accept(DOCUMENT, 0, 0.5), 1, 0.4)
     assert document.estimate.progress == 0.5
-    undone = capture.with_views(document, document.views[:1], EstimateDocument(progress=0.3), [0.1], {})
+    undone = capture.with_views(document, document.views[:1], EstimateDocument(progress=0.3), [(0.1, None)], {})
     assert undone.estimate.progress == 0.3
 
 
@@ -111,7 +111,7 @@ COORDINATE = st.floats(-1, 16384)
 def test_what_is_stored_is_what_was_sent(points: list[tuple[float, float]]) -> None:
     """To the last bit: otherwise a repeat would look like another view."""
     sent = view(0, tuple(points))
-    document = capture.with_view(DOCUMENT, sent, EstimateDocument(), [None], None)
+    document = capture.with_view(DOCUMENT, sent, EstimateDocument(), [(None, None)], None)
     read = SessionDocument.model_validate_json(document.model_dump_json())
     assert read == document
     assert capture.repeated(read, ViewRequest.model_validate_json(sent.model_dump_json())) is True

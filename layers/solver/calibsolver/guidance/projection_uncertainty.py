@@ -8,12 +8,12 @@ up to a rotation, is mrcal's.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from .. import candidates, models, normal, rotation
-from ..arrays import Array, Mask, symmetric_inverse
+from ..arrays import Array, symmetric_inverse
 from ..board import Board
 from ..calibration import Calibration
 from ..camera import Camera
@@ -23,12 +23,8 @@ from ..target import TargetPose
 from ..view import View
 from .belief import Belief
 from .experience import Experience
+from .search import Search, information
 
-CANDIDATES = 128
-BEST, AROUND = 4, 16
-"""How many of the candidates are refined, and how many are tried around each."""
-RADII = (0.3, 0.22, 0.16, 0.12, 0.08, 0.06, 0.04)
-"""How far around, in units of a candidate's range."""
 ANY = Range(inside=0.0, oblique=90.0, spacing=0.0)
 """Whatever comes: for a pose that has been chosen already."""
 PLENTY = 10
@@ -37,27 +33,10 @@ EASY = Range(width=(0.45, 0.75), tilt=30.0, roll=15.0, inside=1.0)
 """A pose for someone who could not reach the last one: little tilt, all of the board in the picture."""
 TIE = 1.02
 """Scores within this factor of the best are as good: of these the pose nearest to the hand's is taken."""
+PLANNED = 3
+"""Views up to which two are planned at a time."""
 ARM = 3.0
 """Lengths of the board that it may be away, unless the lens is so long that it would not fit otherwise."""
-
-
-@dataclass(frozen=True, eq=False)
-class Goal:
-    """What a candidate is judged by.
-
-    Attributes
-    ----------
-    weight
-        W (p, p), see `uncertainty.weight`.
-    skipped
-        Targets that it must not resemble.
-    experience
-        What noise to expect; None where nothing is known.
-    """
-
-    weight: Array
-    skipped: tuple[TargetPose, ...] = ()
-    experience: Experience | None = None
 
 
 class ProjectionUncertainty:
@@ -83,7 +62,6 @@ class ProjectionUncertainty:
         self.model = models.get(model)
         self.prior = prior
         self._all = Lattice.of(board, None)
-        self._thin = Lattice.of(board, 5)
 
     def next_pose(
         self,
@@ -119,8 +97,8 @@ class ProjectionUncertainty:
             if calibration is not None:
                 r, t = rotation.matrix(calibration.poses[-1, :3]), calibration.poses[-1, 3:]
                 last = Placement.of(self.board, belief.camera, r, t)
-            goal = Goal(belief.weight, tuple(skipped), experience)
-            return self.choose(belief, len(views), limits, goal, last)
+            ahead = 2 if 0 < len(views) < PLANNED else 1
+            return self.choose(belief, len(views), limits, ahead, tuple(skipped), experience, last)
 
     def first_pose(self, belief: Belief) -> TargetPose:
         """Easy: all of the board in the middle, two thirds of the image, tilted about a diagonal."""
@@ -131,105 +109,48 @@ class ProjectionUncertainty:
         belief: Belief,
         index: int,
         limits: Range,
-        goal: Goal | None = None,
+        ahead: int = 1,
+        skipped: tuple[TargetPose, ...] = (),
+        experience: Experience | None = None,
         last: Placement | None = None,
     ) -> TargetPose:
-        """Choose by what is believed: `index` varies the search, `last` is where the board was held."""
-        goal = goal or Goal(belief.weight)
+        """Choose by what is believed, as the next of `ahead` views; `index` varies the search."""
         whole = min(1.0, PLENTY / self.board.corner_count)
         low, high = limits.width
         reach = belief.sight.focal / (ARM * max(self.img_size))
         limits = replace(
             limits, inside=max(limits.inside, whole), width=(min(max(low, reach), max(low, 0.6 * high)), high)
         )
-        chosen = self._best(belief, index, limits, goal, last)
-        if chosen is None:
+        found = Search(self.board, belief, limits, skipped, experience).best(index, ahead)
+        if found is None:
             return self._first(Belief.of(self.model.name, self.img_size, None, self.prior), belief)
-        return chosen
+        unit, score = found
+        unit = unit[np.argsort(score)][: int(np.count_nonzero(score <= TIE * score.min()))]
+        poses = candidates.poses(unit, self.board, belief.sight, limits)
+        pick = 0 if last is None else int(np.argmin(self._way(poses, last)))
+        r, t = poses.r[pick], poses.t[pick]
+        s, _ = information(belief, normal.Poses(r[None], t[None]), self._all, ANY)
+        gain = belief.gain(s[0])
+        return TargetPose.seen(self.board, belief.camera, r, t, self._purpose(belief, s[0]), gain, last)
 
     def after(self, belief: Belief, target: TargetPose) -> Belief:
         """Return what will be known after a view of the target."""
         poses = normal.Poses(rotation.matrix(target.rvec[None]), target.tvec[None])
         with np.errstate(all="ignore"):
-            s, _ = self._information(belief, poses, ANY, thin=False)
+            s, _ = information(belief, poses, self._all, ANY)
         return replace(belief, information=belief.information + s[0] / belief.noise**2)
 
     def _first(self, belief: Belief, known: Belief) -> TargetPose:
         """Place the first pose by one belief; what it would bring is told by what is `known`."""
         image, board = sorted(self.img_size), sorted(self.board.size)
-        length = min(0.68, 0.68 * image[0] * board[1] / (image[1] * board[0]))
-        limits = Range(width=(length, length), tilt=40.0, roll=0.0)
+        length = min(0.72, 0.72 * image[0] * board[1] / (image[1] * board[0]))
+        limits = Range(width=(length, length), tilt=45.0, roll=0.0)
         unit = np.array([[0.5, 0.5, 0.5, 1.0, 0.82, 0.5]])
         poses = candidates.poses(unit, self.board, belief.sight, limits)
-        s, _ = self._information(belief, poses, ANY, thin=False)
+        s, _ = information(belief, poses, self._all, ANY)
         return TargetPose.seen(
             self.board, belief.camera, poses.r[0], poses.t[0], "a first look", known.gain(s[0])
         )
-
-    def _information(
-        self, belief: Belief, poses: normal.Poses, limits: Range, thin: bool
-    ) -> tuple[Array, Mask]:
-        """Information (c, p, p) at unit noise of poses (c), and whether each may be asked for (0 where not).
-
-        `thin` looks at a lattice of a dozen corners that stand for all of them.
-        """
-        lattice = self._thin if thin else self._all
-        p = poses.r @ lattice.points + poses.t[:, :, None]
-        q = belief.model.project(belief.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
-        seen, good = candidates.visible(
-            p, q, poses.r[:, :, 2], lattice, belief.model, belief.k, self.img_size, limits
-        )
-        good &= (thin is False) | candidates.in_front(poses, self.board, belief.sight)
-        use = np.flatnonzero(good)
-        s = np.zeros((len(good), belief.model.size, belief.model.size))
-        if use.size:
-            _, j = normal.design(
-                belief.model, belief.k, normal.Poses(poses.r[use], poses.t[use]), lattice.points
-            )
-            seen = seen[use]
-            j = np.where(seen[:, None, None, :], j, 0.0)
-            s[use] = normal.information(j, seen.astype(np.float64) * lattice.share)
-        return s, good
-
-    def _score(self, belief: Belief, unit: Array, limits: Range, goal: Goal) -> Array:
-        """Mean square projection error (c,) px^2 after each candidate (c, 6), inf where it is no good."""
-        poses = candidates.poses(unit, self.board, belief.sight, limits)
-        s, good = self._information(belief, poses, limits, thin=True)
-        score = np.full(len(unit), np.inf)
-        for target in goal.skipped:
-            good &= ~self._alike(poses, target)
-        use = np.flatnonzero(good)
-        if use.size:
-            noise = np.full((use.size, 1, 1), belief.noise)
-            if goal.experience is not None:
-                noise[:, 0, 0] *= goal.experience.expected_noise(*candidates.shape(unit[use], limits))
-            after = symmetric_inverse(belief.information + s[use] / noise**2)
-            score[use] = np.einsum("cij,ij->c", after, goal.weight)
-        return score
-
-    def _best(
-        self, belief: Belief, index: int, limits: Range, goal: Goal, last: Placement | None
-    ) -> TargetPose | None:
-        """Search by the cross-entropy method: spread widely, then ever closer around the best so far."""
-        unit = candidates.sequence(CANDIDATES, index + 7 * len(goal.skipped))
-        score = self._score(belief, unit, limits, goal)
-        around = candidates.sequence(AROUND * BEST, 1) - 0.5
-        for radius in RADII:
-            best = np.argsort(score)[:BEST]
-            near = np.repeat(unit[best], AROUND, axis=0) + 2 * radius * around
-            near[:, 4] %= 1.0
-            near = np.clip(near, 0.0, 1.0)
-            unit = np.concatenate([unit[best], near])
-            score = np.concatenate([score[best], self._score(belief, near, limits, goal)])
-        if not np.isfinite(score.min()):
-            return None
-        equal = unit[score <= TIE * score.min()]
-        poses = candidates.poses(equal, self.board, belief.sight, limits)
-        pick = 0 if last is None else int(np.argmin(self._way(poses, last)))
-        r, t = poses.r[pick], poses.t[pick]
-        s, _ = self._information(belief, normal.Poses(r[None], t[None]), ANY, thin=False)
-        gain = belief.gain(s[0])
-        return TargetPose.seen(self.board, belief.camera, r, t, self._purpose(belief, s[0]), gain, last)
 
     def _way(self, poses: normal.Poses, last: Placement) -> Array:
         """How far (c,) the hand moves: distance in squares of the board's length, and the change of tilt."""
@@ -238,15 +159,6 @@ class ProjectionUncertainty:
         lean = np.linalg.norm(poses.r[:, :, 2] - last.normal, axis=1)
         way: Array = far + lean
         return way
-
-    def _alike(self, poses: normal.Poses, target: TargetPose) -> Mask:
-        """Whether poses (c) are much like a target: normals within 20 degrees, centres within 1.5 squares."""
-        r = rotation.matrix(target.rvec)
-        center = self.board.outline.mean(axis=0)
-        place = np.linalg.norm(poses.r @ center + poses.t - (r @ center + target.tvec), axis=1)
-        angle = poses.r[:, :, 2] @ r[:, 2]
-        alike: Mask = (angle > np.cos(np.radians(20))) & (place < 1.5)
-        return alike
 
     def _purpose(self, belief: Belief, s: Array) -> str:
         """Name the group of parameters that the view pins down most."""
