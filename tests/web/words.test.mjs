@@ -39,15 +39,6 @@ test("another camera, or another size, than was asked for is said to be opened",
   assert.equal(words.another({ ...state, key, wanted: { ...wanted, camera: null } }), "");
 });
 
-test("a practice run promises nothing to others", () => {
-  const calibration = { camera_matrix: [[1000, 0, 640], [0, 1000, 360], [0, 0, 1]], img_size: [1280, 720] };
-  const session = { calibration, views: [1, 2, 3, 4] };
-  assert.match(words.summary({ ...state, key, session }), /every web page can look it up/);
-  const practice = words.summary({ ...state, key: { ...key, camera: VIRTUAL.label }, session });
-  assert.match(practice, /practice run with a made-up camera/);
-  assert.doesNotMatch(practice, /every web page/);
-});
-
 test("what is waited for is named", () => {
   assert.match(words.opening({ ...state, waiting: "camera" }), /If your browser asks, allow it/);
   assert.match(words.opening({ ...state, waiting: "detector", loading: 0.5 }), /Loading the board detector/);

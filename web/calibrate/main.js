@@ -5,6 +5,7 @@ import { openPage } from "../page.js";
 import { cameraKey } from "../sdk/calibdb.js";
 import { SettingsError, loadSettings } from "../settings.js";
 import captureWords from "../words/capture.js";
+import resultWords from "../words/result.js";
 import { Announcer } from "./announcer.js";
 import { Api, ApiError, OfflineError } from "./api.js";
 import { CameraError, cameras, facts, open } from "./camera.js";
@@ -12,6 +13,7 @@ import { Detector, DetectorError } from "./detector.js";
 import { Feedback } from "./feedback.js";
 import { Guide } from "./guide.js";
 import { openCupboard } from "./kept.js";
+import { Outcome } from "./outcome.js";
 import { loadPlan } from "./plan.js";
 import { findParts, render } from "./render.js";
 import { CaptureSession } from "./session.js";
@@ -24,13 +26,14 @@ import * as words from "./words.js";
  * @typedef {import("../vendor/api.js").SessionRequest} Request
  */
 
-openPage({ capture: captureWords });
+openPage({ capture: captureWords, result: resultWords });
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
 const cupboard = openCupboard();
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
+const outcome = new Outcome(parts.result, parts.video, { returnTo: parameters.get("return_to"), onAgain: () => end(state.key) });
 
 /** @type {State} */
 let state = initial(board, wantedFrom(parameters));
@@ -49,6 +52,9 @@ let chosen = "";
 /** @param {Event} event */
 function dispatch(event) {
   state = reduce(state, event);
+  // Before the page turns to it: it takes the focus, and the camera's last picture.
+  if (state.phase === "done" && shown?.phase !== "done") outcome.show(state);
+  else if (state.phase !== "done" && shown?.phase === "done") outcome.clear();
   render(parts, state, shown);
   if (shown?.picture && shown.picture !== state.picture) URL.revokeObjectURL(shown.picture);
   signal(event);
@@ -273,7 +279,6 @@ parts.start.addEventListener("click", () => capture(parts.camera.value));
 for (const button of [parts.startVirtual, parts.failedVirtual]) button.addEventListener("click", () => capture("virtual"));
 for (const button of [parts.cancel, parts.other]) button.addEventListener("click", restart);
 parts.again.addEventListener("click", () => capture(chosen));
-parts.onceMore.addEventListener("click", () => end(state.key));
 parts.stop.addEventListener("click", stop);
 parts.forget.addEventListener("click", forget);
 for (const [sense, box] of /** @type {[import("./feedback.js").Sense, HTMLInputElement][]} */ (Object.entries(parts.senses))) {

@@ -5,7 +5,6 @@ import { holdProgress } from "./hold.js";
 import { renderSeen, renderTarget } from "./marks.js";
 import { viewCount } from "./session.js";
 import * as words from "./words.js";
-import { fileName, numbers, verdict } from "./result.js";
 
 /** @typedef {import("./state.js").State} State */
 
@@ -35,13 +34,12 @@ export function findParts() {
     camera: element("camera", HTMLSelectElement),
     start: element("start", HTMLButtonElement), startVirtual: element("start-virtual", HTMLButtonElement),
     cancel: element("cancel", HTMLButtonElement), again: element("again", HTMLButtonElement),
-    other: element("other", HTMLButtonElement), failedVirtual: element("failed-virtual", HTMLButtonElement), onceMore: element("once-more", HTMLButtonElement),
+    other: element("other", HTMLButtonElement), failedVirtual: element("failed-virtual", HTMLButtonElement),
     loading: element("loading", HTMLProgressElement), openingText: html("opening-text"), failure: html("failure"), kept: html("kept"),
     loadingMeter: html("loading-meter"),
     controls: html("controls"), progress: element("progress", HTMLProgressElement), counts: html("counts"),
     undo: element("undo", HTMLButtonElement), skip: element("skip", HTMLButtonElement), stop: element("stop", HTMLButtonElement),
-    verdict: html("verdict"), sentence: html("verdict-sentence"), caption: html("numbers-caption"),
-    numbers: html("numbers"), summary: html("summary"), json: html("json"), download: element("download", HTMLAnchorElement),
+    result: html("result"),
   };
 }
 
@@ -53,6 +51,8 @@ export function render(parts, state, before) {
   if (phase !== before?.phase) {
     for (const [name, sheet] of Object.entries(parts.sheets)) sheet.hidden = name !== phase;
     parts.reticle.hidden = parts.controls.hidden = phase !== "capturing";
+    // Dark where one looks, light where one reads.
+    document.body.classList.toggle("viewfinder", phase !== "done");
     // What had the focus is gone: go on where the page goes on. Not when it is first shown.
     if (before) focus(parts, phase);
     if (phase === "failed") renderFailure(parts, state);
@@ -68,7 +68,6 @@ export function render(parts, state, before) {
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);
   if (state.session !== before?.session || state.progress !== before?.progress || state.stored !== before?.stored) renderProgress(parts, state);
-  if (phase === "done" && before?.phase !== "done") renderResult(parts, state);
 }
 
 /** @param {Parts} parts @param {State["phase"]} phase */
@@ -151,38 +150,6 @@ function renderProgress(parts, state) {
   parts.another.hidden = !none || words.another(state) === "";
   if (none && document.activeElement === parts.undo) parts.instruction.focus();
   parts.undo.disabled = none;
-}
-
-/** @param {Parts} parts @param {State} state */
-function renderResult(parts, state) {
-  const { session } = state;
-  const calibration = session?.calibration;
-  if (!session || !calibration) return;
-  const { word, sentence } = verdict(calibration);
-  text(parts.verdict, word);
-  text(parts.sentence, sentence);
-  const [width, height] = calibration.img_size;
-  text(parts.caption, `${calibration.camera}, ${width} × ${height}, ${calibration.distortion_model}`);
-  parts.numbers.replaceChildren(...numbers(calibration).map(([name, value, unit]) => {
-    const row = document.createElement("tr");
-    row.append(cell("th", name), cell("td", value), cell("td", unit));
-    row.children[0].setAttribute("scope", "row");
-    row.children[2].className = "unit";
-    return row;
-  }));
-  text(parts.summary, words.summary(state));
-  const json = `${JSON.stringify(calibration, null, 2)}\n`;
-  text(parts.json, json);
-  URL.revokeObjectURL(parts.download.href);
-  parts.download.href = URL.createObjectURL(new Blob([json], { type: "application/json" }));
-  parts.download.download = fileName(calibration);
-}
-
-/** @param {string} name @param {string} content */
-function cell(name, content) {
-  const made = document.createElement(name);
-  made.textContent = content;
-  return made;
 }
 
 /** Writes only what changed: a live region speaks on every write. @param {Element} where @param {string} words */

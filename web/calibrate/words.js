@@ -1,8 +1,6 @@
 // What the page says about itself, by its state.
 import { known, number, t } from "../i18n.js";
-import { isVirtual } from "../virtual/camera.js";
 import { asMirrored } from "./instruction.js";
-import { fieldOfView } from "./result.js";
 import { viewCount } from "./session.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -13,9 +11,9 @@ export function remedy({ instruction: { code } }) {
 }
 
 /** The one instruction. @param {State} state */
-export function instruction({ patience, stalled, instruction: { code } }) {
+export function instruction({ patience, away, stalled, instruction: { code } }) {
   if (stalled) return t("capture.say_stalled");
-  if (patience > 0) return t("capture.say_patience");
+  if (patience > 0 && !away) return t("capture.say_patience");
   return code === "" ? "" : t(`capture.say_${code}`);
 }
 
@@ -56,9 +54,12 @@ export function counts({ session, stored }) {
     t("capture.views", { count: used }),
     aside > 0 && t("capture.set_aside", { count: aside }),
     stored > 0 && t("capture.waiting_views", { count: stored }),
-    session?.uncertainty && `± ${number(session.uncertainty.rms, 2)} px`,
+    session?.uncertainty && `± ${rounded(session.uncertainty.rms)} px`,
   ].filter(Boolean).join(" · ");
 }
+
+/** To what an uncertainty itself is worth. @param {number} value */
+const rounded = (value) => number(value, value < 1 ? 2 : value < 10 ? 1 : 0);
 
 /** What stays true for a while. @param {State} state */
 export function standing(state) {
@@ -103,15 +104,8 @@ export function facts({ key, cropped }) {
 }
 
 /** All that is sent besides the corners, as it is sent. @param {State} state */
-export const sent = ({ key, track }) => (key ? JSON.stringify({ ...key, track }, null, 1) : "");
-
-/** What became of a finished capture. @param {State} state */
-export function summary({ session, key }) {
-  if (!session?.calibration) return "";
-  const { horizontal, vertical } = fieldOfView(session.calibration);
-  const field = t("capture.field_of_view", { horizontal: number(horizontal, 1), vertical: number(vertical, 1) });
-  const meaning = isVirtual(key?.camera ?? "") ? t("capture.practice") : t("capture.contributed");
-  return `${t("capture.views", { count: session.views.length })}. ${field} ${meaning}`;
+export function sent({ key, track }) {
+  return key ? Object.entries({ ...key, ...track }).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join("\n") : "";
 }
 
 /** An instruction about the camera's picture. @param {State} state */

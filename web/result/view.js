@@ -19,7 +19,8 @@ import { save } from "./source.js";
  * @property {"added" | "practice" | "stored"} origin what becomes of it
  * @property {string | null} [returnTo] address of the application that asked
  * @property {readonly string[]} [returnOrigins] to which results may be handed
- * @property {{label: string, action: () => void}} [again]
+ * @property {{code: string, text: string}[]} [notes] what else is to be said
+ * @property {{label: () => string, action: () => void}} [again]
  * @property {(error: unknown) => string} explain an error, in words for people
  */
 
@@ -79,18 +80,18 @@ export class ResultView {
 }
 
 /** The verdict, and why. @param {Result} result */
-function opening({ calibration, report, again }) {
+function opening({ calibration, report, again, notes = [] }) {
   const level = report?.verdict.level ?? levelOf(calibration);
   const { uncertainty: { rms, max }, img_size } = calibration;
   const values = { rms: number(rms, rms < 0.1 ? 2 : 1), max: number(max, max < 0.1 ? 2 : 1) };
-  const reasons = report?.verdict.reasons ?? [];
+  const reasons = [...(report?.verdict.reasons ?? []), ...notes];
   return el("header", { class: "opening" },
     el("p", { class: "label" }, [calibration.camera, img_size.join(" × "), calibration.distortion_model].join(" · ")),
     el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
     el("p", { class: "lead" }, t(`result.means_${level}`), " ", t("result.sentence", values)),
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map(({ code, text }) =>
       el("li", {}, known(`result.reason_${code}`) ? t(`result.reason_${code}`) : text)))] : []),
-    ...(again ? [el("div", { class: "actions" }, button(again.label, again.action, { id: "once-more" }))] : []),
+    ...(again ? [el("div", { class: "actions" }, button(again.label(), again.action, { id: "once-more" }))] : []),
   );
 }
 

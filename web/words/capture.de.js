@@ -153,7 +153,5 @@ export default {
   fault_detector_silent: "Die Tafelerkennung antwortet nicht. Laden Sie die Seite neu.",
   fault_unforeseen: "Auf dieser Seite ist etwas schiefgegangen ({detail}).",
 
-  field_of_view: "Die Linse sieht {horizontal}° in der Breite und {vertical}° in der Höhe, von Verzeichnung abgesehen.",
-  practice: "Das war ein Übungslauf mit einer erfundenen Kamera: Ihre ist noch zu messen.",
-  contributed: "Die Positionen der Ecken wurden der Datenbank hinzugefügt: Sobald fünf Kalibrierungen dieses Kameramodells übereinstimmen, kann jede Webseite es nachschlagen.",
+  once_more: "Noch einmal kalibrieren",
 };

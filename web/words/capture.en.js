@@ -161,7 +161,5 @@ export default {
   fault_unforeseen: "Something went wrong in this page ({detail}).",
 
   // The result
-  field_of_view: "The lens sees {horizontal}° across and {vertical}° down, distortion aside.",
-  practice: "This was a practice run with a made-up camera: yours is still to be measured.",
-  contributed: "The corner positions were added to the database: once five calibrations of this camera model agree, every web page can look it up.",
+  once_more: "Calibrate once more",
 };

@@ -1,0 +1,66 @@
+// What came out of a capture: shown at once as the session says it, and in full when the service has sent its report.
+import { ApiError, OfflineError } from "./api.js";
+import { el } from "../dom.js";
+import { t } from "../i18n.js";
+import { load } from "../result/source.js";
+import { ResultView } from "../result/view.js";
+import { SettingsError, loadSettings } from "../settings.js";
+import { isVirtual } from "../virtual/camera.js";
+
+/** @typedef {import("./state.js").State} State */
+
+export class Outcome {
+  #view;
+  #video;
+  #returnTo;
+  #onAgain;
+  /** The capture whose outcome is shown; what arrives for an earlier one comes too late. */
+  #shown = 0;
+
+  /**
+   * @param {HTMLElement} place @param {HTMLVideoElement} video whose last picture is straightened
+   * @param {{returnTo: string | null, onAgain: () => void}} options
+   */
+  constructor(place, video, { returnTo, onAgain }) {
+    this.#view = new ResultView(place);
+    this.#video = video;
+    this.#returnTo = returnTo;
+    this.#onAgain = onAgain;
+  }
+
+  /** @param {State} state of a capture that is done */
+  show({ session, key }) {
+    const { calibration, calibration_id: id, advice = [] } = session ?? {};
+    if (!calibration) return;
+    const own = ++this.#shown;
+    /** @type {import("../result/view.js").Result} */
+    const result = {
+      calibration, report: null, picture: still(this.#video, calibration.img_size), notes: advice,
+      origin: isVirtual(key?.camera ?? "") ? "practice" : "added", again: { label: () => t("capture.once_more"), action: this.#onAgain }, explain,
+    };
+    this.#view.show(result);
+    if (!id) return;
+    void Promise.all([load(id), loadSettings()]).then(([{ report }, { return_origins: returnOrigins }]) => {
+      if (own === this.#shown) this.#view.show({ ...result, report, returnTo: this.#returnTo, returnOrigins });
+    }).catch((error) => console.info("no report:", explain(error)));
+  }
+
+  clear() {
+    this.#shown += 1;
+    this.#view.clear();
+  }
+}
+
+/** The picture that a video shows now; it stays in this page. @param {HTMLVideoElement} video @param {[number, number]} size px */
+function still(video, [width, height]) {
+  if (video.videoWidth !== width || video.videoHeight !== height) return null;
+  const canvas = el("canvas", { width, height });
+  canvas.getContext("2d")?.drawImage(video, 0, 0);
+  return canvas;
+}
+
+/** @param {unknown} error */
+function explain(error) {
+  if ([ApiError, OfflineError, SettingsError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
+  return t("common.went_wrong", { message: String(error) });
+}
