@@ -1,4 +1,4 @@
-"""Hands out one stored calibration, or one consensus, by its id."""
+"""Hands out one stored calibration, or one consensus, by its id: as it is, or as another tool's file."""
 
 from __future__ import annotations
 
@@ -7,31 +7,82 @@ from starlette.responses import Response
 from calibdb import http
 from calibdb.camera_key import VERSION
 from calibdb.errors import InvalidError, NotFoundError
-from calibdb.schema import ReportedCalibration
+from calibdb.schema import CalibrationDocument, ExportQuery, ReportedCalibration
+
+AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
 
 
 def show(call: http.Call) -> Response:
     """Answer with the calibration in the format asked for."""
     call.api_token()
-    if call.request.query_params.get("format", "calibdb") != "calibdb":
-        raise InvalidError.field("format", "must be calibdb")
-    found = _find(call, call.path("id"))
+    asked = call.query(ExportQuery)
+    document = call.service.store.calibrations.get(call.path("id"))
+    found = reported(document) if document is not None else consensus(call, call.path("id"))
     if found is None:
         raise NotFoundError("There is no calibration with this id.")
-    return http.answer(found)
+    return http.answer(found, headers=AS_IT_IS) if asked.plain else file(found, document, asked)
 
 
-def _find(call: http.Call, calibration_id: str) -> ReportedCalibration | None:
+def reported(document: CalibrationDocument) -> ReportedCalibration:
+    """Return a single calibration, with what its session found out about it."""
+    return ReportedCalibration(**dict(document.answer()), report=document.report)
+
+
+def consensus(call: http.Call, calibration_id: str) -> ReportedCalibration | None:
+    """Return the consensus with this id, None when there is none."""
     store = call.service.store
-    if (document := store.calibrations.get(calibration_id)) is not None:
-        return ReportedCalibration(**dict(document.answer()), report=document.report)
-    consensus = store.consensuses.get(calibration_id)
+    found = store.consensuses.get(calibration_id)
     key, mark, place = calibration_id.partition("~")
-    if consensus is None and mark and not key.startswith(f"{VERSION}-"):
+    if found is None and mark and not key.startswith(f"{VERSION}-"):
         others = store.cameras.known(key).same_as  # of a key that was made by earlier rules
-        consensus = store.consensuses.get(f"{others[0]}~{place}") if len(others) == 1 else None
-    found = consensus.calibration if consensus else None
-    return ReportedCalibration(**dict(found)) if found else None
+        found = store.consensuses.get(f"{others[0]}~{place}") if len(others) == 1 else None
+    calibration = found.calibration if found else None
+    return ReportedCalibration(**dict(calibration)) if calibration else None
+
+
+def file(found: ReportedCalibration, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
+    """Return the calibration as a file, and in its headers how far that is from the calibration."""
+    # Here and not above: who only wants to see a calibration need not wait for the solver.
+    from calibsolver import Board, CalibrationError, Camera, View, formats, transform
+
+    board: Board | None = None
+    views: tuple[View, ...] = ()
+    if document is not None:
+        board = Board(**document.board.model_dump())
+        views = tuple(board.view(view.ids, view.points) for view in document.views)
+    subject = formats.Subject(
+        camera=Camera.from_record(found.model_dump()),
+        views=views,
+        board=board,
+        name=found.camera,
+        identifier=found.id or "",
+        rms=found.avg_reprojection_error,
+        time=found.calibration_time,
+        record=found.model_dump(exclude={"report"}),
+    )
+    try:
+        change = transform.identity(found.img_size)
+        if asked.crop is not None:
+            change = change.then(transform.crop(change.img_size, asked.crop[:2], asked.crop[2:]))
+        if asked.resize is not None:
+            change = change.then(transform.resize(change.img_size, asked.resize))
+        change = change.then(transform.rotate(change.img_size, asked.rotate))
+        if asked.mirror:
+            change = change.then(transform.mirror(change.img_size))
+    except CalibrationError as error:
+        raise InvalidError.field("crop" if asked.crop else "resize", error.message) from error
+    try:
+        written = formats.write(subject, asked.format, change)
+    except CalibrationError as error:
+        raise InvalidError.field("format", error.message) from error
+    headers = {
+        "Content-Disposition": f'attachment; filename="{written.filename}"',
+        "X-Conversion-Error": f"{written.error:.6g}",
+        "X-Conversion-Coverage": f"{written.coverage:.4g}",
+    }
+    if written.warning:
+        headers["X-Conversion-Warning"] = written.warning
+    return Response(written.content, 200, headers, written.media_type)
 
 
 handler = http.handler(http.resource("/v1/calibrations/{id}", GET=show))

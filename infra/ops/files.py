@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import yaml
-from yaml.events import AliasEvent, Event
+from yaml.events import AliasEvent
 from yaml.nodes import MappingNode, Node
 
 from calibsolver import CalibrationError
@@ -24,7 +24,7 @@ def read_file(path: Path, squares: tuple[int, int] | None = None) -> Read:
     mrcal's .cameramodel, or a table of corners of a board of so many `squares`.
 
     Raises OpsError, which says what is wrong with it.
-    """  # noqa: D205, D400 - a list of names
+    """  # noqa: D205 - a list of names
     try:
         content = _text(path)
         start = content.lstrip()[:1]
@@ -68,8 +68,7 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent: Node | None, index: int) -> Node | None:
         if self.check_event(AliasEvent):
-            event: Event = self.peek_event()
-            raise yaml.MarkedYAMLError("aliases are not allowed", problem_mark=event.start_mark)
+            raise yaml.MarkedYAMLError("aliases are not allowed")
         self.depth += 1
         if self.depth > _DEEPEST:
             raise yaml.MarkedYAMLError("nested too deeply")

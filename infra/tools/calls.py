@@ -194,14 +194,44 @@ OPERATIONS = (
         "One stored calibration or consensus",
         {
             200: Content(
-                "The calibration, and what its session found out about it.", schema.ReportedCalibration
+                "The calibration, and what its session found out about it; or another tool's file. "
+                "`X-Conversion-Error` says how many px its projection is off at most, "
+                "`X-Conversion-Coverage` over which share of the image.",
+                schema.ReportedCalibration,
+                (
+                    "application/yaml",
+                    "application/xml",
+                    "text/plain",
+                    "application/octet-stream",
+                    "model/gltf+json",
+                ),
+                (
+                    "Content-Disposition",
+                    "X-Conversion-Error",
+                    "X-Conversion-Coverage",
+                    "X-Conversion-Warning",
+                ),
             )
         },
         (*_ASKED, 404, 422),
         _TOKEN,
         parameters=(
             _path("id", {"type": "string"}, "As a session or a lookup answered it."),
-            _query("format", {"type": "string", "enum": ["calibdb"], "default": "calibdb"}, "File format."),
+            _query(
+                "format",
+                {"type": "string", "enum": list(schema.FORMATS), "default": "calibdb"},
+                "File format.",
+            ),
+            _query(
+                "crop",
+                {"type": "string", "pattern": "^[0-9]+,[0-9]+,[0-9]+,[0-9]+$", "examples": ["160,0,960,720"]},
+                "Left, top, width and height of the part that is cut out first, px.",
+            ),
+            _query("resize", _SIZE, "Width and height to which the picture, or the part, is then scaled."),
+            _query(
+                "rotate", {"type": "integer", "enum": [0, 90, 180, 270]}, "Degrees, clockwise, after that."
+            ),
+            _query("mirror", _SWITCH, "Whether left and right are swapped at last."),
         ),
     ),
     Operation(

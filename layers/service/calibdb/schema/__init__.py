@@ -30,6 +30,7 @@ from calibdb.schema.documents import (
     VoteDocument,
     Votes,
 )
+from calibdb.schema.export import FORMATS, ExportQuery
 from calibdb.schema.fields import DISTORTION_MODELS
 from calibdb.schema.lookup import LookupRequest, Miss
 from calibdb.schema.prior import PriorDocument
@@ -51,6 +52,7 @@ from calibdb.schema.token import TokenDocument
 __all__ = [
     "DICTIONARIES",
     "DISTORTION_MODELS",
+    "FORMATS",
     "Adapted",
     "BackfillAnswer",
     "BackfillBatch",
@@ -69,6 +71,7 @@ __all__ = [
     "CheckView",
     "ConsensusDocument",
     "EstimateDocument",
+    "ExportQuery",
     "FieldProblem",
     "Finish",
     "FitRecord",

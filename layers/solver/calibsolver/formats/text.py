@@ -1,7 +1,6 @@
 """Numbers and files as text, in full precision."""
 
 import json
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -9,6 +8,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import CalibrationError
+
+LARGEST = 1e12
+"""Beyond which no number is a camera's."""
 
 
 def number(value: float) -> str:
@@ -75,7 +77,7 @@ def floats(value: object, name: str, least: int = 0, most: int = 1_000_000) -> A
                 take(part, depth + 1)
         elif isinstance(item, bool) or not isinstance(item, int | float):
             raise refuse(f"{name} must be numbers, not {type(item).__name__}")
-        elif not math.isfinite(item) or abs(item) > 1e12:
+        elif not -LARGEST < item < LARGEST:  # NaN is neither
             raise refuse(f"{name} holds a number that is none of a camera's")
         else:
             flat.append(float(item))

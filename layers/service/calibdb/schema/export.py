@@ -1,0 +1,68 @@
+"""In which tool's format a calibration is wanted, and of which picture made of the camera's."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BeforeValidator, ConfigDict, Field
+
+from calibdb.schema.fields import LARGEST_SIDE, ImgSize, Open
+
+# The names are the API's. `calibsolver.formats` has a class for each.
+FormatName = Literal[
+    "calibdb",
+    "opencv-yaml",
+    "opencv-json",
+    "ros",
+    "kalibr",
+    "colmap",
+    "opensfm",
+    "mrcal",
+    "corners-vnl",
+    "gyroflow",
+    "lensfun",
+    "dng",
+    "webxr",
+    "gltf",
+    "photonvision",
+    "artoolkit",
+]
+FORMATS: tuple[str, ...] = get_args(FormatName)
+
+
+def _numbers(separator: str, count: int) -> BeforeValidator:
+    def parse(value: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        parts = value.split(separator)
+        if len(parts) != count or not all(p.isascii() and p.isdigit() and len(p) <= 5 for p in parts):
+            raise ValueError(f"must be {count} whole numbers with {separator!r} between them")
+        return tuple(int(part) for part in parts)
+
+    return BeforeValidator(parse)
+
+
+Position = Annotated[int, Field(ge=0, le=LARGEST_SIDE)]
+
+
+class ExportQuery(Open):
+    """The query of an export. The picture is cut, then resized, then turned, then mirrored."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
+
+    format: FormatName = Field("calibdb", description="File format.")
+    crop: Annotated[tuple[Position, Position, Position, Position] | None, _numbers(",", 4)] = Field(
+        None, description="Left, top, width and height of the part that is cut out, px: `160,0,960,720`."
+    )
+    resize: Annotated[ImgSize | None, _numbers("x", 2)] = Field(
+        None, description="Width and height that the picture, or the part, is scaled to: `640x360`."
+    )
+    rotate: Annotated[
+        Literal[0, 90, 180, 270], BeforeValidator(lambda v: int(v) if str(v).isdigit() else v)
+    ] = Field(0, description="Degrees by which it is turned clockwise.")
+    mirror: bool = Field(False, description="Whether left and right are swapped.")
+
+    @property
+    def plain(self) -> bool:
+        """Tell whether the calibration itself is asked for, as it is stored."""
+        return self.format == "calibdb" and not (self.crop or self.resize or self.rotate or self.mirror)
