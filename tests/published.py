@@ -1,6 +1,7 @@
 """Calibrations as finished sessions leave them, made without any session."""
 
 import hashlib
+from collections.abc import Sequence
 from typing import Any
 
 import calibsolver
@@ -16,30 +17,39 @@ NOW = 1_700_000_000
 PLATFORM = "X11; Linux x86_64"
 TILTS = ((0.5, 0.1, 0.1), (-0.4, 0.5, 0.0), (0.1, -0.6, 0.2), (0.0, 0.5, -0.3), (0.4, -0.4, 0.0))
 BOARD = Board()
+Vector = tuple[float, float, float]
+Seen = tuple[list[int], list[list[float]]]
 
 
 def store(stack: LocalStack) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 
-def held(truth: Truth, count: int) -> list[tuple[list[int], list[list[float]]]]:
+def held(
+    truth: Truth, count: int, tilts: Sequence[Vector] = TILTS
+) -> list[tuple[list[int], list[list[float]]]]:
     """What the camera sees of a board held by hand in several ways: ids and points."""
     seen = []
     for n in range(count):
         tvec = [-4.5 + truth.rng.normal(0, 0.7), -3 + truth.rng.normal(0, 0.5), 8 + 0.7 * n]
-        seen.append(truth.see({"rvec": TILTS[n % len(TILTS)], "tvec": tvec}))
+        seen.append(truth.see({"rvec": tilts[n % len(tilts)], "tvec": tvec}))
     return seen
 
 
-def calibration(camera: str, n: int, views: int = 5, **truth: Any) -> schema.CalibrationDocument:
-    """The `n`th calibration of a camera, each of another contributor and begun a second after the other."""
+def calibration(
+    camera: str, n: int, views: int = 5, begun: int = NOW, **truth: Any
+) -> schema.CalibrationDocument:
+    """The `n`th calibration of a camera, of a contributor of its own, `n` seconds after the first was begun.
+
+    `truth`: what differs from the camera that `Truth` is.
+    """
     seen = held(Truth(seed=n, **truth), views)
     size = (1280, 720)
     key = camera_key(camera, PLATFORM)
     record = fit([BOARD.view(ids, points) for ids, points in seen], size).record()
     name = hashlib.sha256(f"{camera}/{n}".encode()).hexdigest()[:12]
     return schema.CalibrationDocument(
-        id=f"{key}-{NOW + n:08x}{name}",
+        id=f"{key}-{begun + n:08x}{name}",
         camera_key=key,
         camera=camera,
         platform=PLATFORM,
@@ -57,7 +67,7 @@ def calibration(camera: str, n: int, views: int = 5, **truth: Any) -> schema.Cal
         fits={"rectilinear": schema.FitRecord.model_validate(record)},
         solver=calibsolver.__version__,
         contributor=hashlib.sha256(f"contributor {n}".encode()).hexdigest(),
-        time=NOW + n + 60,
+        time=begun + n + 60,
     )
 
 

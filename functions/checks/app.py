@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from starlette.responses import Response
 
-from calibdb import http
-from calibdb.camera_key import camera_key
+from calibdb import http, resolution
+from calibdb.camera_key import identify
 from calibdb.corners import misplaced
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.schema import (
@@ -66,8 +66,7 @@ def check(call: http.Call) -> Response:
     ]
     if wrong:
         raise InvalidError(wrong[:_MOST_FIELDS])
-    mode = Mode(camera_key(request.camera, request.platform), request.img_size, request.zoom)
-    known = consensus(call, mode, request.distortion_model)
+    mode, known = consensus(call, request)
     examined = examine(request)
     expected = known.held_out_error or known.avg_reprojection_error
     error = min(score(camera(known), seen(request, examined)).rms, math.hypot(*request.img_size))
@@ -93,17 +92,25 @@ def check(call: http.Call) -> Response:
     )
 
 
-def consensus(call: http.Call, mode: Mode, model: str) -> Calibration:
-    """Return the consensus to check, reliable or not; raises NotFoundError where there is none."""
-    documents = call.service.store.consensuses.at(mode)
-    known = one(documents, model)
-    if known is None and documents:
-        known = standing(call, mode, model)
-    if known is None or known.calibration is None:
-        raise NotFoundError(
-            "Nothing is known of this camera at this size that could be checked.", kind="no-calibration"
-        )
-    return known.calibration
+def consensus(call: http.Call, request: CheckRequest) -> tuple[Mode, Calibration]:
+    """Return what to check, reliable or not, and what it is of; raises NotFoundError where there is nothing.
+
+    It is found as a lookup would find it, but at no other size or zoom than the views'.
+    """
+    size, zoom, model = request.img_size, request.zoom, request.distortion_model
+    private = call.service.settings.thresholds.min_contributors == 1
+    identity = identify(request.camera, request.platform)
+    if resolution.hopeless(identity, private=private, resize_mode=None) is None:
+        read = call.service.store.cameras.known
+        resolved = resolution.resolve(read, identity, size, zoom, model, private=private)
+        mode = Mode(resolved.key, size, zoom)
+        here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
+        known = one(here, model) or (standing(call, mode, model) if here else None)
+        if known is not None and known.calibration is not None:
+            return mode, known.calibration
+    raise NotFoundError(
+        "Nothing is known of this camera at this size that could be checked.", kind="no-calibration"
+    )
 
 
 def one(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument | None:

@@ -97,7 +97,7 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
         gone = [stored[model] for model in models if model in stored]
         return dict.fromkeys(models) if all(map(store.consensuses.drop, gone)) else None
     cast = store.votes.newest(mode)
-    pooled = digest([c.id for c in counted], thresholds, __version__)
+    pooled = digest([c.id for c in counted], rule_of(thresholds), thresholds, __version__)
     basis = digest(pooled, [vote.id for vote in cast])
 
     documents = functools.cache(lambda: store.calibrations.read([c.id for c in counted]))

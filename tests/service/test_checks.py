@@ -1,6 +1,7 @@
 """Checks on fresh views: they confirm few calibrations, withdraw wrong ones, and count once."""
 
 import re
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -9,37 +10,27 @@ import numpy as np
 import pytest
 
 from calibdb import schema
-from calibdb.settings import Settings
-from calibdb.store import Mode, Store
+from calibdb.store import Mode
 from infra.local import LocalStack
 from tests.client import CAMERA, TOKEN, Answer, Client, Truth, until
+from tests.published import NOW, TILTS, asked, calibration, held, mode_of, store
 
-TILTS = ((0.5, 0.1, 0.1), (-0.4, 0.5, 0.0), (0.1, -0.6, 0.2), (0.0, 0.5, -0.3), (0.4, -0.4, 0.0))
+FLAT = ((0.01, 0.0, 0.0),)
 
 
 def views(count: int = 3, seed: int = 100, fx: float = 950.0, tilts: Any = TILTS) -> list[dict[str, Any]]:
-    """What a camera with this focal length sees of a board held by hand, nine squares away and more."""
-    truth = Truth(fx=fx, fy=fx - 2, seed=seed)
-    seen = []
-    for n in range(count):
-        tvec = [-4.5 + truth.rng.normal(0, 0.5), -3 + truth.rng.normal(0, 0.5), 9 + n]
-        ids, points = truth.see({"rvec": tilts[n % len(tilts)], "tvec": tvec})
-        seen.append({"ids": ids, "points": points})
-    return seen
+    """What a camera with this focal length sees of a board held by hand."""
+    seen = held(Truth(fx=fx, fy=fx - 2, seed=seed), count, tilts)
+    return [{"ids": ids, "points": points} for ids, points in seen]
 
 
-def store(stack: LocalStack) -> Store:
-    return Store.of(Settings.from_environment(stack.environment))
-
-
-def calibrated(stack: LocalStack, camera: str, count: int, **truth: Any) -> str:
-    """Calibrate a camera so often; return its key."""
-    for seed in range(count):
-        state = Truth(seed=seed, **truth).calibrate(Client(stack), camera=camera)
-    key = str(state["calibration_id"]).rpartition("-")[0]
-    known = store(stack).consensuses
-    until(lambda: [c.total for c in known.of(key)] == [count] * len(schema.DISTORTION_MODELS), 30)
-    return key
+def calibrated(stack: LocalStack, camera: str, *which: int, begun: int = NOW, **truth: Any) -> Mode:
+    """Publish calibrations of a camera, each with the consensus it leads to; return what they are of."""
+    for n in which:
+        document = calibration(camera, n, begun=begun, **truth)
+        store(stack).calibrations.publish(document)
+        store(stack).refit.now(asked(mode_of(document)))
+    return mode_of(document)
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +46,7 @@ def camera(request: pytest.FixtureRequest, stack: LocalStack) -> Callable[[int],
     name = re.sub(r"\W+", " ", request.node.name)
 
     def make(count: int) -> str:
-        calibrated(stack, name, count)
+        calibrated(stack, name, *range(count))
         return name
 
     return make
@@ -98,9 +89,7 @@ def test_three_that_do_not_withdraw_it_until_it_is_calibrated_anew(
     assert answer["votes"] == {"agree": 0, "disagree": 3}
     found = client.lookup(camera=name)
     assert (found.status, found.json["reason"]) == (307, "disagree")
-    # Doubts of this second still count, and a capture with its views takes longer.
-    Truth(seed=77).calibrate(Client(stack), camera=name)
-    until(lambda: client.lookup(camera=name).status == 200, 30)
+    calibrated(stack, name, 7, begun=int(time.time()))
     assert client.lookup(camera=name).json["calibrations"] == 3
 
 
@@ -121,7 +110,7 @@ def test_views_that_would_fit_any_camera_confirm_nothing(
     stack: LocalStack, camera: Callable[[int], str]
 ) -> None:
     name = camera(1)
-    answer = check(stack, name, views=views(1, tilts=((0.01, 0.0, 0.0),))).json
+    answer = check(stack, name, views=views(1, tilts=FLAT)).json
     assert (answer["fits"], answer["counted"]) == ("fits", False)
     assert answer["votes"] == {"agree": 0, "disagree": 0}
 
@@ -142,16 +131,13 @@ def test_a_changed_consensus_inherits_no_votes_that_were_on_another(
 ) -> None:
     """One wrong calibration, confirmed by three; then more that are right: the three now say against it."""
     wrong = "A camera that was first mistaken for another"
-    key = calibrated(stack, wrong, 1, fx=1100.0, fy=1098.0)
+    mode = calibrated(stack, wrong, 0, fx=1100.0, fy=1098.0)
     for seed in range(3):
         check(stack, wrong, views=views(seed=seed, fx=1100.0))
     assert client.lookup(camera=wrong).json["basis"] == "checked"
-    for seed in range(3):
-        Truth(seed=seed).calibrate(Client(stack), camera=wrong)
-    known = store(stack).consensuses
-    mode = Mode(key, (1280, 720), 0.0)
-    until(lambda: {c.total for c in known.at(mode)} == {4}, 30)
-    (now,) = (c for c in known.at(mode) if c.distortion_model == "rectilinear")
+    calibrated(stack, wrong, 1, 2, 3, begun=int(time.time()))
+    (now,) = (c for c in store(stack).consensuses.at(mode) if c.distortion_model == "rectilinear")
+    assert now.total == 4
     assert now.calibration is not None
     assert abs(now.calibration.camera_matrix[0][0] - 950) < 2, "three of four agree"
     assert now.votes == schema.Votes(agree=0, disagree=0), "what was said against it was said before"
@@ -191,3 +177,10 @@ def test_no_address_is_kept(stack: LocalStack, camera: Callable[[int], str]) -> 
         content = files.get_object(Bucket=bucket, Key=entry["Key"])["Body"].read()
         assert b"127.0.0.1" not in content
         assert b"cdb_" not in content
+
+
+def test_it_is_found_as_a_lookup_finds_it(stack: LocalStack) -> None:
+    """Calibrated where the browser tells the USB id, checked where it does not."""
+    calibrated(stack, "Acme LensCam X200 (1bcf:2c99)", 0)
+    assert check(stack, "Acme LensCam X200").json["fits"] == "fits"
+    assert check(stack, "Acme LensCam X300").status == 404

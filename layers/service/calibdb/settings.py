@@ -20,7 +20,7 @@ class Thresholds:
         In the largest group that agrees.
     min_share
         Of all calibrations that this group holds.
-    max_focal_spread, max_center_spread, max_projection_spread, max_unexplained
+    max_focal_spread, max_center_spread, max_projection_spread, max_harmless_spread, max_unexplained
         How far the group may differ; `calibsolver.consensus.Rule` says in which units.
     most_calibrations
         The newest that are pooled; more make no consensus better.
@@ -40,7 +40,8 @@ class Thresholds:
     min_share: float = 0.6
     max_focal_spread: float = 0.05
     max_center_spread: float = 0.02
-    max_projection_spread: float = 0.006
+    max_projection_spread: float = 0.01
+    max_harmless_spread: float = 0.0006
     max_unexplained: float = 0.004
     most_calibrations: int = 200
     contributor_period: int = 86_400

@@ -1,8 +1,15 @@
 """Settings name the variable that is wrong, at the first call and not at the hundredth."""
 
+from dataclasses import asdict
+from pathlib import Path
+
 import pytest
 
 from calibdb.settings import Settings, SettingsError, Thresholds
+from calibsolver.consensus import Rule
+from infra.local.intrinsics import parse
+
+ROOT = Path(__file__).parents[3]
 
 ENVIRONMENT = {
     "TABLE_NAME": "table",
@@ -58,3 +65,19 @@ def test_missing(name: str, value: str | None) -> None:
 def test_nonsense(name: str, value: str) -> None:
     with pytest.raises(SettingsError, match=name):
         Settings.from_environment({**ENVIRONMENT, name: value})
+
+
+def test_the_thresholds_are_the_same_in_settings_template_and_solver() -> None:
+    """Three places, for three rooms that do not know each other."""
+    thresholds = asdict(Thresholds())
+    document = parse(ROOT / "template.yaml")
+    variables = document["Globals"]["Function"]["Environment"]["Variables"]
+    for name, value in thresholds.items():
+        parameter = document["Parameters"][variables[name.upper()]["Ref"]]
+        assert parameter["Default"] == value, name
+    rule = asdict(Rule())
+    assert rule.keys() <= thresholds.keys()
+    # How many contributors there must be, the solver cannot know: on one's own machine there is only one.
+    assert {n: thresholds[n] for n in rule if n != "min_contributors"} == {
+        n: value for n, value in rule.items() if n != "min_contributors"
+    }
