@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test lint unit service browser bench ops openapi lock clean setup
+.PHONY: run test lint unit service browser bench bench-keys ops openapi lock clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -34,6 +34,10 @@ browser: setup
 # One core for both sides of every ratio: libraries differ in how many they would take.
 bench: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench
+
+# Does the key of a camera suffice? Writes docs/camera-keys.md.
+bench-keys: setup
+	@$(PY) -m tests.bench.keys
 
 # make ops ARGS="token create --origin https://page.example"
 ops: .venv/.made

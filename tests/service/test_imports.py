@@ -31,7 +31,7 @@ def imported(function: str, layers: tuple[str, ...]) -> tuple[float, set[str]]:
     return best, modules
 
 
-@pytest.mark.parametrize("function", ["auth", "lookup", "session", "export"])
+@pytest.mark.parametrize("function", ["auth", "lookup", "session", "export", "cameras"])
 def test_light_functions_know_no_geometry(function: str) -> None:
     _, modules = imported(function, ("service",))
     assert not modules & {"numpy", "cv2", "calibsolver"}

@@ -265,6 +265,18 @@ def test_labels_of_one_product_are_found_under_one_key(rows: list[tuple[Row, Ide
     assert found / len(pairs) >= 0.9
 
 
+def test_nor_does_that_rest_on_translations(rows: list[tuple[Row, Identity]]) -> None:
+    known = [identity for _, identity in rows]
+    english = [(row, i) for row, i in rows if row["platform"].partition("(")[2] in ("", "en)")]
+    found = [
+        resolved(one, known) == resolved(other, known)
+        for (a, one), (b, other) in itertools.combinations(english, 2)
+        if a["same_device_group"] == b["same_device_group"] != "virtual"
+    ]
+    assert len(found) >= 13
+    assert sum(found) / len(found) >= 0.9
+
+
 def test_a_name_that_two_ids_bear_does_not_say_which_it_is(rows: list[tuple[Row, Identity]]) -> None:
     for (_, one), (_, other) in itertools.combinations(rows, 2):
         if one.usb_id and other.usb_id and one.usb_id != other.usb_id and one.name == other.name:

@@ -1,0 +1,52 @@
+"""A lookup among a hundred thousand cameras, against the same one among none."""
+
+import statistics
+import time
+from collections.abc import Callable, Iterator
+
+from calibdb.schema import GroupsDocument
+from calibdb.settings import Settings
+from calibdb.store import Store
+from infra.local import LocalStack
+from tests.bench.table import Row, p50
+from tests.client import Client
+from tests.crowd import crowd
+from tests.known import C920, LINUX, calibration, consensus
+
+CAMERAS = 100_000
+
+
+def rows() -> Iterator[Row]:
+    with LocalStack() as stack:
+        lookup = one_known(stack)
+        yield Row("lookup handler, p50", p50(lookup, repeat=200), 5, "ms", "gateway included")
+        before = min(cpu(lookup) for _ in range(3))
+        yield Row("the same, time of the processor", before, None, "ms")
+        crowd(stack, CAMERAS)
+        after = min(cpu(lookup) for _ in range(3))
+        yield Row(f"the same among {CAMERAS:,} cameras", after / before, 1.2, "x")
+
+
+def one_known(stack: LocalStack) -> Callable[[], object]:
+    """Let one camera be known, and return a lookup of it."""
+    store = Store.of(Settings.from_environment(stack.environment))
+    store.calibrations.publish(calibration())
+    store.consensuses.put(consensus(), GroupsDocument(pooled=""), None)
+    client = Client(stack)
+
+    def lookup() -> None:
+        answer = client.lookup(camera=C920, platform=LINUX)
+        if answer.status != 200:
+            raise RuntimeError(answer.body.decode())
+
+    return lookup
+
+
+def cpu(action: Callable[[], object], repeat: int = 200) -> float:
+    """Median time in ms that this process spends on `action`, in all of its threads."""
+    times = []
+    for _ in range(repeat):
+        start = time.process_time()
+        action()
+        times.append((time.process_time() - start) * 1e3)
+    return statistics.median(times)

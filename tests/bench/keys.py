@@ -1,0 +1,178 @@
+"""`make bench-keys`: does the key of a camera suffice? Writes docs/camera-keys.md.
+
+Two kinds of evidence. Labels that browsers were seen to report, with what is known of the product behind
+each: which ways of making a key tell products apart, and which find a product again. And published lens
+profiles: how much of what makes two calibrations of one camera differ a browser could not tell in any case.
+"""
+
+import csv
+import itertools
+import statistics
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+
+from calibdb.camera_key import Identity, identify
+from calibdb.camera_key.system import system_of
+from calibsolver import Camera
+from calibsolver.agreement import compare
+from tests.bench import document
+from tests.data import ROOT, data_dir
+
+DOCUMENT = ROOT / "docs" / "camera-keys.md"
+SAME_LENS = 0.01  # of the width, rms over the image: what may pass for one lens
+MOST = 12  # calibrations of one camera that are compared
+
+
+@dataclass(frozen=True)
+class Label:
+    """A label as a browser reported it, the product behind it, and what the key makes of it."""
+
+    label: str
+    platform: str
+    product: str
+    identity: Identity
+
+
+def labels() -> list[Label]:
+    with (data_dir() / "labels.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["label"]]
+    return [
+        Label(
+            row["label"],
+            row["platform"],
+            row["same_device_group"],
+            identify(row["label"], row["platform"] or "unknown"),
+        )
+        for row in rows
+    ]
+
+
+def resolved(asked: Identity, known: Sequence[Label]) -> str:
+    """The key that answers where every label with a USB id was calibrated."""
+    ids = {k.identity.key for k in known if k.identity.usb_id and k.identity.name_key == asked.name_key}
+    return ids.pop() if not asked.usb_id and asked.distinct and len(ids) == 1 else asked.key
+
+
+def ways(found: Sequence[Label]) -> list[tuple[str, Callable[[Label], str]]]:
+    """Ways of making a key, each with one hint more."""
+    return [
+        ("label as it is", lambda x: x.label),
+        ("label and platform as they are", lambda x: f"{x.label}|{x.platform}"),
+        ("name normalised", lambda x: x.identity.name),
+        ("name and system", lambda x: f"{x.identity.name}|{system_of(x.platform).text}"),
+        ("USB id and name, else name and system", lambda x: x.identity.key),
+        ("the same, a name alone resolved to its one USB id", lambda x: resolved(x.identity, found)),
+    ]
+
+
+def compared(found: Sequence[Label]) -> list[list[str]]:
+    """Rows: way, wrong pairs, precision, recall of pairs that share a USB id or a name, and of all."""
+    real = [x for x in found if not x.identity.virtual]
+    pairs = list(itertools.combinations(real, 2))
+    same = [(a, b) for a, b in pairs if a.product == b.product]
+    evident = [
+        (a, b)
+        for a, b in same
+        if (a.identity.usb_id and a.identity.usb_id == b.identity.usb_id)
+        or plain(a.label) == plain(b.label)
+        or a.identity.name == b.identity.name
+    ]
+    out = []
+    for name, key in ways(real):
+        wrong = sum(a.product != b.product and key(a) == key(b) for a, b in pairs)
+        right = sum(key(a) == key(b) for a, b in same)
+        precision = f"{right / (right + wrong):.2f}" if right + wrong else ""
+        known = (untranslated(evident), same)
+        recalls = [sum(key(a) == key(b) for a, b in some) / len(some) for some in known]
+        out.append([name, str(wrong), precision, *(f"{r:.2f}" for r in recalls)])
+    return out
+
+
+def plain(label: str) -> str:
+    return label.casefold().strip()
+
+
+def untranslated(pairs: Sequence[tuple[Label, Label]]) -> list[tuple[Label, Label]]:
+    """Pairs of one language: most of the others are one name in seventeen."""
+    english = [(a, b) for a, b in pairs if a.platform.partition("(")[2] in ("", "en)")]
+    return [(a, b) for a, b in english if b.platform.partition("(")[2] in ("", "en)")]
+
+
+def lenses() -> list[list[str]]:
+    """Rows: what is known of the camera, how many such cameras, and pairs of people who had one lens."""
+    with (data_dir() / "lens_profiles.csv").open(newline="") as file:
+        # Of which all is known, so that the rows of the table are of the same calibrations.
+        known = ("brand", "model", "lens", "setting")
+        rows = [row for row in csv.DictReader(file) if all(row[name].strip() for name in known)]
+    told = [
+        ("brand and model", ("brand", "model")),
+        ("brand, model, lens", ("brand", "model", "lens")),
+        ("brand, model, lens, setting", ("brand", "model", "lens", "setting")),
+    ]
+    out = []
+    for name, fields in told:
+        # One calibration of each contributor, all at one size.
+        groups: dict[tuple[str, ...], dict[str, Camera]] = defaultdict(dict)
+        for row in rows:
+            key = tuple(row[f].strip().casefold() for f in (*fields, "w", "h"))
+            if len(groups[key]) < MOST:
+                groups[key][row["contributor"]] = camera(row)
+        shares = []
+        for group in groups.values():
+            if len(group) > 1:
+                limit = SAME_LENS * next(iter(group.values())).img_size[0]
+                differences = compare([SimpleNamespace(camera=c) for c in group.values()])
+                shares.append(float(np.mean(differences[np.triu_indices(len(group), 1)] < limit)))
+        # Each camera counts the same, however popular.
+        out.append([name, f"{len(shares):,}", f"{100 * statistics.mean(shares):.0f} %"])
+    return out
+
+
+def camera(row: dict[str, str]) -> Camera:
+    fx, fy, cx, cy = (float(row[name]) for name in ("fx", "fy", "cx", "cy"))
+    k = [float(row[f"k{i}"]) for i in (1, 2, 3, 4)]
+    return Camera(
+        "fisheye", np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]]), k, (int(row["w"]), int(row["h"]))
+    )
+
+
+def facts(found: Sequence[Label]) -> list[list[str]]:
+    real = [x for x in found if not x.identity.virtual]
+    names: dict[str, set[str]] = defaultdict(set)
+    for x in real:
+        if x.identity.usb_id:
+            names[x.identity.name].add(x.identity.usb_id)
+    several = {name for name, ids in names.items() if len(ids) > 1}
+    guessed = sum(identify(name, "X11; Linux x86_64").distinct for name in several)
+    answered = [x for x in real if not x.identity.ambiguous]
+    virtual = [x for x in found if x.product == "virtual"]
+    return [
+        ["labels", str(len(found))],
+        ["products behind them", str(len({x.product for x in found}))],
+        ["labels that say which product they are of", f"{len(answered)} of {len(real)}"],
+        ["names that several USB ids bear", str(len(several))],
+        ["of these resolved by the name alone", str(guessed)],
+        [
+            "programs that pose as cameras, recognised",
+            f"{sum(x.identity.virtual for x in virtual)} of {len(virtual)}",
+        ],
+        ["cameras taken for such programs", str(sum(x.identity.virtual for x in found) - len(virtual))],
+    ]
+
+
+def main() -> None:
+    """Measure, and write the tables."""
+    found = labels()
+    header = ["key", "wrong pairs", "precision", "recall, evident", "recall, all"]
+    document.replace("ways", document.table(header, compared(found)), DOCUMENT)
+    document.replace("facts", document.table(["", ""], facts(found)), DOCUMENT)
+    header = ["what is known", "cameras that several people calibrated", "pairs of one lens"]
+    document.replace("lenses", document.table(header, lenses()), DOCUMENT)
+
+
+if __name__ == "__main__":
+    main()
