@@ -30,6 +30,8 @@ SURPRISE = 3.0
 """Other starts are tried too where pixels are this many sigmas from square, or the centre from the middle."""
 ROUNDS = 6
 """Cuts at most."""
+FREE = Options(with_prior=False, iterations=400)
+"""Least squares alone may wind through long valleys."""
 AGAIN = 3
 """Times that views which fit badly are posed anew."""
 AGREES = 5.0
@@ -235,12 +237,18 @@ class _Fit:
 
     def plain(self, state: State) -> Calibration:
         """Least squares over all points, without the prior where the points carry every parameter."""
-        state = self.problem.solve(state, self.everything, Options(tolerance=1e-4))
+        problem = self.problem
         if self.carried(state):
-            free = self.problem.solve(state, self.everything, Options(with_prior=False))
-            if free.converged:
-                return self.result(free, self.mask, with_prior=False)
-        return self.result(self.problem.solve(state, self.everything, Options()), self.mask, with_prior=True)
+            # With coefficients that nearly replace one another there are several optima: the lowest counts.
+            begun = [
+                state,
+                *(problem.at(s.k, s.poses) for s in start.direct(self.model, problem.obs, problem.img_size)),
+            ]
+            free = [problem.solve(s, self.everything, FREE) for s in begun]
+            best = min((s for s in free if s.converged and s.finite), key=cost, default=None)
+            if best is not None and plausible.folded(problem, best, self.mask) <= plausible.FOLDED:
+                return self.result(best, self.mask, with_prior=False)
+        return self.result(problem.solve(state, self.everything, Options()), self.mask, with_prior=True)
 
     def information(self, state: State, good: Mask) -> Array:
         """Sum up what the good points (v, n) tell of the intrinsics at unit noise, (p, p)."""
@@ -294,3 +302,8 @@ class _Fit:
         return {
             int(i): "mirrored" if self.turned[i] else "outlier" for i in np.flatnonzero(~good.any(axis=1))
         }
+
+
+def cost(state: State) -> float:
+    """Sum of the squared residuals, padding and all: for comparison only."""
+    return float(state.square.sum())

@@ -260,8 +260,8 @@ class System:
         removed = c[:, :, :size].reshape(-1, size).T @ solved.reshape(-1, size + 1)
         lhs = self.a - removed[:, :size]
         lhs.flat[:: size + 1] += lift
-        dk: Array = -np.linalg.solve(lhs, ga - removed[:, size])
-        dp: Array = -(solved[:, :, size] + solved[:, :, :size] @ dk)
+        dk: Array = np.negative(np.linalg.solve(lhs, ga - removed[:, size]))
+        dp: Array = np.negative(solved[:, :, size] + solved[:, :, :size] @ dk)
         return dk, dp
 
 

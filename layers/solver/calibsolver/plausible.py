@@ -16,7 +16,8 @@ FOLDED = 0.01
 def folded(problem: Problem, state: State, mask: Mask) -> float:
     """Share of the points (v, n) that lie where the model is not one-to-one, or behind the camera."""
     p = state.poses.camera_points(problem.obs.points).transpose(1, 0, 2)
-    return float(np.mean(~problem.model.valid(state.k[4:], p)[mask]))
+    outside: Mask = ~problem.model.valid(state.k[4:], p)
+    return float(np.mean(outside[mask]))
 
 
 def demand(problem: Problem, state: State, good: Mask, robust: bool) -> None:
