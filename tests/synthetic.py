@@ -171,14 +171,17 @@ class Session:
     calibration: Calibration | None = None
     aside: int = 0
 
-    def note(self, truth: Camera, calibration: Calibration) -> None:
+    def note(self, truth: Camera, estimate: Estimate) -> None:
         """Add what one more view gave."""
+        calibration, uncertainty = estimate.calibration, estimate.uncertainty
+        if calibration is None or uncertainty is None:
+            raise ValueError("an accepted view has an estimate")
         self.calibration = calibration
         error = projection_error(truth, calibration.camera)
         self.mean.append(float(error.mean()))
         self.rms.append(float(np.sqrt(np.mean(error**2))))
         self.max.append(float(error.max()))
-        self.predicted.append(calibration.uncertainty().rms)
+        self.predicted.append(uncertainty.rms)
 
 
 def run(
@@ -226,7 +229,7 @@ def run(
         estimate = verdict.estimate
         unreached, skipped, doubted = (*unreached, *skipped), (), []
         session.views.append(view)
-        session.note(camera, verdict.estimate.calibration)
+        session.note(camera, verdict.estimate)
         if estimate.converged and session.stopped is None:
             session.stopped = len(session.views)
         target = chooser.next_pose(used(session.views, estimate), estimate.calibration, (), unreached)

@@ -13,6 +13,8 @@ from .models import Model
 from .normal import Poses
 
 DIMENSIONS = 6
+MARGIN = 0.025
+"""Of the image width, within which corners do not count: a hand misses by some."""
 BEYOND = 15.0
 """Degrees."""
 
@@ -205,7 +207,7 @@ def visible(
         (c, 3) normals of the boards, away from the viewer, camera frame.
     """
     w, h = img_size
-    margin = 0.01 * w
+    margin = MARGIN * w
     x, y = q[:, 0], q[:, 1]
     seen = model.valid(k[4:], p.transpose(1, 0, 2))
     seen &= (x >= margin) & (y >= margin) & (x <= w - 1 - margin) & (y <= h - 1 - margin)

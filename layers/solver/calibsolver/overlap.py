@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from .arrays import Array
 from .board import Board
@@ -19,7 +20,7 @@ def jaccard(one: Array, other: Array, img_size: tuple[int, int]) -> float:
     return float(np.count_nonzero(first & second) / union) if union else 0.0
 
 
-def mask(polygon: Array, img_size: tuple[int, int]) -> Array:
+def mask(polygon: Array, img_size: tuple[int, int]) -> npt.NDArray[np.uint8]:
     """Inside of a polygon (m, 2) px, as (h / SCALE, w / SCALE) of 0 and 1."""
     w, h = img_size
     picture = np.zeros((-(-h // SCALE), -(-w // SCALE)), dtype=np.uint8)
@@ -35,7 +36,8 @@ def seen_outline(board: Board, view: View) -> Array:
     h, _ = cv2.findHomography(p, q, 0)
     if h is None:
         return np.empty((0, 2))
-    edge = np.concatenate([edge_points(board)[:, :2], np.ones((len(edge_points(board)), 1))], axis=1) @ h.T
+    flat = edge_points(board)[:, :2]
+    edge: Array = np.concatenate([flat, np.ones((len(flat), 1))], axis=1) @ np.asarray(h, dtype=np.float64).T
     with np.errstate(all="ignore"):
         outline: Array = edge[:, :2] / edge[:, 2:]
     return outline[(edge[:, 2] > 0) & np.isfinite(outline).all(axis=1)]
