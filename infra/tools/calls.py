@@ -37,7 +37,8 @@ class Content:
     description: str
     model: type[BaseModel] | None = None
     pictures: tuple[str, ...] = ()
-    headers: tuple[str, ...] = ()
+    headers: tuple[str, ...] = ()  # that every such answer carries
+    sometimes: tuple[str, ...] = ()  # that some carry
     media_type: str = JSON
 
 
@@ -205,12 +206,8 @@ OPERATIONS = (
                     "application/octet-stream",
                     "model/gltf+json",
                 ),
-                (
-                    "Content-Disposition",
-                    "X-Conversion-Error",
-                    "X-Conversion-Coverage",
-                    "X-Conversion-Warning",
-                ),
+                headers=("X-Conversion-Error", "X-Conversion-Coverage"),
+                sometimes=("Content-Disposition", "X-Conversion-Warning"),
             )
         },
         (*_ASKED, 404, 422),

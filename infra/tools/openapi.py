@@ -70,10 +70,10 @@ def _operation(operation: Operation, names: Any) -> Node:
             if content.model:
                 media[content.media_type] = {"schema": reference(content.model, "serialization")}
             node["content"] = media
-        if content.headers:
-            node["headers"] = {
-                name: {"schema": {"type": "string"}, "required": True} for name in content.headers
-            }
+        always = {name: {"schema": {"type": "string"}, "required": True} for name in content.headers}
+        some = {name: {"schema": {"type": "string"}} for name in content.sometimes}
+        if always or some:
+            node["headers"] = always | some
         return node
 
     problem = {PROBLEM: {"schema": reference(schema.Problem, "serialization")}}

@@ -1,0 +1,97 @@
+"""Every operation of the OpenAPI document under requests made of it, right ones and wrong ones.
+
+No 500, no status, content type, header or body that the document does not promise. `make fuzz` sends 5,000.
+"""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+from schemathesis import APIOperation, Case, GenerationMode
+from schemathesis.checks import not_a_server_error
+from schemathesis.specs.openapi.checks import (
+    content_type_conformance,
+    response_headers_conformance,
+    response_schema_conformance,
+    status_code_conformance,
+)
+
+from infra.local import LocalStack
+from tests.client import TOKEN, Client, Truth, until
+
+CASES = int(os.environ.get("CASES", "500"))
+ROOT = Path(__file__).parents[2]
+CHECKS = [
+    not_a_server_error,
+    status_code_conformance,
+    content_type_conformance,
+    response_headers_conformance,
+    response_schema_conformance,
+]
+API = schemathesis.openapi.from_path(ROOT / "web" / "openapi.json")
+OPERATIONS = {operation.ok().label: operation.ok() for operation in API.get_all_operations()}
+HEALTHY = "GET /healthz", GenerationMode.NEGATIVE
+EACH = max(2, CASES // len(OPERATIONS) // 2)  # of the right ones, and of the wrong ones
+
+
+@pytest.fixture(scope="module")
+def known(stack: LocalStack) -> dict[str, list[str]]:
+    """Ids that there are: of a calibration, a consensus, a camera."""
+    client = Client(stack)
+    ids = [Truth(seed=seed).calibrate(client)["calibration_id"] for seed in range(5)]
+    consensus = until(lambda: client.lookup().status == 200 and client.lookup().json["id"])
+    return {"id": [ids[0], consensus], "key": [consensus.split("~")[0]], "index": ["0", "1"]}
+
+
+@pytest.fixture(scope="module")
+def url(stack: LocalStack) -> Iterator[str]:
+    with stack.serve() as url:
+        yield url
+
+
+def requests(operation: APIOperation, known: dict[str, list[str]]) -> st.SearchStrategy[Case]:
+    """Requests as the document describes them, some for what there is."""
+    anything = operation.as_strategy()
+    names = {parameter.name for parameter in operation.path_parameters}
+    if not names:
+        return anything
+    there = st.fixed_dictionaries({name: st.sampled_from(known[name]) for name in names})
+    return anything | there.flatmap(lambda found: operation.as_strategy(path_parameters=found))
+
+
+@pytest.mark.parametrize(
+    ("label", "mode"),
+    # There is no wrong way to ask whether the service is there.
+    [(label, mode) for label in OPERATIONS for mode in GenerationMode if (label, mode) != HEALTHY],
+)
+def test_nothing_but_what_is_promised(
+    stack: LocalStack, url: str, known: dict[str, list[str]], label: str, mode: GenerationMode
+) -> None:
+    operation = OPERATIONS[label]
+    right = mode is GenerationMode.POSITIVE
+    cases = requests(operation, known) if right else operation.as_strategy(generation_mode=mode)
+    client = Client(stack)
+    credential = TOKEN
+    if any("sessionId" in security for security in operation.definition.raw.get("security", ())):
+        client.open()
+        client.view(0, *Truth().see(client.pose().json))
+        credential = client.session_id
+
+    @settings(
+        max_examples=EACH,
+        deadline=None,
+        derandomize=True,
+        database=None,
+        phases=[Phase.generate],  # a failure is reported as it was found; shrinking sends thousands more
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(case=cases)
+    def sent(case: Case) -> None:
+        response = case.call(base_url=url, headers={"Authorization": f"Bearer {credential}"})
+        case.validate_response(response, checks=CHECKS)
+
+    sent()
