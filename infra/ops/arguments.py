@@ -54,6 +54,19 @@ def parser() -> argparse.ArgumentParser:
     load = commands.add_parser("load", help="take in what `dump` wrote")
     load.add_argument("folder", type=Path)
 
+    taking = commands.add_parser(
+        "import", help="take in a calibration file: with keypoints as a calibration, else as a first guess"
+    )
+    taking.add_argument("file", type=Path, help="PhotonVision, mrcal, OpenCV, ROS, Kalibr, Gyroflow, calibDB")
+    taking.add_argument("--camera", required=True, help="label, as a browser gives it")
+    taking.add_argument("--platform", required=True, help="platform, as a browser gives it")
+    taking.add_argument("--zoom", type=float, default=0.0, help="zoom of the track (0)")
+    taking.add_argument("--img-size", type=_size, metavar="WxH", help="for tables of corners, which lack it")
+    taking.add_argument("--squares", type=_size, metavar="WxH", help="of the board, for tables of corners")
+    taking.add_argument(
+        "--model", default="", help="to fit to keypoints; without it, the one that suits them"
+    )
+
     seed = commands.add_parser(
         "seed", help="take in calibrations from elsewhere (CSV), as first guesses for a capture only"
     )
@@ -78,3 +91,10 @@ def _hours(text: str) -> float:
     if not 0 <= hours <= 24 * 366:
         raise argparse.ArgumentTypeError("from 0 to a year of hours")
     return hours
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    if not (width.isdigit() and height.isdigit()):
+        raise argparse.ArgumentTypeError(f"{text} is no size such as 1280x720")
+    return int(width), int(height)

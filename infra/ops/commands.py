@@ -42,6 +42,11 @@ def run(asked: argparse.Namespace, desk: Desk) -> None:
         case "load", _:
             calibrations, votes = load(desk, asked.folder)
             desk.say(f"{calibrations} calibrations and {votes} votes taken in")
+        case "import", _:
+            from infra.ops.imports import Whose, take_in  # the solver takes its time
+
+            whose = Whose(asked.camera, asked.platform, asked.zoom)
+            desk.say(take_in(desk, asked.file, whose, asked.img_size, asked.squares, asked.model))
         case "seed", _:
             done = seed(desk, asked.file, asked.camera, asked.platform, asked.model, asked.source)
             desk.say(f"{done.rows} rows: {done.priors} first guesses for {done.cameras} cameras")

@@ -19,6 +19,10 @@ _MOST_YAML = 2**20  # bytes; a camera alone is a few hundred
 _DEEPEST = 20
 
 
+class _FormError(ValueError):
+    """The text is not of the form that it should be."""
+
+
 def read_file(path: Path, squares: tuple[int, int] | None = None) -> Read:
     """Read a calibration file: PhotonVision, Gyroflow, OpenCV or calibDB JSON, OpenCV, ROS or Kalibr YAML,
     mrcal's .cameramodel, or a table of corners of a board of so many `squares`.
@@ -33,7 +37,7 @@ def read_file(path: Path, squares: tuple[int, int] | None = None) -> Read:
         if path.suffix == ".json" or start in "{[":
             return read(_json(content))
         return read(_yaml(content))
-    except CalibrationError as error:
+    except (CalibrationError, _FormError) as error:
         raise OpsError(f"{path}: {error}") from error
     except RecursionError:
         raise OpsError(f"{path}: nested too deeply") from None
@@ -52,12 +56,12 @@ def _text(path: Path) -> str:
 
 def _json(content: str) -> object:
     def refuse(name: str) -> object:
-        raise OpsError(f"the file holds {name}, which is no number")
+        raise _FormError(f"the file holds {name}, which is no number")
 
     try:
         found: object = json.loads(content, parse_constant=refuse)
     except json.JSONDecodeError as error:
-        raise OpsError(f"the file is no JSON: {error}") from error
+        raise _FormError(f"the file is no JSON: {error}") from error
     return found
 
 
@@ -90,7 +94,7 @@ _Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", _matrix)
 
 def _yaml(content: str) -> object:
     if len(content) > _MOST_YAML:
-        raise OpsError(f"the file is larger than {_MOST_YAML >> 20} MB")
+        raise _FormError(f"the file is larger than {_MOST_YAML >> 20} MB")
     # OpenCV writes its version with a colon, which no YAML reader takes
     lines = content.splitlines()
     if lines and lines[0].startswith("%YAML:"):
@@ -98,7 +102,7 @@ def _yaml(content: str) -> object:
     try:
         found: object = yaml.load("\n".join(lines), Loader=_Loader)  # noqa: S506 - a safe loader
     except yaml.YAMLError as error:
-        raise OpsError(f"the file is no YAML: {error}") from error
+        raise _FormError(f"the file is no YAML: {error}") from error
     except (ValueError, OverflowError) as error:  # an impossible date, a number of a million digits
-        raise OpsError(f"the file holds a value that cannot be read: {error}") from error
+        raise _FormError(f"the file holds a value that cannot be read: {error}") from error
     return found

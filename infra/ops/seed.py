@@ -25,7 +25,7 @@ COEFFICIENTS = {
 # Ratio of focal lengths beyond which rows are of several lenses or modes under one name: no guess at all.
 _ONE_LENS = 1.1
 # Nobody knows how good they are: of the image's width, about what a guess without any knowledge misses by.
-_UNKNOWN = 0.05
+UNKNOWN = 0.05
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def _row(fields: Mapping[str, str], camera: str, platform: str, model: str, numb
             distortion_coefficients=tuple(_number(fields[name]) for name in COEFFICIENTS[model]),
             distortion_model=model,
             avg_reprojection_error=_number(fields.get("rms") or "0"),
-            uncertainty={"rms": _UNKNOWN * size[0], "max": _UNKNOWN * size[0]},
+            uncertainty={"rms": UNKNOWN * size[0], "max": UNKNOWN * size[0]},
         )
         zoom = _number(fields.get("zoom") or "0")
     except ValidationError:

@@ -1,0 +1,159 @@
+"""A calibration made with another tool, put to use here."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+import calibsolver
+from calibdb.camera_key import identify, public_label, public_platform
+from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument, Track, ViewDocument
+from calibsolver import CalibrationError, Camera, View, fit, models
+from calibsolver.choice import suggest_model
+from calibsolver.formats import Read
+from calibsolver.formats.grid import grid
+from calibsolver.report import describe
+from infra.ops import reindex
+from infra.ops.desk import Desk, OpsError
+from infra.ops.files import read_file
+from infra.ops.seed import UNKNOWN
+
+#: views from which a fit can be believed without a guide having chosen them
+FEWEST = 4
+#: corners that a dictionary of 50 markers has room for, and the dictionary for larger boards
+_SMALL, _LARGE = 100, "DICT_4X4_1000"
+
+
+@dataclass(frozen=True)
+class Whose:
+    """What a browser would say of the camera."""
+
+    camera: str
+    platform: str
+    zoom: float = 0.0
+
+
+def take_in(
+    desk: Desk,
+    path: Path,
+    whose: Whose,
+    img_size: tuple[int, int] | None = None,
+    squares: tuple[int, int] | None = None,
+    model: str = "",
+) -> str:
+    """Store what a file holds, and say what it was.
+
+    With keypoints of a board it is a calibration like any other: fitted anew, pooled, audited. Without, it is
+    a first guess for a capture, and no lookup ever answers with it. The same file twice is one calibration.
+
+    Raises OpsError where the file, or what it holds, cannot be used; nothing is stored then.
+    """
+    read = read_file(path, squares)
+    identity = identify(whose.camera, whose.platform)
+    if identity.ambiguous or identity.virtual:
+        raise OpsError(f"{whose.camera!r} does not say which camera it is")
+    if not read.views:
+        return _guess(desk, path, whose, read)
+    size = read.camera.img_size if read.camera else read.img_size or img_size
+    if size is None:
+        raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
+    document = _document(desk, path, whose, read.views, size, model)
+    desk.store.calibrations.publish(document)
+    reindex.refit(desk, reindex.mode(document))
+    fitted = document.fits[document.distortion_model]
+    return (
+        f"calibration {document.id}: {len(document.views)} views, {document.distortion_model}, "
+        f"{fitted.avg_reprojection_error:.3f} px rms"
+    )
+
+
+def _document(
+    desk: Desk, path: Path, whose: Whose, views: tuple[View, ...], size: tuple[int, int], model: str
+) -> CalibrationDocument:
+    """Fit the keypoints, and put everything that is known into a document."""
+    if len(views) < FEWEST:
+        raise OpsError(f"{path} has {len(views)} views, a calibration needs {FEWEST}")
+    if model and model not in models.NAMES:
+        raise OpsError(f"there is no distortion model {model!r}")
+    try:
+        found = grid(views)
+        board = calibsolver.Board(
+            found.squares,
+            dictionary="DICT_4X4_50" if found.squares[0] * found.squares[1] <= _SMALL else _LARGE,
+        )
+        ours = [board.view(ids, view.image_points) for ids, view in zip(found.ids, views, strict=True)]
+        chosen = model or suggest_model(ours, size).model
+        calibration = fit(ours, size, model=chosen)
+    except CalibrationError as error:
+        raise OpsError(f"{path}: {error}") from error
+    key = identify(whose.camera, whose.platform).key
+    digest = hashlib.sha256(path.read_bytes() + f"/{key}/{chosen}".encode()).hexdigest()
+    try:
+        return CalibrationDocument(
+            id=f"{key}-{digest[:20]}",
+            camera_key=key,
+            camera=public_label(whose.camera),
+            platform=public_platform(whose.platform),
+            img_size=size,
+            zoom=whose.zoom,
+            distortion_model=chosen,
+            board=Board.model_validate({"squares": board.squares, "dictionary": board.dictionary}),
+            guidance="projection-uncertainty",
+            target_error=0.3 * size[0] / 1280,
+            track=Track(),
+            views=tuple(
+                ViewDocument(
+                    index=i,
+                    ids=ids,
+                    points=tuple((float(x), float(y)) for x, y in view.image_points),
+                    rms=float(calibration.view_errors[i]),
+                )
+                for i, (ids, view) in enumerate(zip(found.ids, ours, strict=True))
+            ),
+            fits={chosen: FitRecord.model_validate(calibration.record())},
+            report=describe(calibration, ours),
+            solver=calibsolver.__version__,
+            contributor=f"import-{digest[:12]}",
+            time=desk.now,
+        )
+    except ValidationError as error:
+        what = error.errors(include_url=False)[0]
+        raise OpsError(f"{path}: {'.'.join(map(str, what['loc']))}: {what['msg']}") from error
+
+
+def _guess(desk: Desk, path: Path, whose: Whose, read: Read) -> str:
+    camera = read.camera
+    if camera is None:
+        raise OpsError(f"{path} holds neither a camera nor keypoints")
+    try:
+        record = FitRecord.model_validate(_record(camera))
+    except ValidationError as error:
+        raise OpsError(f"{path}: {error.errors(include_url=False)[0]['msg']}") from error
+    desk.store.priors.keep(
+        PriorDocument(
+            camera_key=identify(whose.camera, whose.platform).key,
+            camera=public_label(whose.camera),
+            platform=public_platform(whose.platform),
+            zoom=whose.zoom,
+            fit=record,
+            source=path.name,
+            measured=1,
+        )
+    )
+    return f"a first guess: {camera.model}, without keypoints; no lookup answers with it"
+
+
+def _record(camera: Camera) -> dict[str, object]:
+    """Return the camera as a fit of which nobody knows how good it is."""
+    off = UNKNOWN * camera.img_size[0]
+    return {
+        "img_size": list(camera.img_size),
+        "camera_matrix": camera.matrix.tolist(),
+        "distortion_coefficients": camera.distortion.tolist(),
+        "distortion_model": camera.model,
+        "avg_reprojection_error": 0.0,
+        "uncertainty": {"rms": off, "max": off},
+    }

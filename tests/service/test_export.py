@@ -1,0 +1,77 @@
+"""Calibrations as other tools' files, over HTTP."""
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+
+from calibdb.schema import FORMATS
+from calibsolver import Camera, formats
+from calibsolver.formats.reading import read
+from infra.local import LocalStack
+from tests.client import TOKEN, Client, Truth
+
+
+@pytest.fixture(scope="module")
+def calibration(stack: LocalStack) -> str:
+    name: str = Truth(seed=3).calibrate(Client(stack))["calibration_id"]
+    return name
+
+
+def test_the_names_are_those_of_the_solver() -> None:
+    assert FORMATS == formats.NAMES
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_every_format_is_a_file_with_its_name_and_error(client: Client, calibration: str, name: str) -> None:
+    answer = client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN, query=f"format={name}")
+    assert answer.status == 200
+    assert float(answer.headers["x-conversion-error"]) < (640 if name == "gltf" else 64)
+    assert float(answer.headers["x-conversion-coverage"]) > 0.9
+    if name != "calibdb":
+        suffix = formats.REGISTRY[name].suffix
+        assert f'filename="test-camera-1280x720{suffix}"' in answer.headers["content-disposition"]
+        assert answer.headers["content-type"] == formats.REGISTRY[name].media_type
+    warned = "x-conversion-warning" in answer.headers
+    assert warned == (float(answer.headers["x-conversion-error"]) > formats.VISIBLE)
+
+
+def test_a_cut_scaled_and_turned_picture_has_its_own_camera(client: Client, calibration: str) -> None:
+    path = f"/v1/calibrations/{calibration}"
+    whole = Camera.from_record(client.call("GET", path, token=TOKEN).json)
+    query = "format=ros&crop=160,0,960,720&resize=480x360&rotate=90&mirror=1"
+    data = yaml.safe_load(client.call("GET", path, token=TOKEN, query=query).body)
+    assert (data["image_width"], data["image_height"]) == (360, 480)
+    found = read(data).camera
+    assert found is not None
+    q = np.array([[500.0, 300.0], [900.0, 650.0]])
+    # by hand: cut, halved about the corner of the picture, turned clockwise, mirrored
+    cut = (q - (160, 0) + 0.5) / 2 - 0.5
+    turned = np.stack([359 - cut[:, 1], cut[:, 0]], axis=1)
+    seen = np.stack([359 - turned[:, 0], turned[:, 1]], axis=1)
+    rays = whole.unproject(q)
+    # mirroring after a quarter turn is a reflection about the diagonal
+    assert np.abs(found.project(rays[:, [1, 0, 2]]) - seen).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("query", "field"),
+    [
+        ("format=visicalc", "format"),
+        ("crop=1,2,3", "crop"),
+        ("crop=1000,0,960,720", "crop"),
+        ("crop=-1,0,96,72", "crop"),
+        ("resize=0x0", "resize"),
+        ("resize=99999x99999", "resize"),
+        ("rotate=45", "rotate"),
+        ("rotate=right", "rotate"),
+        ("mirror=maybe", "mirror"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_by_its_name(
+    client: Client, calibration: str, query: str, field: str
+) -> None:
+    answer = client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN, query=query)
+    assert answer.status == 422
+    assert field in json.dumps(answer.json["errors"])

@@ -1,0 +1,91 @@
+"""Calibrations made with other tools, taken in by the operator."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from calibsolver import View, fit, formats
+from infra.local import LocalStack
+from infra.ops.__main__ import main
+from tests.client import TOKEN, Client
+from tests.data import data_dir as shared
+from tests.formats import subject
+
+WHOSE = ["--camera", "Microsoft LifeCam HD-3000 (045e:0779)", "--platform", "X11; Linux x86_64"]
+
+
+@pytest.fixture
+def data_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
+    return tmp_path / "data"
+
+
+def real_views() -> tuple[View, ...]:
+    held = json.loads((shared() / "corners" / "pv_charuco_1280.json").read_text())
+    return tuple(View(np.array(v["obj"]) * 25.4, np.array(v["img"])) for v in held["views"])
+
+
+def test_keypoints_become_a_calibration_like_any_other(
+    data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    views = real_views()
+    calibration = fit(views, (1280, 720))
+    file = formats.write(
+        formats.Subject(calibration.camera, views, name="LifeCam", rms=calibration.avg_reprojection_error),
+        "photonvision",
+    )
+    path = tmp_path / "lifecam.json"
+    path.write_bytes(file.content)
+    for _ in range(2):  # the same file twice is one calibration
+        assert main(["import", str(path), *WHOSE, "--model", "rectilinear"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == said[1]
+    name = said[0].removeprefix("calibration ").split(":")[0]
+    with LocalStack(data_dir) as stack:
+        client = Client(stack)
+        shown = client.call("GET", f"/v1/calibrations/{name}", token=TOKEN).json
+        assert np.allclose(shown["camera_matrix"], calibration.camera.matrix, rtol=1e-6)
+        assert shown["report"]["verdict"]["level"] in ("good", "fair", "poor")
+        assert len(shown["report"]["views"]) == len(views)
+        # audited like any other: its keypoints make the fit of another model, too
+        wide = client.call("GET", f"/v1/calibrations/{name}", token=TOKEN, query="format=gyroflow")
+        assert wide.status == 200
+        asked = client.lookup(camera=WHOSE[1], platform=WHOSE[3], redirect="false")
+        assert asked.status == 404
+        assert asked.json["reason"] == "too_few"
+
+
+def test_a_camera_without_keypoints_is_a_first_guess_and_never_an_answer(
+    data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "camera.yaml"
+    path.write_bytes(formats.write(subject("rectilinear"), "ros").content)
+    assert main(["import", str(path), *WHOSE]) == 0
+    assert "first guess" in capsys.readouterr().out
+    with LocalStack(data_dir) as stack:
+        asked = Client(stack).lookup(camera=WHOSE[1], platform=WHOSE[3], redirect="false")
+        assert asked.status == 404
+        assert asked.json["reason"] in ("unknown_camera", "too_few")
+
+
+def test_a_file_that_makes_no_sense_stores_nothing(
+    data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "broken.json"
+    for content, reason in (
+        ('{"cameraIntrinsics": {"data": [1, 2]}}', "resolution"),
+        ("{", "no JSON"),
+    ):
+        path.write_text(content)
+        assert main(["import", str(path), *WHOSE]) == 1
+        said = capsys.readouterr().err
+        assert path.name in said
+        assert reason in said
+    few = formats.Subject(subject("rectilinear").camera, subject("rectilinear").views[:2])
+    path.write_bytes(formats.write(few, "photonvision").content)
+    assert main(["import", str(path), *WHOSE]) == 1
+    assert "a calibration needs 4" in capsys.readouterr().err
+    assert main(["import", str(path), "--camera", "OBS Virtual Camera", "--platform", "Windows"]) == 1
+    assert not list((data_dir).rglob("*.json"))
