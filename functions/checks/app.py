@@ -14,7 +14,7 @@ import numpy as np
 from starlette.responses import Response
 
 from calibdb import http, resolution
-from calibdb.camera_key import identify
+from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.corners import misplaced
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.schema import (
@@ -160,6 +160,8 @@ def vote(call: http.Call, ticket: Ticket, request: CheckRequest, mode: Mode, exa
         VoteDocument(
             id=vote_id(request, mode.camera_key, who, ticket.sid, service.now, period),
             camera_key=mode.camera_key,
+            camera=public_label(request.camera),
+            platform=public_platform(request.platform),
             img_size=mode.img_size,
             zoom=mode.zoom,
             board=request.board,

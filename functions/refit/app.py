@@ -101,7 +101,7 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
     basis = digest(pooled, [vote.id for vote in cast])
 
     documents = functools.cache(lambda: store.calibrations.read([c.id for c in counted]))
-    votes = functools.cache(lambda: store.votes.read(mode.camera_key, [vote.id for vote in cast]))
+    votes = functools.cache(lambda: store.votes.read(cast))
     contributors = frozenset(c.contributor for c in counted)
     answer: Answer = {}
     for model in models:
@@ -136,7 +136,7 @@ def pool(
         latest=max((d.time for d in documents), default=0),
         pooled=pooled,
     )
-    members = [member(d) for d in documents]
+    members = [one for d in documents if (one := member(d)) is not None]
     rule = rule_of(thresholds)
     try:
         agreed = consensus.pool(members, mode.img_size, model, rule)
@@ -205,13 +205,20 @@ def rule_of(thresholds: Thresholds) -> consensus.Rule:
     return consensus.Rule(**{name: getattr(thresholds, name) for name in names})
 
 
-def member(document: CalibrationDocument) -> consensus.Member:
-    """Return the keypoints of one calibration for the solver."""
-    return consensus.Member(document.id, document.contributor, tuple(views_of(document)))
+def member(document: CalibrationDocument) -> consensus.Member | None:
+    """Return the keypoints of one calibration for the solver; None where they are not of their board.
+
+    No session ends like that, but what was brought in from elsewhere may, and must not stand in the way of
+    the others.
+    """
+    try:
+        return consensus.Member(document.id, document.contributor, tuple(views_of(document)))
+    except ValueError:
+        return None
 
 
 def views_of(document: CalibrationDocument | VoteDocument) -> list[View]:
-    """Return a document's views for the solver."""
+    """Return a document's views for the solver; raises ValueError."""
     board = Board(**document.board.model_dump())
     return [board.view(view.ids, view.points) for view in document.views]
 

@@ -202,6 +202,17 @@ def totals_now(at_rest: Store, document: schema.CalibrationDocument) -> set[int]
     return {known.total for known in answer.models.values() if known}
 
 
+def test_one_that_is_not_of_its_board_stands_in_nobodys_way(at_rest: Store) -> None:
+    documents = [calibration("Brought in from elsewhere", n) for n in range(2)]
+    views = (documents[1].views[0].model_copy(update={"ids": (999,), "points": ((1.0, 1.0),)}),)
+    at_rest.calibrations.publish(documents[0])
+    at_rest.calibrations.publish(documents[1].model_copy(update={"views": views}))
+    (found,) = at_rest.refit.now(asked(mode_of(documents[0]), "rectilinear")).models.values()
+    assert found is not None
+    assert found.calibration is not None
+    assert (found.total, found.calibration.calibrations) == (2, 1)
+
+
 def test_cropped_streams_are_not_pooled_with_native_ones(at_rest: Store) -> None:
     cropped = schema.Track(resizeMode="crop-and-scale")
     native = calibration("Cropped", 0)

@@ -1,6 +1,7 @@
 """What is known of a camera: calibrations, votes, the consensus, which races leave as new as it can be."""
 
 from calibdb import capture
+from calibdb.camera_key import camera_key
 from calibdb.schema import (
     CalibrationDocument,
     ConsensusDocument,
@@ -13,7 +14,7 @@ from calibdb.schema import (
     Uncertainty,
     VoteDocument,
 )
-from calibdb.store import Calibrations, Cast, Consensuses, Leases, Mode, Objects, Table, Votes
+from calibdb.store import Calibrations, Consensuses, Leases, Mode, Objects, Table, Votes
 from calibdb.store.calibrations import Counted
 
 NOW = 1_700_000_000
@@ -163,7 +164,9 @@ def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects
     votes = Votes(table, objects)
     vote = VoteDocument(
         id="6553f100aaaaaaaaaaaa",
-        camera_key="k",
+        camera_key="c2-k-0123456789ab",
+        camera="K",
+        platform="Linux",
         img_size=(1280, 720),
         zoom=0,
         board=REQUEST.board,
@@ -176,7 +179,31 @@ def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects
     assert votes.cast(vote) == vote
     assert votes.cast(vote.model_copy(update={"time": NOW + 9})) == vote
     assert votes.cast(later) == later
-    found = votes.newest(Mode("k", (1280, 720), 0.0))
-    assert found == [Cast(later.id, "somebody", NOW + 256), Cast(vote.id, "somebody", NOW)]
-    assert votes.read("k", [cast.id for cast in found]) == [later, vote]
+    found = votes.newest(Mode("c2-k-0123456789ab", (1280, 720), 0.0))
+    assert [(cast.id, cast.contributor, cast.time) for cast in found] == [
+        (later.id, "somebody", NOW + 256),
+        (vote.id, "somebody", NOW),
+    ]
+    assert votes.read(found) == [later, vote]
     assert list(votes.all()) == [vote, later]
+
+
+def test_votes_follow_their_camera_to_another_key(table: Table, objects: Objects) -> None:
+    """The rules of the keys change; what was voted under the earlier key is found under today's."""
+    votes = Votes(table, objects)
+    vote = VoteDocument(
+        id="6553f100aaaaaaaaaaaa",
+        camera_key="c1-earlier-0123456789ab",
+        camera="HD Pro Webcam C920 (046d:082d)",
+        platform="X11; Linux x86_64",
+        img_size=(1280, 720),
+        zoom=0,
+        board=REQUEST.board,
+        views=(),
+        noise=0.1,
+        contributor="somebody",
+        time=NOW,
+    )
+    votes.cast(vote)
+    today = Mode(camera_key(vote.camera, vote.platform), (1280, 720), 0.0)
+    assert votes.read(votes.newest(today)) == [vote]

@@ -119,6 +119,8 @@ class VoteDocument(Open):
     layout: Literal[1] = 1
     id: str
     camera_key: str
+    camera: str
+    platform: str
     img_size: ImgSize
     zoom: float
     board: Board

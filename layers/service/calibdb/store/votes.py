@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
+from calibdb.camera_key import current
 from calibdb.schema import VoteDocument
-from calibdb.store.keys import Mode, camera_pk, vote_object
+from calibdb.store.keys import Mode, vote_object
 from calibdb.store.objects import Objects
 from calibdb.store.table import Item, Table
 
@@ -22,6 +23,7 @@ class Cast:
     id: str
     contributor: str
     time: int  # unix seconds
+    object: str  # its name in the bucket, which keeps the key that the camera had then
 
 
 class Votes:
@@ -51,17 +53,21 @@ class Votes:
             mode.pk, f"VOTE#{mode.text}#", newest_first=True, limit=MOST, consistent=True
         )
         return [
-            Cast(str(item["sk"]).rpartition("#")[2], str(item["contributor"]), int(str(item["time"])))
+            Cast(
+                id=str(item["sk"]).rpartition("#")[2],
+                contributor=str(item["contributor"]),
+                time=int(str(item["time"])),
+                object=str(item["object"]),
+            )
             for item in items
         ]
 
-    def read(self, camera_key: str, ids: Sequence[str]) -> list[VoteDocument]:
-        """Return the votes with these ids, those that there are, in their order."""
-        names = [vote_object(camera_key, vote_id) for vote_id in ids]
-        if not names:
+    def read(self, cast: Sequence[Cast]) -> list[VoteDocument]:
+        """Return these votes, those that there are, in their order."""
+        if not cast:
             return []
-        with ThreadPoolExecutor(min(_READERS, len(names))) as readers:
-            contents = list(readers.map(self._objects.get, names))
+        with ThreadPoolExecutor(min(_READERS, len(cast))) as readers:
+            contents = list(readers.map(self._objects.get, [vote.object for vote in cast]))
         return [VoteDocument.model_validate_json(content) for content in contents if content is not None]
 
     def all(self) -> Iterator[VoteDocument]:
@@ -73,10 +79,12 @@ class Votes:
 
 
 def _item(document: VoteDocument) -> Item:
-    mode = Mode(document.camera_key, document.img_size, document.zoom)
+    key = current(document.camera_key, document.camera, document.platform)
+    mode = Mode(key, document.img_size, document.zoom)
     return {
-        "pk": camera_pk(document.camera_key),
+        "pk": mode.pk,
         "sk": f"VOTE#{mode.text}#{document.id}",
         "contributor": document.contributor,
         "time": document.time,
+        "object": vote_object(document.camera_key, document.id),
     }
