@@ -3,7 +3,7 @@
 import numpy as np
 from playwright.sync_api import Page
 
-FRAMES = 200
+FRAMES = 300
 WATCH = """async (frames) => {
   const { DEFAULT_BOARD, corners } = await import("/board/geometry.js");
   const { Painter } = await import("/virtual/painter.js");
@@ -28,8 +28,9 @@ WATCH = """async (frames) => {
     memory.push(seen.memory);
     elapsed.push(seen.elapsed);
   }
+  const empty = await detector.detect(await createImageBitmap(new ImageData(...size)));
   detector.close();
-  return { truth, full, progress, memory, elapsed };
+  return { truth, full, progress, memory, elapsed, empty };
 }"""
 
 
@@ -47,6 +48,7 @@ def test_detector_is_exact_and_keeps_its_memory(page: Page) -> None:
     assert rms < 0.1
     assert errors.max() < 0.3
     assert seen["memory"][-1] == seen["memory"][0], f"grows by {np.diff(seen['memory']).sum()} bytes"
+    assert (seen["empty"]["ids"], seen["empty"]["markers"]) == ([], 0), "a board that is gone is not seen"
     assert seen["progress"][-1] == 1.0
     assert seen["progress"] == sorted(seen["progress"])
 
@@ -65,4 +67,4 @@ def test_a_detector_that_never_answers_is_reported(page: Page) -> None:
     )
     page.wait_for_timeout(500)
     page.clock.fast_forward(25_000)
-    assert page.evaluate("window.outcome") == "The board detector does not answer. Reload the page."
+    assert page.evaluate("window.outcome") == "The board detector does not answer."

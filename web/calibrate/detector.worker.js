@@ -98,7 +98,6 @@ function createFinder(board) {
     others.set(kind, made);
     return made;
   };
-  const found = { corners: new cv.Mat(), ids: new cv.Mat() };
   let input = new cv.Mat();
 
   /**
@@ -111,17 +110,18 @@ function createFinder(board) {
       input = new cv.Mat(image.height, image.width, cv.CV_8UC1);
     }
     input.data.set(image.data);
-    // New for every frame: where these are not empty, detectBoard takes them as the markers and looks for none.
+    // New for every frame: markers that are there already are taken as found, and corners that are there already stay
+    // there when none is seen.
+    const found = { corners: new cv.Mat(), ids: new cv.Mat() };
     const markers = { corners: new cv.MatVector(), ids: new cv.Mat() };
     try {
       detector.detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
       const ids = length(found.ids) > 0 ? Array.from(/** @type {Int32Array} */ (found.ids.data32S)) : [];
       const positions = ids.length > 0 ? found.corners.data32F : [];
       const points = ids.map((_, index) => [positions[2 * index], positions[2 * index + 1]]);
-      return { ids, points, markers: length(markers.ids), side: ids.length > 0 ? 0 : markerSide(markers.corners) };
+      return { ids, points, markers: markers.corners.size(), side: ids.length > 0 ? 0 : markerSide(markers.corners) };
     } finally {
-      markers.corners.delete();
-      markers.ids.delete();
+      for (const each of [found.corners, found.ids, markers.corners, markers.ids]) each.delete();
     }
   };
 
@@ -142,7 +142,7 @@ function createFinder(board) {
       return input.data.buffer.byteLength;
     },
     delete() {
-      for (const each of [...held, found.corners, found.ids, input]) each.delete();
+      for (const each of [...held, input]) each.delete();
     },
   };
 }
@@ -171,9 +171,9 @@ function flipped({ width, height, data }) {
   return { width, height, data: mirror };
 }
 
-/** Elements of a vector: 1 x n in OpenCV 5, n x 1 before. @param {any} mat */
+/** Elements of a vector: 1 x n in OpenCV 5, n x 1 before; an empty one may be 1 x 0. @param {any} mat */
 function length(mat) {
-  return mat.rows === 0 ? 0 : Math.max(mat.rows, mat.cols);
+  return mat.rows * mat.cols;
 }
 
 /** @type {OffscreenCanvasRenderingContext2D | null} */
@@ -208,6 +208,7 @@ async function luma(frame) {
   if (!canvas || canvas.canvas.width !== width || canvas.canvas.height !== height) {
     canvas = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
     if (!canvas) throw new Error("this browser has no 2D canvas in workers");
+    canvas.globalCompositeOperation = "copy"; // nothing of the frame before shines through
   }
   canvas.drawImage(frame, 0, 0);
   const { data } = canvas.getImageData(0, 0, width, height);

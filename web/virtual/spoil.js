@@ -4,8 +4,8 @@
 
 /** @type {Record<string, (value: number, x: number, y: number) => number>} */
 const SHADES = {
-  dark: (value) => value * 0.12,
-  bright: (value) => 200 + 1.2 * value,
+  dark: (value) => value * 0.02,
+  bright: (value) => 240 + value,
   moire: (value, x, y) => value * (0.85 + 0.15 * Math.sin(0.35 * x + 0.21 * y)),
 };
 

@@ -1,0 +1,96 @@
+"""What the page says of a picture in which the board cannot be seen, or not well."""
+
+import json
+
+import pytest
+from playwright.sync_api import Page
+
+from .pictures import picture
+from .truth import Truth
+
+SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))
+
+
+def address(**more: object) -> str:
+    return f"/calibrate/?{SMALL.query(img_size='640x360', error=0, **more)}"
+
+
+WATCH = """async (faults) => {
+  const { DEFAULT_BOARD } = await import("/board/geometry.js");
+  const { Painter } = await import("/virtual/painter.js");
+  const { spoil } = await import("/virtual/spoil.js");
+  const { Detector } = await import("/calibrate/detector.js");
+  const { HEALTHY, diagnose, nextProbe } = await import("/calibrate/diagnosis.js");
+  const size = [1280, 720];
+  const lens = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
+  const detector = await Detector.open(DEFAULT_BOARD);
+  const said = {};
+  for (const [name, { fault, board = {}, z = 9 }] of Object.entries(faults)) {
+    const picture = new ImageData(...size);
+    const pose = { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, z] };
+    new Painter({ ...DEFAULT_BOARD, ...board }, lens, size).paint(pose, picture.data);
+    if (fault) spoil(picture, fault);
+    let state = HEALTHY;
+    for (let time = 1000; time < 16000 && !state.trouble; time += 250) {
+      const seen = await detector.detect(await createImageBitmap(picture), { probe: nextProbe(state, time) });
+      state = diagnose(state, seen, 0, time);
+      if (!fault && !board.dictionary && z === 9 && !("legacy" in board) && time > 4000) break;
+    }
+    said[name] = state.trouble;
+  }
+  detector.close();
+  return said;
+}"""
+
+
+def test_each_trouble_is_known_from_the_picture(page: Page) -> None:
+    faults = {
+        "nothing": {},
+        "dark": {"fault": "dark"},
+        "bright": {"fault": "bright"},
+        "blurred": {"fault": "blurred"},
+        "moire": {"fault": "moire"},
+        "mirrored": {"fault": "mirrored"},
+        "far": {"z": 57},
+        "wrong_board": {"board": {"dictionary": "DICT_6X6_250"}},
+        "legacy": {"board": {"legacy": True}},
+    }
+    page.goto("/board/")
+    said = page.evaluate(WATCH, faults)
+    assert said == {name: None if name == "nothing" else name for name in faults}
+
+
+def test_a_trouble_is_said_with_what_to_do(page: Page) -> None:
+    page.goto(address(fault="dark"))
+    page.locator("#instruction", has_text="Too dark").wait_for()
+    assert "light" in (page.locator("#remedy").text_content() or "")
+    picture(page, "capture-dark")
+
+
+def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page) -> None:
+    boards: list[bool] = []
+    page.on(
+        "request",
+        lambda request: boards.append(json.loads(request.post_data or "")["board"]["legacy"])
+        if request.method == "POST" and request.url.endswith("/v1/session")
+        else None,
+    )
+    page.goto(address(shown_legacy="true"))
+    page.locator("#notice", has_text="older layout").wait_for()
+    page.locator("#undo:enabled").wait_for()
+    assert boards == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("language", "heading"), [("de", "Eine Kamera kalibrieren"), ("uk", "Калібрування камери")]
+)
+def test_other_languages(page: Page, language: str, heading: str) -> None:
+    page.goto(f"/calibrate/?lang={language}")
+    page.locator("#welcome-title", has_text=heading).wait_for()
+    assert page.evaluate("document.documentElement.lang") == language
+    assert page.locator("#language").input_value() == language
+    picture(page, f"capture-before-{language}")
+    page.locator("#language").select_option("en")
+    page.locator("#welcome-title", has_text="Calibrate a camera").wait_for()
+    page.goto("/calibrate/")
+    assert page.locator("#welcome-title").text_content() == "Calibrate a camera", "the choice is kept"

@@ -1,0 +1,137 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
+import { arrows } from "../../web/calibrate/cue.js";
+import { HEALTHY, PROBES, diagnose, nextProbe } from "../../web/calibrate/diagnosis.js";
+import { blackSquares } from "../../web/calibrate/ghost.js";
+import { exposure, sharpness, signsOf, stripes } from "../../web/calibrate/signs.js";
+import { Painter } from "../../web/virtual/painter.js";
+import { project } from "../../web/virtual/lens.js";
+import { transform } from "../../web/virtual/pose.js";
+import { smear, spoil } from "../../web/virtual/spoil.js";
+
+const SIZE = [1280, 720];
+const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
+const POSES = [{ rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] }, { rvec: [0, 0, 0], tvec: [-4, -3, 7] }, { rvec: [0.7, -0.45, 0.1], tvec: [-4, -3, 14] }];
+const painter = new Painter(DEFAULT_BOARD, LENS, SIZE);
+const foundAt = (pose) => {
+  const points = corners(DEFAULT_BOARD).map(([x, y]) => project(LENS, transform(pose, [x, y, 0])));
+  return { ids: points.map((_, id) => id), points };
+};
+function seen(pose, spoilt = () => {}) {
+  const picture = { width: SIZE[0], height: SIZE[1], data: new Uint8ClampedArray(4 * SIZE[0] * SIZE[1]) };
+  painter.paint(pose, picture.data);
+  spoilt(picture);
+  return { width: SIZE[0], height: SIZE[1], data: Uint8Array.from({ length: SIZE[0] * SIZE[1] }, (_, at) => picture.data[4 * at]) };
+}
+
+test("edges in focus are sharp, smeared ones are not, in either direction", () => {
+  for (const pose of POSES) {
+    const { points } = foundAt(pose);
+    const sharp = sharpness(seen(pose), points);
+    assert.ok(sharp > 0.1, `in focus ${sharp}`);
+    for (const along of [1, SIZE[0]]) {
+      const blurred = sharpness(seen(pose, (picture) => smear(picture, 9, along)), points);
+      assert.ok(blurred < 0.072, `smeared ${blurred}`);
+    }
+  }
+  assert.equal(sharpness(seen(null), []), null, "a wall has no edges");
+});
+
+test("stripes show in the white of the board, and noise of the sensor does not", () => {
+  let seed = 1;
+  const random = () => ((seed = (seed * 16807) % 2147483647) / 2147483647);
+  for (const pose of POSES) {
+    const found = foundAt(pose);
+    assert.ok(stripes(seen(pose), DEFAULT_BOARD, found) < 0.01);
+    assert.ok(stripes(seen(pose, (picture) => spoil(picture, "moire")), DEFAULT_BOARD, found) > 0.09);
+    const noisy = seen(pose);
+    noisy.data.forEach((value, at) => (noisy.data[at] = Math.max(0, Math.min(255, value + 20 * (random() + random() + random() - 1.5)))));
+    assert.ok(stripes(noisy, DEFAULT_BOARD, found) < 0.05);
+  }
+});
+
+test("exposure is what the picture's histogram says", () => {
+  const flat = (value) => exposure({ width: 64, height: 64, data: new Uint8Array(4096).fill(value) });
+  assert.deepEqual(flat(20), { middle: 20, high: 20, burnt: 0 });
+  assert.equal(flat(255).burnt, 1);
+});
+
+/** What is said after two seconds of such frames at 20 a second. */
+function said(detection, { motion = 0, from = HEALTHY } = {}) {
+  let state = from;
+  for (let time = 1000; time <= 3400; time += 50) state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], probe: null, ...detection }, motion, time);
+  return state.trouble;
+}
+const signs = { middle: 110, high: 220, burnt: 0, sharpness: 0.15, square: 0, stripes: null };
+
+test("each trouble is named once it lasts", () => {
+  const board = { ...foundAt(POSES[0]), signs: { ...signs, square: 60, stripes: 0.01 } };
+  assert.equal(said(board), null);
+  assert.equal(said({ signs }), null);
+  assert.equal(said({ signs: { ...signs, middle: 12, high: 30 } }), "dark");
+  assert.equal(said({ signs: { ...signs, burnt: 0.4 } }), "bright");
+  assert.equal(said({ signs: { ...signs, sharpness: 0.06 } }), "blurred");
+  assert.equal(said({ markers: 9, signs: { ...signs, square: 12 } }), "far");
+  assert.equal(said({ ...board, signs: { ...board.signs, square: 12 } }), "far");
+  assert.equal(said({ ...board, signs: { ...board.signs, stripes: 0.1 } }), "moire");
+  assert.equal(said({ ...board, signs: { ...board.signs, sharpness: 0.06 } }), "blurred");
+  assert.equal(said(board, { motion: 20 }), "moving");
+  assert.equal(said(board, { motion: 5 }), null);
+  const probe = (kind, markers, corners) => ({ signs, probe: { kind, markers, corners } });
+  assert.equal(said(probe("mirrored", 20, 30)), "mirrored");
+  assert.equal(said(probe("legacy", 20, 30)), "legacy");
+  assert.equal(said(probe("DICT_5X5_1000", 20, 0)), "wrong_board");
+  assert.equal(said(probe("DICT_5X5_1000", 1, 0)), null, "one marker is an accident");
+});
+
+test("what is wrong is forgotten as soon as the board is well seen, and nothing is said at once", () => {
+  const dark = diagnose(HEALTHY, { size: SIZE, markers: 0, ids: [], points: [], signs: { ...signs, middle: 9, high: 20 } }, 0, 1000);
+  assert.equal(dark.trouble, null);
+  const board = { ...foundAt(POSES[0]), markers: 27, size: SIZE, signs: { ...signs, square: 60, stripes: 0 } };
+  assert.equal(diagnose({ ...dark, trouble: "dark" }, board, 0, 5000).trouble, null);
+});
+
+test("something else is looked for only where no corner has been seen for a while, one thing after the other", () => {
+  assert.equal(nextProbe({ ...HEALTHY }, 10_000), null);
+  assert.equal(nextProbe({ ...HEALTHY, blindSince: 9_000 }, 10_000), null);
+  const asked = [];
+  let state = { ...HEALTHY, blindSince: 0 };
+  for (let time = 1300; time < 1300 + 700 * PROBES.length; time += 700) {
+    const kind = nextProbe(state, time);
+    asked.push(kind);
+    state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], signs, probe: { kind, markers: 0, corners: 0 } }, 0, time);
+  }
+  assert.deepEqual(asked, PROBES);
+});
+
+test("the signs of a frame are read from it", () => {
+  const { square, stripes: uneven } = signsOf(seen(POSES[0]), DEFAULT_BOARD, foundAt(POSES[0]), 0);
+  assert.ok(square > 60 && square < 90);
+  assert.equal(uneven, 0);
+  assert.equal(signsOf(seen(null), DEFAULT_BOARD, { ids: [], points: [] }, 13).square, 20, "of markers alone: 13 px at 0.65");
+});
+
+test("arrows go from the board as seen to the target, about what is said", () => {
+  const aim = [[100, 100], [300, 100], [300, 200], [100, 200]];
+  const moved = aim.map(([x, y]) => [x + 200, y]);
+  assert.deepEqual(arrows("left", moved, aim, 1280), [[400, 150, 200, 150]]);
+  const small = [[150, 125], [250, 125], [250, 175], [150, 175]];
+  assert.deepEqual(arrows("closer", small, aim, 1280).map(([, , x, y]) => [x, y]), aim);
+  assert.deepEqual(arrows("tilt_right", small, aim, 1280).map(([, , x]) => x), [300, 300]);
+  assert.deepEqual(arrows("tilt_top", small, aim, 1280).map(([, , , y]) => y), [100, 100]);
+  assert.deepEqual(arrows("hold", small, aim, 1280), []);
+  assert.deepEqual(arrows("left", null, aim, 1280), []);
+});
+
+test("the ghost is the board, its rim included", () => {
+  const { ids, points } = foundAt({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] });
+  const flat = { ...LENS, k1: 0 };
+  const exact = corners(DEFAULT_BOARD).map(([x, y]) => project(flat, transform({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] }, [x, y, 0])));
+  const squares = blackSquares(DEFAULT_BOARD, { ids, corners: exact });
+  assert.equal(squares.length, 27);
+  const [x, y] = project(flat, [-4.5, -3, 12]);
+  assert.ok(squares.flat().some(([u, v]) => Math.hypot(u - x, v - y) < 1e-6), "the first corner");
+  assert.equal(blackSquares(DEFAULT_BOARD, { ids: [], corners: [] }).length, 0);
+  assert.equal(points.length, 40);
+});
