@@ -135,6 +135,23 @@ def test_cameras_that_are_no_programs(label: str) -> None:
     assert not identify(label, WINDOWS).virtual
 
 
+PHONE = "Apple iPhone 15 Pro, iPhone 15 Pro back triple camera"
+
+
+def test_what_a_camera_writes_into_its_photographs_says_which_it_is() -> None:
+    """Its lenses are told apart, and photographs, videos and streams, which it cuts differently."""
+    wide, far = f"{PHONE} 6.765mm f/1.78", f"{PHONE} 9mm f/2.8"
+    assert public_label(wide) == wide.replace(",", "")
+    photograph = identify(wide, "photographs")
+    assert not photograph.ambiguous
+    others = [(far, "photographs"), (wide, "video"), (wide, LINUX), (wide.replace("15", "14"), "photographs")]
+    assert photograph.key not in {camera_key(*other) for other in others}
+    reflex = "Canon EOS R5, RF24-105mm F4 L IS USM"
+    assert not identify(reflex, "photographs").ambiguous
+    assert camera_key(reflex, "photographs") != camera_key(reflex, WINDOWS)
+    assert identify("Camera", "photographs").ambiguous
+
+
 def test_this_projects_own_virtual_camera_is_as_good_as_its_name() -> None:
     identity = identify("calibDB virtual camera 1f2e3d4c", LINUX)
     assert (identity.virtual, identity.ambiguous) == (False, False)

@@ -19,7 +19,7 @@ import unicodedata
 from dataclasses import dataclass
 
 from calibdb.camera_key.label import public_label, read
-from calibdb.camera_key.names import says_too_little
+from calibdb.camera_key.names import names_its_model, says_too_little
 from calibdb.camera_key.system import public_platform, system_of
 
 __all__ = [
@@ -78,7 +78,8 @@ def identify(label: str, platform: str) -> Identity:
     """
     system = system_of(platform)
     found = read(label, system.name)
-    distinct = not found.virtual and not says_too_little(found.name)
+    says_enough = not says_too_little(found.name) or (system.is_file and names_its_model(found.name))
+    distinct = says_enough and not found.virtual
     # A webcam moves from computer to computer; what a phone or a laptop has built in does not.
     place = "" if found.virtual or (distinct and system.is_computer) else system.text
     name_key = _key(found.name, "", place, found.virtual)

@@ -13,7 +13,7 @@ _GENERIC_WORDS = """
     depth stream streaming live af autofocus auto focus microphone mic dual triple telephoto tele truedepth
     general generic default standard plug play new multimedia universal
     pro plus mini lite max select essential business office home gaming
-    unnamed unknown none no name null
+    iphone ipad ipod mm unnamed unknown none no name null
 """
 # Makers alone are no product: "HP Webcam" is a hundred of them.
 _MAKERS = """
@@ -26,9 +26,11 @@ _GENERIC = frozenset(_GENERIC_WORDS.split()) | _MAKER
 # Built-in cameras that carry one name over many years and modules: on the labels collected, `HP TrueVision HD
 # Camera` has two USB ids, `Lenovo EasyCamera` four.
 _FAMILIES = re.compile(
-    r"\b(?:facetime|easycamera|truevision|crystal eye|macbook(?: pro| air)?|imac|bisoncam|surface|iphone|"
-    r"ipad|desk view|wide vision|hp (?:ir )?cam)\b"
+    r"\b(?:facetime|easycamera|truevision|crystal eye|macbook(?: pro| air)?|imac|bisoncam|surface|"
+    r"desk view|wide vision|hp (?:ir )?cam)\b"
 )
+# What an iPhone writes into its photographs: the model, which no browser tells.
+_OWN_NAME = re.compile(r"\biphone (?:[0-9]{1,2}|x|se)\b|\bipad (?:[a-z]+ )?[0-9]{1,2}\b")
 _WORDS = re.compile(r"[^\W_]+(?:\.[0-9]+)?")
 # 2, 2.0, 720p, 4k, 5mp, usb2.0: counts, versions and sizes.
 _MEASURE = re.compile(r"(?:usb)?[0-9]+(?:\.[0-9]+)?(?:p|k|mp|m|fps|x[0-9]+)?|0x[0-9a-f]+")
@@ -50,6 +52,11 @@ def says_too_little(name: str) -> bool:
     if _FAMILIES.search(name):
         return True
     return all(len(word) < 2 or word in _GENERIC or _MEASURE.fullmatch(word) for word in words(name))
+
+
+def names_its_model(name: str) -> bool:
+    """Tell whether `name` (lower case), written by an Apple device itself, says which one it is."""
+    return _OWN_NAME.search(name) is not None
 
 
 def without_maker(name: str) -> str:

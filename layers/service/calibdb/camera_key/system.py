@@ -39,7 +39,15 @@ class System:
     @property
     def is_computer(self) -> bool:
         """Tell whether cameras are plugged into it, rather than built in for good."""
-        return self.name not in ("ios", "android")
+        return self.name not in ("ios", "android") and not self.is_file
+
+    @property
+    def is_file(self) -> bool:
+        """Tell whether it is photographs or a video: the camera's name is from the file, written by itself.
+
+        A camera cuts them differently, and its stream again.
+        """
+        return self.name in ("photographs", "video")
 
     @property
     def is_one_device(self) -> bool:
