@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test lint unit service browser bench bench-keys ops openapi lock clean setup
+.PHONY: run test lint unit service browser bench bench-keys bench-load fuzz ops openapi lock clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -38,6 +38,14 @@ bench: setup
 # Does the key of a camera suffice? Writes docs/camera-keys.md.
 bench-keys: setup
 	@$(PY) -m tests.bench.keys
+
+# 64 clients, 2,000 captures, a line that drops; SESSIONS= and CLIENTS= for other numbers
+bench-load: setup
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench.crowd
+
+# Requests made of the OpenAPI document, and values of every schema, as many as CASES
+fuzz: setup
+	@CASES=$(or $(CASES),5000) $(PY) -m pytest tests/service/test_openapi_fuzz.py tests/unit/service/test_schema_fuzz.py
 
 # make ops ARGS="token create --origin https://page.example"
 ops: .venv/.made

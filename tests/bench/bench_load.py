@@ -1,0 +1,97 @@
+"""What many requests leave behind, and many captures at once. `make bench-load` is the long version."""
+
+import http.client
+import json
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from infra.local import LocalStack
+from tests.bench.table import Row
+from tests.client import CAMERA, TOKEN, Client, Truth
+from tests.processes import LocalProcess
+
+REQUESTS, WARM = 10_000, 2_000
+GUIDED = 32
+
+
+def rows() -> Iterator[Row]:
+    yield memory()
+    yield guided()
+
+
+def memory() -> Row:
+    """Growth of the server over the requests after the first, of every kind that leaves nothing behind."""
+    with tempfile.TemporaryDirectory() as folder, LocalProcess(Path(folder) / "data") as server:
+        ask = asker(server.url)
+        session = ask("POST", "/v1/auth", TOKEN, None)["session_id"]
+        ask("POST", "/v1/session", session, CAMERA)
+        truth = Truth()
+        ids, points = truth.see({"rvec": [0.5, 0, 0], "tvec": [-4.5, -3, 9]})
+        ask("POST", "/v1/session/views", session, {"index": 0, "ids": ids, "points": points})
+        lookup = {**CAMERA, "redirect": False}
+        kinds: tuple[tuple[str, str, str, object], ...] = (
+            ("POST", "/v1/lookup", TOKEN, lookup),
+            ("GET", "/v1/session", session, None),
+            ("POST", "/v1/auth", TOKEN, None),
+            ("GET", "/v1/cameras?query=test", TOKEN, None),
+            ("POST", "/v1/lookup", TOKEN, {**lookup, "camera": "Another camera"}),
+            ("GET", "/healthz", "", None),
+        )
+        sizes = {}
+        for number in range(1, REQUESTS + 1):
+            ask(*kinds[number % len(kinds)])
+            if number in (WARM, REQUESTS):
+                time.sleep(1)
+                sizes[number] = resident(server.process.pid)
+    grown = (sizes[REQUESTS] - sizes[WARM]) / 2**20
+    note = (
+        f"{sizes[REQUESTS] / 2**20:.0f} MB after {REQUESTS} requests, {sizes[WARM] / 2**20:.0f} after {WARM}"
+    )
+    return Row("memory of the server, growth", grown, 4, "MB", note)
+
+
+def guided() -> Row:
+    """Captures that fail, of as many as are guided at once; the slowest says how long one takes then."""
+    failed = 0
+    taken = []
+
+    def capture(seed: int) -> float:
+        start = time.perf_counter()
+        Truth(seed=seed).calibrate(Client(stack), camera=f"Camera {seed % 4}")
+        return time.perf_counter() - start
+
+    with LocalStack() as stack, ThreadPoolExecutor(GUIDED) as users:
+        for future in [users.submit(capture, seed) for seed in range(GUIDED)]:
+            if (error := future.exception()) is None:
+                taken.append(future.result())
+            else:
+                failed += 1
+                print(error)
+    note = f"the slowest took {max(taken, default=0):.1f} s"
+    return Row(f"{GUIDED} guided captures at once, failed", failed, 0, "captures", note)
+
+
+def asker(url: str) -> Callable[[str, str, str, object], Any]:
+    connection = http.client.HTTPConnection(url.removeprefix("http://"))
+
+    def ask(method: str, path: str, credential: str, body: object) -> Any:
+        connection.request(
+            method, path, json.dumps(body) if body else None, {"Authorization": f"Bearer {credential}"}
+        )
+        response = connection.getresponse()
+        content = response.read()
+        if response.status >= 500:
+            raise RuntimeError(f"{method} {path}: {response.status}")
+        return json.loads(content)
+
+    return ask
+
+
+def resident(pid: int) -> int:
+    """Bytes of memory that a process holds."""
+    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * 4096
