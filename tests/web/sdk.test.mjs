@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
-import { LookupError, cameraKey, lookup, platformOf } from "../../web/sdk/calibdb.js";
+import { LookupError, cameraKey, lookup, platformHere, platformOf } from "../../web/sdk/calibdb.js";
 
 const KEY = { camera: "C920 (046d:082d)", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };
 const answer = (status, body) => async (address, request) => {
@@ -41,6 +41,16 @@ test("a track says which camera it is", () => {
   });
   assert.equal(platformOf("curl/8"), "curl/8");
   assert.throws(() => cameraKey({ label: "x", getSettings: () => ({}) }, agent), TypeError);
+});
+
+test("a device that its browser names is part of the platform", async () => {
+  const userAgent = "Mozilla/5.0 (Linux; Android 10; K) AppleWebKit/537.36 Chrome/150.0.0.0 Mobile Safari/537.36";
+  const telling = (hints) => ({ userAgent, userAgentData: { getHighEntropyValues: async () => hints } });
+  assert.equal(await platformHere(telling({ model: "Pixel 8", platformVersion: "14.0.0" })), "Linux; Android 14; Pixel 8");
+  assert.equal(await platformHere(telling({ model: "", platformVersion: "14.0.0" })), "Linux; Android 10; K");
+  assert.equal(await platformHere({ userAgent }), "Linux; Android 10; K");
+  const refusing = { userAgent, userAgentData: { getHighEntropyValues: () => Promise.reject(new DOMException("no", "NotAllowedError")) } };
+  assert.equal(await platformHere(refusing), "Linux; Android 10; K");
 });
 
 test("it is below 8 KB compressed and imports nothing", () => {

@@ -2,7 +2,7 @@
 import { boardFrom, boardQuery } from "../board/geometry.js";
 import { language, onLanguage } from "../i18n.js";
 import { openPage } from "../page.js";
-import { cameraKey } from "../sdk/calibdb.js";
+import { cameraKey, platformHere } from "../sdk/calibdb.js";
 import { SettingsError, loadSettings } from "../settings.js";
 import captureWords from "../words/capture.js";
 import resultWords from "../words/result.js";
@@ -118,7 +118,8 @@ async function capture(choice, opened = null) {
     await parts.video.play();
     // What arrives is what is calibrated: on a turned device some browsers' settings still speak of the sensor.
     const { videoWidth, videoHeight } = parts.video;
-    const key = { ...cameraKey(camera.track), img_size: /** @type {[number, number]} */ ([videoWidth, videoHeight]) };
+    const img_size = /** @type {[number, number]} */ ([videoWidth, videoHeight]);
+    const key = { ...cameraKey(camera.track), platform: await platformHere(), img_size };
     dispatch({ type: "opened", key, track: facts(camera.track), mirrored: camera.mirrored, cropped: camera.cropped });
     camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
 

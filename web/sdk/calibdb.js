@@ -10,16 +10,28 @@
  * @property {[number, number]} img_size width, height, px
  * @property {number} zoom 0 where the camera reports none
  *
+ * @typedef {object} Adapted
+ * @property {[number, number]} img_size
+ * @property {number} zoom
+ * @property {number[][]} camera_matrix
+ * @property {number[]} distortion_coefficients
+ * @property {boolean} interpolated between two calibrated zooms
+ *
  * @typedef {object} Calibration
  * @property {[number, number]} img_size
  * @property {number[][]} camera_matrix row-major 3x3, px; the centre of the top-left pixel is (0, 0)
  * @property {number[]} distortion_coefficients in the order that the model's name says
- * @property {string} distortion_model "rectilinear" (k1 k2 p1 p2 k3) or "fisheye" (k1 k2 k3 k4)
+ * @property {string} distortion_model "rectilinear" (k1 k2 p1 p2 k3), "fisheye" (k1 k2 k3 k4), …
  * @property {number} avg_reprojection_error rms over all measurements, px
  * @property {string | null} id
  * @property {string} camera
  * @property {string} platform
  * @property {number} zoom
+ * @property {"consensus" | "checked" | null} [basis] what makes it reliable
+ * @property {number | null} [spread] px rms between the calibrations that agree, over the image
+ * @property {number | null} [held_out_error] px rms of views under a fit that did not see them
+ * @property {"scale" | "crop" | "scale+crop" | "neither" | null} [relation] of this size to the one asked for, where verified
+ * @property {Adapted | null} [adapted] parameters for the size or zoom asked for, where verified
  * @property {number} calibrations how many agree on this
  * @property {number} contributors
  * @property {boolean} reliable
@@ -59,6 +71,24 @@ export function platformOf(userAgent) {
 }
 
 /**
+ * The platform of this browser. Chromium hides the device's model in its user agent and tells it when asked: then it
+ * is written as the user agent used to, "Linux; Android 14; Pixel 8". Without it phones cannot be told apart.
+ * @param {{userAgent: string, userAgentData?: unknown}} [browser]
+ */
+export async function platformHere(browser = navigator) {
+  const data = /** @type {{getHighEntropyValues?: (hints: string[]) => Promise<Record<string, string>>} | undefined} */ (
+    browser.userAgentData
+  );
+  try {
+    const { model, platformVersion = "" } = (await data?.getHighEntropyValues?.(["model", "platformVersion"])) ?? {};
+    if (model) return `Linux; Android ${platformVersion.split(".")[0]}; ${model}`;
+  } catch {
+    // refused by a permissions policy: the user agent is all there is
+  }
+  return platformOf(browser.userAgent);
+}
+
+/**
  * Which camera, at which resolution and zoom, a track shows.
  * @param {MediaStreamTrack} track of a camera that the user has permitted: without permission labels are empty
  * @param {string} [userAgent]
@@ -82,7 +112,7 @@ export function cameraKey(track, userAgent = navigator.userAgent) {
  * @returns {Promise<Answer>} rejects with LookupError, or with what `fetch` rejects with
  */
 export async function lookup(source, { token, model = "rectilinear", api, signal, fetch = globalThis.fetch }) {
-  const key = "getSettings" in source ? cameraKey(source) : source;
+  const key = "getSettings" in source ? await keyOf(source) : source;
   const address = new URL("lookup", `${api ?? new URL("../v1", import.meta.url)}/`.replace(/\/+$/, "/"));
   const response = await fetch(address, {
     method: "POST",
@@ -97,4 +127,12 @@ export async function lookup(source, { token, model = "rectilinear", api, signal
     return { calibration: null, guidanceUrl: body.guidance_url, reason: body.reason ?? null };
   }
   throw new LookupError(body.detail ?? `calibDB answered ${response.status}`, response.status);
+}
+
+/** @param {MediaStreamTrack} track */
+async function keyOf(track) {
+  const { resizeMode } = /** @type {MediaTrackSettings & {resizeMode?: string}} */ (track.getSettings());
+  const key = { ...cameraKey(track), platform: await platformHere() };
+  // Of a stream that the browser crops nothing is known, whatever is known of its camera.
+  return resizeMode ? { ...key, resize_mode: resizeMode } : key;
 }

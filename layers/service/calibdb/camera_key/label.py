@@ -35,8 +35,9 @@ _PHONE_LINK = re.compile(r"^.*\((windows virtual camera)\)", re.IGNORECASE)
 # Apple's phones are called what their owners like, in any grammar: of such labels only known words are kept.
 _APPLE = re.compile(r"iphone|ipad|ipod", re.IGNORECASE)
 _APPLE_WORDS = re.compile(
-    r"(?:iphone|ipad|ipod)|[0-9]+(?:\.[0-9]+)?mm|f/[0-9]+(?:\.[0-9]+)?|(?<![a-z0-9])(?:apple|[1-9][0-9]?e?|xs|xr|x|se|pro|max|plus|mini|air|ultra|wide|dual|triple|telephoto|"
-    r"truedepth|back|front|desk view)(?![a-z0-9])|schreibtischansicht|" + "|".join(CAMERA_WORDS),
+    r"(?:iphone|ipad|ipod)|[0-9]+(?:\.[0-9]+)?mm|f/[0-9]+(?:\.[0-9]+)?|"
+    r"(?<![a-z0-9])(?:apple|[1-9][0-9]?e?|xs|xr|x|se|pro|max|plus|mini|air|ultra|wide|dual|triple|"
+    r"telephoto|truedepth|back|front|desk view)(?![a-z0-9])|schreibtischansicht|" + "|".join(CAMERA_WORDS),
     re.IGNORECASE,
 )
 _INVISIBLE = frozenset({"Cc", "Cf", "Cs", "Co", "Cn"})
