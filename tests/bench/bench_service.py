@@ -7,9 +7,11 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from calibdb import schema
 from infra.local import LocalStack
 from tests.bench.table import Row, p50
 from tests.client import Client, Truth
+from tests.published import PLATFORM, asked, calibration, mode_of, store
 
 ROOT = Path(__file__).parents[2]
 
@@ -26,8 +28,29 @@ def rows() -> Iterator[Row]:
             time.sleep(0.1)
         yield Row("lookup handler, embedded store", p50(client.lookup, repeat=200), 5, "ms")
         yield submit(client)
+        yield from computed_on_the_fly(stack, client)
     for function, budget in (("lookup", 400), ("submit", 1000)):
         yield Row(f"import of {function}'s handler", imports(function), budget, "ms", "fresh interpreter")
+
+
+def computed_on_the_fly(stack: LocalStack, client: Client) -> Iterator[Row]:
+    """A model that is not stored, of a camera with ten calibrations: pooled while the caller waits."""
+    at_rest, camera = store(stack), "Camera of ten calibrations"
+    for n in range(10):
+        at_rest.calibrations.publish(calibration(camera, n))
+    mode = mode_of(calibration(camera, 0))
+    at_rest.refit.now(asked(mode))
+    for model in schema.DISTORTION_MODELS[1:]:
+        times = []
+        for _ in range(5):
+            (known,) = (c for c in at_rest.consensuses.at(mode) if c.distortion_model == model)
+            at_rest.consensuses.drop(known)
+            start = time.perf_counter()
+            answer = client.lookup(camera=camera, platform=PLATFORM, distortion_model=model)
+            times.append((time.perf_counter() - start) * 1e3)
+            if answer.status != 200:
+                raise RuntimeError(f"{model}: {answer.body!r}")
+        yield Row(f"lookup that has {model} computed", statistics.median(times), 500, "ms", "10 calibrations")
 
 
 def submit(client: Client) -> Row:
