@@ -19,7 +19,7 @@ from typing import Literal
 
 from pydantic import JsonValue
 
-from calibdb.camera_key import camera_key, public_label, public_platform
+from calibdb.camera_key import camera_key, current, public_label, public_platform
 from calibdb.corners import misplaced
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.schema import (
@@ -249,7 +249,8 @@ def calibration(document: SessionDocument) -> CalibrationDocument:
         raise ValueError("the session has not converged")
     return CalibrationDocument(
         id=finish.calibration_id,
-        camera_key=document.camera_key,
+        # A session may have begun under earlier rules.
+        camera_key=current(document.camera_key, document.camera, document.platform),
         camera=document.camera,
         platform=document.platform,
         img_size=document.img_size,
