@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test lint unit service browser bench bench-keys bench-load fuzz ops openapi lock clean setup
+.PHONY: run test lint unit service browser bench bench-keys bench-guidance bench-load fuzz ops openapi plan lock clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -36,6 +36,10 @@ bench: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench
 
 # Does the key of a camera suffice? Writes docs/camera-keys.md.
+# SEEDS=10 ONLY=methods,conditions,bound
+bench-guidance: setup
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench.guidance
+
 bench-keys: setup
 	@$(PY) -m tests.bench.keys
 
@@ -53,6 +57,9 @@ ops: .venv/.made
 
 openapi: .venv/.made
 	$(PY) -m infra.tools.openapi
+
+plan: .venv/.made
+	$(PY) -m infra.tools.plan
 
 # ---- what the above need, made once and again when its lock file changes
 # (the marks stand inside what they mark, so that removing it is enough to have it made anew)

@@ -81,9 +81,17 @@ def seen(
     rng: np.random.Generator,
     noise: float = 0.2,
     wild: float = 0.0,
+    blur: float = 0.0,
 ) -> View:
-    """What a detector would report: corners in the image, Gaussian noise, a share `wild` 3 to 50 px off."""
-    q = camera.project(board.points @ rotations.matrix(rvec).T + tvec)
+    """What a detector would report: corners in the image, Gaussian noise, a share `wild` 3 to 50 px off.
+
+    With `blur` the noise grows with the tilt: it is 1 + blur times as large at 45 degrees.
+    """
+    r = rotations.matrix(rvec)
+    q = camera.project(board.points @ r.T + tvec)
+    center = r @ board.outline.mean(axis=0) + tvec
+    tilt = np.degrees(np.arccos(np.clip(r[:, 2] @ center / np.linalg.norm(center), -1, 1)))
+    noise = noise * (1 + blur * (tilt / 45) ** 2)
     w, h = camera.img_size
     inside = (q >= 2).all(axis=1) & (q[:, 0] <= w - 3) & (q[:, 1] <= h - 3)
     q = q[inside] + noise * rng.normal(size=(int(inside.sum()), 2))
@@ -158,12 +166,13 @@ def projection_error(truth: Camera, found: Camera, grid: tuple[int, int] = (20, 
 
 @dataclass
 class Session:
-    """What happened in one capture: per accepted view the mean and maximum error, and the predicted rms."""
+    """What happened in one capture: per accepted view the errors, what the capture predicted, and its fit."""
 
     mean: list[float] = field(default_factory=list)
     rms: list[float] = field(default_factory=list)
     max: list[float] = field(default_factory=list)
     predicted: list[float] = field(default_factory=list)
+    calibration_rms: list[float] = field(default_factory=list)
     stopped: int | None = None
     attempts: int = 0
     reasons: list[str] = field(default_factory=list)
@@ -176,12 +185,22 @@ class Session:
         calibration, uncertainty = estimate.calibration, estimate.uncertainty
         if calibration is None or uncertainty is None:
             raise ValueError("an accepted view has an estimate")
+        self.measure(truth, calibration, uncertainty.rms)
+
+    def measure(self, truth: Camera, calibration: Calibration, predicted: float) -> None:
+        """Add how far a calibration is from the truth."""
         self.calibration = calibration
         error = projection_error(truth, calibration.camera)
         self.mean.append(float(error.mean()))
         self.rms.append(float(np.sqrt(np.mean(error**2))))
         self.max.append(float(error.max()))
-        self.predicted.append(uncertainty.rms)
+        self.predicted.append(predicted)
+        self.calibration_rms.append(calibration.uncertainty().rms)
+
+    def nothing(self, truth: Camera) -> None:
+        """Add that there is no calibration: as wrong as the image is wide."""
+        for errors in (self.mean, self.rms, self.max, self.predicted):
+            errors.append(float(truth.img_size[0]))
 
 
 def run(
@@ -190,6 +209,7 @@ def run(
     board: Board | None = None,
     noise: float = 0.2,
     wild: float = 0.0,
+    blur: float = 0.0,
     user: User | None = None,
     views: int = 6,
     target_error: float = 0.3,
@@ -216,7 +236,7 @@ def run(
         drawn = capture.camera(None if isinstance(chooser, FixedPlan) else estimate)
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
-        view = seen(board, camera, rvec, tvec, rng, noise, wild)
+        view = seen(board, camera, rvec, tvec, rng, noise, wild, blur)
         wanted = target if guide is None else capture.next_target(session.views, estimate)
         verdict = capture.judge(session.views, wanted, view, estimate.aside, doubted)
         if verdict.estimate is None or verdict.estimate.calibration is None:

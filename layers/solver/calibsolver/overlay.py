@@ -59,10 +59,11 @@ def render(
         canvas[y0:y1, x0:x1] = cv2.remap(
             texture(board), place, part, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0
         )
-    picture = cv2.applyColorMap(canvas, COLORS)
+    picture: Picture = np.asarray(cv2.applyColorMap(canvas, COLORS), dtype=np.uint8)
     if image_format == "png":
         alpha = np.where(canvas > 0, 255, 0).astype(np.uint8)
-        return encoded(".png", cv2.merge([*cv2.split(picture), alpha]), [cv2.IMWRITE_PNG_COMPRESSION, 3])
+        with_alpha = np.dstack([picture, alpha])
+        return encoded(".png", with_alpha, [cv2.IMWRITE_PNG_COMPRESSION, 3])
     for quality in QUALITIES:
         data = encoded(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])
         if len(data) <= MOST_BYTES:

@@ -80,11 +80,11 @@ class PoseSelection:
         step = (len(views) + len(skipped)) if len(views) < 2 else len(views)
         if step == 0:
             r = rotation.matrix(np.radians([0, 45.0, 0])) @ rotation.matrix(np.radians([0, 0, 22.5]))
-            return self._target(r, self._apart(r), self._camera(views), "a first look")
+            return self._target(r, self._apart(r), self.camera(views), "a first look")
         if step == 1 or not views:
-            return self._facing(Box(0.0, 0.0, 1.0, 1.0), self._camera(views), "to fill the picture")
+            return self._facing(Box(0.0, 0.0, 1.0, 1.0), self.camera(views), "to fill the picture")
         progress = self.progress(views)
-        camera = self._camera(views)
+        camera = self.camera(views)
         aimed = progress.next if progress.next is not None else 0
         times = progress.aimed[aimed] + len(skipped)
         if aimed >= len(INTRINSICS):
@@ -154,7 +154,7 @@ class PoseSelection:
         left = [i for i in range(self.model.size) if i not in done]
         return max(left, key=lambda i: float(dispersion[i])) if left else None
 
-    def _camera(self, views: Sequence[View]) -> Camera:
+    def camera(self, views: Sequence[View]) -> Camera:
         """Return the camera that the method believes in: nothing before the second view."""
         if len(views) >= 2:
             calibration = self.progress(views).calibration

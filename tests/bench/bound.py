@@ -1,0 +1,47 @@
+"""What no guidance can undercut: views chosen with the true camera known, and all of them together."""
+
+import numpy as np
+
+from calibsolver import Board, Camera, prior
+from calibsolver.arrays import symmetric_inverse
+from calibsolver.candidates import Range
+from calibsolver.guidance import Belief, ProjectionUncertainty
+
+SWEEPS = 2
+
+
+def bound(camera: Camera, counts: tuple[int, ...], noise: float = 0.2) -> list[float]:
+    """Predicted rms error over the image, px, of the best `counts` views found: greedy, then exchanged."""
+    board = Board()
+    guide = ProjectionUncertainty(board, camera.img_size, camera.model)
+    law, k = guide.model, camera.intrinsics
+    nothing = Belief(law, k, prior.information(law, k, camera.img_size), noise, camera.img_size)
+    found: list[np.ndarray] = []
+    out = []
+    for count in counts:
+        while len(found) < count:
+            found.append(best(guide, nothing, found, len(found)))
+        for sweep in range(SWEEPS):
+            for i in range(count):
+                others = found[:i] + found[i + 1 :]
+                other = best(guide, nothing, others, count + sweep)
+                if error(nothing, [*others, other]) < error(nothing, found):
+                    found[i] = other
+        out.append(error(nothing, found))
+    return out
+
+
+def best(guide: ProjectionUncertainty, nothing: Belief, found: list[np.ndarray], index: int) -> np.ndarray:
+    """Information (p, p) of the pose that is found best beside others."""
+    information = nothing.information + sum(found, np.zeros_like(nothing.information))
+    belief = Belief(nothing.model, nothing.k, information, nothing.noise, nothing.img_size)
+    with np.errstate(all="ignore"):
+        target = guide.choose(belief, index, Range())
+    after = guide.after(belief, target).information
+    gained: np.ndarray = after - information
+    return gained
+
+
+def error(nothing: Belief, found: list[np.ndarray]) -> float:
+    covariance = symmetric_inverse(nothing.information + sum(found, np.zeros_like(nothing.information)))
+    return float(np.sqrt(np.sum(covariance * nothing.weight)))

@@ -1,0 +1,107 @@
+"""Other ways to capture, in the same world as `synthetic.run`: what guidance is measured against."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from calibsolver import Board, Calibration, CalibrationError, Camera, View, candidates, fit, rotation
+from calibsolver.candidates import Lattice, Range, Sight
+from calibsolver.guidance import Belief, PoseSelection, ProjectionUncertainty, TargetPose
+from calibsolver.guidance.search import information
+from calibsolver.normal import Poses
+from calibsolver.overlap import jaccard, seen_outline
+from tests.synthetic import Session, User, match_picture, seen
+
+PATIENCE = 8
+COMFORTABLE = Range(width=(0.30, 0.75), tilt=45.0, inside=0.9)
+
+
+class Comfortable:
+    """The default guidance for someone who holds the board at ease: not near, not steep, nearly all of it."""
+
+    def __init__(self, guide: ProjectionUncertainty) -> None:
+        self.guide = guide
+
+    def next_pose(
+        self,
+        views: Sequence[View],
+        calibration: Calibration | None,
+        skipped: Sequence[TargetPose] = (),
+        unreached: Sequence[TargetPose] = (),
+    ) -> TargetPose:
+        return self.guide.next_pose(views, calibration, skipped, unreached, COMFORTABLE)
+
+
+def published(
+    camera: Camera,
+    rng: np.random.Generator,
+    noise: float = 0.2,
+    wild: float = 0.0,
+    user: User | None = None,
+    most: int = 100,
+) -> Session:
+    """The published method as it is: its poses, plain least squares, its overlap rule, its own end.
+
+    Drawn with a wrong focal length some targets cannot be reached: the best of PATIENCE attempts is taken.
+    """
+    board, user = Board(), user or User()
+    guide = PoseSelection(board, camera.img_size, camera.model)
+    session, tried = Session(), list[tuple[float, View]]()
+    while session.attempts < most and not guide.done(session.views):
+        session.attempts += 1
+        target = guide.next_pose(session.views, None)
+        asked = match_picture(board, guide.camera(session.views), camera, target)
+        view = seen(board, camera, *user.hold(board, asked, rng), rng, noise, wild)
+        tried.append((jaccard(target.outline, seen_outline(board, view), camera.img_size), view))
+        if not guide.reached(target, view):
+            if len(tried) < PATIENCE:
+                continue
+            view = max(tried, key=lambda one: one[0])[1]
+        tried = []
+        session.views.append(view)
+        calibration = guide.estimate(session.views) if len(session.views) > 1 else None
+        if calibration is not None:
+            session.measure(camera, calibration, calibration.uncertainty().rms)
+        else:
+            session.nothing(camera)
+    session.stopped = len(session.views) if guide.done(session.views) else None
+    return session
+
+
+def random_poses(camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2) -> Session:
+    """Someone who shows the board tilted here and there, all of it mostly, and does not think about it."""
+    board = Board()
+    unit = rng.uniform(size=(40 * views, 6))
+    return _captured(camera, _possible(camera, board, unit, COMFORTABLE), rng, views, noise)
+
+
+def waving(camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2) -> Session:
+    """Someone who waves the board before the camera: each view a little from the last."""
+    board = Board()
+    steps = np.cumsum(0.04 * rng.normal(size=(40 * views, 6)), axis=0) + rng.uniform(0.3, 0.7, 6)
+    unit = 1 - np.abs(steps % 2 - 1)  # reflected at the ends
+    return _captured(
+        camera, _possible(camera, board, unit, Range(width=(0.3, 0.75), tilt=30.0)), rng, views, noise
+    )
+
+
+def _possible(camera: Camera, board: Board, unit: np.ndarray, limits: Range) -> Poses:
+    belief = Belief.of(camera.model, camera.img_size, None, camera)
+    poses = candidates.poses(unit, board, Sight.of(belief.model, belief.k, camera.img_size), limits)
+    with np.errstate(all="ignore"):
+        _, good = information(belief, poses, Lattice.of(board, 5), limits)
+    return Poses(poses.r[good], poses.t[good])
+
+
+def _captured(camera: Camera, poses: Poses, rng: np.random.Generator, views: int, noise: float) -> Session:
+    board, session = Board(), Session()
+    for r, t in zip(poses.r[:views], poses.t[:views], strict=True):
+        session.attempts += 1
+        session.views.append(seen(board, camera, rotation.vector(r), t, rng, noise))
+        try:
+            calibration = fit(session.views, camera.img_size, camera.model)
+        except CalibrationError:
+            session.nothing(camera)
+            continue
+        session.measure(camera, calibration, calibration.uncertainty().rms)
+    return session
