@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calibsolver import Board, Camera, View, rotation
+from calibsolver import Board, Camera, View, models, rotation
 from calibsolver.consensus import Member
 from tests import synthetic
 from tests.data import data_dir
@@ -15,19 +15,19 @@ Mode = tuple[str, ...]
 BOARD = Board()
 PLACES = (
     (0.0, 0.0),
-    (-0.5, -0.45),
-    (0.5, -0.45),
-    (-0.5, 0.45),
-    (0.5, 0.45),
-    (0.0, -0.3),
-    (0.3, 0.0),
-    (-0.3, 0.1),
+    (-0.35, -0.3),
+    (0.35, -0.3),
+    (-0.35, 0.3),
+    (0.35, 0.3),
+    (0.0, -0.2),
+    (0.2, 0.0),
+    (-0.2, 0.1),
 )
 """Where the middle of the board is seen, from the middle of the image, in halves of its size."""
 
 
-def views(camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: int = 8) -> list[View]:
-    """Views of a good capture: the board in all parts of the image, tilted by 20 to 40 degrees.
+def views(camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: int = 6) -> list[View]:
+    """Views as a guided capture ends with: close to all parts of the image, tilted by 35 to 50 degrees.
 
     A view that shows fewer than 16 corners is taken again with the board farther away.
     """
@@ -35,13 +35,13 @@ def views(camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: i
     middle = BOARD.outline.mean(axis=0)
     out: list[View] = []
     for i in range(count):
-        x, y = PLACES[i % len(PLACES)] + rng.uniform(-0.08, 0.08, 2)
+        x, y = PLACES[i % len(PLACES)] + rng.uniform(-0.06, 0.06, 2)
         ray = camera.unproject(np.array([[(1 + x) * w / 2, (1 + y) * h / 2]]))[0]
         azimuth = 2.4 * i + rng.uniform(0, 1)  # the golden angle, and some
-        tilt = np.radians(rng.uniform(20, 40)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
+        tilt = np.radians(rng.uniform(35, 50)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
         towards = rotation.nearest(np.stack([np.cross([0, 1, 0], ray), [0, 1, 0], ray], axis=1))
         r = towards @ rotation.matrix(tilt)
-        width = rng.uniform(0.5, 0.65)
+        width = rng.uniform(0.9, 1.1)
         for _ in range(8):
             depth = BOARD.size[0] * camera.matrix[0, 0] / (width * w)
             t = depth * ray - r @ middle
@@ -51,6 +51,56 @@ def views(camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: i
                 break
             width *= 0.8
     return out
+
+
+def rational_cameras(
+    count: int = 12, seed: int = 0, img_size: tuple[int, int] = synthetic.IMG_SIZE
+) -> list[Camera]:
+    """Cameras of 75 to 125 degrees over the diagonal, from nearly a pinhole to nearly equidistant."""
+    rng = np.random.default_rng(seed)
+    cameras: list[Camera] = []
+    while len(cameras) < count:
+        # Pade's approximant of atan(c r) / (c r), and lenses around it.
+        c2 = rng.uniform(0.1, 0.9) ** 2
+        k1, k2 = 7 / 9 * c2, 64 / 945 * c2**2
+        k4, k5 = 10 / 9 * c2, 5 / 21 * c2**2
+        d = np.array([k1, k2, 0, 0, 0, k4, k5, 0]) + np.array(
+            [0.05, 0.02, 5e-4, 5e-4, 0.01, 0.05, 0.02, 0.01]
+        ) * (rng.normal(size=8))
+        camera = of_diagonal("rational", d, np.radians(rng.uniform(75, 125)), rng, img_size)
+        if camera is not None:
+            cameras.append(camera)
+    return cameras
+
+
+def omnidirectional_cameras(
+    count: int = 12, seed: int = 0, img_size: tuple[int, int] = synthetic.IMG_SIZE
+) -> list[Camera]:
+    """Cameras of 120 to 190 degrees over the diagonal, xi from 0.8 to 2.2 as wide lenses have it."""
+    rng = np.random.default_rng(seed)
+    cameras: list[Camera] = []
+    while len(cameras) < count:
+        d = np.array([rng.uniform(0.8, 2.2), *(np.array([0.08, 0.1, 1e-3, 1e-3]) * rng.normal(size=4))])
+        camera = of_diagonal("omnidirectional", d, np.radians(rng.uniform(120, 190)), rng, img_size)
+        if camera is not None:
+            cameras.append(camera)
+    return cameras
+
+
+def of_diagonal(
+    model: str, d: np.ndarray, angle: float, rng: np.random.Generator, img_size: tuple[int, int]
+) -> Camera | None:
+    """Camera that sees `angle` over its diagonal, rays all over the image; None where it would fold."""
+    w, h = img_size
+    law = models.get(model)
+    reach = law.distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
+    focal = np.hypot(w, h) / 2 / reach
+    cx = (w - 1) / 2 + 0.012 * w * rng.normal()
+    cy = (h - 1) / 2 + 0.012 * w * rng.normal()
+    matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
+    camera = Camera(model, matrix, d, img_size)
+    rim = np.array([[x, y] for x in (-20.0, w / 2, w + 20.0) for y in (-20.0, h / 2, h + 20.0)])
+    return camera if np.isfinite(camera.unproject(rim)).all() else None
 
 
 def profiles() -> dict[Mode, list[tuple[Camera, float]]]:

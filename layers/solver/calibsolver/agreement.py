@@ -18,8 +18,10 @@ SHARED = 0.5
 """Share of the image that two calibrations must both see."""
 BEYOND = 3.0
 """Standard deviations beyond which a calibration does not belong to the others."""
-FEW = 20.0
-"""What the spread among a few calibrations may hide: of m its square is multiplied by 1 + FEW / (m - 1)."""
+FEW = 14.0
+"""What the spread among a few may hide: of m its square is multiplied by 1 + (FEW / (m - 1))^2."""
+MANY = 8
+"""Calibrations that show whether they are two heaps."""
 BOAST = 2.0
 """Times the typical uncertainty of all that is believed of one: who is vague does not agree with all."""
 
@@ -87,11 +89,12 @@ def fields(calibrations: Sequence[Calibration], reference: int) -> Array:
     return out
 
 
-def groups(calibrations: Sequence[Calibration], limit: float) -> list[list[int]]:
+def groups(calibrations: Sequence[Calibration], limit: float, harmless: float) -> list[list[int]]:
     """Split calibrations into groups that agree, largest first; of equals the tightest first.
 
     `limit` is the difference, px rms over the image, beyond which only noise can be an excuse. What is nearer
-    agrees if its distance from the others is explained too (`gather`).
+    agrees if its distance from the others is explained too (`gather`); below `harmless`, px, no explanation
+    is asked for.
     """
     differences = compare(calibrations)
     own = predicted(calibrations)
@@ -100,7 +103,7 @@ def groups(calibrations: Sequence[Calibration], limit: float) -> list[list[int]]
     while left:
         d = differences[np.ix_(left, left)]
         near = [left[i] for i in largest(d < bound[np.ix_(left, left)], d)]
-        group = gather([calibrations[i] for i in near], limit)
+        group = gather([calibrations[i] for i in near], limit, harmless)
         found.append([near[i] for i in group])
         left = [i for i in left if i not in found[-1]]
     return sorted(found, key=lambda group: -len(group))
@@ -121,14 +124,15 @@ def largest(agree: Mask, differences: Array) -> list[int]:
     return [int(i) for i in np.flatnonzero(agree[center])]
 
 
-def gather(calibrations: Sequence[Calibration], limit: float) -> list[int]:
+def gather(calibrations: Sequence[Calibration], limit: float, harmless: float) -> list[int]:
     """Find those that belong to the tightest majority of calibrations: their indices.
 
     A forward search (Atkinson & Riani 2000): from the tightest half, the next nearest joins as long as its
     distance from the middle of those already in is explained. What the noise of the corners explains is known
     from the fits. What specimens of a product, or sessions, differ by on top of it is learnt from those
     already in, of whom a few know little; but it is never more than `limit`, px rms over the image. So a
-    minority that agrees with itself on something else stays outside, however near, if there is a gap.
+    minority that agrees with itself on something else stays outside, however near, if there is a gap. Where
+    the noise is larger than the gap, so that it was bridged, the two heaps of many still show.
     """
     count = len(calibrations)
     if count < 3:
@@ -142,13 +146,41 @@ def gather(calibrations: Sequence[Calibration], limit: float) -> list[int]:
         outside = np.setdiff1d(np.arange(count), inner)
         nearest = outside[np.argmin(distance2[outside])]
         noise2 = float(np.mean(own[inner]))
-        more2 = max(float(np.sum(distance2[inner])) / (size - 1) - noise2, 0.0)
-        noise = BEYOND**2 * (own[nearest] + noise2 / size)
-        more = BEYOND**2 * more2 * (1 + 1 / size) * (1 + FEW / (size - 1))
-        if distance2[nearest] > noise + min(more, limit**2):
+        spread2 = float(np.sum(distance2[inner])) / (size - 1)
+        # Of a spread so small that it does no harm, what it may hide of a larger one is not believed.
+        hidden = (FEW / (size - 1)) ** 2 if spread2 > harmless**2 else 0.0
+        more = min(BEYOND**2 * max(spread2 - noise2, 0.0) * (1 + hidden), limit**2)
+        explained = BEYOND**2 * (own[nearest] + noise2 / size) + more * (1 + 1 / size)
+        if distance2[nearest] > max(explained, harmless**2):
             break
         inner = np.append(inner, nearest)
+    while len(inner) >= MANY and (part := _larger_side(x[inner], harmless)) is not None:
+        inner = inner[part]
     return sorted(int(i) for i in inner)
+
+
+def _larger_side(x: Array, harmless: float) -> IntArray | None:
+    """Find the larger of two heaps that the rows fall into: its indices; None where there is one heap.
+
+    Along the direction in which they differ most, the distance of the two means over the spread within
+    (Ashman et al. 1994). Of normally distributed rows one in a hundred sets shows more than is asked for.
+    Heaps less than `harmless` px apart are one.
+    """
+    centered = x - x.mean(axis=0)
+    along = centered @ np.linalg.svd(centered, full_matrices=False)[2][0]
+    order = np.argsort(along)
+    sorted_along, count = along[order], len(along)
+    best, at = 0.0, 0
+    for size in range(2, count - 1):
+        low, high = sorted_along[:size], sorted_along[size:]
+        within = float(np.sqrt((np.var(low) * len(low) + np.var(high) * len(high)) / (count - 2)))
+        apart = float(high.mean() - low.mean()) / max(within, 1e-12)
+        if apart > best and apart * within > harmless:
+            best, at = apart, size
+    if best < 3.2 + 28 / count:
+        return None
+    side: IntArray = order[:at] if 2 * at >= count else order[at:]
+    return side
 
 
 def _tightest(x: Array, size: int) -> IntArray:

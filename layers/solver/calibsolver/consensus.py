@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from . import models
 from .agreement import compare, groups
 from .arrays import Array
 from .calibration import Calibration
@@ -47,6 +48,9 @@ class Rule:
     max_projection_spread
         Two calibrations agree where their projections differ by less than this, rms over the image after
         the best rotation / image width; and by no more than those around them differ (`agreement.gather`).
+    max_harmless_spread
+        Differences below this are not looked into: two fifths of the members, all off by it, would move the
+        pooled projections by less than half a pixel of 1,280.
     max_unexplained
         A member's views, its poses fitted to the others' intrinsics, may have an rms above that of its own
         fit by this / image width.
@@ -58,6 +62,7 @@ class Rule:
     max_focal_spread: float = 0.05
     max_center_spread: float = 0.02
     max_projection_spread: float = 0.01
+    max_harmless_spread: float = 0.0006
     max_unexplained: float = 0.004
 
 
@@ -124,7 +129,8 @@ def pool(
             dropped[member.id], failure = error.code, error
     if not fits:
         raise failure
-    parts = groups([c for _, c in fits], rule.max_projection_spread * img_size[0])
+    limits = rule.max_projection_spread * img_size[0], rule.max_harmless_spread * img_size[0]
+    parts = groups([c for _, c in fits], *limits)
     group = [fits[i] for i in parts[0]]
     pooled = fit([view for member, _ in group for view in member.views], img_size, model)
     errors = without_each(group, pooled, img_size) if len(group) > 1 else np.empty(0)
@@ -174,11 +180,21 @@ def overall(group: Sequence[tuple[Member, Calibration]], errors: Array) -> float
 
 def spread_within(group: Sequence[tuple[Member, Calibration]], img_size: tuple[int, int], rule: Rule) -> bool:
     """Whether focal lengths and principal points vary no more than the rule allows."""
-    k = np.stack([c.camera.intrinsics[:4] for _, c in group])
+    k = np.stack([np.concatenate([magnification(c), c.camera.intrinsics[2:4]]) for _, c in group])
     std = k.std(axis=0)
     focal = std[:2] / k[:, :2].mean(axis=0)
     center = std[2:] / np.asarray(img_size)
     return bool((focal < rule.max_focal_spread).all() and (center < rule.max_center_spread).all())
+
+
+def magnification(calibration: Calibration) -> Array:
+    """Px per radian on the axis (2,): fx and fy, whatever else a model's coefficients scale them by.
+
+    The f of an omnidirectional camera is (1 + xi) times that, and xi of a narrow lens is anybody's guess.
+    """
+    camera = calibration.camera
+    _, _, by_p = models.get(camera.model).jacobian(camera.intrinsics, np.array([[0.0], [0.0], [1.0]]))
+    return np.array([by_p[0, 0, 0], by_p[1, 1, 0]])
 
 
 def without_each(

@@ -1,0 +1,94 @@
+"""Cameras whose calibrations are partly lies."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibsolver import CalibrationError, Camera, View
+from calibsolver.agreement import compare
+from calibsolver.consensus import Consensus, Member, Rule, pool
+from tests import specimens, synthetic
+
+RULE = Rule(min_contributors=3)
+KINDS = ("focal", "shift", "each", "junk")
+"""One wrong focal length; it and a wrong principal point and decentering; each its own; no camera at all."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One camera: what is answered without the liars and with them, and how far the answer moved, px."""
+
+    kind: str
+    total: int
+    clean: Consensus
+    attacked: Consensus | None
+    moved: float
+
+    @property
+    def wrong(self) -> bool:
+        """Whether a reliable answer moved by more than half a pixel over the image."""
+        return self.attacked is not None and self.attacked.reliable and self.moved > 0.5
+
+
+def trial(rng: np.random.Generator, kind: str, total: int, variation: float = 0.0, views: int = 5) -> Trial:
+    """Forty in a hundred of a camera's calibrations are lies, all from two contributors.
+
+    `variation` is the standard deviation of the focal lengths of honest specimens, as a share; that of the
+    principal point is as many image widths.
+    """
+    cameras = synthetic.rectilinear_cameras()
+    camera = cameras[int(rng.integers(len(cameras)))]
+    bad = int(0.4 * total)
+    honest = [
+        Member(f"h{i}", f"h{i}", tuple(specimens.views(vary(camera, variation, rng), rng, count=views)))
+        for i in range(total - bad)
+    ]
+    liars = [
+        Member(f"l{i}", f"l{i % 2}", seen)
+        for i, seen in enumerate(lies(kind, camera, bad, variation, rng, views))
+    ]
+    size = camera.img_size
+    clean = pool(honest, size, "rectilinear", RULE)
+    everybody = [*liars, *honest]
+    members = [everybody[i] for i in rng.permutation(total)]
+    try:
+        attacked = pool(members, size, "rectilinear", RULE)
+    except CalibrationError:
+        return Trial(kind, total, clean, None, 0.0)
+    moved = float(compare([clean.calibration, attacked.calibration])[0, 1])
+    return Trial(kind, total, clean, attacked, moved)
+
+
+def vary(camera: Camera, variation: float, rng: np.random.Generator) -> Camera:
+    """Another specimen of the same product."""
+    k = camera.intrinsics
+    k[:2] *= 1 + variation * rng.normal()
+    k[2:4] += variation * camera.img_size[0] * rng.normal(size=2)
+    return Camera.from_intrinsics(camera.model, k, camera.img_size)
+
+
+def lies(
+    kind: str, camera: Camera, count: int, variation: float, rng: np.random.Generator, views: int
+) -> Sequence[tuple[View, ...]]:
+    """Views of the sessions of liars: from just beside the truth to far from it."""
+
+    def wrong() -> Camera:
+        k = camera.intrinsics
+        size = np.exp(rng.uniform(np.log(0.002), np.log(0.3))) * rng.choice((-1, 1))
+        k[:2] *= 1 + size
+        if kind != "focal":
+            k[2:4] += 0.3 * size * camera.img_size[0] * rng.normal(size=2)
+            k[6:8] += 0.01 * size * rng.normal(size=2)
+        return Camera.from_intrinsics(camera.model, k, camera.img_size)
+
+    common = wrong()
+    out = []
+    for _ in range(count):
+        source = wrong() if kind == "each" else vary(common, variation, rng)
+        seen = specimens.views(source, rng, count=views)
+        if kind == "junk":
+            w, h = camera.img_size
+            seen = [View(v.object_points, rng.uniform((0, 0), (w, h), (len(v), 2))) for v in seen]
+        out.append(tuple(seen))
+    return out
