@@ -88,9 +88,9 @@ export function known(key) {
   return say(key, {}, "en") !== key;
 }
 
-/** A number as it is written in the language spoken now. @param {number} value @param {number} digits after the point */
+/** A measured number as it is written in the language spoken now, not grouped. @param {number} value @param {number} digits after the point */
 export function number(value, digits) {
-  return value.toLocaleString(language(), { minimumFractionDigits: digits, maximumFractionDigits: digits });
+  return value.toLocaleString(language(), { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
 }
 
 /** Puts the texts into all marked elements in and below one; sets the page's language too. @param {Element} root */

@@ -4,7 +4,9 @@ import { execFileSync } from "node:child_process";
 import { existsSync } from "node:fs";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { DEFAULT_BOARD, blackRectangles, boardFrom, boardQuery, corners, markers, raster } from "../../web/board/geometry.js";
+import { TABLES } from "../../web/board/dictionaries.js";
+import { blackRectangles, raster } from "../../web/board/drawing.js";
+import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery, corners, dictionaryOf, markers } from "../../web/board/geometry.js";
 
 const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));
 
@@ -80,4 +82,13 @@ test("a board that cannot be is named, and the default taken", () => {
     assert.equal(board, DEFAULT_BOARD, query);
     assert.match(problem, reason);
   }
+});
+
+test("the sizes of the dictionaries are those of their tables", () => {
+  for (const name of DICTIONARIES) {
+    const { size, side, count } = dictionaryOf(name);
+    assert.equal(side, TABLES[size].side, name);
+    assert.ok(count <= TABLES[size].count, name);
+  }
+  assert.equal(DICTIONARIES.length, 17);
 });

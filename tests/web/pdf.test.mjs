@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { DEFAULT_BOARD, blackRectangles } from "../../web/board/geometry.js";
+import { blackRectangles } from "../../web/board/drawing.js";
+import { DEFAULT_BOARD } from "../../web/board/geometry.js";
 import { PAPERS, boardPdf, squareSide } from "../../web/board/pdf.js";
 
 const latin = (bytes) => Buffer.from(bytes).toString("latin1");

@@ -1,5 +1,10 @@
-// Where a ChArUco board is black, and where its corners are. Frame: x right, y down, unit = one square.
-import { TABLES } from "./dictionaries.js";
+// Which ChArUco boards there are, and where their corners are. Frame: x right, y down, unit = one square.
+
+/** How many markers the dictionaries have, and of how many cells a side; which cells are white, dictionaries.js says. @type {Record<string, {side: number, count: number}>} */
+const SIZES = {
+  "4X4": { side: 4, count: 1000 }, "5X5": { side: 5, count: 1000 }, "6X6": { side: 6, count: 1000 }, "7X7": { side: 7, count: 1000 },
+  ARUCO_ORIGINAL: { side: 5, count: 1024 },
+};
 
 /**
  * @typedef {object} Board
@@ -7,12 +12,10 @@ import { TABLES } from "./dictionaries.js";
  * @property {number} marker_ratio marker side / square side
  * @property {string} dictionary "DICT_4X4_50"
  * @property {boolean} legacy layout of OpenCV before 4.6: boards of an even number of rows start with a white square
- *
- * @typedef {[x: number, y: number, width: number, height: number]} Rectangle
  */
 
 /** The names of the marker dictionaries, as OpenCV has them. */
-export const DICTIONARIES = Object.keys(TABLES).flatMap((size) =>
+export const DICTIONARIES = Object.keys(SIZES).flatMap((size) =>
   (size === "ARUCO_ORIGINAL" ? [`DICT_${size}`] : [50, 100, 250, 1000].map((count) => `DICT_${size}_${count}`)));
 
 /** @type {Required<import("../vendor/api.js").Board>} */
@@ -59,7 +62,7 @@ function impossible(board) {
   if ((squares[0] - 1) * (squares[1] - 1) < 6) return "it has at least six inner corners";
   if (!(marker_ratio >= 0.3 && marker_ratio <= 0.95)) return "a marker is 0.3 to 0.95 of its square";
   try {
-    const { count } = dictionaryTable(board.dictionary);
+    const { count } = dictionaryOf(board.dictionary);
     const needed = markers(board).length;
     return needed > count ? `${board.dictionary} has ${count} markers, and it needs ${needed}` : "";
   } catch (error) {
@@ -86,46 +89,12 @@ export function isBlack({ squares: [, rows], legacy }, x, y) {
   return (x + y + (legacy && rows % 2 === 0 ? 1 : 0)) % 2 === 0;
 }
 
-/**
- * The bits of one marker without its border.
- * @param {string} dictionary
- * @param {number} id
- * @returns {boolean[][]} rows of cells, true = white
- */
-export function markerBits(dictionary, id) {
-  const { table, count } = dictionaryTable(dictionary);
-  if (id >= count) throw new RangeError(`${dictionary} has ${count} markers, and the board needs number ${id}`);
-  const packed = unpack(table.bits);
-  const { side } = table;
-  return Array.from({ length: side }, (_, row) =>
-    Array.from({ length: side }, (_, column) => {
-      const bit = (id * side + row) * side + column;
-      return ((packed[bit >> 3] >> (7 - (bit & 7))) & 1) === 1;
-    }),
-  );
-}
-
-/** @param {string} dictionary */
-function dictionaryTable(dictionary) {
+/** @param {string} dictionary "DICT_4X4_50" @returns {{size: string, side: number, count: number}} throws RangeError */
+export function dictionaryOf(dictionary) {
   const [, size, number] = /^DICT_(\dX\d|ARUCO_ORIGINAL)(?:_(50|100|250|1000))?$/.exec(dictionary) ?? [];
-  const table = TABLES[size];
-  if (!table || (number === undefined) !== (size === "ARUCO_ORIGINAL")) {
-    throw new RangeError(`unknown marker dictionary ${dictionary}`);
-  }
-  return { table, count: number === undefined ? table.count : Number(number) };
-}
-
-/** @type {Map<string, Uint8Array>} */
-const unpacked = new Map();
-
-/** @param {string} base64 */
-function unpack(base64) {
-  let bytes = unpacked.get(base64);
-  if (!bytes) {
-    bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-    unpacked.set(base64, bytes);
-  }
-  return bytes;
+  const known = SIZES[size];
+  if (!known || (number === undefined) !== (size === "ARUCO_ORIGINAL")) throw new RangeError(`unknown marker dictionary ${dictionary}`);
+  return { size, side: known.side, count: number === undefined ? known.count : Number(number) };
 }
 
 /** Markers with the square they are in, in the order of their ids. @param {Board} board */
@@ -137,56 +106,4 @@ export function markers(board) {
     for (let x = 0; x < columns; x++) if (!isBlack(board, x, y)) found.push({ id: found.length, x, y });
   }
   return found;
-}
-
-/**
- * The black areas of the board: squares, marker borders, and runs of black cells within markers.
- * @param {Board} board
- * @returns {Rectangle[]} in squares; no two overlap
- */
-export function blackRectangles(board) {
-  const [columns, rows] = board.squares;
-  /** @type {Rectangle[]} */
-  const rectangles = [];
-  for (let y = 0; y < rows; y++) {
-    for (let x = 0; x < columns; x++) if (isBlack(board, x, y)) rectangles.push([x, y, 1, 1]);
-  }
-  for (const { id, x, y } of markers(board)) {
-    const bits = markerBits(board.dictionary, id);
-    const cells = bits.length + 2;
-    const cell = board.marker_ratio / cells;
-    const margin = (1 - board.marker_ratio) / 2;
-    for (let row = 0; row < cells; row++) {
-      let run = 0;
-      for (let column = 0; column <= cells; column++) {
-        const black = column < cells && !bits[row - 1]?.[column - 1];
-        if (black) run += 1;
-        else if (run > 0) {
-          rectangles.push([x + margin + (column - run) * cell, y + margin + row * cell, run * cell, cell]);
-          run = 0;
-        }
-      }
-    }
-  }
-  return rectangles;
-}
-
-/**
- * The board as a grey image.
- * @param {Board} board
- * @param {number} scale pixels per square
- * @param {number} [margin] white border, pixels
- * @returns {{width: number, height: number, data: Uint8Array}} one byte a pixel, 0 or 255
- */
-export function raster(board, scale, margin = 0) {
-  const [columns, rows] = board.squares;
-  const width = Math.round(columns * scale) + 2 * margin;
-  const height = Math.round(rows * scale) + 2 * margin;
-  const data = new Uint8Array(width * height).fill(255);
-  for (const [x, y, w, h] of blackRectangles(board)) {
-    const [left, right] = [x, x + w].map((value) => margin + Math.round(value * scale));
-    const [top, bottom] = [y, y + h].map((value) => margin + Math.round(value * scale));
-    for (let row = top; row < bottom; row++) data.fill(0, row * width + left, row * width + right);
-  }
-  return { width, height, data };
 }

@@ -1,5 +1,5 @@
 // The board as a one-page PDF, vector, at true scale. PDF 1.4 after ISO 32000-1: objects, a content stream, xref.
-import { blackRectangles } from "./geometry.js";
+import { blackRectangles } from "./drawing.js";
 
 /** @typedef {import("./geometry.js").Board} Board */
 

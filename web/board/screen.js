@@ -1,5 +1,5 @@
 // The board on this screen: at whole device pixels, as large as there is room, and awake.
-import { raster } from "./geometry.js";
+import { raster } from "./drawing.js";
 
 /** @typedef {import("./geometry.js").Board} Board */
 

@@ -5,7 +5,6 @@ import { openPage } from "../page.js";
 import { cameraKey, platformHere } from "../sdk/calibdb.js";
 import { SettingsError, loadSettings } from "../settings.js";
 import captureWords from "../words/capture.js";
-import resultWords from "../words/result.js";
 import { Announcer } from "./announcer.js";
 import { Api, ApiError, OfflineError } from "./api.js";
 import { CameraError, cameras, facts, open } from "./camera.js";
@@ -13,7 +12,6 @@ import { Detector, DetectorError } from "./detector.js";
 import { Feedback } from "./feedback.js";
 import { Guide } from "./guide.js";
 import { openCupboard } from "./kept.js";
-import { Outcome } from "./outcome.js";
 import { loadPlan } from "./plan.js";
 import { findParts, render } from "./render.js";
 import { CaptureSession } from "./session.js";
@@ -26,14 +24,15 @@ import * as words from "./words.js";
  * @typedef {import("../vendor/api.js").SessionRequest} Request
  */
 
-openPage({ capture: captureWords, result: resultWords });
+openPage({ capture: captureWords });
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
 const cupboard = openCupboard();
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
-const outcome = new Outcome(parts.result, parts.video, { returnTo: parameters.get("return_to"), onAgain: () => end(state.key) });
+/** What shows the result: it arrives while the capture goes on. @type {import("./outcome.js").Outcome | null} */
+let outcome = null;
 
 /** @type {State} */
 let state = initial(board, wantedFrom(parameters));
@@ -53,8 +52,8 @@ let chosen = "";
 function dispatch(event) {
   state = reduce(state, event);
   // Before the page turns to it: it takes the focus, and the camera's last picture.
-  if (state.phase === "done" && shown?.phase !== "done") outcome.show(state);
-  else if (state.phase !== "done" && shown?.phase === "done") outcome.clear();
+  if (state.phase === "done" && shown?.phase !== "done") outcome?.show(state);
+  else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
   if (shown?.picture && shown.picture !== state.picture) URL.revokeObjectURL(shown.picture);
   signal(event);
@@ -127,6 +126,7 @@ async function capture(choice, opened = null) {
     const plan = loadPlan().catch(() => []);
     const finder = await openDetector();
     if (signal.aborted) return;
+    await prepareOutcome();
     dispatch({ type: "waiting", waiting: "service" });
     const session = await converse(key, facts(camera.track), signal);
     const means = { session, detector: finder, camera, plan: await plan, signal };
@@ -141,6 +141,12 @@ async function capture(choice, opened = null) {
   } catch (error) {
     fail(error, signal);
   }
+}
+
+/** What only a capture that goes on will need. */
+async function prepareOutcome() {
+  const { Outcome } = await import("./outcome.js");
+  outcome ??= new Outcome(parts.result, parts.video, { returnTo: parameters.get("return_to"), onAgain: () => end(state.key) });
 }
 
 /**

@@ -1,13 +1,16 @@
 // What came out of a capture: shown at once as the session says it, and in full when the service has sent its report.
 import { ApiError, OfflineError } from "./api.js";
 import { el } from "../dom.js";
-import { t } from "../i18n.js";
+import { learn, t } from "../i18n.js";
 import { load } from "../result/source.js";
 import { ResultView } from "../result/view.js";
 import { SettingsError, loadSettings } from "../settings.js";
 import { isVirtual } from "../virtual/camera.js";
+import words from "../words/result.js";
 
 /** @typedef {import("./state.js").State} State */
+
+learn({ result: words });
 
 export class Outcome {
   #view;

@@ -1,5 +1,5 @@
 // Paints the board as a camera with a known lens sees it. Pure: numbers in, pixels out.
-import { raster } from "../board/geometry.js";
+import { raster } from "../board/drawing.js";
 import { rotationMatrix } from "./pose.js";
 import { unproject } from "./lens.js";
 

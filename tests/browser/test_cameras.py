@@ -1,0 +1,55 @@
+"""The database to look through."""
+
+import httpx
+import pytest
+from playwright.sync_api import Page
+
+from .captures import capture
+from .pictures import picture
+from .specimens import answer, camera, cameras
+from .truth import Truth
+
+KEY = {"camera": "Shelf Test Camera (1234:0002)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_what_is_known_is_drawn(page: Page, scheme: str) -> None:
+    page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    answer(page, "**/v1/cameras?*", cameras)
+    answer(page, "**/v1/cameras/*", camera)
+    page.goto("/cameras/")
+    page.locator("#found li").first.wait_for()
+    assert page.locator("#found > li").count() == 5
+    assert page.locator("#more").is_visible()
+    picture(page, f"cameras-{scheme}")
+    page.goto("/cameras/?key=c2.specimen")
+    page.locator("#camera-name", has_text="C920").wait_for()
+    assert page.locator(".agrees").count() == 2 * (9 + 2)
+    assert page.locator("path.cut").count() == 2 * 2, "what does not agree is crossed"
+    assert "known: every web page" in (page.locator(".standing").first.text_content() or "")
+    assert "too few calibrations" in (page.locator(".standing").last.text_content() or "")
+    picture(page, f"camera-{scheme}", full=True)
+
+
+def test_a_calibrated_camera_is_found_and_fitted_with_any_model(page: Page, api: httpx.Client) -> None:
+    capture(api, Truth(), KEY, seed=6)
+    page.goto("/cameras/")
+    page.locator("#query").fill("shelf test")
+    found = page.locator("#found a", has_text="Shelf Test Camera")
+    for _ in range(20):  # the consensus is computed after the capture
+        if found.count():
+            break
+        page.wait_for_timeout(250)
+        page.locator("#search button").click()
+    found.click()
+    page.locator("#camera-name", has_text="Shelf Test Camera").wait_for()
+    assert page.locator("h2", has_text="1280 × 720").count() == 1
+    page.locator("select[id^=model-]").select_option("fisheye")
+    page.locator("caption", has_text="fisheye").wait_for()
+    assert page.locator("tbody th", has_text="k4").count() == 1
+    assert '"camera"' in (page.locator("pre").last.text_content() or "")
+
+
+def test_what_is_not_there_is_said(page: Page) -> None:
+    page.goto("/cameras/?query=nobody+has+this")
+    page.locator("#status", has_text="No camera of that name is known").wait_for()

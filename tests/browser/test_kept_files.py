@@ -1,0 +1,126 @@
+"""The service worker: what it keeps, what it must not, and how a new version takes over."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, Route
+
+from .conftest import ROOT
+
+# Not localhost by name, where the network would come first; browsers take it to this machine all the same.
+HOST = "pages.localhost"
+DETECTED_WITHIN = 3.0  # seconds from navigation, from what is kept
+HEAVIEST = 150_000  # bytes of a page, compressed, without OpenCV
+KEPT = """async () => {
+  const cache = await caches.open("calibdb");
+  return (await cache.keys()).map(({ url }) => new URL(url).pathname + new URL(url).search);
+}"""
+
+
+@pytest.fixture
+def visitor(chromium: Browser, stack: str) -> Iterator[BrowserContext]:
+    address = stack.replace("127.0.0.1", HOST)
+    context = chromium.new_context(base_url=address, viewport={"width": 1440, "height": 900})
+    context.set_default_timeout(30_000)
+    yield context
+    context.close()
+
+
+def kept(page: Page, *, enough: int = 20, name: str = "") -> list[str]:
+    """Wait until the worker has kept its files; return their names."""
+    for _ in range(100):
+        found: list[str] = page.evaluate(KEPT)
+        if len(found) >= enough and "/shell.json" in found and any(name in each for each in found):
+            return found
+        page.wait_for_timeout(100)
+    raise AssertionError(f"{len(found)} files are kept: {found}")
+
+
+def test_pages_open_without_a_network_and_the_api_is_never_kept(visitor: BrowserContext) -> None:
+    page = visitor.new_page()
+    page.goto("/")
+    found = kept(page)
+    assert any(each.startswith("/calibrate/main.js?sha256=") for each in found), (
+        "also what was not yet visited"
+    )
+    assert not [each for each in found if "/v1/" in each or "config.json" in each or "openapi" in each]
+    visitor.set_offline(True)
+    page.goto("/board/?squares=8x5")
+    page.locator("#description", has_text="8 × 5").wait_for()
+    page.goto("/cameras/")
+    page.locator("#status", has_text="cannot be reached").wait_for()
+    visitor.set_offline(False)
+    page.reload()
+    page.locator("#status", has_text="cannot be reached").wait_for(state="hidden")
+    assert not [each for each in page.evaluate(KEPT) if "/v1/" in each]
+
+
+def test_a_new_version_takes_over_whole(visitor: BrowserContext) -> None:
+    page = visitor.new_page()
+    page.goto("/")
+    before = kept(page)
+    listed: dict[str, Any] = page.evaluate("async () => (await fetch('/shell.json')).json()")
+    newer = (ROOT / "web" / "board" / "board.css").read_bytes() + b"/* newer */"
+    digest = hashlib.sha256(newer).hexdigest()
+    listed["version"] = "newer"
+    listed["files"]["board/board.css"] = digest
+    deployed = False
+
+    def styles(route: Route) -> None:
+        if deployed:
+            route.fulfill(body=newer, content_type="text/css")
+        else:
+            route.continue_()
+
+    visitor.route("**/shell.json", lambda route: route.fulfill(json=listed))
+    visitor.route("**/board/board.css", styles)
+    # The list is there before its file: nothing of it is taken up.
+    page.goto("/board/")
+    page.wait_for_timeout(500)
+    assert sorted(page.evaluate(KEPT)) == sorted(before)
+    deployed = True
+    page.goto("/board/")
+    found = kept(page, name=digest)
+    page.goto("/board/")
+    assert "newer" in page.evaluate("async () => (await fetch('/board/board.css')).text()")
+    assert f"/board/board.css?sha256={digest}" in found
+
+
+def test_the_first_board_is_found_within_three_seconds_of_a_second_visit(visitor: BrowserContext) -> None:
+    page = visitor.new_page()
+    page.goto("/calibrate/")
+    kept(page, name="opencv.wasm")
+    fastest = float("inf")
+    for _ in range(3):
+        start = time.perf_counter()
+        page.goto("/calibrate/?virtual=1")
+        page.locator(".corner").first.wait_for(state="attached")
+        fastest = min(fastest, time.perf_counter() - start)
+        page.goto("/board/")
+    print(f"first detection {fastest:.2f} s after navigation")
+    assert fastest < DETECTED_WITHIN
+
+
+@pytest.mark.parametrize("path", ["/", "/calibrate/", "/photos/", "/cameras/", "/board/", "/result/?id=x"])
+def test_pages_are_light(context: BrowserContext, path: str) -> None:
+    page = context.new_page()
+    sizes: dict[str, int] = {}
+
+    def weigh(response: Any) -> None:
+        name = response.url.split("?")[0]
+        if "/vendor/opencv/" in name or "/v1/" in name or not name.startswith("http"):
+            return
+        body = response.body()
+        sizes[name] = len(body) if name.endswith(".woff2") else len(gzip.compress(body, 6))
+
+    page.on("response", weigh)
+    page.goto(path, wait_until="networkidle")
+    total = sum(sizes.values())
+    print(f"{path}: {total / 1000:.1f} kB in {len(sizes)} files")
+    assert total < HEAVIEST

@@ -1,0 +1,94 @@
+"""Calibration from photographs and from a video, with the real board and camera of the photographs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import pytest
+from playwright.sync_api import BrowserContext, Page, Request
+
+from tests.data import data_dir
+
+from .pictures import picture
+
+BOARD = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
+PAGE = f"/photos/?{BOARD}"
+NAME = "LifeCam HD-3000"
+
+
+def photographs(size: str) -> list[Path]:
+    return sorted((data_dir() / "photos" / f"charuco_{size}").glob("*.jpg"))
+
+
+def calibrate(page: Page) -> None:
+    page.locator("#camera").fill(NAME)
+    page.locator("#start").click()
+    page.locator("#verdict").wait_for()
+
+
+def test_photographs_become_a_calibration_and_stay_here(page: Page) -> None:
+    sent: list[Request] = []
+    page.goto(PAGE)
+    page.on("request", lambda request: sent.append(request))
+    page.locator("#files").set_input_files([*photographs("640x480"), photographs("1280x720")[0]])
+    page.locator("#status", has_text="The board was found in 18 of 18").wait_for()
+    assert page.locator("#pictures .what", has_text="another camera, lens or size").count() == 1
+    assert "640 × 480 · 17 views" in (page.locator("#series option").first.text_content() or "")
+    calibrate(page)
+    assert page.locator("#pictures .taken").count() >= 8
+    calibration = json.loads(page.locator("#json").text_content() or "")
+    # What plain OpenCV makes of all of them: fx/w = 1.06.
+    assert calibration["camera_matrix"][0][0] / 640 == pytest.approx(1.06, abs=0.02)
+    assert (calibration["camera"], calibration["platform"]) == (NAME, "photographs")
+    page.locator(".compare canvas").nth(1).wait_for()
+    picture(page, "photos-done", full=True)
+    for request in sent:
+        body = request.post_data
+        if request.url.startswith("blob:") or body is None:
+            continue
+        assert set(json.loads(body)) <= {
+            "camera", "platform", "img_size", "zoom", "distortion_model", "board", "target_error",
+            "index", "ids", "points",
+        }  # fmt: skip
+
+
+def test_too_little_is_not_stored_but_what_would_help_is_drawn(page: Page) -> None:
+    page.goto(PAGE)
+    page.locator("#files").set_input_files(photographs("640x480")[:1])
+    page.locator("#status", has_text="The board was found in 1 of 1").wait_for()
+    page.locator("#camera").fill(NAME)
+    page.locator("#start").click()
+    page.locator("#wanted figure").wait_for()
+    assert "Not enough yet" in (page.locator("#status").text_content() or "")
+    picture(page, "photos-more", ["hand"], full=True)
+    page.locator("#clear").click()
+    assert page.locator("#pictures li").count() == 0
+    assert page.locator("#form").is_hidden()
+
+
+def test_another_board_is_not_taken_for_this_one(context: BrowserContext) -> None:
+    page = context.new_page()
+    page.goto("/photos/")
+    page.locator("#files").set_input_files(photographs("640x480")[:2])
+    page.locator("#status", has_text="Is it the board named above?").wait_for()
+    assert page.locator("#pictures .what", has_text="no board").count() == 2
+
+
+def test_a_video_becomes_a_calibration(page: Page, tmp_path: Path) -> None:
+    film = tmp_path / "film.webm"
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"VP80"), 10, (640, 480))
+    for photograph in photographs("640x480"):
+        frame = cv2.imread(str(photograph))
+        assert frame is not None
+        for _ in range(2):
+            writer.write(frame)
+    writer.release()
+    page.goto(PAGE)
+    page.locator("#files").set_input_files(film)
+    page.locator("#status", has_text="The board was found in").wait_for()
+    calibrate(page)
+    calibration = json.loads(page.locator("#json").text_content() or "")
+    assert calibration["camera_matrix"][0][0] / 640 == pytest.approx(1.06, abs=0.03)
+    assert calibration["platform"] == "video"

@@ -1,0 +1,129 @@
+"""The page of one calibration: what it says, what it draws, what it hands on."""
+
+import base64
+import json
+from pathlib import Path
+from typing import Any
+
+import cv2
+import httpx
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+from tests.data import data_dir
+
+from .captures import capture
+from .pictures import picture
+from .specimens import answer, result
+from .truth import Truth
+
+KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
+RECTIFIED = """async ([calibration, file, balance]) => {
+  const { Rectifier } = await import("/sdk/rectifier.js");
+  const picture = await createImageBitmap(await (await fetch(file)).blob());
+  const rectifier = new Rectifier(calibration, { balance });
+  rectifier.draw(picture);
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = calibration.img_size;
+  const context = canvas.getContext("2d");
+  context.drawImage(rectifier.canvas, 0, 0);
+  const matrix = rectifier.camera_matrix;
+  rectifier.dispose();
+  return { matrix, png: canvas.toDataURL("image/png") };
+}"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_result_with_its_report(page: Page, scheme: str) -> None:
+    page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    answer(page, "**/v1/calibrations/*", result)
+    page.goto("/result/?id=x")
+    page.locator("#verdict", has_text="Fair").wait_for()
+    assert page.locator(".reasons li").count() == 2
+    assert page.locator("svg.heat rect.heat-7").count() >= 1
+    assert page.locator(".views li").count() == 7
+    assert page.locator(".views .problem").count() == 3, "the views to take again"
+    assert "±" in (page.locator("td.std").first.text_content() or "")
+    picture(page, f"result-{scheme}", full=True)
+
+
+def test_a_stored_calibration_is_shown_and_saved(page: Page, api: httpx.Client) -> None:
+    state = capture(api, Truth(), KEY, seed=5)
+    page.goto(f"/result/?id={state['calibration_id']}")
+    page.locator("#verdict").wait_for()
+    assert json.loads(page.locator("#json").text_content() or "")["camera"] == KEY["camera"]
+    with page.expect_download() as download:
+        page.locator("#download").click()
+    assert download.value.suggested_filename == "result-test-camera-1234-0001-1280x720.json"
+    saved = json.loads(Path(download.value.path()).read_text())
+    assert saved["camera_matrix"] == state["calibration"]["camera_matrix"]
+
+
+def test_a_result_goes_back_to_allowed_applications_alone(page: Page) -> None:
+    answer(page, "**/v1/calibrations/*", result)
+    page.goto("/result/?id=x&return_to=http://127.0.0.1:9/app%3Fscene=2")
+    link = page.locator("#return")
+    link.wait_for()
+    assert (link.get_attribute("href") or "").startswith(
+        "http://127.0.0.1:9/app?scene=2#calibration=c1-example"
+    )
+    page.goto("/result/?id=x&return_to=https://evil.example/")
+    page.locator(".return.problem", has_text="evil.example").wait_for()
+    assert page.locator("#return").count() == 0
+    page.goto("/result/?id=x&return_to=javascript:alert(1)")
+    page.locator("#verdict").wait_for()
+    assert page.locator(".return").count() == 0
+
+
+def test_a_picture_is_straightened_on_this_device(page: Page) -> None:
+    photograph = sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))[0]
+    answer(page, "**/v1/calibrations/*", result)
+    page.goto("/result/?id=x")
+    page.locator("#picture").wait_for()
+    sent: list[str] = []
+    page.on("request", lambda request: sent.append(request.url))
+    page.locator("#picture").set_input_files(photograph)
+    page.locator(".compare canvas").nth(1).wait_for()
+    page.locator("input[type=range]").fill("20")
+    assert page.locator(".compare").evaluate("stage => stage.style.getPropertyValue('--cut')") == "20%"
+    assert [url for url in sent if not url.startswith("blob:")] == []
+    picture(page, "result-straightened", ["hand"], full=True)
+
+
+@pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
+def test_the_gpu_straightens_as_opencv_does(page: Page, model: str) -> None:
+    photograph = sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))[0]
+    matrix = [[980.0, 0, 650], [0, 985, 352], [0, 0, 1]]
+    coefficients = (
+        [-0.28, 0.09, 0.001, -0.0005, -0.01] if model == "rectilinear" else [-0.03, 0.01, -0.004, 0.001]
+    )
+    calibration: dict[str, Any] = {
+        "img_size": [1280, 720],
+        "camera_matrix": matrix,
+        "distortion_coefficients": coefficients,
+        "distortion_model": model,
+    }
+    page.route("**/photograph", lambda route: route.fulfill(path=photograph))
+    page.goto("/board/")
+    made = page.evaluate(RECTIFIED, [calibration, "/photograph", 0.3])
+    ours = cv2.imdecode(
+        np.frombuffer(base64.b64decode(made["png"].split(",")[1]), np.uint8), cv2.IMREAD_GRAYSCALE
+    )
+    init = cv2.initUndistortRectifyMap if model == "rectilinear" else cv2.fisheye.initUndistortRectifyMap
+    maps = init(
+        np.array(matrix),
+        np.array(coefficients),
+        np.eye(3),
+        np.array(made["matrix"]),
+        (1280, 720),
+        cv2.CV_32FC1,
+    )
+    theirs = cv2.remap(cv2.imread(str(photograph), cv2.IMREAD_GRAYSCALE), *maps, cv2.INTER_LINEAR)
+    inside = (maps[0] > 1) & (maps[1] > 1) & (maps[0] < 1278) & (maps[1] < 718)
+    difference = np.abs(ours.astype(int) - theirs.astype(int))[inside]
+    print(f"{model}: mean {difference.mean():.3f}, 99.9 %: {np.quantile(difference, 0.999):.0f} grey levels")
+    assert inside.mean() > 0.8
+    assert theirs.std() > 20, "a picture with something in it"
+    assert difference.mean() < 0.6
+    assert np.quantile(difference, 0.999) <= 2
