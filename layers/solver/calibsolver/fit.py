@@ -21,6 +21,8 @@ __all__ = ["MIN_POINTS", "check", "fit"]
 
 DOUBTFUL = 0.002
 """Above this share of the image width other starts are tried."""
+HARMLESS = 1.1
+"""Least squares over all but wild points may have this many times the rms of those kept."""
 SMOOTH = 4.0
 """Least squares over all points may have this many times the rms of those kept: the model is a little too
 simple. More than that, and the points cut were wrong."""
@@ -147,7 +149,8 @@ class _Fit:
                 continue
             found.append(state)
             if (
-                self.ordinary(state)
+                len(found) >= self.model.families
+                and self.ordinary(state)
                 and outliers.level(state, mask) < DOUBTFUL * self.width
                 and plausible.folded(trial, state, mask) <= plausible.FOLDED
             ):
@@ -183,18 +186,21 @@ class _Fit:
                 break
         else:  # where a point or two change sides every time, either is as good
             good = good if blamed else previous
-        if blamed or outliers.systematic(good, tame, obs, size):
-            # It may be the model that fails there: then every point counts, or it would fail unseen.
-            whole = self.whole(begun)
-            if np.mean(whole.square[mask]) < SMOOTH**2 * np.mean(state.square[good]):
-                state, good = whole, mask
+        every = mask if blamed else tame
+        if not np.array_equal(every, good):
+            # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
+            # And points that hardly spoil the fit are tails, not mistakes: they count too.
+            worse = SMOOTH if blamed or outliers.systematic(good, tame, obs, size) else HARMLESS
+            whole = self.whole(begun, outliers.weights(every, obs.mask))
+            if np.mean(whole.square[every]) < worse**2 * np.mean(state.square[good]):
+                state, good = whole, every
         return self.result(state, good, with_prior=True)
 
-    def whole(self, state: State) -> State:
-        """Least squares over all points, begun anew from the intrinsics of `state`."""
-        first = start.at(self.model, self.problem.obs, state.k)
-        state = self.problem.solve(self.problem.at(first.k, first.poses), self.everything, APPROACH)
-        return self.problem.solve(state, self.everything, Options())
+    def whole(self, state: State, weights: Array) -> State:
+        """Least squares over points of weight (v, n), begun anew from the intrinsics of `state`."""
+        first = start.mended(self.model, self.problem.obs, start.at(self.model, self.problem.obs, state.k))
+        state = self.problem.solve(self.problem.at(first.k, first.poses), weights, APPROACH)
+        return self.problem.solve(state, weights, Options())
 
     def trusted(self, problem: Problem, good: Mask, mask: Mask) -> Array:
         """Weights (v, n) of the `good` points, or of all where the others may show how the model fails."""

@@ -13,11 +13,12 @@ from .observations import Observations
 
 CUT = 4.0
 """Sigmas beyond which a point is an outlier: one in 3000 good ones."""
-WILD = 8.0
+WILD = 6.0
 """Sigmas beyond which it certainly is one. They go first: then the rest is judged by a fit that has not seen
 them, the same as if they had never been there."""
-RIM, MOST = 0.01, 0.4
-"""Outermost share of the points, and the share of those that bad luck alone does not cut."""
+RIM, MOST, TIMES = 0.01, 0.4, 4.0
+"""Outermost share of the points, the share of those that bad luck alone does not cut, and how many times that
+of all points it is then."""
 LEFT = 0.5
 """Share of its points that a view keeps at least: with fewer it contradicts the others as a whole."""
 MOST_COUNTED = 6.0
@@ -92,4 +93,5 @@ def systematic(good: Mask, among: Mask, obs: Observations, img_size: tuple[int, 
     radius = np.hypot(seen[:, 0], seen[:, 1])[among]
     share = max(RIM, min(12 / radius.size, 1.0))  # of a few points one or two say nothing
     rim = radius >= np.quantile(radius, 1 - share)
-    return bool(np.mean(~good[among][rim]) > MOST)
+    cut = ~good[among]
+    return bool(np.mean(cut[rim]) > max(MOST, TIMES * np.mean(cut)))

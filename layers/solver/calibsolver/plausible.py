@@ -9,8 +9,9 @@ from .lm import Problem, State
 WORST, WORST_KEPT = 0.01, 0.005
 """A fit whose rms exceeds this share of the image width explains nothing; without outliers
 it has no excuse."""
-FOLDED = 0.01
-"""Share of the points that may lie outside the model's one-to-one domain."""
+FOLDED, LOST = 0.05, 0.003
+"""Share of the points that may lie beyond the model's one-to-one domain and yet fit: its image ends a little
+inside the views. And of those that were cut there: the model has no place for them."""
 
 
 def folded(problem: Problem, state: State, mask: Mask) -> float:
@@ -37,6 +38,7 @@ def demand(problem: Problem, state: State, good: Mask, robust: bool) -> None:
     level = float(np.sqrt(np.mean(state.square[good])))
     if level > (WORST_KEPT if robust else WORST) * w:
         raise CalibrationError("not_believable", f"an rms of {level:.1f} px explains nothing")
-    # Points cut count too: they may have been cut because the model has no place for them.
-    if folded(problem, state, mask & good.any(axis=1)[:, None]) > FOLDED:
+    lost = mask & ~good & good.any(axis=1)[:, None]
+    lost_share = folded(problem, state, lost) * lost.sum() / mask.sum() if lost.any() else 0.0
+    if folded(problem, state, good) > FOLDED or lost_share > LOST:
         raise CalibrationError("not_believable", "the distortion folds inside the views")

@@ -87,8 +87,13 @@ def tried(model: Model, obs: Observations, many: list[Array]) -> list[Start]:
 
 
 def ladder(model: Model, obs: Observations, img_size: tuple[int, int]) -> list[Start]:
-    """Try every rung of the model: starts, best first."""
-    return sorted(tried(model, obs, model.rungs(img_size)), key=lambda start: start.error)
+    """Try every rung of the model: starts, the best of each kind first."""
+    rungs = tried(model, obs, model.rungs(img_size))
+    each = len(rungs) // model.families
+    kinds = [
+        sorted(rungs[i * each : (i + 1) * each], key=lambda start: start.error) for i in range(model.families)
+    ]
+    return [start for rank in zip(*kinds, strict=True) for start in rank]
 
 
 def direct(model: Model, obs: Observations, img_size: tuple[int, int]) -> Iterator[Start]:

@@ -77,6 +77,8 @@ class Model(ABC):
     prior: Prior
     ladder: tuple[float, ...]
     """Focal lengths / image width from which a fit is started."""
+    families: int = 1
+    """Kinds of rungs that may lead to different optima: the best of each kind is followed."""
     straight: bool = False
     """Whether, without distortion, it is a pinhole: straight lines stay straight."""
 
@@ -117,7 +119,7 @@ class Model(ABC):
         return k
 
     def rungs(self, img_size: tuple[int, int]) -> list[Array]:
-        """Intrinsics (p,) from which a fit is started."""
+        """Intrinsics (p,) from which a fit is started; kind after kind, of each the same number."""
         return [self.start(f * img_size[0], img_size) for f in self.ladder]
 
     def project(self, k: Array, p: Array) -> Array:

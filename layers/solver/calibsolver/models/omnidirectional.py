@@ -20,6 +20,7 @@ class Omnidirectional(Planar):
 
     name = "omnidirectional"
     coefficients = ("xi", "k1", "k2", "p1", "p2")
+    families = 2
     radial_at = (1, 2)
     tangential_at = (3, 4)
     prior = Prior(
@@ -97,8 +98,15 @@ class Omnidirectional(Planar):
 
     def start(self, focal: float, img_size: tuple[int, int]) -> Array:
         """See `Model.start`: from the middle of lenses and mirrors, xi = 1."""
-        k = super().start(2 * focal, img_size)
-        k[4] = 1.0
+        return self._start(1.0, focal, img_size)
+
+    def rungs(self, img_size: tuple[int, int]) -> list[Array]:
+        """See `Model.rungs`: stereographic images, and ones that shrink towards the rim."""
+        return [self._start(xi, f * img_size[0], img_size) for xi in (1.0, 2.5) for f in self.ladder]
+
+    def _start(self, xi: float, focal: float, img_size: tuple[int, int]) -> Array:
+        k = super().start((1 + xi) * focal, img_size)
+        k[4] = xi
         return k
 
 

@@ -22,6 +22,7 @@ class Rational(Pinhole):
 
     name = "rational"
     coefficients = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
+    families = 2
     radial_at = (0, 1, 4, 5, 6, 7)
     tangential_at = (2, 3)
     prior = Prior(
@@ -42,13 +43,12 @@ class Rational(Pinhole):
     ladder = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.8)
 
     def rungs(self, img_size: tuple[int, int]) -> list[Array]:
-        """See `Model.rungs`: pinholes, and lenses whose image radius is the angle from the axis."""
-        rungs = super().rungs(img_size)
-        for k in rungs[:]:
-            k = k.copy()
+        """See `Model.rungs`: lenses whose image radius is the angle from the axis, and pinholes."""
+        pinholes = super().rungs(img_size)
+        angular = [k.copy() for k in pinholes]
+        for k in angular:
             k[[4, 5, 9, 10]] = ANGLE
-            rungs.append(k)
-        return rungs
+        return angular + pinholes
 
     def radial(self, d: Array, s: Array) -> Array:
         """See `Planar.radial`."""
