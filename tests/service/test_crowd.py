@@ -1,13 +1,31 @@
-"""What a lookup costs does not depend on how many other cameras there are."""
+"""Sixty-four clients on a bad line: what was acknowledged is there, once. A tenth of `make bench-load`."""
 
-from infra.local import LocalStack
-from tests.bench.bench_lookup import cpu, one_known
-from tests.crowd import crowd
+from pathlib import Path
+
+import pytest
+
+from infra.load import drive, main
+from infra.local import DEVELOPMENT_TOKEN, LocalStack
+from tests.bench.crowd import missing_or_double
+from tests.processes import LocalProcess
 
 
-def test_other_cameras_do_not_slow_a_lookup(stack: LocalStack) -> None:
-    """Twenty thousand of them here; `make bench ONLY=lookup` has a hundred thousand."""
-    lookup = one_known(stack)
-    before = min(cpu(lookup) for _ in range(3))
-    crowd(stack, 20_000)
-    assert min(cpu(lookup) for _ in range(3)) < 1.2 * before
+def test_what_was_acknowledged_is_there_once(tmp_path: Path) -> None:
+    with LocalProcess(tmp_path / "data") as server:
+        # Most captures end after a view: what goes wrong goes wrong in single requests.
+        outcome = drive(server.url, DEVELOPMENT_TOKEN, sessions=200, clients=64, cameras=4, finished=0.1)
+        assert server.stop() == 0
+    finished = [one for one in outcome.heard if one.calibration_id]
+    assert len(outcome.heard) == 200
+    assert 8 <= len(finished) <= 40
+    for fault in ("cut off", "unheard", "twice"):
+        assert outcome.counts[fault] > 0.04 * outcome.counts["requests"]
+    assert missing_or_double(tmp_path / "data", outcome.heard) == []
+
+
+def test_any_stack_can_be_driven(stack: LocalStack, capsys: pytest.CaptureFixture[str]) -> None:
+    with stack.serve() as url:
+        assert main([url, "--sessions", "2", "--clients", "2", "--faults", "0"]) == 0
+        assert "2 captures in" in capsys.readouterr().out
+        assert main([url, "--token", "cdb_no_token", "--sessions", "1"]) == 1
+        assert "403" in capsys.readouterr().err

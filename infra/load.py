@@ -1,0 +1,244 @@
+"""`python -m infra.load`: many captures at once against a running stack, on a line that drops.
+
+Each client opens sessions, submits views of a camera that does not exist, and looks it up. Some requests are
+cut off half way, sent without waiting for an answer, or sent twice at once; like a page that lost its
+network, the client then asks again. What it was told is returned, to be compared with what was kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import http.client
+import json
+import random
+import socket
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.parse import urlsplit
+
+import numpy as np
+
+from calibsolver import Board, Camera
+from calibsolver import rotation as rotations
+
+FAULTS = 0.2  # share of the requests
+_PATIENCE = 60.0  # s for one answer
+_ENOUGH = 100.0  # px: the fourth accepted view ends the capture
+_NOISE = 0.15  # px
+_SIZE = (1280, 720)
+# (rvec about x and y, rad) of a board that teaches something each time
+_TILTS = ((0.5, 0.0), (-0.5, 0.1), (0.1, 0.55), (0.0, -0.6), (0.4, 0.4), (-0.4, -0.4), (0.45, -0.4))
+
+View = tuple[int, list[int], list[list[float]]]  # index, ids, points
+
+
+@dataclass
+class Heard:
+    """What one client was told of one capture."""
+
+    views: list[View] = field(default_factory=list)
+    calibration_id: str | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What happened, and how it went."""
+
+    heard: list[Heard]
+    counts: Counter[str]
+    latencies: list[float]  # ms, sorted
+    seconds: float
+
+    def percentile(self, share: float) -> float:
+        """Return the time, ms, within which this share of the answers came."""
+        return self.latencies[min(len(self.latencies) - 1, int(share * len(self.latencies)))]
+
+    def lines(self) -> Iterator[str]:
+        """Yield what a person wants to know of it."""
+        faults = ", ".join(f"{n} {name}" for name, n in sorted(self.counts.items()) if name != "requests")
+        yield f"{len(self.heard)} captures in {self.seconds:.0f} s"
+        yield f"{self.counts['requests']} requests, of these {faults or 'all on a good line'}"
+        yield f"answers after {self.percentile(0.5):.0f} ms (median), {self.percentile(0.95):.0f} ms (95 %)"
+
+
+class LoadError(RuntimeError):
+    """The stack did not do what it must."""
+
+
+@dataclass
+class Line:
+    """The connections of one client, which fail in a share `faults` of its requests."""
+
+    url: str
+    rng: random.Random
+    faults: float = FAULTS
+    counts: Counter[str] = field(default_factory=Counter)
+    latencies: list[float] = field(default_factory=list)
+
+    def call(self, method: str, path: str, credential: str, body: object = None) -> Any:
+        """Ask until there is an answer; raises LoadError where it is not one of success."""
+        self.counts["requests"] += 1
+        content = json.dumps(body).encode() if body is not None else b""
+        if self.rng.random() < self.faults:
+            fault = self.rng.choice(("cut off", "unheard", "twice"))
+            self.counts[fault] += 1
+            if fault == "twice":
+                with ThreadPoolExecutor(2) as both:
+                    one, _ = both.map(lambda _: self._ask(method, path, credential, content), range(2))
+                    return one
+            self._drop(method, path, credential, content, whole=fault == "unheard")
+        return self._ask(method, path, credential, content)
+
+    def _connection(self) -> http.client.HTTPConnection:
+        parts = urlsplit(self.url)
+        kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
+        return kind(parts.netloc, timeout=_PATIENCE)
+
+    def _ask(self, method: str, path: str, credential: str, content: bytes) -> Any:
+        start = time.perf_counter()
+        connection = self._connection()
+        connection.request(method, path, content or None, {"Authorization": f"Bearer {credential}"})
+        response = connection.getresponse()
+        answer = response.read()
+        connection.close()
+        self.latencies.append((time.perf_counter() - start) * 1e3)
+        if response.status >= 300:
+            raise LoadError(f"{method} {path}: {response.status} {answer[:300]!r}")
+        return json.loads(answer)
+
+    def _drop(self, method: str, path: str, credential: str, content: bytes, *, whole: bool) -> None:
+        connection = self._connection()
+        connection.connect()
+        head = (
+            f"{method} {path} HTTP/1.1\r\nHost: {connection.host}\r\nAuthorization: Bearer {credential}\r\n"
+        )
+        sent = f"{head}Content-Length: {len(content)}\r\n\r\n".encode() + content
+        line: socket.socket = connection.sock
+        line.sendall(sent if whole else sent[: len(sent) // 2])
+        connection.close()
+
+
+def drive(
+    url: str,
+    token: str,
+    sessions: int,
+    clients: int,
+    *,
+    cameras: int = 16,
+    finished: float = 1.0,
+    faults: float = FAULTS,
+    seed: int = 0,
+) -> Outcome:
+    """Run captures from many clients at once.
+
+    Parameters
+    ----------
+    url, token
+        The stack, without slash, and what it is asked with.
+    sessions, clients
+        How many captures in all, and from how many clients.
+    cameras
+        They are of so many cameras; all of one camera are of the same optics.
+    finished
+        Share of the captures that go on to their end; the others end after one view.
+    faults
+        Share of the requests on which the line fails.
+    seed
+        Equal seeds send equal views.
+
+    Raises
+    ------
+    LoadError
+        If an answer is not one of success, or a session holds other views than were acknowledged.
+    """
+    lines = [Line(url, random.Random(f"{seed}/{n}"), faults) for n in range(clients)]  # noqa: S311
+
+    def client(n: int) -> list[Heard]:
+        return [
+            capture(
+                lines[n], token, seed + k, f"Load camera {k % cameras:03d}", lines[n].rng.random() < finished
+            )
+            for k in range(n, sessions, clients)
+        ]
+
+    start = time.perf_counter()
+    with ThreadPoolExecutor(clients) as pool:
+        heard = [capture for each in pool.map(client, range(clients)) for capture in each]
+    return Outcome(
+        heard,
+        sum((line.counts for line in lines), Counter()),
+        sorted(latency for line in lines for latency in line.latencies),
+        time.perf_counter() - start,
+    )
+
+
+def capture(line: Line, token: str, seed: int, camera: str, finish: bool) -> Heard:
+    """Run one capture and return what was acknowledged; where not to `finish`, end after a view."""
+    heard = Heard()
+    session = line.call("POST", "/v1/auth", token)["session_id"]
+    start = {"camera": camera, "platform": "X11; Linux x86_64", "img_size": _SIZE, "target_error": _ENOUGH}
+    state = line.call("POST", "/v1/session", session, start)
+    for ids, points in seen(seed):
+        if state["status"] == "converged" or (heard.views and not finish):
+            break
+        index = len(heard.views)
+        view = {"index": index, "ids": ids, "points": points}
+        state = line.call("POST", "/v1/session/views", session, view)
+        if state["accepted"]:
+            heard.views.append((index, ids, points))
+    heard.calibration_id = state["calibration_id"]
+    if finish and heard.calibration_id is None:
+        raise LoadError(f"a capture of {camera} did not converge: {state['views']}")
+    state = line.call("GET", "/v1/session", session)
+    if [(v["index"], v["points"]) for v in state["views"]] != [(n, len(ids)) for n, ids, _ in heard.views]:
+        raise LoadError(f"a capture of {camera} holds other views than were acknowledged: {state['views']}")
+    return heard
+
+
+def seen(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
+    """Yield ids and points that a detector would find on one capture's frames."""
+    rng = np.random.default_rng(seed)
+    board = Board()
+    matrix = np.array([[950.0, 0.0, 652.0], [0.0, 948.0, 351.0], [0.0, 0.0, 1.0]])
+    camera = Camera("rectilinear", matrix, np.array([-0.12, 0.05, 0.0005, -0.0004, 0.0]), _SIZE)
+    for n, (x, y) in enumerate(_TILTS):
+        rotation = rotations.matrix(np.array([x, y, 0.1 * n]) + rng.normal(0, 0.04, 3))
+        place = np.array([-4.5 + (n % 3 - 1), -3.0 + 0.5 * (n % 2), 9.0 + n % 4])
+        q = camera.project(board.points @ rotation.T + place) + rng.normal(0, _NOISE, (len(board.points), 2))
+        inside = np.flatnonzero(((q >= 0) & (q <= np.array(_SIZE) - 1)).all(axis=1))
+        yield inside.tolist(), q[inside].tolist()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Drive the stack that is named; return the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m infra.load", description="Many captures at once.")
+    parser.add_argument("url", help="of the API, without /v1: http://127.0.0.1:8000")
+    parser.add_argument("--token", default="cdb_dev_local")
+    parser.add_argument("--sessions", type=int, default=200)
+    parser.add_argument("--clients", type=int, default=64)
+    parser.add_argument("--cameras", type=int, default=16)
+    parser.add_argument("--faults", type=float, default=FAULTS, help="share of requests that fail (0.2)")
+    asked = parser.parse_args(arguments)
+    try:
+        outcome = drive(
+            asked.url.rstrip("/"),
+            asked.token,
+            asked.sessions,
+            asked.clients,
+            cameras=asked.cameras,
+            faults=asked.faults,
+        )
+    except (LoadError, OSError) as error:
+        print(f"calibDB: {error}", file=sys.stderr)
+        return 1
+    print("\n".join(outcome.lines()))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
