@@ -53,7 +53,7 @@ def labels() -> list[Label]:
 
 def resolved(asked: Identity, known: Sequence[Label]) -> str:
     """The key that answers where every label with a USB id was calibrated."""
-    ids = {k.identity.key for k in known if k.identity.usb_id and k.identity.name_key == asked.name_key}
+    ids = {k.identity.key for k in known if k.identity.usb_id and asked.key in k.identity.name_keys}
     return ids.pop() if not asked.usb_id and asked.distinct and len(ids) == 1 else asked.key
 
 

@@ -29,7 +29,7 @@ Row = dict[str, str]
     [
         (("HD Pro Webcam C920 (046d:082d)", LINUX), ("HD Pro Webcam C920 (046d:082d)", WINDOWS)),
         (("HD Pro Webcam C920 (046d:082d)", LINUX), ("Logitech HD Pro Webcam C920 (046D:082D)", LINUX)),
-        (("HD Pro Webcam C920", MAC), ("Logitech HD Pro Webcam C920", WINDOWS)),
+        (("HD Pro Webcam C920", WINDOWS), ("Logitech HD Pro Webcam C920", "Windows NT 11.0; ARM64")),
         (("Microsoft® LifeCam Studio(TM)", LINUX), ("LifeCam  Studio", LINUX)),
         (("MacBook Pro Camera (0000:0001)", MAC), ("MacBook Pro Camera", MAC)),
         (("FaceTime HD Camera", MAC), ("FaceTime HD Camera", "Macintosh; Intel Mac OS X 14_2")),
@@ -71,6 +71,7 @@ def test_the_same_camera(one: tuple[str, str], other: tuple[str, str]) -> None:
         (("Back Ultra Wide Camera", IPHONE), ("Back Wide Camera", IPHONE)),
         (("Back Camera", IPHONE), ("Back Camera", "iPad; CPU OS 17_5 like Mac OS X")),
         (("FaceTime HD Camera", MAC), ("FaceTime HD Camera", LINUX)),
+        (("HD Pro Webcam C920", MAC), ("HD Pro Webcam C920", LINUX)),
         (("FaceTime HD Camera (Built-in)", MAC), ("FaceTime HD Camera (Display)", MAC)),
         # a maker's name is all that distinguishes these
         (("HP Webcam", WINDOWS), ("Dell Webcam", WINDOWS)),
@@ -243,6 +244,16 @@ def test_an_earlier_versions_key_becomes_todays() -> None:
     assert current(key, "HD Pro Webcam C920", LINUX) == key
 
 
+def test_a_distinct_name_leads_to_its_usb_id_from_every_computer() -> None:
+    """What is calibrated under a name alone stays with its system; what has an id is found from all."""
+    with_id = identify("HD Pro Webcam C920 (046d:082d)", LINUX)
+    for platform in (LINUX, WINDOWS, MAC, "X11; CrOS x86_64 14541.0.0", "curl/8"):
+        assert camera_key("HD Pro Webcam C920", platform) in with_id.name_keys
+    assert camera_key("HD Pro Webcam C920", "Linux; Android 14; Pixel 8") not in with_id.name_keys
+    built_in = identify("Integrated Camera (04f2:b6d0)", LINUX)
+    assert built_in.name_keys == {camera_key("Integrated Camera", LINUX)}
+
+
 # ---- the labels that browsers were seen to report
 
 
@@ -256,7 +267,7 @@ def rows() -> list[tuple[Row, Identity]]:
 
 def resolved(asked: Identity, known: list[Identity]) -> str:
     """The key that answers: USB id and name, or of a name alone the one id that is known under it."""
-    ids = {i.key for i in known if i.usb_id and i.name_key == asked.name_key}
+    ids = {i.key for i in known if i.usb_id and asked.key in i.name_keys}
     return ids.pop() if not asked.usb_id and asked.distinct and len(ids) == 1 else asked.key
 
 

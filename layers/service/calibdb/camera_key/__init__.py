@@ -1,10 +1,11 @@
 """Camera keys: one name for one camera, whatever the browser calls it.
 
 A browser reports a label (`Logitech HD Pro Webcam C920 (046d:082d)`) and a platform (`X11; Linux x86_64`).
-Where the label carries a USB id, that and the name are the camera, on any platform. A name alone that says
-which product it is (`HD Pro Webcam C920`) is one camera on every computer, since a webcam moves from one to
-the next. A name that many products bear (`Integrated Camera`, `camera 0, facing back`) is kept apart by
-platform and device model; without these it is `ambiguous`: nobody's calibration can be told to be for it.
+Where the label carries a USB id, that and the name are the camera, on any platform. Without one, name and
+system are all there is, on Android the device's model, too. A name alone that says which product it is
+(`HD Pro Webcam C920`) leads to the camera of the USB id that is known under it, on every computer; one that
+many products bear (`Integrated Camera`, `camera 0, facing back`) leads nowhere, and without a device's model
+it is `ambiguous`: nobody's calibration can be told to be for it.
 
 The key carries the version of these rules, so that a later version never mixes with an earlier one.
 `docs/camera-keys.md` has what they achieve on labels that browsers really report.
@@ -20,7 +21,7 @@ from dataclasses import dataclass
 
 from calibdb.camera_key.label import public_label, read
 from calibdb.camera_key.names import names_its_model, says_too_little
-from calibdb.camera_key.system import public_platform, system_of
+from calibdb.camera_key.system import COMPUTERS, public_platform, system_of
 
 __all__ = [
     "PATTERN",
@@ -47,7 +48,9 @@ class Identity:
     key
         Key of the camera: of USB id and name, or of the name alone where there is no id.
     name_key
-        Key of the name alone: under it the camera is asked for where a browser gives no id.
+        Key of name and system: under it the camera is asked for where a browser gives no id.
+    name_keys
+        All keys under which it is asked for by its name: on every computer, where the name is distinct.
     name
         Normalised label.
     usb_id
@@ -63,6 +66,7 @@ class Identity:
 
     key: str
     name_key: str
+    name_keys: frozenset[str]
     name: str
     usb_id: str | None
     virtual: bool
@@ -80,13 +84,16 @@ def identify(label: str, platform: str) -> Identity:
     found = read(label, system.name)
     says_enough = not says_too_little(found.name) or (system.is_file and names_its_model(found.name))
     distinct = says_enough and not found.virtual
-    # A webcam moves from computer to computer; what a phone or a laptop has built in does not.
-    place = "" if found.virtual or (distinct and system.is_computer) else system.text
-    name_key = _key(found.name, "", place, found.virtual)
+    name_key = _key(found.name, "", "" if found.virtual else system.text, found.virtual)
     key = _key(found.name, found.usb_id, "", found.virtual) if found.usb_id else name_key
+    # A webcam moves from computer to computer; what a phone or a laptop has built in does not.
+    travels = distinct and not system.is_file
     return Identity(
         key=key,
         name_key=name_key,
+        name_keys=frozenset(_key(found.name, "", c, False) for c in COMPUTERS)
+        if travels
+        else frozenset({name_key}),
         name=found.name,
         usb_id=found.usb_id,
         virtual=found.virtual,

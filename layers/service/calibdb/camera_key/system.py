@@ -24,11 +24,15 @@ _BUILD = re.compile(r" build/.*$")
 _MODEL_IPHONE = re.compile(r"\b(?:iphone|ipad|ipod)\b")
 
 
+COMPUTERS = ("chromeos", "linux", "macos", "windows", "other")  # into which cameras are plugged
+FILES = ("photographs", "video")
+
+
 @dataclass(frozen=True)
 class System:
     """A system by its family, and the device's model where the browser names it."""
 
-    name: str  # one of the families above, or for others what the browser says
+    name: str  # one of the families above, of FILES, or "other"
     model: str = ""
 
     @property
@@ -37,17 +41,12 @@ class System:
         return f"{self.name}; {self.model}" if self.model else self.name
 
     @property
-    def is_computer(self) -> bool:
-        """Tell whether cameras are plugged into it, rather than built in for good."""
-        return self.name not in ("ios", "android") and not self.is_file
-
-    @property
     def is_file(self) -> bool:
         """Tell whether it is photographs or a video: the camera's name is from the file, written by itself.
 
         A camera cuts them differently, and its stream again.
         """
-        return self.name in ("photographs", "video")
+        return self.name in FILES
 
     @property
     def is_one_device(self) -> bool:
@@ -68,7 +67,7 @@ def system_of(platform: str) -> System:
     for name, pattern in _SYSTEMS:
         if pattern.search(text):
             return System(name, _model(name, text))
-    return System(text)
+    return System(text if text in FILES else "other")
 
 
 def _model(name: str, text: str) -> str:

@@ -42,9 +42,11 @@ class Names:
     def publish(self, document: CalibrationDocument) -> None:
         """Let the camera be found; what a camera that is known already is called is known, too."""
         named = _named(document)
-        self._alias(named)
-        # Written last, so that where it is all the others are.
-        if self._table.get(ALL, named.key) is None:
+        # The last that was written, so that where it is all the others are that follow from the key.
+        known = self._table.get(ALL, named.key) is not None
+        if not (known and named.identity.distinct and named.aliases <= named.identity.name_keys):
+            self._alias(named)
+        if not known:
             self._search(named)
 
     def index(self, document: CalibrationDocument) -> None:
@@ -81,7 +83,7 @@ def _named(document: CalibrationDocument) -> _Named:
     identity = identify(document.camera, document.platform)
     key = current(document.camera_key, document.camera, document.platform)
     made_under = _OWN_ID.sub("", document.id)
-    others = {document.camera_key, made_under, identity.name_key if identity.usb_id else key}
+    others = {document.camera_key, made_under, *(identity.name_keys if identity.usb_id else ())}
     return _Named(key, frozenset(k for k in others if k != key and PATTERN.fullmatch(k)), identity)
 
 
