@@ -49,7 +49,7 @@ def planned(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
 
 def comfortable(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
     guide = peers.Comfortable(ProjectionUncertainty(Board(), camera.img_size, camera.model))
-    return synthetic.run(camera, rng, noise=noise, views=6, guide=guide)
+    return synthetic.run(camera, rng, noise=noise, views=8, guide=guide)
 
 
 METHODS = (
@@ -134,12 +134,12 @@ def conditions(seeds: int) -> str:
     straight = synthetic.rectilinear_cameras()
     harder: list[tuple[str, Run, Sequence[Camera]]] = [
         ("comfortable poses only", comfortable, straight),
-        ("1 % of the corners 3 to 50 px off", guided(6, wild=0.01), straight),
-        ("noise doubled at 45 degrees", guided(6, blur=1.0), straight),
-        ("clumsy user: 9 degrees, 9 %", guided(6, user=CLUMSY), straight),
-        ("fisheye, 118 to 166 degrees", guided(6), synthetic.fisheye_cameras()),
-        ("rational, 75 to 125 degrees", guided(6), specimens.rational_cameras()),
-        ("omnidirectional, 120 to 190 degrees", guided(6), specimens.omnidirectional_cameras()),
+        ("1 % of the corners 3 to 50 px off", guided(8, wild=0.01), straight),
+        ("noise doubled at 45 degrees", guided(8, blur=1.0), straight),
+        ("clumsy user: 9 degrees, 9 %", guided(8, user=CLUMSY), straight),
+        ("fisheye, 118 to 166 degrees", guided(8), synthetic.fisheye_cameras()),
+        ("rational, 75 to 125 degrees", guided(8), specimens.rational_cameras()),
+        ("omnidirectional, 120 to 190 degrees", guided(8), specimens.omnidirectional_cameras()),
     ]
     rows = []
     for name, run, cameras in harder:

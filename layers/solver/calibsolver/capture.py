@@ -28,6 +28,8 @@ MIN_VIEWS = 4
 """Fewer views can agree by chance."""
 MAX_VIEWS = 15
 """Where a capture ends with what was reached."""
+WILD = 0.15
+"""Median error / image width of a view with its pose alone fitted, that no lens explains."""
 CAUTION = 1.1
 """Times the predicted error that is reported and aimed at."""
 LEAST_SHARE = 0.2
@@ -258,6 +260,8 @@ class Capture:
         belief = Belief.of(self.model, self.img_size, before, self.prior)
         obs = Observations.of([view])
         posed = start.at(belief.model, obs, belief.k)
+        if not posed.error < WILD * self.img_size[0]:
+            return None
         q, j = normal.design(belief.model, belief.k, posed.poses, obs.points)
         if not (np.isfinite(q).all() and np.isfinite(j).all()):
             return None
