@@ -1,7 +1,5 @@
 """OpenCV's FileStorage, YAML and JSON, under the names that calibration programs have long used."""
 
-from datetime import UTC, datetime
-
 import numpy as np
 
 from .. import models
@@ -62,7 +60,7 @@ def members(subject: Subject, held: Conversion) -> dict[str, str | int | float]:
     """Return the plain members of the file."""
     c, board = held.camera, subject.board
     return {
-        "calibration_time": datetime.fromtimestamp(subject.time, UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "calibration_time": f"{np.datetime64(subject.time, 's')}Z",
         "nr_of_frames": len(subject.views),
         "image_width": c.img_size[0],
         "image_height": c.img_size[1],
