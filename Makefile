@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test lint unit service browser bench bench-keys bench-guidance bench-load fuzz ops openapi plan lock clean setup
+.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -31,6 +31,11 @@ browser: setup
 	@bash infra/tools/browsers.sh
 	$(PY) -m pytest tests/browser
 
+# Every page in every state, to be looked at: tests/browser/output/
+screenshots: setup
+	@bash infra/tools/browsers.sh
+	$(PY) -m pytest tests/browser/screenshots.py
+
 # One core for both sides of every ratio: libraries differ in how many they would take.
 bench: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench
@@ -39,6 +44,15 @@ bench: setup
 # SEEDS=10 ONLY=methods,conditions,bound
 bench-guidance: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench.guidance
+
+bench-accuracy: setup
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench.accuracy
+
+bench-consensus: setup
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench.consensus
+
+bench-uncertainty: setup
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench.uncertainty
 
 bench-keys: setup
 	@$(PY) -m tests.bench.keys

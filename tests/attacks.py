@@ -26,9 +26,14 @@ class Trial:
     moved: float
 
     @property
+    def reliable(self) -> bool:
+        """Whether there is a reliable answer in spite of the lies."""
+        return self.attacked is not None and self.attacked.reliable
+
+    @property
     def wrong(self) -> bool:
         """Whether a reliable answer moved by more than half a pixel over the image."""
-        return self.attacked is not None and self.attacked.reliable and self.moved > 0.5
+        return self.reliable and self.moved > 0.5
 
 
 def trial(rng: np.random.Generator, kind: str, total: int, variation: float = 0.0, views: int = 5) -> Trial:

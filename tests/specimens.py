@@ -56,21 +56,17 @@ def views(camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: i
 def rational_cameras(
     count: int = 12, seed: int = 0, img_size: tuple[int, int] = synthetic.IMG_SIZE
 ) -> list[Camera]:
-    """Cameras of 75 to 125 degrees over the diagonal, from nearly a pinhole to nearly equidistant."""
+    """Webcams from wide to narrow whose further coefficients are small, as calibrations of them find."""
     rng = np.random.default_rng(seed)
     cameras: list[Camera] = []
     while len(cameras) < count:
-        # Pade's approximant of atan(c r) / (c r), and lenses around it.
-        c2 = rng.uniform(0.1, 0.9) ** 2
-        k1, k2 = 7 / 9 * c2, 64 / 945 * c2**2
-        k4, k5 = 10 / 9 * c2, 5 / 21 * c2**2
-        d = np.array([k1, k2, 0, 0, 0, k4, k5, 0]) + np.array(
-            [0.05, 0.02, 5e-4, 5e-4, 0.01, 0.05, 0.02, 0.01]
-        ) * (rng.normal(size=8))
-        camera = of_diagonal("rational", d, np.radians(rng.uniform(75, 125)), rng, img_size)
-        if camera is not None:
-            cameras.append(camera)
-    return cameras
+        plain = synthetic.rectilinear_cameras(2 * count, int(rng.integers(1 << 30)), img_size)
+        for camera in plain:
+            k1, k2, p1, p2, _ = camera.distortion
+            d = np.array([k1, k2, p1, p2, 0, 0, 0, 0])
+            d += np.array([0.15, 0.06, 0, 0, 0.015, 0.15, 0.06, 0.015]) * rng.normal(size=8)
+            cameras += seen_all(Camera("rational", camera.matrix, d, img_size))
+    return [cameras[i] for i in rng.permutation(len(cameras))[:count]]
 
 
 def omnidirectional_cameras(
@@ -81,26 +77,30 @@ def omnidirectional_cameras(
     cameras: list[Camera] = []
     while len(cameras) < count:
         d = np.array([rng.uniform(0.8, 2.2), *(np.array([0.08, 0.1, 1e-3, 1e-3]) * rng.normal(size=4))])
-        camera = of_diagonal("omnidirectional", d, np.radians(rng.uniform(120, 190)), rng, img_size)
-        if camera is not None:
-            cameras.append(camera)
+        cameras += seen_all(
+            of_diagonal("omnidirectional", d, np.radians(rng.uniform(120, 190)), rng, img_size)
+        )
     return cameras
 
 
 def of_diagonal(
     model: str, d: np.ndarray, angle: float, rng: np.random.Generator, img_size: tuple[int, int]
-) -> Camera | None:
-    """Camera that sees `angle` over its diagonal, rays all over the image; None where it would fold."""
+) -> Camera:
+    """Camera that sees `angle` over its diagonal."""
     w, h = img_size
-    law = models.get(model)
-    reach = law.distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
+    reach = models.get(model).distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
     focal = np.hypot(w, h) / 2 / reach
     cx = (w - 1) / 2 + 0.012 * w * rng.normal()
     cy = (h - 1) / 2 + 0.012 * w * rng.normal()
     matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
-    camera = Camera(model, matrix, d, img_size)
+    return Camera(model, matrix, d, img_size)
+
+
+def seen_all(camera: Camera) -> list[Camera]:
+    """The camera, if it has a ray for all of its image and a little beyond; else none."""
+    w, h = camera.img_size
     rim = np.array([[x, y] for x in (-20.0, w / 2, w + 20.0) for y in (-20.0, h / 2, h + 20.0)])
-    return camera if np.isfinite(camera.unproject(rim)).all() else None
+    return [camera] if np.isfinite(camera.unproject(rim)).all() else []
 
 
 def profiles() -> dict[Mode, list[tuple[Camera, float]]]:

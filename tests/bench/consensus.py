@@ -1,0 +1,145 @@
+"""`make bench-consensus`: how far liars get, and what published lens profiles become.
+
+`python -m tests.bench.consensus [CAMERAS]`: 1,000 simulated cameras unless told otherwise. Writes to docs/.
+"""
+
+import itertools
+import sys
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from calibsolver import CalibrationError, Camera
+from calibsolver.consensus import Member, pool
+from tests import attacks, specimens, synthetic
+from tests.bench import document
+
+DRAWS = 60
+"""Of one mode at most; of the smaller ones all there are."""
+ACROSS = 500
+
+
+def main() -> int:
+    cameras = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    document.replace("poisoning", poisoning(cameras))
+    document.replace("lens profiles", profiles())
+    print(f"50 calibrations x 8 views: {fifty():.2f} s")
+    return 0
+
+
+def poisoning(cameras: int) -> str:
+    """Table of rates: what was answered where 40 % of a camera's calibrations are lies."""
+    rows = []
+    for variation, share in ((0.0, 1.0), (0.001, 0.2), (0.003, 0.2)):
+        rng = np.random.default_rng(7)
+        count = int(cameras * share)
+        trials = [
+            attacks.trial(rng, attacks.KINDS[i % 4], int(rng.integers(5, 13)), variation)
+            for i in range(count)
+        ]
+        answered = [t.moved for t in trials if t.reliable]
+        rows.append(
+            [
+                f"{variation:.1%}",
+                str(count),
+                f"{np.mean([t.clean.total < 5 or t.clean.reliable for t in trials]):.1%}",
+                f"{np.mean([t.reliable for t in trials]):.1%}",
+                str(sum(t.wrong for t in trials)),
+                f"{np.max(answered):.2f} px",
+                f"{np.quantile(answered, 0.95):.2f} px",
+            ]
+        )
+        print(*rows[-1], flush=True)
+    header = [
+        "specimens differ by",
+        "cameras",
+        "honest ones alone reliable",
+        "with lies reliable",
+        "moved by > 0.5 px",
+        "moved at most",
+        "95 %",
+    ]
+    return document.table(header, rows)
+
+
+def profiles() -> str:
+    """Table of the share of draws of five that are called reliable."""
+    rng = np.random.default_rng(3)
+    modes = {mode: found for mode, found in specimens.profiles().items() if len(found) >= 5}
+    seen = {mode: specimens.members(found, rng) for mode, found in modes.items()}
+    named = [mode for mode in modes if mode[2] and mode[3]]
+    either = [mode for mode in modes if mode[2] or mode[3]]
+    rates = {mode: rate(seen[mode], modes[mode], rng) for mode in modes}
+    rows = []
+    for what, chosen in (
+        ("lens and setting both named", named),
+        ("lens or setting named", either),
+        ("all, unnamed settings too", list(modes)),
+    ):
+        mean = np.mean([rates[mode] for mode in chosen], axis=0)
+        rows.append([what, str(len(chosen)), f"{mean[0]:.1%}", f"{mean[1]:.1%}"])
+        print(*rows[-1], flush=True)
+    wrong = across(rng)
+    rows.append([f"five lenses, one camera ({ACROSS} draws)", "", f"{wrong:.1%}", ""])
+    print(*rows[-1], flush=True)
+    return document.table(["draws of five from", "modes", "reliable", "fx, fy, cx, cy agree"], rows)
+
+
+def rate(
+    members: Sequence[Member], found: Sequence[tuple[Camera, float]], rng: np.random.Generator
+) -> Sequence[float]:
+    """Share of the draws of five that are reliable, and of those that could be by their intrinsics alone."""
+    draws = list(itertools.combinations(range(len(members)), 5))
+    if len(draws) > DRAWS:
+        draws = [draws[i] for i in rng.choice(len(draws), DRAWS, replace=False)]
+    reliable = [agreed([members[i] for i in draw], found[0][0].img_size) for draw in draws]
+    possible = [close([found[i][0] for i in draw]) for draw in draws]
+    return float(np.mean(reliable)), float(np.mean(possible))
+
+
+def agreed(members: Sequence[Member], img_size: tuple[int, int]) -> bool:
+    try:
+        return pool(members, img_size, "fisheye").reliable
+    except CalibrationError:
+        return False
+
+
+def close(cameras: Sequence[Camera]) -> bool:
+    """Whether focal lengths and centres spread by less than the rule's 5 % and 2 %: no draw can do better."""
+    k = np.stack([camera.intrinsics[:4] for camera in cameras])
+    focal = k[:, :2].std(axis=0) / k[:, :2].mean(axis=0)
+    return bool((focal < 0.05).all() and (k[:, 2:].std(axis=0) / cameras[0].img_size < 0.02).all())
+
+
+def across(rng: np.random.Generator) -> float:
+    """Share of the draws of five different lenses of one camera, at one size, that are called reliable."""
+    cameras: dict[tuple[str, ...], dict[str, list[tuple[Camera, float]]]] = {}
+    for (brand, model, lens, _, w, h), found in specimens.profiles().items():
+        if lens:
+            cameras.setdefault((brand, model, w, h), {}).setdefault(lens.lower(), []).extend(found)
+    many = [lenses for lenses in cameras.values() if len(lenses) >= 5]
+    wrong = 0
+    for _ in range(ACROSS):
+        lenses = many[int(rng.integers(len(many)))]
+        names = rng.choice(sorted(lenses), 5, replace=False)
+        drawn = [lenses[name][int(rng.integers(len(lenses[name])))] for name in names]
+        wrong += agreed(specimens.members(drawn, rng), drawn[0][0].img_size)
+    return wrong / ACROSS
+
+
+def fifty() -> float:
+    """Seconds of one consensus of 50 calibrations of 8 views."""
+    truth = synthetic.rectilinear_cameras()[6]
+    rng = np.random.default_rng(0)
+    members = [Member(str(i), str(i), tuple(specimens.views(truth, rng, count=8))) for i in range(50)]
+    times = []
+    for _ in range(3):
+        begin = time.process_time()
+        pool(members, truth.img_size, "rectilinear")
+        times.append(time.process_time() - begin)
+    return min(times)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,24 @@
+"""Parts of a document that a command writes."""
+
+from pathlib import Path
+
+from tests.data import ROOT
+
+ACCURACY = ROOT / "docs" / "accuracy.md"
+
+
+def replace(part: str, text: str, path: Path = ACCURACY) -> None:
+    """Write `text` between the marks `<!-- part: begin -->` and `<!-- part: end -->` of a document."""
+    begin, end = f"<!-- {part}: begin -->", f"<!-- {part}: end -->"
+    document = path.read_text()
+    head, _, rest = document.partition(begin)
+    _, found, tail = rest.partition(end)
+    if not found:
+        raise ValueError(f"{path} has no part {part!r}")
+    path.write_text(f"{head}{begin}\n{text.strip()}\n{end}{tail}")
+
+
+def table(header: list[str], rows: list[list[str]]) -> str:
+    """Markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
