@@ -71,9 +71,11 @@ def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page)
     boards: list[bool] = []
     page.on(
         "request",
-        lambda request: boards.append(json.loads(request.post_data or "")["board"]["legacy"])
-        if request.method == "POST" and request.url.endswith("/v1/session")
-        else None,
+        lambda request: (
+            boards.append(json.loads(request.post_data or "")["board"]["legacy"])
+            if request.method == "POST" and request.url.endswith("/v1/session")
+            else None
+        ),
     )
     page.goto(address(shown_legacy="true"))
     page.locator("#notice", has_text="older layout").wait_for()

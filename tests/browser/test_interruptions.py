@@ -22,7 +22,9 @@ WORKERS = """
     constructor(url, options) { super(url, options); window.workers.push([String(url), this]); }
   };
 """
-KILL = "window.workers.filter(([url]) => url.includes('detector')).forEach(([, worker]) => worker.terminate())"
+KILL = (
+    "window.workers.filter(([url]) => url.includes('detector')).forEach(([, worker]) => worker.terminate())"
+)
 FULL = """
   IDBObjectStore.prototype.put = () => { throw new DOMException("no room", "QuotaExceededError"); };
 """
@@ -37,9 +39,11 @@ def sessions(page: Page) -> list[Request]:
     begun: list[Request] = []
     page.on(
         "request",
-        lambda request: begun.append(request)
-        if request.method == "POST" and request.url.endswith("/v1/session")
-        else None,
+        lambda request: (
+            begun.append(request)
+            if request.method == "POST" and request.url.endswith("/v1/session")
+            else None
+        ),
     )
     return begun
 
@@ -62,15 +66,18 @@ def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     sent: list[tuple[int, Request]] = []
     page.on(
         "request",
-        lambda request: sent.append((len(begun), request))
-        if request.url.endswith("/session/views")
-        else None,
+        lambda request: (
+            sent.append((len(begun), request)) if request.url.endswith("/session/views") else None
+        ),
     )
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
     page.evaluate(TURN)
     page.locator("#notice", has_text="a calibration of its own").wait_for()
-    assert [json.loads(request.post_data or "")["img_size"] for request in begun] == [[1280, 720], [720, 1280]]
+    assert [json.loads(request.post_data or "")["img_size"] for request in begun] == [
+        [1280, 720],
+        [720, 1280],
+    ]
     for session, view in sent:  # nothing of one picture goes to the other's session
         assert session == 1
         assert all(x < 1280 and y < 720 for x, y in json.loads(view.post_data or "")["points"])
@@ -160,7 +167,9 @@ def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: Browser
     page.goto(ENDLESS)
     wait_for_views(page, 2)
     expired = begun[0].headers["authorization"]
-    problem = '{"type": "https://calibdb.example/problems/session-expired", "status": 403, "detail": "expired"}'
+    problem = (
+        '{"type": "https://calibdb.example/problems/session-expired", "status": 403, "detail": "expired"}'
+    )
 
     def refuse(route: Route) -> None:
         if route.request.headers.get("authorization") != expired:

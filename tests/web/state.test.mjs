@@ -139,7 +139,7 @@ test("in a mirrored preview left is right", () => {
 
 test("a hand that is not steady is asked for less, the longer it tries", () => {
   const state = { posedAt: 1000 };
-  assert.deepEqual([1000, 5000, 7000, 60_000].map((time) => lenience(state, time)), [1, 1, 1.5, 3]);
+  assert.deepEqual([1000, 4000, 5500, 60_000].map((time) => lenience(state, time)), [1, 1, 1.5, 4]);
   const trembling = (from, ms) => frames(frame(THERE), ms, from).map((event, index) => {
     const points = event.detection.points.map(([x, y]) => [x + (index % 2 ? 3 : 0), y]);
     return { ...event, detection: { ...event.detection, points } };

@@ -17,8 +17,8 @@ export const STUCK = 15_000; // ms without coming nearer to the target, then ano
 const ENDLESS = 45_000; // ms after which one is asked for in any case
 const FUTILE = 3_000; // ms after a refusal in the target's place: time to read why
 const USELESS = 1_000; // ms after one that nothing can be done about
-const STRAINED = 4_000; // ms in which a steady hand would have been still: then less is asked of it,
-const LENIENCE = 3; // at most so many times the motion of a steady one
+const STRAINED = 3_000; // ms in which a steady hand would have been still: then less is asked of it,
+const LENIENCE = 4; // at most so many times the motion of a steady one
 
 /** Is the board where the target is, and as it is? @param {State} state */
 export function isThere({ overlap, outline, aim }) {

@@ -112,7 +112,8 @@ export class VirtualCamera {
     const [columns, rows] = board.squares;
     const distance = ((1.6 * columns * setup.lens.fx) / setup.size[0]) * (setup.shown.distance ?? 1);
     this.#hand = new Hand(setup.hand, {
-      error: setup.error, seed: setup.seed, pivot: [columns / 2, rows / 2, 0], focal: setup.lens.fx,
+      error: setup.error, seed: setup.seed, pivot: [columns / 2, rows / 2, 0],
+      focal: (setup.lens.fx * 1280) / setup.size[0],
       start: { rvec: [0, 0, 0], tvec: [-columns / 2, -rows / 2, distance] },
     });
   }

@@ -6,7 +6,7 @@ import { between, misplaced, seeded, transform } from "./pose.js";
  *
  * @typedef {object} Kind
  * @property {number} travel ms from one pose to the next
- * @property {number} tremor px, amplitude of a fast tremor, as the camera sees it
+ * @property {number} tremor px at 1280 px image width, amplitude of a fast tremor, as the camera sees it
  * @property {number} sway px, amplitude of a slow one
  * @property {number} astray ms on a wrong way first: to where the target would be in a mirror
  * @property {number} blurred share of the frames that motion blurs
@@ -41,7 +41,7 @@ export class Hand {
 
   /**
    * @param {string} kind of `HANDS` @param {{error: number, seed: number, pivot: number[], focal: number, start: Pose}} options
-   *   error: how far it misses, 1 for about 3° and 3 % of the distance; pivot: the board's centre; focal: of the lens, px
+   *   error: how far it misses, 1 for about 3° and 3 % of the distance; pivot: the board's centre; focal: of the lens, px at 1280 px image width
    */
   constructor(kind, { error, seed, pivot, focal, start }) {
     this.#kind = HANDS[kind] ?? HANDS.still;
