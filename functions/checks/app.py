@@ -16,7 +16,7 @@ from starlette.responses import Response
 from calibdb import http, resolution
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.corners import misplaced
-from calibdb.errors import InvalidError, NotFoundError
+from calibdb.errors import FieldError, InvalidError, NotFoundError
 from calibdb.schema import (
     Calibration,
     CheckAnswer,
@@ -30,10 +30,16 @@ from calibdb.store import Mode
 from calibdb.tokens import Ticket, contributor
 from calibdb.votes import fits, vote_id
 from calibsolver import Board, CalibrationError, Camera, View, fit
+from calibsolver.admission import unfit
 from calibsolver.score import score
 
 _MOST_FIELDS = 20
 _FEWEST = 4  # points that make a pose
+_UNFIT = {
+    "too_few_points": "too few corners to tell how the board is held",
+    "degenerate": "the corners lie on a line, or nearly",
+    "mirrored": "the picture is mirrored",
+}
 
 
 @dataclass(frozen=True)
@@ -128,6 +134,12 @@ def examine(request: CheckRequest) -> Examined:
     """Fit a camera to the views alone; raises InvalidError where there is none that believably took them."""
     board = Board(**request.board.model_dump())
     views = [board.view(view.ids, view.points) for view in request.views]
+    reasons = [unfit(view, request.img_size) for view in views]
+    wrong = [
+        FieldError(f"views.{n}", _UNFIT.get(reason, reason)) for n, reason in enumerate(reasons) if reason
+    ]
+    if wrong:
+        raise InvalidError(wrong)
     try:
         own = fit(views, request.img_size, request.distortion_model)
     except CalibrationError as error:

@@ -151,11 +151,14 @@ def test_what_cannot_be_checked(stack: LocalStack, camera: Callable[[int], str])
     assert check(stack, name, zoom=2).status == 404
     rng = np.random.default_rng(0)
     noise = [{"ids": list(range(40)), "points": rng.uniform(0, 700, (40, 2)).tolist()}]
+    mirrored = [{**view, "points": [[1279 - x, y] for x, y in view["points"]]} for view in views(3)]
     refused: list[tuple[list[dict[str, Any]], str]] = [
         ([], "views"),
+        (mirrored, "views.0"),
         (views(6), "views"),
         (noise, "views"),
-        ([{"ids": [0, 1], "points": [[1, 1], [2, 2]]}], "views"),
+        ([{"ids": [0, 1], "points": [[1, 1], [2, 2]]}], "views.0"),
+        ([{"ids": list(range(8)), "points": [[9 * n, 300] for n in range(8)]}], "views.0"),
         ([{"ids": [0, 0], "points": [[1, 1], [2, 2]]}], "views.0.ids"),
         ([{"ids": [0, 1], "points": [[1, 1]]}], "views.0.points"),
         ([{"ids": [40], "points": [[1, 1]]}], "views.0.ids.0"),
@@ -184,3 +187,25 @@ def test_it_is_found_as_a_lookup_finds_it(stack: LocalStack) -> None:
     calibrated(stack, "Acme LensCam X200 (1bcf:2c99)", 0)
     assert check(stack, "Acme LensCam X200").json["fits"] == "fits"
     assert check(stack, "Acme LensCam X300").status == 404
+
+
+def test_whatever_points_are_sent_it_is_an_answer(stack: LocalStack, camera: Callable[[int], str]) -> None:
+    name, rng = camera(1), np.random.default_rng(1)
+    grid = np.stack([100.0 + 100 * (np.arange(40) % 8), 50.0 + 100 * (np.arange(40) // 8)], axis=1)
+    shapes: list[Callable[[int], Any]] = [
+        lambda n: rng.uniform(0, [1279, 719], (n, 2)),
+        lambda n: np.stack([np.linspace(0, 1279, n), np.linspace(0, 719, n)], axis=1),
+        lambda n: np.full((n, 2), 300.0),
+        lambda n: grid[:n],
+        lambda n: grid[:n] * 1e-9,
+        lambda n: grid[:n] + rng.normal(0, 10, (n, 2)),
+    ]
+    client = Client(stack)
+    client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
+    for case in range(36):
+        count = int(rng.integers(1, 41))
+        points = shapes[case % len(shapes)](count).tolist()
+        seen = [{"ids": list(range(count)), "points": points}] * (1 + case % 5)
+        model = schema.DISTORTION_MODELS[case % 4]
+        body = {**CAMERA, "camera": name, "views": seen, "distortion_model": model}
+        assert client.call("POST", "/v1/checks", body).status in (200, 422), body
