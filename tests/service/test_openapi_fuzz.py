@@ -43,7 +43,7 @@ def known(stack: LocalStack) -> dict[str, list[str]]:
     """Ids that there are: of a calibration, a consensus, a camera."""
     client = Client(stack)
     ids = [Truth(seed=seed).calibrate(client)["calibration_id"] for seed in range(5)]
-    consensus = until(lambda: client.lookup().status == 200 and client.lookup().json["id"])
+    consensus = until(lambda: client.lookup().status == 200 and client.lookup().json["id"], 60)
     return {"id": [ids[0], consensus], "key": [consensus.split("~")[0]], "index": ["0", "1"]}
 
 

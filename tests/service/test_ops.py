@@ -248,12 +248,12 @@ def test_nothing_of_a_contributor_is_left(
     other = capsys.readouterr().out.strip()
     with LocalStack(tmp_path / "data") as stack:
         Truth(seed=1).calibrate(Client(stack))
-        until(lambda: totals(stack) == {1})
+        until(lambda: totals(stack) == {1}, 60)
     with LocalStack(tmp_path / "data") as stack:  # all that was queued is done
         before = items(stack)
         kept = objects(stack)
         Truth(seed=2).calibrate(Client(stack, api_token=other))
-        until(lambda: totals(stack) == {2})
+        until(lambda: totals(stack) == {2}, 60)
     assert main(["contributor", "forget", "--address", "192.0.2.77"]) == 1
     assert "nothing came from there" in capsys.readouterr().err
     forget = ["contributor", "forget", "--address", "127.0.0.1", "--token", other.split("_")[1]]

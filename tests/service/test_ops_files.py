@@ -31,7 +31,7 @@ def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for seed in range(5):
             Truth(seed=seed).calibrate(client)
         Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM)
-        until(lambda: client.lookup().status == 200)
+        until(lambda: client.lookup().status == 200, 60)
     return folder
 
 
