@@ -6,6 +6,7 @@ from typing import Literal
 
 from .calibration import Calibration
 from .choice import suggest_model
+from .errors import CalibrationError
 from .view import View
 
 
@@ -23,23 +24,24 @@ LIMIT = Advice(
 )
 
 
-def disagreement(off: float, better: str | None) -> tuple[Advice, ...]:
-    """Say that the last view was `off` times as far from where it was predicted as it should be."""
-    said = Advice(
-        "prediction_disagrees",
-        f"The last view lies {off:.1f} times as far off as was predicted; more views will tell.",
-    )
-    if better is None:
-        return (said,)
-    simple = Advice(
-        "model_too_simple", f"This lens bends more than the model can; {better} explains it better."
-    )
-    return said, simple
+def disagreement(off: float | None, better: str | None) -> tuple[Advice, ...]:
+    """Say that the last view was `off` times as far off as predicted, and which model is better."""
+    said = []
+    if off is not None:
+        text = f"The last view lies {off:.1f} times as far off as was predicted; more views will tell."
+        said.append(Advice("prediction_disagrees", text))
+    if better is not None:
+        text = f"This lens bends more than the model can; {better} explains it better."
+        said.append(Advice("model_too_simple", text))
+    return tuple(said)
 
 
 def suggestion(views: Sequence[View], calibration: Calibration) -> str | None:
     """Return the model that explains the views better than that of their `calibration`, if one does."""
     if len(views) < 3:
         return None
-    found = suggest_model(views, calibration.camera.img_size).model
+    try:
+        found = suggest_model(views, calibration.camera.img_size).model
+    except CalibrationError:
+        return None
     return found if found != calibration.camera.model else None

@@ -30,6 +30,8 @@ MAX_VIEWS = 15
 """Where a capture ends with what was reached."""
 WILD = 0.15
 """Median error / image width of a view with its pose alone fitted, that no lens explains."""
+NOISY = 0.75 / 1280
+"""Noise of a corner's coordinate / image width that no detector has, in a picture that shows markers."""
 CAUTION = 1.1
 """Times the predicted error that is reported and aimed at."""
 LEAST_SHARE = 0.2
@@ -176,7 +178,7 @@ class Capture:
         gain = self._gain(before, view)
         if gain is None:
             return self._refused("outlier", view, target)
-        everything = [*views, view]
+        everything, asked = [*views, view], dict(aside)
         if not self.trial.belongs(others, view):
             changed = self._contradiction(views, active, view, aside, doubted)
             if changed is None:
@@ -188,7 +190,7 @@ class Capture:
         estimate = self.estimate(everything, self._weeded(everything, aside))
         if estimate.calibration is None:
             return self._refused("outlier", view, target)
-        return Verdict(True, None, self._checked(everything, estimate, before))
+        return Verdict(True, None, self._checked(everything, estimate, before, asked))
 
     def _contradiction(
         self,
@@ -220,25 +222,35 @@ class Capture:
                 return left
             left[active[wrong]] = OUTLIER
 
-    def _checked(self, views: Sequence[View], estimate: Estimate, before: Calibration | None) -> Estimate:
-        """Hold the last view against what was predicted of it: where that was wrong the capture goes on."""
-        calibration = estimate.calibration
-        if before is None or calibration is None or len(views) - 1 in estimate.aside:
+    def _checked(
+        self,
+        views: Sequence[View],
+        estimate: Estimate,
+        before: Calibration | None,
+        known: Mapping[int, SetAside],
+    ) -> Estimate:
+        """Hold the last view against what was predicted of it: where that was wrong the capture goes on.
+
+        There, where views fall out (`known` did before), and where the corners are far noisier than any
+        detector's, it may be the model that fails: others are tried.
+        """
+        calibration, last = estimate.calibration, len(views) - 1
+        if before is None or calibration is None or isinstance(self.guide, PoseSelection):
             return estimate
-        if isinstance(self.guide, PoseSelection):
+        count = len(views) - len(estimate.aside)
+        off = 1.0
+        if last not in estimate.aside:
+            off = surprise(before, views[-1], calibration.used[-1], LEAST_NOISE * self.img_size[0])
+        noisy = calibration.noise > NOISY * self.img_size[0] and count % MIN_VIEWS == 0
+        wrong = off > DISAGREEMENT
+        if not (wrong or noisy or len(estimate.aside) > len(known)):
             return estimate
-        off = surprise(before, views[-1], calibration.used[-1], LEAST_NOISE * self.img_size[0])
-        if off <= DISAGREEMENT:
+        better = suggestion(views, calibration)
+        advice = (*estimate.advice, *disagreement(off if wrong else None, better))
+        estimate = replace(estimate, advice=advice, suggested_model=better)
+        if not wrong or count >= MAX_VIEWS:
             return estimate
-        active = [view for i, view in enumerate(views) if i not in estimate.aside]
-        better = suggestion(active, calibration)
-        return replace(
-            estimate,
-            converged=len(active) >= MAX_VIEWS,
-            progress=estimate.progress if len(active) >= MAX_VIEWS else min(estimate.progress, 0.95),
-            advice=(*estimate.advice, *disagreement(off, better)),
-            suggested_model=better,
-        )
+        return replace(estimate, converged=False, progress=min(estimate.progress, 0.95))
 
     def _enough(self, target: TargetPose, view: View, gain: float) -> bool:
         """Whether a view that is right is also worth having."""

@@ -1,0 +1,97 @@
+"""Every view is a test before it is used, and what others measured is a beginning, not a result."""
+
+import numpy as np
+import pytest
+
+from calibsolver import Board, Camera, View, fit
+from calibsolver.capture import Capture
+from calibsolver.prediction import DISAGREEMENT, surprise
+from tests import data, synthetic
+
+BOARD = Board()
+CAMERAS = synthetic.rectilinear_cameras()
+
+
+def test_views_are_as_far_off_as_predicted() -> None:
+    """Fitted to n views, the next is off by as much as predicted, rms; hardly ever by twice as much."""
+    ratios = []
+    for i, camera in enumerate(CAMERAS):
+        session = synthetic.run(camera, np.random.default_rng(i), views=5)
+        for n in (2, 3, 4):
+            calibration = fit(session.views[:n], camera.img_size)
+            view = session.views[n]
+            ratios.append(surprise(calibration, view, np.ones(len(view), bool), 0.05))
+    assert 0.8 < np.sqrt(np.mean(np.square(ratios))) < 1.25
+    assert np.mean(np.array(ratios) > DISAGREEMENT) <= 0.03
+
+
+def test_a_prediction_that_fails_is_said_and_the_capture_goes_on() -> None:
+    camera = CAMERAS[6]
+    session = synthetic.run(camera, np.random.default_rng(0), views=4)
+    rules = Capture(BOARD, camera.img_size, target_error=50.0)
+    view = session.views[3]
+    # The lens as it is elsewhere: bent by some pixels more than the views so far told.
+    off = view.image_points - np.array(camera.img_size) / 2
+    bent = View(
+        view.object_points, view.image_points + 0.006 * off * (np.linalg.norm(off, axis=1) / 500)[:, None]
+    )
+    target = rules.next_target(session.views[:3], rules.estimate(session.views[:3]))
+    honest, other = (rules.judge(session.views[:3], target, v) for v in (view, bent))
+    assert honest.estimate is not None
+    assert honest.estimate.converged
+    assert honest.estimate.advice == ()
+    assert other.estimate is not None
+    assert not other.estimate.converged
+    assert other.estimate.progress <= 0.95
+    assert other.estimate.advice[0].code == "prediction_disagrees"
+
+
+def test_a_model_that_is_too_simple_is_named_with_a_better_one() -> None:
+    """Photographs through a fisheye, taken as if by a plain lens."""
+    corners = data.corner_set("jy_left")
+    size = tuple(corners["image_size"])
+    views = [View(np.array(v["obj"], float), np.array(v["img"], float)) for v in corners["views"]]
+    rules = Capture(BOARD, size, target_error=1e-3)
+    taken: list[View] = []
+    estimate, suggested, advice = rules.estimate([]), None, set[str]()
+    for view in views[:12]:
+        target = rules.next_target(taken, estimate)
+        verdict = rules.judge(taken, target, view, estimate.aside)
+        if verdict.estimate is not None:
+            taken, estimate = [*taken, view], verdict.estimate
+            suggested = suggested or estimate.suggested_model
+            advice |= {a.code for a in estimate.advice}
+    assert suggested in ("fisheye", "rational", "omnidirectional")
+    assert advice >= {"prediction_disagrees", "model_too_simple"}
+
+
+def squashed(camera: Camera, factor: float) -> Camera:
+    matrix = camera.matrix.copy()
+    matrix[0, 0] *= factor
+    matrix[1, 1] *= factor
+    return Camera(camera.model, matrix, camera.distortion, camera.img_size)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.3, 0.6])
+def test_what_others_measured_begins_a_capture_and_does_not_end_it(factor: float) -> None:
+    """Right or wrong, the prior leaves no trace in the result."""
+    for i in (1, 6, 10):
+        camera = CAMERAS[i]
+        prior = squashed(camera, factor)
+        rules = Capture(BOARD, camera.img_size, prior=prior)
+        assert rules.camera(None).matrix[0, 0] == pytest.approx(prior.matrix[0, 0])
+        session = synthetic.run(camera, np.random.default_rng(i), views=5, capture=rules)
+        assert session.stopped is not None
+        assert session.stopped <= 5
+        without = Capture(BOARD, camera.img_size).estimate(session.views)
+        assert without.calibration is not None
+        assert session.calibration is not None
+        difference = synthetic.projection_error(without.calibration.camera, session.calibration.camera)
+        assert difference.max() < 1e-3
+
+
+@pytest.mark.parametrize("focal", [3.0, 1e6, np.nan])
+def test_a_prior_that_is_no_camera_is_passed_over(focal: float) -> None:
+    matrix = np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1.0]])
+    rules = Capture(BOARD, (1280, 720), prior=Camera("rectilinear", matrix, np.zeros(5), (1280, 720)))
+    assert rules.camera(None).matrix[0, 0] == pytest.approx(1024)
