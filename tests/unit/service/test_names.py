@@ -6,6 +6,7 @@ import boto3
 import pytest
 
 from calibdb.camera_key import camera_key, identify
+from calibdb.camera_key.names import words
 from calibdb.store import Calibrations, Cameras, Objects, Table
 from calibdb.store.cameras import is_place
 from tests.known import C920, LINUX, calibration
@@ -85,6 +86,16 @@ def test_the_search_goes_on_where_it_stopped(calibrations: Calibrations, cameras
                 break
             assert is_place(word, after)
         assert len(seen) == len(set(seen)) == 7
+
+
+@pytest.mark.parametrize("label", ["\U00020000" * 256, "\ufdfa" * 256, "a" * 256])
+def test_a_name_longer_than_any_index_takes_is_found_by_its_beginning(
+    calibrations: Calibrations, cameras: Cameras, label: str
+) -> None:
+    calibrations.publish(calibration(label))
+    word = words(identify(label, LINUX).name)[0]
+    assert len(word) <= 64
+    assert [key for key, _ in cameras.search(word, 10, None)[0]] == [camera_key(label, LINUX)]
 
 
 @pytest.mark.parametrize(

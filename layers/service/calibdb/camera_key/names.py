@@ -31,6 +31,7 @@ _FAMILIES = re.compile(
 )
 # What an iPhone writes into its photographs: the model, which no browser tells.
 _OWN_NAME = re.compile(r"\biphone (?:[0-9]{1,2}|x|se)\b|\bipad (?:[a-z]+ )?[0-9]{1,2}\b")
+_LONGEST_WORD = 64  # they are written into the names of items, which have an end
 _WORDS = re.compile(r"[^\W_]+(?:\.[0-9]+)?")
 # 2, 2.0, 720p, 4k, 5mp, usb2.0: counts, versions and sizes.
 _MEASURE = re.compile(r"(?:usb)?[0-9]+(?:\.[0-9]+)?(?:p|k|mp|m|fps|x[0-9]+)?|0x[0-9a-f]+")
@@ -38,8 +39,8 @@ _STRIPPED = re.compile(r"^(?:logitech|logi|microsoft)\b[ ,.:-]*")
 
 
 def words(name: str) -> list[str]:
-    """Return the words of a name (lower case): letters and digits of any script."""
-    return _WORDS.findall(name)
+    """Return the words of a name (lower case): letters and digits of any script, cut where nobody would."""
+    return [word[:_LONGEST_WORD] for word in _WORDS.findall(name)]
 
 
 def is_maker(word: str) -> bool:
