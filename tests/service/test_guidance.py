@@ -1,0 +1,158 @@
+"""What a capture says over HTTP: hints, views set aside, advice, the report, and what others measured."""
+
+import json
+
+import boto3
+import numpy as np
+
+from calibdb.schema import SessionDocument
+from calibdb.settings import Settings
+from calibdb.store import Store
+from infra.local import LocalStack
+from tests.client import Client, Truth, until
+
+
+def store(stack: LocalStack) -> Store:
+    return Store.of(Settings.from_environment(stack.environment))
+
+
+def latest(stack: LocalStack, camera: str) -> SessionDocument:
+    """The document of the one session of a camera."""
+    bucket, s3 = stack.environment["BUCKET_NAME"], boto3.client("s3")
+    names = [item["Key"] for item in s3.list_objects_v2(Bucket=bucket, Prefix="sessions/")["Contents"]]
+    found = {
+        name: SessionDocument.model_validate_json(s3.get_object(Bucket=bucket, Key=name)["Body"].read())
+        for name in names
+    }
+    versions = {int(name.split("/")[-1][:-5]): one for name, one in found.items() if one.camera == camera}
+    return versions[max(versions)]
+
+
+def take(client: Client, truth: Truth, views: int) -> None:
+    taken = len(client.state()["views"])
+    while len(client.state()["views"]) < taken + views:
+        pose = client.pose().json
+        assert client.view(pose["index"], *truth.see(pose)).status == 200
+
+
+def test_poses_say_what_to_do_and_what_for(running: Client) -> None:
+    first = running.pose().json
+    assert (first["hint_code"], first["purpose"]) == ("first", "a first look")
+    take(running, Truth(), 1)
+    second = running.pose().json
+    assert second["hint_code"] != "first"
+    assert 0 < len(second["hint"].split()) <= 6
+    assert second["purpose"].startswith("to measure ")
+
+
+def test_refusals_say_what_to_do(running: Client) -> None:
+    truth = Truth()
+    take(running, truth, 2)
+    pose = running.pose().json
+    ids, points = truth.see(pose)
+    mirrored = [[1279 - x, y] for x, y in points]
+    shuffled = [points[i] for i in np.random.default_rng(0).permutation(len(points))]
+    far = truth.see({"rvec": [0.0, 0, 0], "tvec": [-4.5, -3, 40.0]})
+    before = running.state()
+    for sent, reason, code in (
+        ((ids[:4], points[:4]), "too_few_points", "show_more"),
+        ((ids, mirrored), "mirrored", "unmirror"),
+        ((ids, shuffled), "outlier", "hold_still"),
+        (far, "no_information", None),
+    ):
+        answer = running.view(pose["index"], *sent).json
+        assert (answer["accepted"], answer["reason"]) == (False, reason)
+        assert answer["hint"]["code"] == code or code is None
+        assert 0 < len(answer["hint"]["text"].split()) <= 6
+        assert running.state() == before
+    assert running.view(pose["index"], ids, points).json["hint"] is None
+
+
+def test_a_wrong_first_view_is_set_aside_and_the_state_says_so(stack: LocalStack, client: Client) -> None:
+    """Of another camera, and right by itself; what is published does not contain it."""
+    client.open(camera="Camera whose first view was another's")
+    take(client, Truth(fx=450, fy=450, distortion=(0.0,) * 5), 1)
+    truth = Truth(seed=3)
+    for _ in range(14):
+        pose = client.pose().json
+        state = client.view(pose["index"], *truth.see(pose)).json
+        if state["status"] == "converged":
+            break
+    assert state["status"] == "converged"
+    first, *others = state["views"]
+    assert first["set_aside"]["reason"] in ("outlier", "disagrees")
+    assert first["set_aside"]["detail"]
+    assert first["rms"] > 1
+    assert all(view["set_aside"] is None for view in others)
+    assert abs(state["calibration"]["camera_matrix"][0][0] / 950 - 1) < 0.01
+    kept = until(lambda: store(stack).calibrations.get(state["calibration_id"]))
+    assert [view.index for view in kept.views] == [view["index"] for view in others]
+    assert [view.index for view in kept.set_aside] == [first["index"]]
+
+
+def test_a_refused_view_sent_twice_is_one_witness(stack: LocalStack, client: Client) -> None:
+    client.open(camera="Camera of a witness")
+    take(client, Truth(), 3)
+    pose = client.pose().json
+    view = Truth(fx=1500, fy=1500, seed=5).see(pose)
+    answers = [client.view(pose["index"], *view).json for _ in range(4)]
+    assert {(answer["accepted"], answer["reason"]) for answer in answers} == {(False, "outlier")}
+    assert len(latest(stack, "Camera of a witness").doubted) == 1
+    assert "doubted" not in answers[0]
+
+
+def test_what_a_finished_capture_is_worth_is_kept_with_it(stack: LocalStack, client: Client) -> None:
+    state = Truth(seed=2).calibrate(client)
+    kept = store(stack).calibrations.get(state["calibration_id"])
+    assert kept is not None
+    assert kept.report is not None
+    report = json.loads(json.dumps(kept.report))
+    assert report["verdict"]["level"] in ("good", "fair")
+    assert np.array(report["error_map"]["px"]).shape == (15, 20)
+    assert [view["index"] for view in report["views"]] == [view["index"] for view in state["views"]]
+
+
+def test_a_capture_ends_after_fifteen_views_and_says_so(client: Client) -> None:
+    client.open(camera="Camera never good enough", target_error=0.001)
+    truth = Truth(seed=4)
+    state = client.state()
+    for _ in range(40):
+        pose = client.pose().json
+        state = client.view(pose["index"], *truth.see(pose)).json
+        if state["status"] == "converged":
+            break
+    assert state["status"] == "converged"
+    assert len(state["views"]) == 15
+    assert "limit_reached" in [advice["code"] for advice in state["advice"]]
+    assert state["progress"] == 1
+    assert state["calibration_id"]
+
+
+def test_a_capture_begins_where_others_ended(stack: LocalStack, client: Client) -> None:
+    name = "Camera that others measured"
+    Truth(fx=600.0, fy=600.0).calibrate(client, camera=name)
+    key = client.state()["calibration_id"].rpartition("-")[0]
+    until(lambda: any(c.distortion_model == "rectilinear" for c in store(stack).consensuses.of(key)))
+    fresh = Client(stack)
+    fresh.open(camera=name, target_error=0.2)
+    pose = fresh.pose().json
+    unknown = Client(stack)
+    unknown.open(camera="Camera that nobody measured")
+    # Through a wider lens the same picture is seen from nearer.
+    assert pose["tvec"][2] < 0.75 * unknown.pose().json["tvec"][2]
+    assert fresh.state()["calibration"] is None
+
+
+def test_the_published_method_can_be_chosen(client: Client) -> None:
+    client.open(guidance="pose-selection")
+    truth = Truth(seed=1)
+    pose = client.pose().json
+    assert abs(np.linalg.norm(pose["rvec"]) - 0.87) < 0.05  # 45 degrees, rolled by 22.5
+    state = client.state()
+    for _ in range(40):
+        pose = client.pose().json
+        state = client.view(pose["index"], *truth.see(pose)).json
+        if state["status"] == "converged":
+            break
+    assert state["status"] == "converged"
+    assert 4 <= len(state["views"]) <= 15
