@@ -71,14 +71,11 @@ def reindex(desk: Desk, only: Iterable[Mode] | None = None) -> Report:
     for document, withdrawn in calibrations.everything():
         calibrations.index(document, withdrawn=withdrawn)
         modes[mode(document)] += 1
-    tokens, cast = Tokens(table, desk.objects), 0
+    cast = 0
     for vote in votes.all():
         votes.index(vote)
         cast += 1
-    issued = 0
-    for token in tokens.all():
-        tokens.index(token)
-        issued += 1
+    issued = Tokens(table, desk.objects).reindex()
     priors = Priors(table, desk.objects)
     for prior in priors.all():
         priors.index(prior)

@@ -154,6 +154,14 @@ def test_tokens(table: Table, objects: Objects) -> None:
     assert tokens.get("id") is None
     assert list(tokens.all()) == []
     assert tokens.create(token) is False  # an id is never another's
+    tokens.index(exchanged)  # as if the revocation had been cut short
+    assert tokens.reindex() == 0
+    assert tokens.get("id") is None
+    other = replace(token, id="other")
+    tokens.create(other)
+    table.delete("TOKEN#other", "META")
+    assert tokens.reindex() == 1
+    assert tokens.get("other") == other
 
 
 def test_a_counter_stops_at_its_limit(table: Table) -> None:

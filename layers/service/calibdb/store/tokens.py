@@ -50,10 +50,8 @@ class Tokens:
 
     def all(self) -> Iterator[ApiToken]:
         """Yield every token in the bucket that was not revoked. For operators."""
-        for name in self._objects.names(PREFIX):
-            content = self._objects.get(name)
-            document = TokenDocument.model_validate_json(content) if content is not None else None
-            if document is not None and document.revoked is None:
+        for document in self._documents():
+            if document.revoked is None:
                 yield ApiToken(
                     id=document.id,
                     secret_sha256=document.secret_sha256,
@@ -63,6 +61,22 @@ class Tokens:
                     former_sha256=document.former_sha256,
                     former_until=document.former_until,
                 )
+
+    def reindex(self) -> int:
+        """Let the index know every token that there is, none that was revoked; return how many there are."""
+        tokens = list(self.all())
+        for token in tokens:
+            self.index(token)
+        for document in self._documents():
+            if document.revoked is not None:
+                self._table.delete(_pk(document.id), "META")
+        return len(tokens)
+
+    def _documents(self) -> Iterator[TokenDocument]:
+        for name in self._objects.names(PREFIX):
+            content = self._objects.get(name)
+            if content is not None:
+                yield TokenDocument.model_validate_json(content)
 
 
 def _pk(token_id: str) -> str:
