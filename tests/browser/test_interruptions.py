@@ -1,4 +1,4 @@
-"""What happens to a capture in the middle of it, and what the page makes of that: nothing captured is lost."""
+"""What happens in the middle of a capture, and what the page makes of it: nothing captured is lost."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""The whole guided capture, hands-free, against a camera that is known and held by hands that are not perfect."""
+"""The whole guided capture, hands-free: a camera that is known, a board in hands that are not perfect."""
 
 import json
 import subprocess
@@ -35,7 +35,7 @@ def assert_true(calibration: dict[str, Any], views: int, seconds: float, where: 
 
 
 def assert_only_keypoints(sent: list[Request]) -> None:
-    """What leaves the page is GETs, the opening of a session, and JSON of corner positions: never a picture."""
+    """What leaves the page: GETs, the opening of a session, corner positions as JSON; never a picture."""
     views = 0
     for request in sent:
         if request.method == "GET":

@@ -208,3 +208,9 @@ test("starting over keeps the cameras and forgets the rest", () => {
   const fresh = reduce(state, { type: "restart" });
   assert.deepEqual([fresh.phase, fresh.pose, fresh.session, fresh.cameras.length], ["welcome", null, null, 1]);
 });
+
+test("a device too slow to colour the picture stays so, whatever is begun anew", () => {
+  const slow = reduce(capturing(), { type: "slow" });
+  assert.equal(slow.plain, true);
+  assert.equal(reduce(slow, { type: "open" }).plain, true);
+});

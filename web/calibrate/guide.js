@@ -8,6 +8,7 @@ import { plannedPose } from "./plan.js";
 import { isAway, viewCount } from "./session.js";
 import { isOfSize } from "./state.js";
 import { motion } from "./stillness.js";
+import { tint } from "./tint.js";
 
 /**
  * @typedef {import("./state.js").Event} Event
@@ -28,6 +29,7 @@ const STEADY = 3; // px between the hold's last frame and the one that is sent, 
 const FOCUSED = 0.6; // part of the board's corners from which the lens is taken to be focused on it
 const CRISP = 0.75; // of the sharpness that the hold's frames had: less is one blurred frame, and the next one will do
 const REMEMBERED = 12; // frames
+const SLOW = 60; // ms for a frame, median of the last ones: with more, a hand cannot be followed
 const RESTARTS = 3; // of the detector in one capture: a fourth would not help
 const RECONNECT = [1, 2, 3, 4, 5]; // s between attempts; the last one again and again
 
@@ -46,6 +48,8 @@ export class Guide {
   #looked = false;
   /** @type {number[]} of the last frames */
   #sharpness = [];
+  /** @type {number[]} ms, of the last frames */
+  #taken = [];
   /** The conversation with the service that is going on. */
   #talk = Promise.resolve();
 
@@ -84,9 +88,11 @@ export class Guide {
     while (this.#state.phase === "capturing" && !this.#signal.aborted) {
       await nextFrame(this.#video);
       if (this.#signal.aborted || this.#isHidden()) continue;
+      const began = performance.now();
       const detection = await this.#look({ probe: nextProbe(this.#state.diagnosis, performance.now()) });
       if (this.#signal.aborted) return null;
       if (!detection) continue;
+      this.#pace(performance.now() - began);
       if (!this.#looked) performance.mark("first detection");
       this.#looked = true;
       if (detection.signs?.sharpness) this.#sharpness = [...this.#sharpness, detection.signs.sharpness].slice(-REMEMBERED);
@@ -98,6 +104,13 @@ export class Guide {
       else if (action === "skip") void this.#nextPose({ skip: true });
     }
     return null;
+  }
+
+  /** Where colouring the picture takes the time that looking at it needs, the target is drawn in a plainer way. @param {number} taken ms */
+  #pace(taken) {
+    this.#taken = [...this.#taken, taken].slice(-2 * REMEMBERED);
+    if (this.#state.plain || this.#taken.length < 2 * REMEMBERED) return;
+    if ([...this.#taken].sort((a, b) => a - b)[REMEMBERED] > SLOW) this.#tell({ type: "slow" });
   }
 
   /** Nobody holds a board in a tab that is not seen. */
@@ -164,8 +177,9 @@ export class Guide {
     if (this.#state.away) return Promise.resolve(this.#planPose());
     return this.#exclusive(async () => {
       const { pose, picture } = await this.#session.pose(options);
+      const tinted = await tint(picture);
       if (this.#signal.aborted) return;
-      this.#tell({ type: "pose", pose, picture: URL.createObjectURL(picture), time: performance.now() });
+      this.#tell({ type: "pose", pose, picture: URL.createObjectURL(tinted), time: performance.now() });
       this.#camera.virtual?.follow(pose);
     });
   }

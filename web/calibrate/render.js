@@ -64,6 +64,7 @@ export function render(parts, state, before) {
   }
   if (state.key !== before?.key || state.cropped !== before?.cropped) renderCamera(parts, state);
   parts.loading.value = state.loading;
+  parts.stage.classList.toggle("plain", state.plain);
   if (phase === "opening") renderOpening(parts, state);
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);

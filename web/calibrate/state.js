@@ -59,6 +59,7 @@ import { viewCount } from "./session.js";
  * @property {boolean} away the service cannot be reached: targets come from the page's own plan
  * @property {number} stored views that wait for it
  * @property {boolean} stalled the detector has stopped, and is started again
+ * @property {boolean} plain this device is too slow to colour the picture
  * @property {boolean} kept is what was captured kept on this device?
  * @property {import("./instruction.js").Instruction} instruction
  * @property {number | null} stopAsked ms, when a stop was asked for that would lose views
@@ -85,6 +86,7 @@ import { viewCount } from "./session.js";
  *   | {type: "stalled", stalled: boolean}
  *   | {type: "shown", time: number}
  *   | {type: "unkept"}
+ *   | {type: "slow"}
  *   | {type: "told", notice: Notice, time: number}
  *   | {type: "stop", time: number}
  *   | {type: "failed", code: string, detail?: string}
@@ -104,7 +106,7 @@ export function initial(board, wanted) {
     waiting: "camera", loading: 0, session: null, progress: 0, pose: null, aim: null, picture: null, posedAt: 0,
     nearest: { time: 0, distance: Infinity }, corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0,
     stillness: MOVING, diagnosis: HEALTHY, answered: null, futile: null, busy: false, notice: null, noticedAt: 0, patience: 0,
-    away: false, stored: 0, stalled: false, kept: true, instruction: SILENT, stopAsked: null, failure: null,
+    away: false, stored: 0, stalled: false, plain: false, kept: true, instruction: SILENT, stopAsked: null, failure: null,
   };
 }
 
@@ -162,6 +164,8 @@ export function reduce(state, event) {
       return { ...state, posedAt: event.time, nearest: { ...state.nearest, time: event.time }, stillness: MOVING, diagnosis: HEALTHY };
     case "unkept":
       return { ...state, kept: false };
+    case "slow":
+      return { ...state, plain: true };
     case "told":
       return notify(state, event.notice, event.time);
     case "stop":
@@ -174,8 +178,8 @@ export function reduce(state, event) {
 }
 
 /** All forgotten but what belongs to the page. @param {State} state @returns {State} */
-function afresh({ board, wanted, cameras, loading, interrupted }) {
-  return { ...initial(board, wanted), cameras, loading, interrupted };
+function afresh({ board, wanted, cameras, loading, interrupted, plain }) {
+  return { ...initial(board, wanted), cameras, loading, interrupted, plain };
 }
 
 /** @param {State} state @param {Notice} notice @param {number} time @returns {State} */
