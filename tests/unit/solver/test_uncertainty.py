@@ -3,46 +3,31 @@
 import numpy as np
 import pytest
 
-from calibsolver import Calibration, View, fit, models
+from calibsolver import Calibration, fit, models
 from calibsolver.uncertainty import pixel_grid, sensitivity
-from tests import synthetic
+from tests import intervals, specimens, synthetic
 
 
-def sessions(kind: str, count: int) -> list[tuple[float, float, np.ndarray]]:
-    """Rms error, predicted rms, normalised errors of the intrinsics: fits to ten views, noise anew each."""
-    cameras = synthetic.rectilinear_cameras() if kind == "rectilinear" else synthetic.fisheye_cameras()
-    out = []
-    for i in (2, 7):
-        camera = cameras[i]
-        rng = np.random.default_rng(40 + i)
-        clean = synthetic.run(camera, rng, noise=0.0, views=10).views
-        for _ in range(count // 2):
-            views = [
-                View(v.object_points, v.image_points + 0.2 * rng.normal(size=(len(v), 2))) for v in clean
-            ]
-            c = fit(views, camera.img_size, kind)
-            error = synthetic.projection_error(camera, c.camera)
-            z = (c.camera.intrinsics - camera.intrinsics) / np.sqrt(np.diag(c.covariance))
-            out.append((float(np.sqrt(np.mean(error**2))), c.uncertainty().rms, z))
-    return out
+@pytest.mark.parametrize("model", models.NAMES)
+def test_prediction_is_the_error_that_happens(model: str) -> None:
+    """Sixty captures. The bounds are for so few: `make bench-uncertainty` takes many.
+
+    The ratio of two errors scatters by 0.7 from capture to capture, its mean square by 1.4, so the root of
+    that by 0.09 for sixty. Of 60 intervals that hold the truth in 95 of 100 cases 49 or fewer do so once in
+    ten thousand times; the mean over all parameters scatters by 0.014.
+    """
+    found = intervals.measure(model, 60, views=6)
+    assert found.failed == 0
+    assert 0.75 < found.projection < 1.25
+    assert found.coverage.min() > 49 / 60
+    assert 0.91 < found.coverage.mean() < 0.99
 
 
-@pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
-def test_prediction_is_the_error_that_happens(kind: str) -> None:
-    results = sessions(kind, 40)
-    ratio = np.sqrt(np.mean([(actual / predicted) ** 2 for actual, predicted, _ in results]))
-    assert 0.8 < ratio < 1.25
-    z = np.stack([z for _, _, z in results])
-    assert 0.85 < np.sqrt(np.mean(z**2)) < 1.15
-    assert np.mean(np.abs(z) < 1.96) > 0.9
-
-
-@pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
-def test_noise_is_estimated(kind: str) -> None:
-    cameras = synthetic.rectilinear_cameras() if kind == "rectilinear" else synthetic.fisheye_cameras()
+@pytest.mark.parametrize("model", models.NAMES)
+def test_noise_is_estimated(model: str) -> None:
+    camera = intervals.POPULATIONS[model]()[5]
     for noise in (0.1, 0.5):
-        views = synthetic.run(cameras[5], np.random.default_rng(1), noise=noise, views=8).views
-        c = fit(views, cameras[5].img_size, kind)
+        c = fit(specimens.views(camera, np.random.default_rng(1), noise, 8), camera.img_size, model)
         assert c.noise == pytest.approx(noise, rel=0.12)
         assert c.avg_reprojection_error == pytest.approx(noise * np.sqrt(2), rel=0.12)
 

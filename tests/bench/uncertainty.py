@@ -1,0 +1,49 @@
+"""`make bench-uncertainty`: predicted errors against those that happen; writes to docs/accuracy.md."""
+
+import numpy as np
+
+from calibsolver import models
+from tests import intervals
+from tests.bench import document
+
+CAPTURES = 200
+
+
+def main() -> int:
+    rows = []
+    for model in models.NAMES:
+        for views in (5, 8):
+            found = intervals.measure(model, CAPTURES, views)
+            cover = dict(
+                zip(("fx", "fy", "cx", "cy", *models.get(model).coefficients), found.coverage, strict=True)
+            )
+            low, high = min(cover, key=cover.__getitem__), max(cover, key=cover.__getitem__)
+            rows.append(
+                [
+                    model,
+                    str(views),
+                    f"{found.projection:.2f}",
+                    f"{np.quantile(found.ratio, 0.95):.2f}",
+                    f"{np.mean(found.coverage):.1%}",
+                    f"{cover[low]:.1%} ({low}) to {cover[high]:.1%} ({high})",
+                    str(found.blind),
+                    str(found.failed),
+                ]
+            )
+            print(*rows[-1], flush=True)
+    header = [
+        "model",
+        "views",
+        "actual / predicted projection error, rms",
+        "95 %",
+        "95 % intervals that hold the truth",
+        "by parameter",
+        "blind in a corner",
+        "failed",
+    ]
+    document.replace("error bars", document.table(header, rows))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

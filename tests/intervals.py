@@ -1,0 +1,68 @@
+"""Whether predicted errors are the errors that happen: many captures of cameras whose truth is known."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibsolver import CalibrationError, Camera, fit
+from tests import specimens, synthetic
+
+POPULATIONS = {
+    "rectilinear": synthetic.rectilinear_cameras,
+    "fisheye": synthetic.fisheye_cameras,
+    "rational": specimens.rational_cameras,
+    "omnidirectional": specimens.omnidirectional_cameras,
+}
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """What came out of many captures, each of another camera.
+
+    Attributes
+    ----------
+    ratio
+        (s,) rms over the image of the projection error / of the predicted one.
+    z
+        (s, p) errors of the intrinsics / their predicted standard deviations.
+    blind
+        Captures whose result has no ray for some pixel that the camera has one for.
+    failed
+        Captures that no fit came out of.
+    """
+
+    ratio: np.ndarray
+    z: np.ndarray
+    blind: int
+    failed: int
+
+    @property
+    def projection(self) -> float:
+        """Root mean square of the ratios: 1 where the predicted error is the one that happens."""
+        return float(np.sqrt(np.mean(self.ratio**2)))
+
+    @property
+    def coverage(self) -> np.ndarray:
+        """Share (p,) of the captures whose 95 % interval holds the true parameter."""
+        share: np.ndarray = np.mean(np.abs(self.z) < 1.959964, axis=0)
+        return share
+
+
+def measure(model: str, captures: int, views: int = 8, noise: float = 0.2, seed: int = 0) -> Intervals:
+    """`captures` captures of `views` views, corner noise in px, each of a camera of its own."""
+    rng = np.random.default_rng(seed)
+    ratio, z, blind, failed = [], [], 0, 0
+    cameras: list[Camera] = POPULATIONS[model](captures, seed=seed)
+    for camera in cameras:
+        try:
+            c = fit(specimens.views(camera, rng, noise, views), camera.img_size, model)
+        except CalibrationError:
+            failed += 1
+            continue
+        predicted = c.projection_std().ravel()
+        error = synthetic.projection_error(camera, c.camera)
+        seen = np.isfinite(predicted) & (error < camera.img_size[0])
+        blind += not seen.all()
+        ratio.append(np.sqrt(np.mean(error[seen] ** 2) / np.mean(predicted[seen] ** 2)))
+        z.append((c.camera.intrinsics - camera.intrinsics) / np.sqrt(np.diag(c.covariance)))
+    return Intervals(np.array(ratio), np.array(z), blind, failed)
