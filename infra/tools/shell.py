@@ -16,7 +16,7 @@ from typing import TypedDict
 
 WEB = Path(__file__).parents[2] / "web"
 # Fetched when a page needs them, not with the first visit: 12 MB, or a script not everybody reads.
-LATE = ("vendor/opencv/", "vendor/font/sofia-sans-cyrillic")
+LATE = ("vendor/opencv/", "vendor/font/geologica-cyrillic")
 KINDS = {".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm"}
 # Not for pages, or another with every server.
 OTHERS = {"openapi.json", "tsconfig.json", "config.json", "shell.json", "sw.js"}

@@ -68,10 +68,10 @@ function plainSchema(node, named = false) {
 
 /** One variable font: Latin, and Cyrillic that only those load who read it. */
 function vendorFont() {
-  const from = `${root}node_modules/@fontsource-variable/sofia-sans/`;
+  const from = `${root}node_modules/@fontsource-variable/geologica/`;
   mkdirSync(`${vendor}font`, { recursive: true });
   for (const script of ["latin", "cyrillic"]) {
-    copyFileSync(`${from}files/sofia-sans-${script}-wght-normal.woff2`, `${vendor}font/sofia-sans-${script}.woff2`);
+    copyFileSync(`${from}files/geologica-${script}-wght-normal.woff2`, `${vendor}font/geologica-${script}.woff2`);
   }
   copyFileSync(`${from}LICENSE`, `${vendor}font/LICENSE`);
 }

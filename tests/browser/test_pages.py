@@ -1,11 +1,9 @@
 """Every page in every state: accessible, free of complaints, and pictured at a desk and in a hand."""
 
-from pathlib import Path
-
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .pictures import SIZES, picture
+from .pictures import picture
 from .truth import Truth
 
 VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
@@ -17,10 +15,7 @@ def test_pages_one_reads(page: Page, scheme: str) -> None:
     suffix = "" if scheme == "light" else "-dark"
     page.goto("/")
     page.locator("#lens polyline").first.wait_for(state="attached")
-    picture(page, f"landing{suffix}")
-    page.goto("/board/")
-    page.locator("#papers a").first.wait_for()
-    picture(page, f"board{suffix}")
+    picture(page, f"landing{suffix}", full=True)
 
 
 def test_capture_in_all_its_states(page: Page) -> None:
@@ -109,48 +104,3 @@ def test_without_a_camera_the_page_says_so(page: Page) -> None:
     page.goto("/")
     page.locator("#look").click()
     page.locator("#outcome p", has_text="No camera was found").wait_for()
-
-
-def test_the_board_as_a_file(page: Page) -> None:
-    page.goto("/board/")
-    with page.expect_download() as download:
-        page.locator("#papers a", has_text="A4").click()
-    assert download.value.suggested_filename == "calibdb-board-a4.pdf"
-    assert Path(download.value.path()).read_bytes().startswith(b"%PDF-1.4")
-
-
-def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) -> None:
-    page.add_init_script("delete Element.prototype.requestFullscreen")  # as on an iPhone
-    page.set_viewport_size(SIZES["hand"])
-    page.goto("/board/")
-    canvas = page.locator("#board")
-    page.locator("#full-screen").click()
-    page.locator("#frame.filling").wait_for()
-    picture(page, "board-filling")
-    page.set_viewport_size(SIZES["hand"])
-    page.wait_for_timeout(150)
-    box = canvas.bounding_box()
-    assert box is not None
-    assert box["height"] > box["width"], "turned to use the whole of an upright phone"
-    assert box["height"] > 0.65 * 844 or box["width"] > 0.9 * 390
-    canvas.click()
-    page.locator("#frame:not(.filling)").wait_for()
-    page.locator("#full-screen").click()
-    page.keyboard.press("Escape")
-    page.locator("#frame:not(.filling)").wait_for()
-
-
-def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
-    page.goto("/calibrate/?squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100")
-    board = "squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100"
-    links = page.locator("a[href*='board/']")
-    assert links.count() == 2
-    assert all((links.nth(i).get_attribute("href") or "").endswith(f"/board/?{board}") for i in range(2))
-    page.goto(f"/board/?{board}")
-    description = page.locator("#description").text_content() or ""
-    assert "8 × 11 squares, DICT_5X5_100, markers 0.75" in description
-    page.goto("/calibrate/?squares=12x12")
-    assert "it needs 72" in (page.locator("#problem").text_content() or "")
-    picture(page, "capture-impossible-board")
-    page.goto("/board/?squares=12x12")
-    page.locator("#problem", has_text="it needs 72").wait_for()

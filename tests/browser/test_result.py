@@ -40,7 +40,7 @@ def test_a_result_with_its_report(page: Page, scheme: str) -> None:
     answer(page, "**/v1/calibrations/*", result)
     page.goto("/result/?id=x")
     page.locator("#verdict", has_text="Fair").wait_for()
-    assert page.locator(".reasons li").count() == 2
+    assert page.locator(".reasons li").count() == 1
     assert page.locator("svg.heat rect.heat-7").count() >= 1
     assert page.locator(".views li").count() == 7
     assert page.locator(".views .problem").count() == 3, "the views to take again"

@@ -79,7 +79,7 @@ async function show(key) {
     waiting.hidden = true;
     one.replaceChildren(cameraView(shown, explain));
   } catch (error) {
-    waiting.textContent = explain(error);
+    part("waiting-text", HTMLElement).textContent = explain(error);
   }
 }
 

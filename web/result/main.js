@@ -58,7 +58,7 @@ async function show() {
   }
   try {
     const [{ calibration, report }, { return_origins: returnOrigins }] = await Promise.all([load(id), loadSettings()]);
-    status.hidden = true;
+    part("waiting", HTMLElement).hidden = true;
     /** @type {Result} */
     const result = { calibration, report, origin: "stored", returnTo: query.get("return_to"), returnOrigins, explain };
     view.show(result);

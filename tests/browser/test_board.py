@@ -1,0 +1,117 @@
+"""The board: on a screen, on another device, on paper, and any other than ours."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+from .pictures import SIZES, picture
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_board_is_shown(page: Page, scheme: str) -> None:
+    page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    page.goto("/board/")
+    page.locator("#papers a").first.wait_for()
+    picture(page, f"board-{scheme}", full=True)
+
+
+def test_the_board_as_a_file(page: Page) -> None:
+    page.goto("/board/")
+    with page.expect_download() as download:
+        page.locator("#papers a", has_text="A4").click()
+    assert download.value.suggested_filename == "calibdb-board-a4.pdf"
+    assert Path(download.value.path()).read_bytes().startswith(b"%PDF-1.4")
+
+
+def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) -> None:
+    page.add_init_script("delete Element.prototype.requestFullscreen")  # as on an iPhone
+    page.set_viewport_size(SIZES["hand"])
+    page.goto("/board/")
+    canvas = page.locator("#board")
+    page.locator("#full-screen").click()
+    page.locator("#frame.filling").wait_for()
+    picture(page, "board-filling")
+    page.set_viewport_size(SIZES["hand"])
+    page.wait_for_timeout(150)
+    box = canvas.bounding_box()
+    assert box is not None
+    assert box["height"] > box["width"], "turned to use the whole of an upright phone"
+    assert box["height"] > 0.65 * 844 or box["width"] > 0.9 * 390
+    canvas.click()
+    page.locator("#frame:not(.filling)").wait_for()
+    page.locator("#full-screen").click()
+    page.keyboard.press("Escape")
+    page.locator("#frame:not(.filling)").wait_for()
+
+
+def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
+    page.goto("/calibrate/?squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100")
+    board = "squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100"
+    links = page.locator("a[href*='board/']")
+    assert links.count() == 2
+    assert all((links.nth(i).get_attribute("href") or "").endswith(f"/board/?{board}") for i in range(2))
+    page.goto(f"/board/?{board}")
+    description = page.locator("#description").text_content() or ""
+    assert "8 × 11 squares, DICT_5X5_100, markers 0.75" in description
+    assert page.locator("#columns").input_value() == "8"
+    page.goto("/calibrate/?squares=12x12")
+    assert "it needs 72" in (page.locator("#problem").text_content() or "")
+    picture(page, "capture-impossible-board")
+    page.goto("/board/?squares=12x12")
+    page.locator("#problem", has_text="it needs 72").wait_for()
+
+
+def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
+    page.goto("/board/")
+    page.locator("#columns").fill("7")
+    page.locator("#rows").fill("5")
+    page.locator("#dictionary").select_option("DICT_6X6_250")
+    page.locator("#ratio").fill("0.7")
+    page.locator("#legacy").check()
+    page.locator("#description", has_text="7 × 5 squares, DICT_6X6_250, markers 0.70").wait_for()
+    asked = "squares=7x5&marker_ratio=0.7&dictionary=DICT_6X6_250&legacy=true"
+    assert page.url.endswith(f"/board/?{asked}")
+    for where in ("calibrate", "photos"):
+        hrefs = page.locator(f"a[href*='/{where}/']").evaluate_all("links => links.map((link) => link.href)")
+        assert hrefs, where
+        assert all(href.endswith(f"/{where}/?{asked}") for href in hrefs), where
+    page.locator("#columns").fill("2")
+    page.locator("#form-problem", has_text="3 to 64").wait_for()
+    assert "7 × 5" in (page.locator("#description").text_content() or ""), "what cannot be changes nothing"
+    page.locator("#reset").click()
+    page.locator("#description", has_text="9 × 6").wait_for()
+    assert page.url.endswith("/board/")
+
+
+def test_another_device_is_shown_the_way_by_a_qr_code(page: Page) -> None:
+    page.goto("/board/?squares=8x5")
+    page.locator("#qr path").wait_for(state="attached")
+    code = cv2.imdecode(np.frombuffer(page.locator("#qr").screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert code is not None
+    address, _, _ = cv2.QRCodeDetector().detectAndDecode(cv2.resize(code, None, fx=3, fy=3))
+    assert address.endswith("/board/?squares=8x5&fill=1")
+    page.set_viewport_size(SIZES["hand"])
+    page.goto(address)
+    page.locator("#frame.filling").wait_for()
+    # One canvas pixel is one device pixel, and the board's cells are whole ones.
+    canvas = page.locator("#board")
+    box = canvas.bounding_box()
+    assert box is not None
+    assert box["width"] == canvas.evaluate("canvas => canvas.width / devicePixelRatio")
+    canvas.click()
+    page.locator("#frame:not(.filling)").wait_for()
+
+
+@pytest.mark.parametrize("language", ["de", "uk"])
+def test_the_pages_speak_other_languages(page: Page, language: str) -> None:
+    words = {"de": ("Die Tafel", "Kameras", "Aus Fotos"), "uk": ("Дошка", "Камери", "За фотографіями")}[
+        language
+    ]
+    for path, heading in zip(("/board/", "/cameras/", "/photos/"), words, strict=True):
+        page.goto(f"{path}?lang={language}")
+        page.locator("h1", has_text=heading).wait_for()
+        assert page.locator("html").get_attribute("lang") == language
+        picture(page, f"language-{language}{path.replace('/', '-')}page", ["hand"])

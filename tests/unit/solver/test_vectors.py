@@ -1,0 +1,17 @@
+"""What the browser's projections are tested against is what the solver computes today."""
+
+import json
+
+import numpy as np
+
+from infra.tools.vectors import TARGET, vectors
+
+
+def test_the_recorded_vectors_are_the_solvers() -> None:
+    recorded = json.loads(TARGET.read_text())
+    computed = vectors()
+    assert [each["distortion_model"] for each in recorded] == [each["distortion_model"] for each in computed]
+    for old, new in zip(recorded, computed, strict=True):
+        assert [ray is None for ray in old["rays"]] == [ray is None for ray in new["rays"]]
+        rays = [np.array([ray for ray in each["rays"] if ray is not None]) for each in (old, new)]
+        assert np.abs(rays[0] - rays[1]).max() < 1e-9
