@@ -45,9 +45,14 @@ class _Known:
     read_again: float  # unix seconds
     counted: float  # unix seconds at which lookups were last written down
     lookups: int = 0  # since then
+    not_before: float = 0.0  # unix seconds; after a failure, of the next attempt to write them down
     hour: int = 0
     used_up: bool = False  # in this hour
     sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
+
+    def full(self, now: float) -> bool:
+        """Tell whether there is enough to write down."""
+        return self.lookups >= _batch(self.token) and now >= self.not_before
 
 
 class TokenMemory:
@@ -73,7 +78,7 @@ class TokenMemory:
         now = self._clock()
         with self._lock:
             known = self._known.get(token_id)
-            if known is not None and now < known.read_again and known.lookups < _batch(known.token):
+            if known is not None and now < known.read_again and not known.full(now):
                 return known.token
         token = self._tokens.get(token_id)
         with self._lock:
@@ -116,7 +121,7 @@ class TokenMemory:
     def _write_down(self, known: _Known, now: float) -> None:
         with self._lock:
             lookups = known.lookups
-            if not lookups or (lookups < _batch(known.token) and now - known.counted < PATIENCE):
+            if not lookups or not (known.full(now) or now - known.counted >= PATIENCE):
                 return
             known.lookups, known.counted = 0, now
         try:
@@ -124,6 +129,7 @@ class TokenMemory:
         except UnavailableError:  # no reason to refuse a lookup
             with self._lock:
                 known.lookups += lookups
+                known.not_before = now + MEMORY
             return
         limit = plan(known.token.plan).together.lookups
         with self._lock:

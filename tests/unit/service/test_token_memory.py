@@ -37,9 +37,11 @@ class Quotas:
         self.counts: dict[tuple[Any, ...], int] = {}
         self.writes: list[int] = []
         self.down = False
+        self.failed = 0
 
     def add(self, token_id: str, kind: str, now: int, amount: int) -> int:
         if self.down:
+            self.failed += 1
             raise UnavailableError("down")
         self.writes.append(amount)
         key = (token_id, kind, now // 3600, "")
@@ -141,11 +143,13 @@ def test_one_source_cannot_use_up_what_all_share(memory: TokenMemory, quotas: Qu
     assert sum(quotas.writes) <= 6_000
 
 
-def test_counting_never_costs_an_answer(memory: TokenMemory, quotas: Quotas) -> None:
+def test_counting_never_costs_an_answer(memory: TokenMemory, quotas: Quotas, clock: Clock) -> None:
     quotas.down = True
     for _ in range(BATCH + 5):
         look_up(memory)
+    assert quotas.failed == 1  # and not once for each lookup from there on
     quotas.down = False
+    clock.now += int(MEMORY)
     look_up(memory)
     assert quotas.writes == [BATCH + 5]
 
