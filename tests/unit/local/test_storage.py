@@ -147,6 +147,22 @@ def test_what_could_not_be_journalled_is_refused(tmp_path: Path) -> None:
             dynamodb().put_item(TableName=TABLE, Item={"pk": {"S": "a"}})
 
 
+def test_of_every_object_there_is_one_version_and_it_can_be_removed(tmp_path: Path) -> None:
+    def versions(prefix: str) -> list[tuple[str, str]]:
+        pages = s3().get_paginator("list_object_versions").paginate(Bucket=BUCKET, Prefix=prefix)
+        return [(found["Key"], found["VersionId"]) for page in pages for found in page.get("Versions", [])]
+
+    with storage(tmp_path):
+        for name in ("a/ü &<1>.json", "a/2.json", "b/3.json"):
+            for body in (b"1", b"2"):
+                s3().put_object(Bucket=BUCKET, Key=name, Body=body)
+        assert versions("a/") == [("a/2.json", "null"), ("a/ü &<1>.json", "null")]
+        wanted = [{"Key": key, "VersionId": version} for key, version in versions("a/")]
+        s3().delete_objects(Bucket=BUCKET, Delete={"Objects": wanted})
+    with storage(tmp_path):
+        assert versions("") == [("b/3.json", "null")]
+
+
 def test_expired_items_and_objects_are_not_restored(tmp_path: Path) -> None:
     now = time.time()
     with storage(tmp_path, now):
