@@ -31,6 +31,13 @@ test("a lost network and a busy service are waited for, and asked the same again
   assert.deepEqual(waits, [500, 1000, 3000]);
 });
 
+test("an hour that is used up is said at once", async () => {
+  const { api, calls, waits } = service([json(429, { detail: "The calls of this hour are used up." }, { "retry-after": "1800" })]);
+  await assert.rejects(api.json("POST", "/auth", "token"), (error) =>
+    error instanceof ApiError && error.status === 429 && error.message === "The calls of this hour are used up.");
+  assert.deepEqual([calls.length, waits], [1, []]);
+});
+
 test("patience ends after a minute", async () => {
   const { api, waits } = service(() => new OfflineError());
   await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);

@@ -16,6 +16,8 @@ export { OfflineError };
 const PAUSES = [0.5, 1, 2, 4, 8, 15, 30];
 /** Who can go on without an answer waits for two seconds. */
 const SHORT_PAUSES = 2;
+/** Seconds that the service may ask to be left alone for. */
+const LONGEST = 60;
 const PASSING = new Set([429, 500, 502, 503, 504]);
 
 /** The service's answer was no. */
@@ -72,13 +74,14 @@ export class Api {
         if (response.ok) return response;
         throw new ApiError(response.status, await problem(response));
       }
-      if (attempt === pauses.length) {
+      const asked = Number(response?.headers.get("retry-after"));
+      // A used-up hour is not waited for: nobody stands there so long.
+      if (attempt === pauses.length || asked > LONGEST) {
         if (response) throw new ApiError(response.status, await problem(response));
         throw new OfflineError();
       }
       this.#transport.onPatience({ attempt: attempt + 1 });
-      const asked = Number(response?.headers.get("retry-after"));
-      await this.#transport.wait(1000 * (asked > 0 ? Math.min(asked, 60) : pauses[attempt]));
+      await this.#transport.wait(1000 * (asked > 0 ? asked : pauses[attempt]));
       signal?.throwIfAborted();
     }
   }
