@@ -9,6 +9,25 @@ import numpy as np
 from . import models
 from .arrays import Array, Mask, frozen
 from .errors import CalibrationError
+from .uncertainty import pixel_grid
+
+GRID = (40, 30)
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Where a camera is one-to-one.
+
+    Attributes
+    ----------
+    angle
+        Largest angle from the axis, radians.
+    covered
+        Share of the image of which every pixel has a ray within.
+    """
+
+    angle: float
+    covered: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,3 +105,9 @@ class Camera:
         return models.get(self.model).valid(
             np.asarray(self.distortion), np.asarray(points, dtype=np.float64).T
         )
+
+    def domain(self) -> Domain:
+        """Return where the model is one-to-one, and how much of the image that is."""
+        rays = models.get(self.model).unproject(self.intrinsics, pixel_grid(self.img_size, GRID))
+        angle = models.get(self.model).angle(np.asarray(self.distortion))
+        return Domain(float(angle), float(np.isfinite(rays[0]).mean()))

@@ -26,13 +26,13 @@ HARMLESS = 1.1
 SMOOTH = 4.0
 """Least squares over all points may have this many times the rms of those kept: the model is a little too
 simple. More than that, and the points cut were wrong."""
-APPROACH = Options(robust=True, tolerance=1e-4, damping=1e-6)
+APPROACH = Options(robust=True, tolerance=1e-3, damping=1e-6)
 """The way there is always robust: one bad view must not turn the first steps."""
 SURPRISE = 3.0
 """Other starts are tried too where pixels are this many sigmas from square, or the centre from the middle."""
 ROUNDS = 6
 """Cuts at most."""
-FREE = Options(with_prior=False, iterations=400)
+FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
 """Least squares alone may wind through long valleys."""
 AGAIN = 3
 """Times that views which fit badly are posed anew."""
@@ -107,7 +107,7 @@ class _Fit:
     @cached_property
     def everything(self) -> Array:
         """Weights (v, n) with all of them."""
-        return outliers.weights(self.mask, self.problem.obs.mask)
+        return outliers.weights(self.mask)
 
     def run(self) -> Calibration:
         try:
@@ -130,7 +130,7 @@ class _Fit:
             state = problem.at(first.k, first.poses)
             # The camera is known about; what is far off already would only bend it on the way.
             near = state.square <= AGREES**2 * majority.medians(state.square, self.mask)[:, None]
-            weights = self.trusted(problem, near & self.mask, self.mask)
+            weights = outliers.weights(near & self.mask)
             state = problem.solve(state, weights, APPROACH)
             states.append(self.posed_anew(problem, state, weights, self.mask))
         return outliers.ranked(states, problem, self.mask)[0]
@@ -143,7 +143,7 @@ class _Fit:
             if not state.finite:
                 continue
             good = mask if first.weights is None else mask & (first.weights > 0)
-            state = trial.solve(state, self.trusted(trial, good, mask), APPROACH)
+            state = trial.solve(state, outliers.weights(good), APPROACH)
             state = self.posed_anew(trial, state, weights, mask)
             if not state.finite:
                 continue
@@ -178,22 +178,25 @@ class _Fit:
             return self.plain(state)
         problem, obs, mask, size = self.problem, self.problem.obs, self.mask, self.problem.img_size
         begun, tame = state, outliers.kept(state, mask, mask, outliers.WILD, size)
-        blamed, good = outliers.systematic(tame, mask, obs, size), tame
-        for _ in range(0 if blamed else ROUNDS):
-            state = problem.solve(state, outliers.weights(good, obs.mask), Options())
+        if outliers.systematic(tame, mask, obs, size):
+            # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
+            whole = self.whole(begun, self.everything)
+            if np.mean(whole.square[mask]) < SMOOTH**2 * np.mean(state.square[tame]):
+                return self.result(whole, mask, with_prior=True)
+        good = tame
+        for _ in range(ROUNDS):
+            state = problem.solve(state, outliers.weights(good), Options())
             previous, good = good, outliers.kept(state, mask, good, outliers.CUT, size)
             if np.array_equal(previous, good):
                 break
         else:  # where a point or two change sides every time, either is as good
-            good = good if blamed else previous
-        every = mask if blamed else tame
-        if not np.array_equal(every, good):
-            # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
-            # And points that hardly spoil the fit are tails, not mistakes: they count too.
-            worse = SMOOTH if blamed or outliers.systematic(good, tame, obs, size) else HARMLESS
-            whole = self.whole(begun, outliers.weights(every, obs.mask))
-            if np.mean(whole.square[every]) < worse**2 * np.mean(state.square[good]):
-                state, good = whole, every
+            good = previous
+        if not np.array_equal(tame, good):
+            # The same again; and points that hardly spoil the fit are tails, not mistakes: they count too.
+            worse = SMOOTH if outliers.systematic(good, tame, obs, size) else HARMLESS
+            whole = self.whole(begun, outliers.weights(tame))
+            if np.mean(whole.square[tame]) < worse**2 * np.mean(state.square[good]):
+                state, good = whole, tame
         return self.result(state, good, with_prior=True)
 
     def whole(self, state: State, weights: Array) -> State:
@@ -202,18 +205,12 @@ class _Fit:
         state = self.problem.solve(self.problem.at(first.k, first.poses), weights, APPROACH)
         return self.problem.solve(state, weights, Options())
 
-    def trusted(self, problem: Problem, good: Mask, mask: Mask) -> Array:
-        """Weights (v, n) of the `good` points, or of all where the others may show how the model fails."""
-        if outliers.systematic(good, mask, problem.obs, problem.img_size):
-            good = mask
-        return outliers.weights(good, problem.obs.mask)
-
     def tamed(self, problem: Problem, state: State, mask: Mask) -> State:
         """Fit without what is certainly wrong, so that it no longer bends the way."""
         good = outliers.kept(state, mask, mask, outliers.WILD, problem.img_size)
-        if np.array_equal(good, mask) or outliers.systematic(good, mask, problem.obs, problem.img_size):
+        if np.array_equal(good, mask):
             return state
-        return problem.solve(state, outliers.weights(good, problem.obs.mask), Options(tolerance=1e-4))
+        return problem.solve(state, outliers.weights(good), Options(tolerance=1e-4))
 
     def posed_anew(self, problem: Problem, state: State, weights: Array, mask: Mask) -> State:
         """Let views that fit badly start again, from what the majority of their points say.
@@ -259,7 +256,7 @@ class _Fit:
     def information(self, state: State, good: Mask) -> Array:
         """Sum up what the good points (v, n) tell of the intrinsics at unit noise, (p, p)."""
         rows = state.rows[:-1]
-        weighted = rows if good.all() else rows * outliers.weights(good, self.problem.obs.mask) ** 0.5
+        weighted = rows if good.all() else rows * outliers.weights(good) ** 0.5
         s: Array = normal.eliminate(normal.squared(weighted)).sum(axis=0)
         return s
 

@@ -134,8 +134,8 @@ class Problem:
         damping, floor = options.damping, 1e-6 * self.img_size[0]
         plain = None if (weights == 1).all() else weights
         counted = weights > 0.5
-        # Below a billionth of the image per point it is rounding that is fitted.
-        least = self.obs.count * (1e-9 * self.img_size[0]) ** 2
+        # Below some billionths of a pixel per point it is rounding that is fitted.
+        least = self.obs.count * (1e-11 * self.img_size[0]) ** 2
         promised = sigma = np.inf
         for i in range(options.iterations):
             sigma = max(noise(state, counted), floor)
@@ -270,7 +270,7 @@ EYE = np.eye(6)
 
 def noise(state: State, counted: Mask) -> float:
     """Robust standard deviation of one coordinate of the residuals of points that count (v, n), px."""
-    square = state.square[counted]
+    square = state.square[counted] if not counted.all() else state.square.reshape(-1)
     used = square.size * 2
     unknowns = state.k.size + 6 * len(state.square)
     correction = np.sqrt(used / max(used - unknowns, 0.1 * used))

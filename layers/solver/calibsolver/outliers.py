@@ -23,8 +23,6 @@ LEFT = 0.5
 """Share of its points that a view keeps at least: with fewer it contradicts the others as a whole."""
 MOST_COUNTED = 6.0
 """Sigmas beyond which it does not matter any more how far away a point is, when fits are compared."""
-FAINT = 1e-9
-"""Weight of what is left out: a pose is still found, and nothing else is moved."""
 
 
 def kept(state: State, mask: Mask, among: Mask, cut: float, img_size: tuple[int, int]) -> Mask:
@@ -34,6 +32,8 @@ def kept(state: State, mask: Mask, among: Mask, cut: float, img_size: tuple[int,
     """
     # Beside a view that happens to have less noise, one with as much as others have is no outlier.
     sigma = max(lm.noise(state, among), lm.FINEST * img_size[0])
+    if not np.where(mask, state.square, 0.0).max() > (cut * sigma) ** 2:
+        return mask
     # Real residuals have longer tails than the median promises; what is kept says how long.
     for _ in range(3):
         near = state.square[(state.square <= (cut * sigma) ** 2) & mask]
@@ -73,12 +73,9 @@ def unfit(state: State, mask: Mask) -> IntArray:
     return np.flatnonzero((medians(state.square, mask) > (CUT * sigma) ** 2) & mask.any(axis=1))
 
 
-def weights(good: Mask, mask: Mask) -> Array:
-    """Weights (v, n): 1 for the good, 0 for others; faint ones in views that are left out as a whole."""
-    out = good.astype(np.float64)
-    lost = ~good.any(axis=1)
-    out[lost] = FAINT * mask[lost]
-    return out
+def weights(good: Mask) -> Array:
+    """Weights (v, n): 1 for the good, 0 for others. The pose of a view without any stays where it is."""
+    return good.astype(np.float64)
 
 
 def systematic(good: Mask, among: Mask, obs: Observations, img_size: tuple[int, int]) -> bool:

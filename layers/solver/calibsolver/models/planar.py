@@ -88,9 +88,10 @@ class Planar(Model):
             # Dense near the axis where the image is, and still out to the limit.
             r = np.tan(np.linspace(0, np.arctan(limit), 513)[:-1])
             table = r * self.radial(d, r * r)
-            # A little beyond the table's end is tried too: the tangential part moves the edge.
+            # A little beyond the table's end is tried too: the tangential part moves points by 3 P r^2.
+            tangential = float(np.hypot(*d[list(self.tangential_at)]))
             length = np.hypot(u[0], u[1])
-            inside = np.isfinite(length) & (length < 1.05 * table[-1])
+            inside = np.isfinite(length) & (length < 1.01 * table[-1] + 3 * tangential * limit * limit)
             target = np.where(inside, u, 0.0)
             length = np.where(inside, length, 0.0)
             scale = np.interp(length, table, r) / np.where(length > 1e-12, length, 1.0)

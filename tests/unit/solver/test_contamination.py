@@ -1,0 +1,78 @@
+"""Bad measurements on real corner sets: what is wrong leaves no trace beyond the points lost with it."""
+
+import numpy as np
+import pytest
+
+from calibsolver import View, fit
+from tests import synthetic
+from tests.data import corner_set
+
+MODELS = {
+    "opencv_left": "rectilinear",
+    "opencv_right": "rectilinear",
+    "pv_charuco_480": "rectilinear",
+    "jy_left": "fisheye",
+    "derlunz": "fisheye",
+    "mint_isaw": "omnidirectional",
+    "babel_ov_plane": "omnidirectional",
+}
+
+
+def load(name: str) -> tuple[list[View], tuple[int, int]]:
+    data = corner_set(name)
+    w, h = data["image_size"]
+    return [View(v["obj"], v["img"]) for v in data["views"]], (w, h)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_points_3_to_50_px_off_leave_no_trace(name: str) -> None:
+    """One in twenty: the fit is the one of the other points alone, to 0.02 px over the image.
+
+    Against the fit of all points it moves by what those lost had told, a quarter of the standard deviation.
+    """
+    views, size = load(name)
+    model = MODELS[name]
+    clean = fit(views, size, model)
+    rng = np.random.default_rng(1)
+    dirty, rest = [], []
+    for view in views:
+        angle, bad = rng.uniform(0, 2 * np.pi, len(view)), rng.uniform(size=len(view)) < 0.05
+        off = rng.uniform(3, 50, len(view))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        dirty.append(View(view.object_points, view.image_points + np.where(bad[:, None], off, 0)))
+        rest.append(View(view.object_points[~bad], view.image_points[~bad]))
+    found = fit(dirty, size, model)
+    assert found.avg_reprojection_error > 5 * clean.avg_reprojection_error  # over all points, as ever
+    without = fit(rest, size, model)
+    assert synthetic.projection_error(without.camera, found.camera).mean() < 0.02
+    lost = synthetic.projection_error(clean.camera, found.camera).mean()
+    assert lost < max(0.1, 0.35 * clean.uncertainty().rms)
+
+
+@pytest.mark.parametrize("name", [n for n in MODELS if n != "pv_charuco_480"])
+def test_every_fifth_view_shifted_by_a_corner(name: str) -> None:
+    """All corners of it carry the next one's name; those at the ends of rows land on the next row."""
+    views, size = load(name)
+    model = MODELS[name]
+    shifted, rest = list(views), list(views)
+    for i in range(0, len(views), 5):
+        p, q = views[i].object_points, views[i].image_points
+        moved = np.roll(p, -1, axis=0)
+        fits = (np.abs(moved - p - np.median(moved - p, axis=0)) < 1e-6).all(axis=1)
+        shifted[i], rest[i] = View(moved, q), View(moved[fits], q[fits])
+    found, without = fit(shifted, size, model), fit(rest, size, model)
+    assert synthetic.projection_error(without.camera, found.camera).mean() < 0.1
+    assert not found.cut_views
+
+
+def test_views_left_out_are_named_with_a_reason() -> None:
+    views, size = load("opencv_right")
+    rng = np.random.default_rng(0)
+    wrong = list(views)
+    wrong[2] = View(views[2].object_points, rng.permutation(views[2].image_points))
+    wrong[5] = View(views[5].object_points * [-1, 1, 1] + [8, 0, 0], views[5].image_points)
+    found = fit(wrong, size)
+    assert set(found.cut_views) == {2, 5}
+    assert found.cut_views[5] == "mirrored"
+    assert not found.used[2].any()
+    rest = fit([v for i, v in enumerate(views) if i not in (2, 5)], size)
+    assert synthetic.projection_error(rest.camera, found.camera).mean() < 0.02
