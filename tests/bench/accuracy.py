@@ -20,6 +20,8 @@ from calibsolver.score import score
 from tests.bench import corners, document
 
 TIMEOUT = 25.0
+NONSENSE = 3.0
+"""Times the least held-out error of a set beyond which a result is none."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,11 @@ class Outcome:
     """Largest fold / largest of the others."""
     seconds: float = math.nan
     note: str = ""
+
+    @property
+    def complete(self) -> bool:
+        """Whether there is a result for the whole set and for every fold."""
+        return not self.failure and not self.note
 
     def cells(self) -> list[str]:
         if self.failure:
@@ -125,19 +132,34 @@ def render(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
             for name in corners.NAMES
         ]
         parts.append(f"**{model}**\n\n{document.table(header, rows)}")
-    mine = [a for a, _ in results.values()]
-    peers = [b for _, b in results.values()]
-    both = [(a, b) for a, b in results.values() if math.isfinite(a.held_out) and math.isfinite(b.held_out)]
-    worse = max(a.held_out / b.held_out for a, b in both)
-    parts.append(
-        f"Of {len(results)} pairs of set and model ours fits {sum(not a.failure for a in mine)} and says of "
-        f"the others why not; OpenCV completes {sum(math.isfinite(b.held_out) for b in peers)}. Where both "
-        f"do, our held-out error is {np.median([a.held_out / b.held_out for a, b in both]):.3f} times "
-        f"OpenCV's (median; at most {worse:.3f} times). Largest fold / next largest: at most "
-        f"{max(a.worst_fold for a in mine if not a.failure):.2f} of ours, "
-        f"{max(b.worst_fold for b in peers if math.isfinite(b.worst_fold)):.3g} of OpenCV's."
-    )
+    parts.append(conclusion(results))
     return "\n\n".join(parts)
+
+
+def conclusion(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
+    """Say in a sentence what the tables show."""
+    least = {
+        name: min(o.held_out for (n, _), pair in results.items() if n == name for o in pair if o.complete)
+        for name, _ in results
+    }
+
+    def usable(side: int) -> int:
+        return sum(
+            pair[side].complete and pair[side].held_out < NONSENSE * least[name]
+            for (name, _), pair in results.items()
+        )
+
+    mine, peers = zip(*results.values(), strict=True)
+    both = [a.held_out / b.held_out for a, b in results.values() if a.complete and b.complete]
+    return (
+        f"Of {len(results)} pairs of set and model ours fits {sum(a.complete for a in mine)} and says of "
+        f"the others why not; OpenCV returns {sum(b.complete for b in peers)}. Within {NONSENSE:g} times "
+        f"the least held-out error of the set lie {usable(0)} of ours, {usable(1)} of OpenCV's. Where both "
+        f"have a result our held-out error is {np.median(both):.3f} times OpenCV's (median; at most "
+        f"{max(both):.3f} times). Largest fold / next largest: at most "
+        f"{max(a.worst_fold for a in mine if a.complete):.2f} of ours, "
+        f"{max(b.worst_fold for b in peers if b.complete):.2f} of OpenCV's."
+    )
 
 
 if __name__ == "__main__":
