@@ -5,10 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from . import rotation
 from .arrays import Array, IntArray, Mask
 from .board import Board
-from .hints import turn_to
 from .models import Model
 from .normal import Poses
 
@@ -155,14 +153,34 @@ def poses(unit: Array, board: Board, sight: Sight, limits: Range) -> Poses:
     roll = np.radians(limits.roll) * (2 * middling(unit[:, 5]) - 1)
     if across(board, sight.img_size):
         roll = roll + np.pi / 2
-    nothing = np.zeros(len(unit))
-    lean = np.stack([tilt * np.cos(azimuth), tilt * np.sin(azimuth), nothing], axis=1)
-    spin = np.stack([nothing, nothing, roll], axis=1)
-    turned = rotation.matrix(np.stack([turn_to(ray), lean, spin]))
-    r = turned[0] @ turned[1] @ turned[2]
+    r = turned(ray) @ leaned(tilt, azimuth, roll)
     distance = sight.focal * max(board.size) / length
     center = board.outline.mean(axis=0)
     return Poses(r, ray * distance[:, None] - r @ center)
+
+
+def turned(ray: Array) -> Array:
+    """Rotations (c, 3, 3) by the shortest turns that take the optical axis to unit rays (c, 3)."""
+    x, y, z = ray.T
+    s = 1 / np.maximum(1 + z, 1e-9)  # Rodrigues' formula with sin = |(x, y)|, (1 - cos) / sin^2 = 1 / (1 + z)
+    r = np.empty((len(ray), 3, 3))
+    r[:, 0, 0], r[:, 0, 1], r[:, 0, 2] = 1 - x * x * s, -x * y * s, x
+    r[:, 1, 0], r[:, 1, 1], r[:, 1, 2] = -x * y * s, 1 - y * y * s, y
+    r[:, 2, 0], r[:, 2, 1], r[:, 2, 2] = -x, -y, z
+    return r
+
+
+def leaned(tilt: Array, azimuth: Array, roll: Array) -> Array:
+    """Rotations (c, 3, 3): by a roll about z, then by a tilt about the axis at an azimuth in the picture."""
+    ct, st, ca, sa = np.cos(tilt), np.sin(tilt), np.cos(azimuth), np.sin(azimuth)
+    cr, sr = np.cos(roll), np.sin(roll)
+    one = 1 - ct
+    a, b, c = ct + ca * ca * one, ca * sa * one, ct + sa * sa * one
+    r = np.empty((len(tilt), 3, 3))
+    r[:, 0, 0], r[:, 0, 1], r[:, 0, 2] = a * cr + b * sr, b * cr - a * sr, sa * st
+    r[:, 1, 0], r[:, 1, 1], r[:, 1, 2] = b * cr + c * sr, c * cr - b * sr, -ca * st
+    r[:, 2, 0], r[:, 2, 1], r[:, 2, 2] = ca * st * sr - sa * st * cr, ca * st * cr + sa * st * sr, ct
+    return r
 
 
 def shape(unit: Array, limits: Range) -> tuple[Array, Array]:

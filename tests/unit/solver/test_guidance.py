@@ -9,7 +9,8 @@ import pytest
 from calibsolver import Board, Calibration, Camera, guidance, models, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose
 from calibsolver.hints import TEXTS, Placement, between
-from tests import synthetic
+from tests import specimens, synthetic
+from tests.peers import Comfortable
 
 
 @pytest.fixture(scope="module")
@@ -27,20 +28,23 @@ def at(sessions: list[synthetic.Session], views: int) -> np.ndarray:
 
 
 def test_few_views_are_enough(rectilinear: list[synthetic.Session]) -> None:
+    """The bounds of `make bench-guidance`, a little wider for a fifth of its captures."""
     assert all(len(session.views) == 5 for session in rectilinear)
-    assert (at(rectilinear, 3) <= (0.22, 0.50)).all()
-    assert (at(rectilinear, 4) <= (0.17, 0.36)).all()
+    assert (at(rectilinear, 3) <= (0.20, 0.48)).all()
+    assert (at(rectilinear, 4) <= (0.16, 0.36)).all()
     assert (at(rectilinear, 5) <= (0.14, 0.32)).all()
 
 
 def test_prediction_holds_in_the_loop(rectilinear: list[synthetic.Session]) -> None:
     for views in (3, 4, 5):
         ratio = [s.rms[views - 1] / s.predicted[views - 1] for s in rectilinear]
-        assert 0.75 < np.sqrt(np.mean(np.square(ratio))) < 1.25
+        assert 0.7 < np.sqrt(np.mean(np.square(ratio))) < 1.15
 
 
 def test_it_stops_by_itself(rectilinear: list[synthetic.Session]) -> None:
     stops = [session.stopped or 99 for session in rectilinear]
+    off = [s.rms[s.stopped - 1] / s.predicted[s.stopped - 1] for s in rectilinear if s.stopped]
+    assert np.mean(np.array(off) > 2) <= 0.05
     assert np.median(stops) == 4
     assert np.mean(np.array(stops) <= 5) >= 0.9
     assert sum(s.attempts for s in rectilinear) <= 1.1 * sum(len(s.views) for s in rectilinear)
@@ -191,7 +195,7 @@ def test_an_upright_picture_needs_no_more_views_than_a_wide_one(img_size: tuple[
 
 
 @pytest.mark.parametrize(
-    ("squares", "most"), [((4, 4), 7), ((5, 4), 6), ((3, 12), 7), ((30, 20), 5), ((44, 44), 7)]
+    ("squares", "most"), [((4, 4), 8), ((5, 4), 6), ((3, 12), 7), ((30, 20), 5), ((44, 44), 7)]
 )
 def test_boards_small_long_and_fine_end_too(squares: tuple[int, int], most: int) -> None:
     board = Board(squares, dictionary="DICT_4X4_1000")
@@ -199,3 +203,80 @@ def test_boards_small_long_and_fine_end_too(squares: tuple[int, int], most: int)
     session = synthetic.run(camera, np.random.default_rng(0), board=board, noise=0.15, views=8)
     assert session.stopped is not None
     assert session.stopped <= most
+
+
+def subset(views: int, **world: object) -> list[synthetic.Session]:
+    """Every other camera, one capture each."""
+    return [
+        synthetic.run(camera, np.random.default_rng(7 * i), views=views, **world)
+        for i, camera in enumerate(synthetic.rectilinear_cameras())
+        if i % 2
+    ]
+
+
+def test_wild_corners_cost_little() -> None:
+    assert np.median([s.mean[3] for s in subset(4, wild=0.01)]) <= 0.19
+
+
+def test_a_clumsy_user_needs_hardly_more_attempts() -> None:
+    sessions = subset(4, user=synthetic.User(degrees=9.0, share=0.09))
+    assert sum(s.attempts for s in sessions) <= 1.3 * sum(len(s.views) for s in sessions)
+
+
+def test_comfortable_poses_are_good_enough() -> None:
+    cameras = synthetic.rectilinear_cameras()[1::2]
+    sessions = [
+        synthetic.run(
+            camera,
+            np.random.default_rng(i),
+            views=4,
+            guide=Comfortable(ProjectionUncertainty(Board(), camera.img_size)),
+        )
+        for i, camera in enumerate(cameras)
+    ]
+    assert (at(sessions, 4) <= (0.25, 0.55)).all()
+
+
+@pytest.mark.parametrize("model", ["rational", "omnidirectional"])
+def test_every_model_can_be_guided(model: str) -> None:
+    cameras = {
+        "rational": specimens.rational_cameras(4),
+        "omnidirectional": specimens.omnidirectional_cameras(4),
+    }[model]
+    for i, camera in enumerate(cameras):
+        session = synthetic.run(camera, np.random.default_rng(i), views=8)
+        assert session.stopped is not None
+        assert session.mean[session.stopped - 1] < 0.6
+
+
+def test_noise_that_grows_with_the_tilt_is_learnt() -> None:
+    """After views that were bad because they were steep, flatter ones are asked for."""
+    camera = synthetic.rectilinear_cameras()[6]
+    tilts: dict[float, list[float]] = {0.0: [], 4.0: []}
+    for blur, found in tilts.items():
+        for seed in range(4):
+            session = synthetic.run(camera, np.random.default_rng(seed), views=7, noise=0.1, blur=blur)
+            assert session.calibration is not None
+            rt = session.calibration.poses[3:]
+            for pose in rt:
+                r = rotation.matrix(pose[:3])
+                center = r @ Board().outline.mean(axis=0) + pose[3:]
+                found.append(np.degrees(np.arccos(r[:, 2] @ center / np.linalg.norm(center))))
+    assert np.mean(tilts[4.0]) < np.mean(tilts[0.0]) - 1
+
+
+def test_what_could_not_be_reached_is_not_asked_for_again() -> None:
+    camera = synthetic.rectilinear_cameras()[6]
+    guide = ProjectionUncertainty(Board(), camera.img_size)
+    session = synthetic.run(camera, np.random.default_rng(0), views=1)
+    assert session.calibration is not None
+    believed = session.calibration.camera
+    r = rotation.matrix(np.radians([52.0, 0, 0]))
+    t = np.array([0, 0, 9.0]) - r @ Board().outline.mean(axis=0)
+    steep = TargetPose.seen(Board(), believed, r, t, "", 0.0)
+    target = guide.next_pose(session.views, session.calibration, unreached=[steep])
+    held = Placement.of(Board(), believed, rotation.matrix(target.rvec), target.tvec)
+    reached = Placement.of(
+        Board(), believed, rotation.matrix(session.calibration.poses[0, :3]), session.calibration.poses[0, 3:]
+    )
+    assert held.tilt <= max(0.8 * 52, reached.tilt) + 0.1

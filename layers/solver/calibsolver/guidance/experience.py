@@ -18,8 +18,8 @@ WIDE, OBLIQUE = 0.75, 45.0
 """Apparent width / image, and tilt, degrees, beyond which fixed-focus lenses blur and glossy boards shine."""
 UNPROVEN = 1.1
 """Times the noise that is expected beyond these until a view has shown that it holds there."""
-WORSE = 1.5
-"""Times the others' noise from which a view says that its kind is bad, not that it was unlucky."""
+WORSE = 1.35
+"""Times the noise of the best from which a view says that its kind is bad, not that it was unlucky."""
 RETREAT = 0.8
 """Share of an unreached target's tilt or width that is asked for at most afterwards."""
 GENTLE_TILT, GENTLE_WIDTH = 25.0, 0.6
@@ -28,7 +28,7 @@ GENTLE_TILT, GENTLE_WIDTH = 25.0, 0.6
 
 @dataclass(frozen=True, eq=False)
 class Experience:
-    """Tilt (degrees), width (board / image) and noise (1: like the others) of views; targets not reached.
+    """Tilt (degrees), width (board / image) and noise (1: like the best) of views; targets not reached.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Experience:
         if calibration is not None:
             pairs = zip(calibration.residuals, calibration.used, strict=True)
             noise = np.array([np.sqrt(np.mean(e[u] ** 2)) if u.sum() > 6 else np.nan for e, u in pairs])
-            noise = np.nan_to_num(noise / np.nanmedian(noise), nan=1.0, posinf=1.0)
+            noise = np.nan_to_num(noise / np.nanmin(noise), nan=1.0, posinf=1.0)
         v = len(rt)
         return cls(tilt[:v], width[:v], noise, np.stack([tilt[v:], width[v:]], axis=1))
 
@@ -80,7 +80,7 @@ class Experience:
         return replace(limits, tilt=float(tilt), width=(low, float(max(width, low))))
 
     def expected_noise(self, tilt: Array, width: Array) -> Array:
-        """Noise (c,) of poses of tilts and widths (c,), 1: like the views so far."""
+        """Noise (c,) of poses of tilts and widths (c,), 1: like the best so far."""
         factor = np.ones(len(tilt))
         if self.tilt.max(initial=0) < OBLIQUE:
             factor = np.where(tilt > OBLIQUE, UNPROVEN, factor)

@@ -33,8 +33,8 @@ EASY = Range(width=(0.45, 0.75), tilt=30.0, roll=15.0, inside=1.0)
 """A pose for someone who could not reach the last one: little tilt, all of the board in the picture."""
 TIE = 1.02
 """Scores within this factor of the best are as good: of these the pose nearest to the hand's is taken."""
-PLANNED = 3
-"""Views up to which two are planned at a time."""
+PLANNED = 2
+"""Views from which each is chosen by itself; before, the next and the one after it together."""
 ARM = 3.0
 """Lengths of the board that it may be away, unless the lens is so long that it would not fit otherwise."""
 
@@ -144,7 +144,7 @@ class ProjectionUncertainty:
         """Place the first pose by one belief; what it would bring is told by what is `known`."""
         image, board = sorted(self.img_size), sorted(self.board.size)
         length = min(0.72, 0.72 * image[0] * board[1] / (image[1] * board[0]))
-        limits = Range(width=(length, length), tilt=45.0, roll=0.0)
+        limits = Range(width=(length, length), tilt=44.0, roll=0.0)
         unit = np.array([[0.5, 0.5, 0.5, 1.0, 0.82, 0.5]])
         poses = candidates.poses(unit, self.board, belief.sight, limits)
         s, _ = information(belief, poses, self._all, ANY)

@@ -13,8 +13,8 @@ from ..target import TargetPose
 from .belief import Belief
 from .experience import Experience
 
-CANDIDATES = 160
-BEST, AROUND = 4, 24
+CANDIDATES = 128
+BEST, AROUND = 4, 16
 """How many of the candidates are refined, and how many are tried around each."""
 WIDE = (0.3, 0.2, 0.14, 0.09, 0.05)
 NARROW = (0.2, 0.12, 0.06)

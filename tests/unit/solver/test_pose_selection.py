@@ -1,0 +1,59 @@
+"""The published method behaves as published."""
+
+import numpy as np
+import pytest
+
+from calibsolver import Board, Camera
+from calibsolver.guidance import PoseSelection
+from calibsolver.guidance.distorted_region import Box, next_region
+from calibsolver.guidance.pose_selection import subdivision
+from calibsolver.overlap import jaccard
+from tests import peers, synthetic
+
+SIZE = (1280, 720)
+
+
+def test_angles_are_subdivided() -> None:
+    assert [subdivision(n) for n in range(4)] == [-35.0, 35.0, -52.5, 52.5]
+
+
+def test_the_first_two_poses() -> None:
+    guide = PoseSelection(Board(), SIZE)
+    first = guide.next_pose([], None)
+    assert np.degrees(np.linalg.norm(first.rvec)) == pytest.approx(50.0, abs=1)
+    assert len(first.ids) == 40
+    camera = synthetic.rectilinear_cameras()[6]
+    view = synthetic.seen(Board(), camera, first.rvec, first.tvec, np.random.default_rng(0))
+    second = guide.next_pose([view], None)
+    np.testing.assert_allclose(second.rvec, 0, atol=0.01)
+    assert np.ptp(second.outline[:, 1]) == pytest.approx(720, rel=0.01)
+
+
+def test_the_most_distorted_region_comes_first_and_once() -> None:
+    matrix = np.array([[900, 0, 500], [0, 900, 359.5], [0, 0, 1.0]])
+    camera = Camera("rectilinear", matrix, np.array([-0.3, 0.1, 0, 0, 0]), SIZE)
+    box = next_region(camera, [])
+    assert box.left > 0.6  # the far side
+    assert box.width >= 0.3
+    other = next_region(camera, [box])
+    assert other != box
+    assert next_region(camera, [Box(0, 0, 1, 1)]) == Box(0.0, 0.0, 1.0, 1.0)
+
+
+def test_overlap() -> None:
+    square = np.array([[100, 100], [500, 100], [500, 500], [100, 500]], dtype=float)
+    assert jaccard(square, square, SIZE) == 1
+    assert jaccard(square, np.add(square, (200, 0)), SIZE) == pytest.approx(1 / 3, abs=0.02)
+    assert jaccard(square, np.add(square, (600, 0)), SIZE) == 0
+
+
+def test_it_stops_after_eight_to_ten_views_or_so() -> None:
+    """Published: 9 views, 0.40 px; here every third camera, once, at 0.2 px."""
+    sessions = [
+        peers.published(camera, np.random.default_rng(i))
+        for i, camera in enumerate(synthetic.rectilinear_cameras()[::3])
+    ]
+    stops = [session.stopped for session in sessions]
+    assert None not in stops
+    assert 7 <= np.median(np.array(stops, dtype=float)) <= 12
+    assert 0.2 <= np.median([session.mean[-1] for session in sessions]) <= 0.8
