@@ -18,6 +18,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from http import HTTPStatus
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -28,6 +29,7 @@ from calibsolver import rotation as rotations
 
 FAULTS = 0.2  # share of the requests
 _PATIENCE = 60.0  # s for one answer
+_ATTEMPTS = 10  # where the stack says that it has no time
 _ENOUGH = 100.0  # px: the fourth accepted view ends the capture
 _NOISE = 0.15  # px
 _SIZE = (1280, 720)
@@ -100,16 +102,28 @@ class Line:
         return kind(parts.netloc, timeout=_PATIENCE)
 
     def _ask(self, method: str, path: str, credential: str, content: bytes) -> Any:
-        start = time.perf_counter()
-        connection = self._connection()
-        connection.request(method, path, content or None, {"Authorization": f"Bearer {credential}"})
-        response = connection.getresponse()
-        answer = response.read()
-        connection.close()
-        self.latencies.append((time.perf_counter() - start) * 1e3)
-        if response.status >= 300:
-            raise LoadError(f"{method} {path}: {response.status} {answer[:300]!r}")
+        """Ask as a page does: a stack that has no time just now is asked again."""
+        status, answer = 0, b""
+        for _ in range(_ATTEMPTS):
+            start = time.perf_counter()
+            status, answer = self._send(method, path, credential, content)
+            self.latencies.append((time.perf_counter() - start) * 1e3)
+            if status != HTTPStatus.SERVICE_UNAVAILABLE:
+                break
+            self.counts["asked again"] += 1
+            time.sleep(1)
+        if status >= HTTPStatus.MULTIPLE_CHOICES:
+            raise LoadError(f"{method} {path}: {status} {answer[:300]!r}")
         return json.loads(answer)
+
+    def _send(self, method: str, path: str, credential: str, content: bytes) -> tuple[int, bytes]:
+        connection = self._connection()
+        try:
+            connection.request(method, path, content or None, {"Authorization": f"Bearer {credential}"})
+            response = connection.getresponse()
+            return response.status, response.read()
+        finally:
+            connection.close()
 
     def _drop(self, method: str, path: str, credential: str, content: bytes, *, whole: bool) -> None:
         connection = self._connection()
