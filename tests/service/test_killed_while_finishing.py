@@ -66,7 +66,7 @@ def end_together(server: LocalProcess, sessions: list[str], last: dict[str, Any]
     ready = threading.Barrier(len(sessions) + 1)
 
     def end(session: str) -> None:
-        with httpx.Client(base_url=server.url, timeout=20) as client:
+        with httpx.Client(base_url=server.url, timeout=60) as client:
             client.get("/healthz")  # connected before it matters
             ready.wait()
             with suppress(httpx.TransportError):
@@ -87,7 +87,7 @@ def at_rest(data_dir: Path) -> tuple[set[str], set[str], set[str]]:
     """Ids of the calibrations in the bucket, in the index, and behind the consensus of every model."""
     with LocalStack(data_dir) as stack:
         queue = stack.storage
-        until(lambda: queue and not queue.remembered(INVOKE), 30)  # what was asked for is done
+        until(lambda: queue and not queue.remembered(INVOKE), 60)  # what was asked for is done
         table, bucket = stack.environment["TABLE_NAME"], stack.environment["BUCKET_NAME"]
         items = boto3.client("dynamodb").scan(TableName=table)["Items"]
         listed = boto3.client("s3").list_objects_v2(Bucket=bucket, Prefix="calibrations/")
@@ -118,7 +118,7 @@ def test_all_or_nothing_and_a_retry_completes_it(tmp_path: Path, monkeypatch: py
             assert files == indexed == behind, "in the bucket, in the index, in the consensus: all or nothing"
         with (
             LocalProcess(data_dir) as server,
-            httpx.Client(base_url=server.url, timeout=20) as client,
+            httpx.Client(base_url=server.url, timeout=60) as client,
         ):
             for session in cut:
                 headers = {"authorization": f"Bearer {session}"}
