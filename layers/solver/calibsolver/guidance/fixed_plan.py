@@ -21,7 +21,7 @@ from .belief import Belief
 from .projection_uncertainty import ProjectionUncertainty
 
 LENGTH = 10
-PLANNED = Range(width=(0.35, 0.95), tilt=45.0, roll=45.0, inside=0.85)
+PLANNED = Range(width=(0.35, 1.1), tilt=50.0, roll=45.0, inside=0.75)
 """Nobody can say whether the board was seen, so it is asked for where it surely is."""
 
 
