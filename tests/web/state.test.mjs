@@ -170,6 +170,15 @@ test("without the service, views are kept and counted, and the target is the pag
   assert.deepEqual([back.away, back.stored, back.progress, back.notice.key], [false, 0, 0.5, "capture.came_back"]);
 });
 
+test("a refusal says what would help, as the preview shows it", () => {
+  const answer = { ...SESSION, accepted: false, reason: "too_few_points", hint: { code: "left", text: "Move left" } };
+  const refuse = (state, hint) => reduce(state, { type: "answer", answer: { ...answer, hint }, corners: frame(ELSEWHERE), time: 1 }).notice;
+  assert.deepEqual(refuse(capturing(), answer.hint), { key: "capture.refused_too_few_points", kind: "bad", hint: "left" });
+  assert.equal(refuse(reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false }), answer.hint).hint, "right");
+  assert.equal(refuse(capturing(), { code: "dance", text: "" }).hint, undefined);
+  assert.equal(refuse(capturing(), null).hint, undefined);
+});
+
 test("a view that is set aside later is said to be, once", () => {
   const views = [{ index: 0, points: 40, rms: 9, set_aside: { reason: "outlier", detail: "" } }, { index: 1, points: 40, rms: 0.1 }];
   const answer = { ...SESSION, views, accepted: true, reason: null };

@@ -5,7 +5,7 @@ import { HEALTHY, diagnose } from "./diagnosis.js";
 import { HOLD, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
 import { jaccard } from "./jaccard.js";
 import { difference } from "./target.js";
-import { instruct, SILENT } from "./instruction.js";
+import { HINTS, SILENT, asMirrored, instruct } from "./instruction.js";
 import { viewCount } from "./session.js";
 
 /**
@@ -23,7 +23,8 @@ import { viewCount } from "./session.js";
  * @property {[number, number] | null} img_size
  * @property {"rectilinear" | "fisheye" | "rational" | "omnidirectional"} distortion_model
  *
- * @typedef {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>}} Notice key: of a text
+ * @typedef {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>, hint?: string}} Notice key: of a text;
+ *   hint: the instruction that would help
  *
  * @typedef {object} State
  * @property {"welcome" | "opening" | "capturing" | "done" | "failed"} phase
@@ -260,7 +261,9 @@ function answered(state, { answer, corners, time }) {
 function verdict(state, answer, reason) {
   if (!answer.accepted) {
     if (reason === "useless") return { key: "capture.useless", kind: "plain" };
-    return { key: REFUSALS.has(reason ?? "") ? `capture.refused_${reason}` : "capture.refused", kind: "bad" };
+    const key = REFUSALS.has(reason ?? "") ? `capture.refused_${reason}` : "capture.refused";
+    const hint = answer.hint && HINTS.has(answer.hint.code) ? answer.hint.code : undefined;
+    return { key, kind: "bad", ...(hint && { hint: state.mirrored ? asMirrored(hint) : hint }) };
   }
   const before = new Set(state.session?.views.filter(({ set_aside }) => set_aside).map(({ index }) => index));
   const aside = answer.views.find(({ index, set_aside }) => set_aside && !before.has(index));

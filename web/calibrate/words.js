@@ -18,7 +18,10 @@ export function instruction({ patience, away, stalled, instruction: { code } }) 
 }
 
 /** @param {State["notice"]} notice */
-export const notice = (notice) => (notice ? t(notice.key, notice.values) : "");
+export function notice(notice) {
+  if (!notice) return "";
+  return [t(notice.key, notice.values), notice.hint && `${t(`capture.say_${notice.hint}`)}.`].filter(Boolean).join(" ");
+}
 
 /** What is being waited for before a capture. @param {State} state */
 export function opening({ waiting, patience, loading }) {
