@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable
 
-from playwright.sync_api import Page
+from playwright.sync_api import Page, ViewportSize
 
 from .conftest import OUTPUT, ROOT
 
 AXE = ROOT / "node_modules" / "axe-core" / "axe.min.js"
-SIZES = {
+SIZES: dict[str, ViewportSize] = {
     "desk": {"width": 1440, "height": 900},
     "tablet": {"width": 820, "height": 1180},
     "hand": {"width": 390, "height": 844},

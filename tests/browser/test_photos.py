@@ -32,12 +32,12 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page) -> None:
     sent: list[Request] = []
     page.goto(PAGE)
     page.on("request", lambda request: sent.append(request))
-    page.locator("#files").set_input_files([*photographs("640x480"), photographs("1280x720")[0]])
-    page.locator("#status", has_text="The board was found in 18 of 18").wait_for()
+    page.locator("#files").set_input_files([*photographs("640x480")[5:], photographs("1280x720")[0]])
+    page.locator("#status", has_text="The board was found in 13 of 13").wait_for()
     assert page.locator("#pictures .what", has_text="another camera, lens or size").count() == 1
-    assert "640 × 480 · 17 views" in (page.locator("#series option").first.text_content() or "")
+    assert "640 × 480 · 12 views" in (page.locator("#series option").first.text_content() or "")
     calibrate(page)
-    assert page.locator("#pictures .taken").count() >= 8
+    assert page.locator("#pictures .taken").count() >= 6
     calibration = json.loads(page.locator("#json").text_content() or "")
     # What plain OpenCV makes of all of them: fx/w = 1.06.
     assert calibration["camera_matrix"][0][0] / 640 == pytest.approx(1.06, abs=0.02)
@@ -79,11 +79,10 @@ def test_another_board_is_not_taken_for_this_one(context: BrowserContext) -> Non
 def test_a_video_becomes_a_calibration(page: Page, tmp_path: Path) -> None:
     film = tmp_path / "film.webm"
     writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"VP80"), 10, (640, 480))
-    for photograph in photographs("640x480"):
+    for photograph in photographs("640x480")[5:]:
         frame = cv2.imread(str(photograph))
         assert frame is not None
-        for _ in range(2):
-            writer.write(frame)
+        writer.write(frame)
     writer.release()
     page.goto(PAGE)
     page.locator("#files").set_input_files(film)

@@ -119,7 +119,10 @@ def test_the_gpu_straightens_as_opencv_does(page: Page, model: str) -> None:
         (1280, 720),
         cv2.CV_32FC1,
     )
-    theirs = cv2.remap(cv2.imread(str(photograph), cv2.IMREAD_GRAYSCALE), *maps, cv2.INTER_LINEAR)
+    grey = cv2.imread(str(photograph), cv2.IMREAD_GRAYSCALE)
+    assert ours is not None
+    assert grey is not None
+    theirs = cv2.remap(grey, *maps, cv2.INTER_LINEAR)
     inside = (maps[0] > 1) & (maps[1] > 1) & (maps[0] < 1278) & (maps[1] < 718)
     difference = np.abs(ours.astype(int) - theirs.astype(int))[inside]
     print(f"{model}: mean {difference.mean():.3f}, 99.9 %: {np.quantile(difference, 0.999):.0f} grey levels")
