@@ -20,6 +20,8 @@ BEYOND = 3.0
 """Standard deviations beyond which a calibration does not belong to the others."""
 FEW = 14.0
 """What the spread among a few may hide: of m its square is multiplied by 1 + (FEW / (m - 1))^2."""
+CLEARLY = 4.0
+"""Square of the spread / of what noise explains, from which specimens or sessions clearly differ."""
 MANY = 8
 """Calibrations that show whether they are two heaps."""
 BOAST = 2.0
@@ -147,8 +149,8 @@ def gather(calibrations: Sequence[Calibration], limit: float, harmless: float) -
         nearest = outside[np.argmin(distance2[outside])]
         noise2 = float(np.mean(own[inner]))
         spread2 = float(np.sum(distance2[inner])) / (size - 1)
-        # Of a spread so small that it does no harm, what it may hide of a larger one is not believed.
-        hidden = (FEW / (size - 1)) ** 2 if spread2 > harmless**2 else 0.0
+        # Where noise alone may be at work, a larger spread that it might hide is no excuse.
+        hidden = (FEW / (size - 1)) ** 2 if spread2 > CLEARLY * noise2 else 0.0
         more = min(BEYOND**2 * max(spread2 - noise2, 0.0) * (1 + hidden), limit**2)
         explained = BEYOND**2 * (own[nearest] + noise2 / size) + more * (1 + 1 / size)
         if distance2[nearest] > max(explained, harmless**2):
