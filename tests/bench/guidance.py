@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import Board, Camera
+from calibsolver.capture import MAX_VIEWS
 from calibsolver.guidance import FixedPlan, ProjectionUncertainty
 from tests import peers, specimens, synthetic
 from tests.bench import document
@@ -37,19 +38,19 @@ class Method:
 
 def guided(views: int = 10, **world: object) -> Run:
     def run(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
-        return synthetic.run(camera, rng, noise=noise, views=views, **world)  # type: ignore[arg-type]
+        return synthetic.run(camera, rng, noise=noise, views=views, most=MAX_VIEWS, **world)  # type: ignore[arg-type]
 
     return run
 
 
 def planned(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
     plan = FixedPlan(Board(), camera.img_size, camera.model)
-    return synthetic.run(camera, rng, noise=noise, views=10, guide=plan)
+    return synthetic.run(camera, rng, noise=noise, views=10, most=MAX_VIEWS, guide=plan)
 
 
 def comfortable(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
     guide = peers.Comfortable(ProjectionUncertainty(Board(), camera.img_size, camera.model))
-    return synthetic.run(camera, rng, noise=noise, views=8, guide=guide)
+    return synthetic.run(camera, rng, noise=noise, views=8, most=MAX_VIEWS, guide=guide)
 
 
 METHODS = (
