@@ -1,5 +1,7 @@
 """The solver against OpenCV, in the same process and in turn, each with one thread."""
 
+import time
+import tracemalloc
 from collections.abc import Iterator
 
 import cv2
@@ -15,18 +17,21 @@ def rows() -> Iterator[Row]:
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:
-        yield rectilinear()
+        yield rectilinear(10, 0.6)
+        yield rectilinear(100, 0.7)
         yield fisheye("jy_left")
+        yield omnidirectional("mint_isaw")
+        yield from many()
         yield from guide()
         yield from convergence()
     finally:
         cv2.setNumThreads(threads)
 
 
-def rectilinear() -> Row:
+def rectilinear(count: int, budget: float) -> Row:
     board = Board()
     camera = synthetic.rectilinear_cameras()[5]
-    views = spread(board, camera, 10, np.random.default_rng(1))
+    views = spread(board, camera, count, np.random.default_rng(1))
     objects = [v.object_points.astype(np.float32) for v in views]
     images = [v.image_points.astype(np.float32) for v in views]
     start = np.array([[1000.0, 0, 639.5], [0, 1000.0, 359.5], [0, 0, 1]])
@@ -40,7 +45,7 @@ def rectilinear() -> Row:
     corners = sum(len(v) for v in views)
     rms = f"rms {ours.avg_reprojection_error:.4f} and {peer():.4f} px"
     note = f"{a:.1f} ms against {b:.1f} ms; {corners} corners; {rms}"
-    return Row("fit, rectilinear, 10 views, / cv2.calibrateCamera", r, 0.6, "x", note)
+    return Row(f"fit, rectilinear, {count} views, / cv2.calibrateCamera", r, budget, "x", note)
 
 
 def spread(board: Board, camera: Camera, count: int, rng: np.random.Generator) -> list[View]:
@@ -74,6 +79,38 @@ def fisheye(name: str) -> Row:
     r, a, b = ratio(lambda: fit(views, img_size, "fisheye"), peer, repeat=5)
     note = f"{a:.0f} ms against {b:.0f} ms; {name}; rms {ours.avg_reprojection_error:.4f} and {peer():.4f} px"
     return Row("fit, fisheye, / cv2.fisheye.calibrate", r, 0.2, "x", note)
+
+
+def omnidirectional(name: str) -> Row:
+    """OpenCV's own takes many seconds to its optimum: once, and not warmed up."""
+    corners = data.corner_set(name)
+    img_size = tuple(corners["image_size"])
+    views = [View(np.array(v["obj"], float), np.array(v["img"], float)) for v in corners["views"]]
+    objects = [v.object_points[None] for v in views]
+    images = [v.image_points[None] for v in views]
+    criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 500, 1e-12)
+    flags = cv2.omnidir.CALIB_FIX_SKEW
+    begun = time.perf_counter()
+    rms = cv2.omnidir.calibrate(objects, images, img_size, None, None, None, flags, criteria)[0]
+    theirs = 1e3 * (time.perf_counter() - begun)
+    mine = p50(lambda: fit(views, img_size, "omnidirectional"), repeat=7)
+    ours = fit(views, img_size, "omnidirectional").avg_reprojection_error
+    note = f"{mine:.0f} ms against {theirs:.0f} ms; {name}; rms {ours:.4f} and {rms:.4f} px"
+    return Row("fit, omnidirectional, / cv2.omnidir.calibrate", mine / theirs, 0.05, "x", note)
+
+
+def many() -> Iterator[Row]:
+    """Cost by the number of views, and memory, at a thousand of them."""
+    camera = synthetic.rectilinear_cameras()[5]
+    views = spread(Board(), camera, 1000, np.random.default_rng(1))
+    quarter = p50(lambda: fit(views[:250], camera.img_size), repeat=7)
+    whole = p50(lambda: fit(views, camera.img_size), repeat=7)
+    yield Row("fit, 1000 views / four times 250 views", whole / (4 * quarter), 1.3, "x", f"{whole:.0f} ms")
+    tracemalloc.start()
+    fit(views, camera.img_size)
+    peak = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    yield Row("fit, 1000 views, memory", peak, 200, "MB")
 
 
 def guide() -> Iterator[Row]:

@@ -17,8 +17,8 @@ inside the views. And of those that were cut there: the model has no place for t
 def folded(problem: Problem, state: State, mask: Mask) -> float:
     """Share of the points (v, n) that lie where the model is not one-to-one, or behind the camera."""
     p = state.poses.camera_points(problem.obs.points).transpose(1, 0, 2)
-    outside: Mask = ~problem.model.valid(state.k[4:], p)
-    return float(np.mean(outside[mask]))
+    inside = problem.model.valid(state.k[4:], p)
+    return 1 - float(np.mean(inside[mask]))
 
 
 def demand(problem: Problem, state: State, good: Mask, robust: bool) -> None:
