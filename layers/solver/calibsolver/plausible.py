@@ -17,7 +17,7 @@ inside the views. And of those that were cut there: the model has no place for t
 def folded(problem: Problem, state: State, mask: Mask) -> float:
     """Share of the points (v, n) that lie where the model is not one-to-one, or behind the camera."""
     p = state.poses.camera_points(problem.obs.points).transpose(1, 0, 2)
-    inside = problem.model.valid(state.k[4:], p)
+    inside: Mask = np.asarray(problem.model.valid(state.k[4:], p))
     return 1 - float(np.mean(inside[mask]))
 
 
