@@ -17,7 +17,7 @@ inside the views. And of those that were cut there: the model has no place for t
 def folded(problem: Problem, state: State, mask: Mask) -> float:
     """Share of the points (v, n) that lie where the model is not one-to-one, or behind the camera."""
     p = state.poses.camera_points(problem.obs.points).transpose(1, 0, 2)
-    inside: Mask = np.asarray(problem.model.valid(state.k[4:], p))
+    inside = problem.model.valid(state.k[4:], p)
     return 1 - float(np.mean(inside[mask]))
 
 
@@ -38,7 +38,8 @@ def demand(problem: Problem, state: State, good: Mask, robust: bool) -> None:
     level = float(np.sqrt(np.mean(state.square[good])))
     if level > (WORST_KEPT if robust else WORST) * w:
         raise CalibrationError("not_believable", f"an rms of {level:.1f} px explains nothing")
-    lost = mask & ~good & good.any(axis=1)[:, None]
+    taken = np.asarray(good.any(axis=1, keepdims=True))
+    lost: Mask = mask & ~good & taken
     lost_share = folded(problem, state, lost) * lost.sum() / mask.sum() if lost.any() else 0.0
     if folded(problem, state, good) > FOLDED or lost_share > LOST:
         raise CalibrationError("not_believable", "the distortion folds inside the views")
