@@ -1,46 +1,134 @@
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { gzipSync } from "node:zlib";
-import { LookupError, cameraKey, lookup, platformHere, platformOf } from "../../web/sdk/calibdb.js";
+import { Calibration, LookupError, calibrate, cameraKey, lookup, platformHere, platformOf, returned, watch } from "../../web/sdk/calibdb.js";
 
 const KEY = { camera: "C920 (046d:082d)", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };
-const answer = (status, body) => async (address, request) => {
-  answer.asked = { address: String(address), ...request, body: JSON.parse(request.body) };
-  return new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
+const KNOWN = {
+  img_size: [1280, 720], camera_matrix: [[1000, 0, 640], [0, 1000, 360], [0, 0, 1]], distortion_coefficients: [0, 0, 0, 0, 0],
+  distortion_model: "rectilinear", reliable: true, exact_size: true, spread: 0.2, uncertainty: { rms: 0.3, max: 0.9 },
 };
+const MISS = { status: 404, guidance_url: "https://calibdb.example/calibrate/?camera=x", reason: "too_few" };
+const API = "https://calibdb.example/v1";
+const json = (status, body, headers = {}) => new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
+/** A service that gives one answer after the other, the last for ever, and remembers what it was asked. */
+function service(...answers) {
+  const asked = [];
+  const fetch = async (address, request) => {
+    asked.push({ address: String(address), ...request, body: request.body && JSON.parse(request.body) });
+    const next = answers.length > 1 ? answers.shift() : answers[0];
+    const answer = typeof next === "function" ? await next(request) : next;
+    if (answer instanceof Error) throw answer;
+    return answer.clone();
+  };
+  const waits = [];
+  const pause = async (milliseconds) => void waits.push(milliseconds);
+  return { asked, waits, options: { token: "cdb_a_b", api: API, cache: null, fetch, pause } };
+}
+function storage() {
+  const kept = new Map();
+  return { kept, getItem: (name) => kept.get(name) ?? null, setItem: (name, value) => kept.set(name, value) };
+}
+function camera(settings) {
+  const track = Object.assign(new EventTarget(), { kind: "video", readyState: "live", label: "FaceTime HD", settings });
+  return Object.assign(track, { getSettings: () => track.settings });
+}
 
 test("a known camera is answered with its calibration", async () => {
-  const calibration = { camera_matrix: [[1000, 0, 640], [0, 1000, 360], [0, 0, 1]], reliable: true };
-  const result = await lookup(KEY, { token: "cdb_a_b", model: "fisheye", api: "https://calibdb.example/v1", fetch: answer(200, calibration) });
-  assert.deepEqual(result, { calibration, guidanceUrl: null, reason: null });
-  const { address, method, headers, body } = answer.asked;
-  assert.deepEqual([address, method, headers.authorization], ["https://calibdb.example/v1/lookup", "POST", "Bearer cdb_a_b"]);
+  const { asked, options } = service(json(200, KNOWN));
+  const { calibration, guidanceUrl, reason } = await lookup(KEY, { ...options, model: "fisheye" });
+  assert.ok(calibration instanceof Calibration);
+  assert.deepEqual(JSON.parse(JSON.stringify(calibration)), KNOWN, "its data, unchanged");
+  assert.deepEqual([guidanceUrl, reason], [null, null]);
+  const [{ address, method, headers, body }] = asked;
+  assert.deepEqual([address, method, headers.authorization], [`${API}/lookup`, "POST", "Bearer cdb_a_b"]);
   assert.deepEqual(body, { ...KEY, distortion_model: "fisheye", redirect: false });
 });
 
-test("an unknown camera is answered with where to calibrate it", async () => {
-  const body = { status: 404, guidance_url: "https://calibdb.example/calibrate/?camera=x", reason: "too_few" };
-  const result = await lookup(KEY, { token: "t", api: "https://calibdb.example/v1/", fetch: answer(404, body) });
-  assert.deepEqual(result, { calibration: null, guidanceUrl: body.guidance_url, reason: "too_few" });
-  assert.equal(answer.asked.address, "https://calibdb.example/v1/lookup");
+test("an unknown camera is answered with where to calibrate it, and whoever asked is told", async () => {
+  const { asked, options } = service(json(404, MISS));
+  const told = [];
+  const answer = await lookup(KEY, { ...options, api: `${API}/`, onNeedCalibration: (each) => told.push(each) });
+  assert.deepEqual(answer, { calibration: null, guidanceUrl: MISS.guidance_url, reason: "too_few" });
+  assert.deepEqual(told, [answer]);
+  assert.equal(asked[0].address, `${API}/lookup`);
 });
 
 test("anything else is an error with its status and the service's words", async () => {
-  const promise = lookup(KEY, { token: "t", api: "https://c.example/v1", fetch: answer(403, { detail: "The API token is not valid." }) });
-  await assert.rejects(promise, (error) => error instanceof LookupError && error.status === 403 && /token/.test(error.message));
-  const proxy = async () => new Response("<h1>Bad gateway</h1>", { status: 502 });
-  await assert.rejects(lookup(KEY, { token: "t", api: "https://c.example/v1", fetch: proxy }), { status: 502 });
+  const refused = service(json(403, { detail: "The API token is not valid." }));
+  await assert.rejects(lookup(KEY, refused.options), (error) => error instanceof LookupError && error.status === 403 && /token/.test(error.message));
+  assert.equal(refused.asked.length, 1, "a refusal is not asked for again");
+  await assert.rejects(lookup(KEY, { ...refused.options, token: "" }), /API token/);
+  const proxy = service(new Response("<h1>Bad gateway</h1>", { status: 502 }));
+  await assert.rejects(lookup(KEY, proxy.options), { status: 502 });
+  assert.equal(proxy.asked.length, 4);
+  const nowhere = service(new TypeError("fetch failed"));
+  await assert.rejects(lookup(KEY, nowhere.options), (error) => error.status === 0 && /cannot be reached/.test(error.message) && error.cause instanceof TypeError);
 });
 
-test("a track says which camera it is", () => {
-  const track = { label: "FaceTime HD", getSettings: () => ({ width: 1280, height: 720 }) };
+test("what passes is asked again, later each time, as patiently as the service asks for", async () => {
+  const { waits, options } = service(new TypeError("no network"), json(503, {}), json(429, {}, { "retry-after": "5" }), json(200, KNOWN));
+  assert.ok((await lookup(KEY, options)).calibration);
+  assert.ok(waits[0] >= 250 && waits[0] <= 500 && waits[1] >= 500 && waits[1] <= 1000 && waits[2] === 5000, `${waits}`);
+  const spent = service(json(429, { detail: "The plan's calls are used up." }, { "retry-after": "1800" }));
+  await assert.rejects(lookup(KEY, spent.options), { status: 429 });
+  assert.equal(spent.asked.length, 1, "nobody waits for half an hour");
+});
+
+test("it stops when it is told to, on the line and between attempts", async () => {
+  const controller = new AbortController();
+  const hanging = service(({ signal }) => new Promise((_, reject) => signal.addEventListener("abort", () => reject(signal.reason))));
+  const running = lookup(KEY, { ...hanging.options, signal: controller.signal });
+  setTimeout(() => controller.abort(), 5);
+  await assert.rejects(running, { name: "AbortError" });
+  const { asked, options: { pause: _, ...options } } = service(json(503, {}));
+  await assert.rejects(lookup(KEY, { ...options, signal: AbortSignal.timeout(20) }), { name: "TimeoutError" });
+  assert.equal(asked.length, 1);
+});
+
+test("a camera is asked for once a tab; what is not known is asked for again", async () => {
+  const cache = storage();
+  const { asked, options } = service(json(404, MISS), json(200, KNOWN));
+  assert.equal((await lookup(KEY, { ...options, cache })).calibration, null);
+  assert.ok((await lookup(KEY, { ...options, cache })).calibration);
+  assert.ok((await lookup(KEY, { ...options, cache })).calibration instanceof Calibration);
+  assert.equal(asked.length, 2);
+  await lookup({ ...KEY, img_size: [640, 480] }, { ...options, cache });
+  await lookup(KEY, { ...options, cache, model: "fisheye" });
+  await lookup(KEY, { ...options, cache, api: "https://other.example/v1" });
+  assert.equal(asked.length, 5, "another size, model or service is another question");
+  const full = { getItem: () => null, setItem() { throw new DOMException("full", "QuotaExceededError"); } };
+  assert.ok((await lookup(KEY, { ...options, cache: full })).calibration);
+});
+
+test("a wish that what is known does not fulfil leads to the guidance page", async () => {
+  const other = { ...KNOWN, exact_size: false };
+  const answer = await lookup(KEY, { ...service(json(200, other)).options, exact: true });
+  assert.deepEqual([answer.calibration, answer.reason], [null, "other_size"]);
+  const url = new URL(answer.guidanceUrl);
+  assert.equal(url.origin + url.pathname, "https://calibdb.example/calibrate/");
+  assert.deepEqual(Object.fromEntries(url.searchParams), {
+    camera: KEY.camera, platform: KEY.platform, img_size: "1280x720", zoom: "0", distortion_model: "rectilinear",
+  });
+  assert.ok((await lookup(KEY, service(json(200, other)).options)).calibration);
+  const adapted = { img_size: [640, 360], zoom: 0, camera_matrix: [[500, 0, 319.75], [0, 500, 179.75], [0, 0, 1]], distortion_coefficients: [0, 0, 0, 0, 0] };
+  const scaled = await lookup(KEY, { ...service(json(200, { ...other, adapted })).options, exact: true });
+  assert.deepEqual([scaled.calibration.img_size, scaled.calibration.camera_matrix[0][0]], [[640, 360], 500], "verified for this size");
+  const reasons = [0.25, 0.1, 1].map(async (maxError) => (await lookup(KEY, { ...service(json(200, KNOWN)).options, maxError })).reason);
+  assert.deepEqual(await Promise.all(reasons), ["too_uncertain", "too_uncertain", null]);
+  const apart = await lookup(KEY, { ...service(json(200, { ...KNOWN, spread: 2 })).options, maxError: 1 });
+  assert.equal(apart.reason, "too_uncertain", "calibrations that differ");
+});
+
+test("a track says which camera it is", async () => {
+  const track = camera({ width: 1280, height: 720 });
   const agent = "Mozilla/5.0 (Macintosh; Intel Mac OS X 10.15; rv:140.0) Gecko/20100101 Firefox/140.0";
   assert.deepEqual(cameraKey(track, agent), {
     camera: "FaceTime HD", platform: "Macintosh; Intel Mac OS X 10.15; rv:140.0", img_size: [1280, 720], zoom: 0,
   });
   assert.equal(platformOf("curl/8"), "curl/8");
-  assert.throws(() => cameraKey({ label: "x", getSettings: () => ({}) }, agent), TypeError);
+  assert.throws(() => cameraKey(camera({}), agent), /no picture yet/);
+  assert.throws(() => cameraKey({ ...track, readyState: "ended" }, agent), /has ended/);
+  assert.throws(() => cameraKey({ ...track, kind: "audio" }, agent), /microphone/);
 });
 
 test("a device that its browser names is part of the platform", async () => {
@@ -53,8 +141,57 @@ test("a device that its browser names is part of the platform", async () => {
   assert.equal(await platformHere(refusing), "Linux; Android 10; K");
 });
 
-test("it is below 8 KB compressed and imports nothing", () => {
-  const source = readFileSync(new URL("../../web/sdk/calibdb.js", import.meta.url));
-  assert.ok(gzipSync(source).length < 8192);
-  assert.doesNotMatch(source.toString(), /^import /m);
+test("a picture that changes its size, or is turned, is looked up again; its end is the end", async (t) => {
+  const userAgent = "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0";
+  // Node has a navigator from its 21st version on.
+  Object.defineProperty(globalThis, "navigator", { value: { userAgent }, configurable: true });
+  t.mock.timers.enable({ apis: ["setInterval"] });
+  const turn = () => new Promise(setImmediate);
+  const track = camera({ width: 1280, height: 720, resizeMode: "none" });
+  const { asked, options } = service(json(200, KNOWN));
+  const answers = [];
+  const signal = new AbortController();
+  watch(track, { ...options, signal: signal.signal }, (answer) => answers.push(answer));
+  await turn();
+  t.mock.timers.tick(2000);
+  await turn();
+  assert.deepEqual(asked.map(({ body }) => body.img_size), [[1280, 720]]);
+  assert.equal(asked[0].body.resize_mode, "none");
+  track.settings = { width: 720, height: 1280 };
+  track.dispatchEvent(new Event("configurationchange"));
+  await turn();
+  track.settings = { width: 640, height: 480 };
+  t.mock.timers.tick(500);
+  await turn();
+  assert.deepEqual(asked.map(({ body }) => body.img_size), [[1280, 720], [720, 1280], [640, 480]]);
+  assert.equal(answers.length, 3);
+  signal.abort();
+  track.settings = { width: 320, height: 240 };
+  t.mock.timers.tick(5000);
+  track.dispatchEvent(new Event("configurationchange"));
+  await turn();
+  assert.equal(asked.length, 3);
+});
+
+test("the way to the guidance page and back", async () => {
+  const gone = [];
+  const location = { href: "https://app.example/ar?x=1#menu=2", assign: (address) => gone.push(address) };
+  const { asked, options } = service(json(200, { ...KNOWN, id: "ab/c", report: { verdict: {} } }));
+  const leaving = calibrate({ ...options, source: KEY, location });
+  assert.equal(await Promise.race([leaving, new Promise((done) => setTimeout(done, 10, "left"))]), "left");
+  const there = new URL(gone[0]);
+  assert.equal(there.pathname, "/calibrate/");
+  assert.equal(there.searchParams.get("return_to"), location.href);
+  assert.equal(there.searchParams.get("camera"), KEY.camera);
+  assert.equal(asked.length, 0);
+
+  const back = { ...location, href: `${location.href}&calibration=ab%2Fc` };
+  const shown = [];
+  const history = { state: 5, replaceState: (...what) => shown.push(what) };
+  const calibration = await calibrate({ ...options, location: back, history });
+  assert.equal(calibration.id, "ab/c");
+  assert.ok(!("report" in calibration));
+  assert.equal(asked[0].address, `${API}/calibrations/ab%2Fc`);
+  assert.deepEqual(shown, [[5, "", location.href]]);
+  assert.equal(await returned({ ...options, location, history }), null);
 });

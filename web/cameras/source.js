@@ -3,7 +3,7 @@ import { Api } from "../calibrate/api.js";
 import { loadSettings } from "../settings.js";
 
 /**
- * @typedef {import("../sdk/calibdb.js").Calibration} Calibration
+ * @typedef {import("../sdk/calibdb.js").CalibrationData} Calibration
  * @typedef {import("./agreement.js").Member} Member
  *
  * @typedef {object} Size

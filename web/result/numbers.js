@@ -2,7 +2,7 @@
 import { COEFFICIENTS, lensOf } from "../sdk/projection.js";
 
 /**
- * @typedef {import("../sdk/calibdb.js").Calibration} Calibration
+ * @typedef {import("../sdk/calibdb.js").CalibrationData} Calibration
  *
  * @typedef {object} ReportView
  * @property {number} index of the pose it answered

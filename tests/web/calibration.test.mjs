@@ -1,0 +1,64 @@
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { Calibration, projectionMatrix } from "../../web/sdk/calibdb.js";
+
+const WIDE = { img_size: [1280, 720], camera_matrix: [[1013.7, 0, 652.3], [0, 1009.1, 348.8], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [-0.1, 0.02, 0.001, -0.002, 0.003] };
+const POINTS = [[0.1, -0.2, 1.5], [-1.3, 0.8, 3], [0, 0, 0.5], [2, 1, 7.7]];
+/** A pinhole's pixel, of whatever distortion. */
+const pixelOf = ([x, y, z]) => [(1013.7 * x) / z + 652.3, (1009.1 * y) / z + 348.8];
+/** Where a matrix draws a point, from the viewport's top-left corner. */
+function drawn(m, [x, y, z], [width, height]) {
+  const [a, b, c] = [x, -y, -z];
+  const at = (row) => m[row] * a + m[4 + row] * b + m[8 + row] * c + m[12 + row];
+  return [((at(0) / at(3) + 1) / 2) * width, ((1 - at(1) / at(3)) / 2) * height, at(2) / at(3)];
+}
+
+// What CSS does with each, by its own words, not by our formula.
+const FITS = {
+  cover: ([w, h], [vw, vh]) => { const s = vw / vh > w / h ? vw / w : vh / h; return [s, s]; },
+  contain: ([w, h], [vw, vh]) => { const s = vw / vh > w / h ? vh / h : vw / w; return [s, s]; },
+  fill: ([w, h], [vw, vh]) => [vw / w, vh / h],
+  none: () => [1, 1],
+};
+
+for (const [fit, scale] of Object.entries(FITS)) {
+  test(`a scene lies on the picture, ${fit}`, () => {
+    for (const viewport of [[1280, 720], [640, 360], [390, 844], [2560, 720], [1000, 1000]]) {
+      const matrix = projectionMatrix(WIDE, { viewport, fit });
+      const [sx, sy] = scale(WIDE.img_size, viewport);
+      for (const point of POINTS) {
+        const [u, v] = pixelOf(point);
+        // The middles of picture and viewport coincide.
+        const expected = [viewport[0] / 2 + sx * (u + 0.5 - 640), viewport[1] / 2 + sy * (v + 0.5 - 360)];
+        const [x, y] = drawn(matrix, point, viewport);
+        assert.ok(Math.hypot(x - expected[0], y - expected[1]) < 1e-9, `${viewport} ${point}`);
+      }
+    }
+  });
+}
+
+test("depth runs from -1 at the near plane to 1 at the far one, also where that is infinitely far", () => {
+  const depth = (frustum, z) => drawn(projectionMatrix(WIDE, frustum), [0, 0, z], [1, 1])[2];
+  assert.ok(Math.abs(depth({ near: 0.2, far: 50 }, 0.2) + 1) < 1e-12 && Math.abs(depth({ near: 0.2, far: 50 }, 50) - 1) < 1e-12);
+  assert.ok(Math.abs(depth({ near: 0.2, far: Infinity }, 0.2) + 1) < 1e-12 && depth({ far: Infinity }, 1e9) > 0.999999999);
+});
+
+test("it projects as the solver does, for every model", () => {
+  for (const { pixels, rays, ...intrinsics } of JSON.parse(readFileSync(new URL("./vectors.json", import.meta.url), "utf8"))) {
+    const calibration = new Calibration({ ...intrinsics, img_size: [1280, 720] });
+    const index = rays.findIndex((ray) => ray !== null);
+    const [u, v] = calibration.project(rays[index]);
+    assert.ok(Math.hypot(u - pixels[index][0], v - pixels[index][1]) < 1e-6);
+    const ray = calibration.unproject(pixels[index]);
+    assert.ok(Math.hypot(...ray.map((value, axis) => value - rays[index][axis])) < 1e-9);
+  }
+});
+
+test("OpenCV gets what each of its modules takes", () => {
+  const cameraMatrix = [1013.7, 0, 652.3, 0, 1009.1, 348.8, 0, 0, 1];
+  const of = (distortion_model, distortion_coefficients) => new Calibration({ ...WIDE, distortion_model, distortion_coefficients }).toOpenCV();
+  assert.deepEqual(new Calibration(WIDE).toOpenCV(), { imageSize: [1280, 720], cameraMatrix, distCoeffs: WIDE.distortion_coefficients, module: "" });
+  assert.deepEqual(of("fisheye", [1, 2, 3, 4]), { imageSize: [1280, 720], cameraMatrix, distCoeffs: [1, 2, 3, 4], module: "fisheye" });
+  assert.deepEqual(of("omnidirectional", [1.2, 1, 2, 3, 4]), { imageSize: [1280, 720], cameraMatrix, distCoeffs: [1, 2, 3, 4], xi: 1.2, module: "omnidir" });
+});

@@ -1,0 +1,54 @@
+// To the page where a camera is calibrated, and back with the result.
+import { Calibration } from "./calibration.js";
+import { keyOf } from "./key.js";
+import { guidanceUrl } from "./lookup.js";
+import { ask, refusal } from "./request.js";
+
+/**
+ * @typedef {object} Journey
+ * @property {string | URL} [returnTo] address to come back to; that of this page unless told
+ * @property {MediaStreamTrack | import("./key.js").CameraKey} [source] the camera; unless told, the one chosen there
+ * @property {string} [guidanceUrl] of a lookup's answer
+ * @property {string} [model] distortion model, "rectilinear" unless told
+ * @property {Pick<Location, "href" | "assign">} [location]
+ * @property {Pick<History, "replaceState" | "state">} [history]
+ *
+ * @typedef {Journey & import("./request.js").Manner} JourneyOptions
+ */
+
+/**
+ * Leaves for the guidance page, and gives the result once this page is loaded again: call it in both cases.
+ * Browsers give the way back to addresses of this machine and to those that the service's operator allows.
+ * @param {JourneyOptions} options
+ * @returns {Promise<Calibration>} of one capture, not of a consensus; does not settle while the page is left
+ */
+export async function calibrate(options) {
+  const result = await returned(options);
+  if (result) return result;
+  const { source, model = "rectilinear", api, location = globalThis.location } = options;
+  const key = source ? await keyOf(source) : null;
+  options.signal?.throwIfAborted();
+  const url = new URL(options.guidanceUrl ?? guidanceUrl(key, model, api));
+  url.searchParams.set("return_to", new URL(options.returnTo ?? location.href, location.href).href);
+  location.assign(url.href);
+  return new Promise(() => {});
+}
+
+/**
+ * The result that the guidance page sent along, if it did. The address is cleaned of it.
+ * @param {JourneyOptions} options
+ * @returns {Promise<Calibration | null>} rejects as `lookup` does
+ */
+export async function returned({ location = globalThis.location, history = globalThis.history, ...manner }) {
+  const url = new URL(location.href);
+  const fragment = new URLSearchParams(url.hash.slice(1));
+  const id = fragment.get("calibration");
+  if (!id) return null;
+  const { response, body } = await ask(`calibrations/${encodeURIComponent(id)}`, {}, manner);
+  if (!response.ok) throw refusal(response, body);
+  fragment.delete("calibration");
+  url.hash = fragment.toString();
+  history.replaceState(history.state, "", url.href);
+  const { report: _, ...data } = body;
+  return new Calibration(data);
+}

@@ -1,0 +1,68 @@
+// What identifies the camera that a page has open.
+
+/**
+ * @typedef {object} CameraKey what identifies the optics that a browser opened
+ * @property {string} camera the track's label
+ * @property {string} platform the parenthesised part of the user agent
+ * @property {[number, number]} img_size width, height, px
+ * @property {number} zoom 0 where the camera reports none
+ * @property {string} [resize_mode] "crop-and-scale": the picture is a part of the camera's
+ */
+
+/**
+ * The platform as calibDB knows it: "X11; Linux x86_64".
+ * @param {string} userAgent
+ */
+export function platformOf(userAgent) {
+  return /\(([^)]*)\)/.exec(userAgent)?.[1] || userAgent.slice(0, 200) || "unknown";
+}
+
+/**
+ * The platform of this browser. Chromium hides the device's model in its user agent and tells it when asked: then it
+ * is written as the user agent used to, "Linux; Android 14; Pixel 8". Without it phones cannot be told apart.
+ * @param {{userAgent: string, userAgentData?: unknown}} [browser]
+ */
+export async function platformHere(browser = navigator) {
+  const data = /** @type {{getHighEntropyValues?: (hints: string[]) => Promise<Record<string, string>>} | undefined} */ (
+    browser.userAgentData
+  );
+  try {
+    const { model, platformVersion = "" } = (await data?.getHighEntropyValues?.(["model", "platformVersion"])) ?? {};
+    if (model) return `Linux; Android ${platformVersion.split(".")[0]}; ${model}`;
+  } catch {
+    // refused by a permissions policy: the user agent is all there is
+  }
+  return platformOf(browser.userAgent);
+}
+
+/**
+ * Which camera, at which resolution and zoom, a track shows.
+ * @param {MediaStreamTrack} track of a camera that the user has permitted: without permission labels are empty
+ * @param {string} [userAgent]
+ * @returns {CameraKey} throws a TypeError for a track that shows nothing
+ */
+export function cameraKey(track, userAgent = navigator.userAgent) {
+  if (track.readyState === "ended") throw new TypeError("the track has ended: open the camera again");
+  if (track.kind === "audio") throw new TypeError("the track is of a microphone: cameras are on getVideoTracks()");
+  const settings = /** @type {MediaTrackSettings & {zoom?: number}} */ (track.getSettings());
+  if (!settings.width || !settings.height) throw new TypeError("the track shows no picture yet");
+  return {
+    camera: track.label || "unnamed camera",
+    platform: platformOf(userAgent),
+    img_size: [settings.width, settings.height],
+    zoom: settings.zoom ?? 0,
+  };
+}
+
+/**
+ * The same with all that the browser tells when it is asked.
+ * @param {MediaStreamTrack | CameraKey} source a key is taken as it is, which is what a worker has
+ * @returns {Promise<CameraKey>}
+ */
+export async function keyOf(source) {
+  if (!("getSettings" in source)) return source;
+  const { resizeMode } = /** @type {MediaTrackSettings & {resizeMode?: string}} */ (source.getSettings());
+  const key = { ...cameraKey(source), platform: await platformHere() };
+  // Of a stream that the browser crops nothing is known, whatever is known of its camera.
+  return resizeMode ? { ...key, resize_mode: resizeMode } : key;
+}

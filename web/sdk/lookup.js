@@ -1,0 +1,151 @@
+// The calibration of an open camera, kept as long as the tab.
+import { Calibration } from "./calibration.js";
+import { keyOf } from "./key.js";
+import { address, ask, refusal } from "./request.js";
+
+/**
+ * @typedef {import("./key.js").CameraKey} CameraKey
+ * @typedef {import("./calibration.js").CalibrationData} CalibrationData
+ *
+ * @typedef {object} Answer
+ * @property {Calibration | null} calibration null: nothing is known that is good enough
+ * @property {string | null} guidanceUrl where this camera can be calibrated, then
+ * @property {string | null} reason "unknown_camera", "too_few", "disagree" or "few_contributors", as the service says; "other_size" where
+ *   `exact`, "too_uncertain" where `maxError` asked for more than is known
+ *
+ * @typedef {object} Wish
+ * @property {string} [model] distortion model, "rectilinear" unless told
+ * @property {boolean} [exact] nothing but what is known of this very size, or verified for it
+ * @property {number} [maxError] px: largest uncertainty, and largest difference between the calibrations that agree
+ * @property {(answer: Answer) => void} [onNeedCalibration] told when nothing is known
+ * @property {Pick<Storage, "getItem" | "setItem"> | null} [cache] the tab's `sessionStorage` unless told, in a worker the worker's memory; null: none
+ * @property {Pick<Offline, "find">} [bundle] calibrations that came with the application, asked first; see bundle.js
+ *
+ * @typedef {object} Offline
+ * @property {(key: CameraKey, model: string) => CalibrationData | null} find
+ *
+ * @typedef {Wish & import("./request.js").Manner} Options
+ */
+
+/** @type {Map<string, string>} */
+const memory = new Map();
+const remembered = {
+  getItem: (/** @type {string} */ name) => memory.get(name) ?? null,
+  setItem: (/** @type {string} */ name, /** @type {string} */ value) => void memory.set(name, value),
+};
+
+/**
+ * Looks up the calibration of a camera.
+ * @param {MediaStreamTrack | CameraKey} source an open camera, or what identifies it
+ * @param {Options} options
+ * @returns {Promise<Answer>} rejects with LookupError, with a TypeError for a track that shows nothing, or as its signal says
+ */
+export async function lookup(source, options) {
+  const { model = "rectilinear", exact = false, maxError = Infinity, onNeedCalibration, cache = tabs(), bundle, ...manner } = options;
+  const key = await keyOf(source);
+  const name = `calibdb ${JSON.stringify([address(manner.api).href, key, model])}`;
+  const known = bundle?.find(key, model) ?? JSON.parse(cache?.getItem(name) ?? "null");
+  const answer = known ? { calibration: known, guidanceUrl: null, reason: null } : await asked(key, model, manner);
+  if (answer.calibration && !known) keep(cache, name, answer.calibration);
+  const enough = judged(answer, { exact, maxError }, () => guidanceUrl(key, model, manner.api));
+  if (!enough.calibration) onNeedCalibration?.(enough);
+  return enough;
+}
+
+/**
+ * Looks a camera up, and again whenever its picture changes: another size, another zoom, a phone that is turned.
+ * @param {MediaStreamTrack} track
+ * @param {Options} options its signal ends the watch, as the end of the track does
+ * @param {(answer: Answer | Error) => void} onAnswer
+ * @param {number} [every] ms between looks at a track whose browser does not tell
+ * @returns {() => void} ends the watch
+ */
+export function watch(track, options, onAnswer, every = 500) {
+  let shown = "";
+  /** @type {AbortController | undefined} */
+  let running;
+  const look = () => {
+    if (track.readyState === "ended" || options.signal?.aborted) return stop();
+    const { width, height, zoom } = /** @type {MediaTrackSettings & {zoom?: number}} */ (track.getSettings());
+    const now = [width, height, zoom].join();
+    if (!width || now === shown) return;
+    shown = now;
+    running?.abort();
+    const own = (running = new AbortController());
+    const tell = (/** @type {Answer | Error} */ answer) => own.signal.aborted || onAnswer(answer);
+    lookup(track, { ...options, signal: own.signal }).then(tell, tell);
+  };
+  const timer = setInterval(look, every);
+  const stop = () => {
+    clearInterval(timer);
+    track.removeEventListener("configurationchange", look);
+    options.signal?.removeEventListener("abort", stop);
+    running?.abort();
+  };
+  track.addEventListener("configurationchange", look);
+  options.signal?.addEventListener("abort", stop);
+  look();
+  return stop;
+}
+
+/**
+ * The page where a camera can be calibrated.
+ * @param {CameraKey | null} key @param {string} model @param {string | URL} [api]
+ */
+export function guidanceUrl(key, model, api) {
+  const url = new URL("../calibrate/", address(api));
+  const { camera, platform, img_size: size, zoom } = key ?? {};
+  const query = { camera, platform, img_size: size?.join("x"), zoom: zoom?.toString(), distortion_model: model };
+  for (const [name, value] of Object.entries(query)) if (value) url.searchParams.set(name, value);
+  return url.href;
+}
+
+/**
+ * @param {CameraKey} key @param {string} model @param {import("./request.js").Manner} manner
+ * @returns {Promise<{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null}>}
+ */
+async function asked(key, model, manner) {
+  // A redirect's Location is hidden from fetch(): ask for it in words.
+  const request = { method: "POST", body: JSON.stringify({ ...key, distortion_model: model, redirect: false }) };
+  const { response, body } = await ask("lookup", request, manner);
+  if (response.ok) return { calibration: body, guidanceUrl: null, reason: null };
+  if (response.status === 404 && body.guidance_url) {
+    return { calibration: null, guidanceUrl: body.guidance_url, reason: body.reason ?? null };
+  }
+  throw refusal(response, body);
+}
+
+/**
+ * @param {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null}} answer
+ * @param {{exact: boolean, maxError: number}} wish @param {() => string} guidance
+ * @returns {Answer}
+ */
+function judged({ calibration: known, guidanceUrl, reason }, { exact, maxError }, guidance) {
+  if (!known) return { calibration: null, guidanceUrl, reason };
+  const { adapted } = known;
+  const data = exact && !known.exact_size && adapted ? { ...known, ...adapted, exact_size: true } : known;
+  if (exact && !data.exact_size) return { calibration: null, guidanceUrl: guidance(), reason: "other_size" };
+  if (Math.max(data.uncertainty?.rms ?? 0, data.spread ?? 0) > maxError) {
+    return { calibration: null, guidanceUrl: guidance(), reason: "too_uncertain" };
+  }
+  return { calibration: new Calibration(data), guidanceUrl: null, reason: null };
+}
+
+/** Where a tab keeps things; in memory in workers, and where a page may keep none. */
+function tabs() {
+  try {
+    return globalThis.sessionStorage ?? remembered;
+  } catch (error) {
+    if (error instanceof DOMException) return remembered;
+    throw error;
+  }
+}
+
+/** @param {Options["cache"]} cache @param {string} name @param {CalibrationData} calibration */
+function keep(cache, name, calibration) {
+  try {
+    cache?.setItem(name, JSON.stringify(calibration));
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error; // full: it is asked for again, then
+  }
+}

@@ -1,0 +1,91 @@
+// Asking the service, as often as it takes.
+
+/** The service answered, but not with an answer; or it cannot be reached. */
+export class LookupError extends Error {
+  /** @param {string} message @param {number} status HTTP status; 0: no answer at all @param {ErrorOptions} [options] */
+  constructor(message, status, options) {
+    super(message, options);
+    this.name = "LookupError";
+    this.status = status;
+  }
+}
+
+/**
+ * @typedef {object} Manner how to ask
+ * @property {string} token API token
+ * @property {string | URL} [api] address of the API; that of the host this file came from unless told
+ * @property {AbortSignal} [signal]
+ * @property {number} [retries] how often to ask again where another time may help; 3 unless told
+ * @property {typeof globalThis.fetch} [fetch]
+ * @property {(milliseconds: number, signal?: AbortSignal) => Promise<void>} [pause]
+ */
+
+const FIRST = 500; // ms, then twice as long each time
+const LONGEST = 8000; // ms; a service that asks for more patience is not waited for
+/** What another time may help with: too many at once, and a gateway or storage that had no time. */
+const PASSING = [429, 502, 503, 504];
+
+/** @param {string | URL} [api] @returns {URL} ending in a slash */
+export function address(api) {
+  return new URL(`${api ?? new URL("../v1", import.meta.url)}/`.replace(/\/+$/, "/"));
+}
+
+/**
+ * A request's answer and its JSON.
+ * @param {string} path below the API's address @param {RequestInit} request @param {Manner} manner
+ * @returns {Promise<{response: Response, body: any}>} rejects with LookupError when nothing answers, or as its signal says
+ */
+export async function ask(path, request, { token, api, signal, retries = 3, fetch = globalThis.fetch, pause = sleep }) {
+  if (!token) throw new TypeError("calibDB is asked with an API token: { token }");
+  const headers = { authorization: `Bearer ${token}`, "content-type": "application/json" };
+  for (let attempt = 0; ; attempt++) {
+    signal?.throwIfAborted();
+    const response = await reach(fetch, new URL(path, address(api)), { ...request, headers, signal });
+    const wait = patience(attempt, response instanceof Response ? response.headers.get("retry-after") : null);
+    const passing = response instanceof TypeError || PASSING.includes(response.status);
+    if (passing && attempt < retries && wait <= LONGEST) {
+      await pause(wait, signal);
+    } else if (response instanceof TypeError) {
+      throw new LookupError("calibDB cannot be reached", 0, { cause: response });
+    } else {
+      const json = /json/.test(response.headers.get("content-type") ?? "");
+      return { response, body: json ? await response.json() : {} };
+    }
+  }
+}
+
+/** @param {Response} response @param {any} body @returns {LookupError} in the service's words */
+export function refusal({ status }, body) {
+  return new LookupError(body.detail ?? `calibDB answered ${status}`, status);
+}
+
+/** @param {typeof globalThis.fetch} fetch @param {URL} url @param {RequestInit} request @returns {Promise<Response | TypeError>} */
+async function reach(fetch, url, request) {
+  try {
+    return await fetch(url, request);
+  } catch (error) {
+    if (error instanceof TypeError) return error; // how fetch() says that there is no network
+    throw error;
+  }
+}
+
+/** Milliseconds before the next attempt; apart from each other, where many were refused at once. @param {number} attempt @param {string | null} asked seconds */
+function patience(attempt, asked) {
+  const least = asked && Number(asked) >= 0 ? 1000 * Number(asked) : 0;
+  return Math.max(least, FIRST * 2 ** attempt * (0.5 + 0.5 * Math.random()));
+}
+
+/** @param {number} milliseconds @param {AbortSignal} [signal] @returns {Promise<void>} */
+function sleep(milliseconds, signal) {
+  return new Promise((resolve, reject) => {
+    const stop = () => {
+      clearTimeout(timer);
+      reject(signal?.reason);
+    };
+    const timer = setTimeout(() => {
+      signal?.removeEventListener("abort", stop);
+      resolve();
+    }, milliseconds);
+    signal?.addEventListener("abort", stop, { once: true });
+  });
+}
