@@ -18,7 +18,7 @@ def rectilinear() -> list[synthetic.Session]:
     return [
         synthetic.run(camera, np.random.default_rng(100 * i + seed), views=5)
         for i, camera in enumerate(synthetic.rectilinear_cameras())
-        for seed in range(2)
+        for seed in range(5)
     ]
 
 
@@ -28,9 +28,9 @@ def at(sessions: list[synthetic.Session], views: int) -> np.ndarray:
 
 
 def test_few_views_are_enough(rectilinear: list[synthetic.Session]) -> None:
-    """The bounds of `make bench-guidance`, a little wider for a fifth of its captures."""
+    """The bounds of `make bench-guidance`, for half of its captures."""
     assert all(len(session.views) == 5 for session in rectilinear)
-    assert (at(rectilinear, 3) <= (0.20, 0.48)).all()
+    assert (at(rectilinear, 3) <= (0.20, 0.40)).all()
     assert (at(rectilinear, 4) <= (0.16, 0.36)).all()
     assert (at(rectilinear, 5) <= (0.14, 0.32)).all()
 
@@ -52,8 +52,9 @@ def test_it_stops_by_itself(rectilinear: list[synthetic.Session]) -> None:
 
 def test_fisheye_too() -> None:
     sessions = [
-        synthetic.run(camera, np.random.default_rng(i), views=4)
+        synthetic.run(camera, np.random.default_rng(100 * i + seed), views=4)
         for i, camera in enumerate(synthetic.fisheye_cameras())
+        for seed in range(4)
     ]
     assert (at(sessions, 4) <= (0.12, 0.31)).all()
 
