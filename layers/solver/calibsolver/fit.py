@@ -15,6 +15,7 @@ from .errors import CalibrationError
 from .lm import Options, Problem, State
 from .models import Model
 from .normal import Poses
+from .observations import Order
 from .view import View
 
 __all__ = ["MIN_POINTS", "check", "fit"]
@@ -74,18 +75,21 @@ def fit(
         ``unknown_model``, ``no_fit``, ``not_converged`` or ``not_believable``: never is nonsense returned.
     """
     law = models.get(model)
-    obs = check(views, img_size)
-    turned = checks.mirrored(obs)
+    given = check(views, img_size)
+    turned = checks.mirrored(given)
     if turned.any() and not robust:
         raise CalibrationError("mirrored", f"view {int(np.argmax(turned))} shows the board mirrored")
+    # In one order, whichever the views came in: rounding, too, is then the same.
+    obs, order = given.ordered()
     # Far from the solution numbers may overflow; every step is tested before it is taken.
     with np.errstate(all="ignore"):
-        return _Fit(Problem(law, obs, img_size), turned, robust, start).run()
+        return _Fit(Problem(law, obs, img_size), order, turned[order.views], robust, start).run()
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
     problem: Problem
+    order: Order
     turned: Mask
     robust: bool
     known: Camera | None
@@ -286,16 +290,16 @@ class _Fit:
         covariance = sigma**2 * symmetric_inverse(s)
         if not (np.isfinite(rms) and np.isfinite(covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")
-        length = state.length
+        measured, back = self.order.points_back(mask), self.order.points_back
         return Calibration(
             camera=Camera.from_intrinsics(self.model.name, k, img_size),
-            poses=frozen(state.poses.vectors()),
+            poses=frozen(self.order.back(state.poses.vectors())),
             avg_reprojection_error=rms,
-            view_errors=frozen(np.sqrt(square.sum(axis=1) / mask.sum(axis=1))),
+            view_errors=frozen(self.order.back(np.sqrt(square.sum(axis=1) / mask.sum(axis=1)))),
             covariance=frozen(covariance),
             noise=sigma,
-            residuals=tuple(frozen(e[m]) for e, m in zip(length, mask, strict=True)),
-            used=tuple(g[m] for g, m in zip(good, mask, strict=True)),
+            residuals=tuple(frozen(e[m]) for e, m in zip(back(state.length), measured, strict=True)),
+            used=tuple(g[m] for g, m in zip(back(good), measured, strict=True)),
             prior_used=with_prior,
             cut_views=self.reasons(good),
         )
@@ -303,7 +307,8 @@ class _Fit:
     def reasons(self, good: Mask) -> dict[int, str]:
         """Why views (by number) are wholly left out."""
         return {
-            int(i): "mirrored" if self.turned[i] else "outlier" for i in np.flatnonzero(~good.any(axis=1))
+            int(self.order.views[i]): "mirrored" if self.turned[i] else "outlier"
+            for i in np.flatnonzero(~good.any(axis=1))
         }
 
 

@@ -2,11 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from .arrays import Array, IntArray, Mask
 from .view import View
+
+Kind = TypeVar("Kind", bound=np.generic)
+
+
+MIX = 0.618
+"""Share of y in the number by which points are ordered: no grid has two points with the same."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,3 +67,41 @@ class Observations:
     def subset(self, index: IntArray) -> "Observations":
         """Return the observations of some of the views."""
         return Observations(self.points[index], self.pixels[index], self.mask[index])
+
+    def ordered(self) -> tuple["Observations", "Order"]:
+        """Return the same observations in an order that does not depend on the one they came in."""
+        key = np.where(self.mask, self.pixels[:, 0] + MIX * self.pixels[:, 1], np.inf)
+        points = np.argsort(key, axis=1, kind="stable")
+        key = np.take_along_axis(key, points, axis=1)
+        views = np.argsort(np.where(self.mask, key, 0.0).sum(axis=1), kind="stable")
+        points, mask = points[views], self.mask[views]
+        # what stands for points that are not there must not depend on the order either
+        filled = np.where(mask, points, points[:, :1])[:, None]
+        return (
+            Observations(
+                np.take_along_axis(self.points[views], filled, axis=2),
+                np.take_along_axis(self.pixels[views], filled, axis=2),
+                mask,
+            ),
+            Order(views, points),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """Which view (v,), and which of its points (v, n), stand where in ordered observations."""
+
+    views: IntArray
+    points: IntArray
+
+    def back(self, values: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
+        """Return what belongs to the ordered views, (v, ...), in the order they came in."""
+        found = np.empty_like(values)
+        found[self.views] = values
+        return found
+
+    def points_back(self, values: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
+        """Return what belongs to the ordered points, (v, n), in the order they came in."""
+        found = np.empty_like(values)
+        np.put_along_axis(found, self.points, values, axis=1)
+        return self.back(found)
