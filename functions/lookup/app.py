@@ -16,7 +16,8 @@ from calibdb.errors import NotFoundError
 from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
 from calibdb.store.keys import size_text, zoom_text
 
-_CACHED = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
+# By browsers, and at the edge for the same token from the same origin; both may be refused.
+_CACHED = {"Cache-Control": "public, max-age=60", "Vary": "Authorization, Origin"}
 _NOTHING = "Nothing reliable is known of this camera."
 _DETAILS = {
     "unknown_camera": _NOTHING,

@@ -100,10 +100,14 @@ class LocalStack:
         self.url = f"http://127.0.0.1:{self._port}"
         """Where `serve` will be found, without slash."""
 
-        self.template = self._load(
-            keys.kept_in(self._data_dir / "secrets.json") if self._data_dir else keys.new()
-        )
-        variables = self.template.environment()
+        self.template = self._load()
+        secrets = keys.kept_in(self._data_dir / "secrets.json") if self._data_dir else keys.new()
+        # Themselves, not where they are: there is no parameter store here.
+        variables = self.template.environment() | {
+            "SECRETS_PATH": "",
+            "SESSION_SECRETS": secrets.session,
+            "CONTRIBUTOR_SECRET": secrets.contributor,
+        }
         if not self.embedded:
             variables |= _elsewhere(self.template, variables, os.environ)
         self.environment = variables | dict(self._environment)
@@ -134,12 +138,8 @@ class LocalStack:
             self._admit_development_token()
         invokes.deliver_remembered()
 
-    def _load(self, secrets: keys.Secrets) -> Template:
-        parameters = {
-            "SessionSecrets": secrets.session,
-            "ContributorSecret": secrets.contributor,
-            "GuidanceUrl": f"{self.url}/calibrate/",
-        }
+    def _load(self) -> Template:
+        parameters = {"GuidanceUrl": f"{self.url}/calibrate/"}
         if self.embedded:
             # On one's own machine everyone is one contributor, and every capture and check counts.
             parameters |= {"MinContributors": "1", "ContributorPeriod": "0"}

@@ -129,7 +129,7 @@ class TestLookup:
         query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"
         answer = client.call("GET", "/v1/lookup", token="", query=f"{query}&key={TOKEN}")
         assert answer.json == client.lookup().json
-        assert answer.headers["cache-control"] == "private, max-age=60"
+        assert answer.headers["cache-control"] == "public, max-age=60"
 
     def test_the_older_public_clients_spellings(self, client: Client) -> None:
         asked = {"camera": "Test camera", "userAgent": CAMERA["platform"], "imsize": [1280, 720]}

@@ -1,5 +1,6 @@
 """The deployment is valid as written and as CloudFormation will see it after the SAM transform."""
 
+import fnmatch
 import json
 import re
 import subprocess
@@ -10,6 +11,8 @@ import pytest
 import yaml
 from cfnlint.decode.cfn_yaml import loads
 from samtranslator.translator.transform import transform
+
+from infra.local import pages
 
 ROOT = Path(__file__).parents[2]
 TEMPLATE = (ROOT / "template.yaml").read_text()
@@ -110,3 +113,47 @@ def test_every_path_answers_a_wrong_method_itself(source: dict) -> None:
     events = [e["Properties"] for p in functions(source).values() for e in p.get("Events", {}).values()]
     paths = {event["Path"] for event in events}
     assert {event["Path"] for event in events if event["Method"] == "ANY"} == paths
+
+
+def test_the_edge_serves_pages_as_the_local_stack_does(transformed: dict) -> None:
+    for name, file in (
+        ("PageHeaders", "calibrate/main.js"),
+        ("WorkerHeaders", "calibrate/detector.worker.js"),
+    ):
+        config = transformed["Resources"][name]["Properties"]["ResponseHeadersPolicyConfig"]
+        policy = config["SecurityHeadersConfig"]["ContentSecurityPolicy"]["ContentSecurityPolicy"]
+        assert policy == pages.headers(file)["content-security-policy"]
+
+
+def test_the_edge_tells_lookups_apart_by_all_that_decides_them(source: dict) -> None:
+    key = source["Resources"]["LookupCaching"]["Properties"]["CachePolicyConfig"]
+    named = key["ParametersInCacheKeyAndForwardedToOrigin"]
+    assert named["HeadersConfig"]["Headers"] == ["Authorization", "Origin"]
+    assert named["QueryStringsConfig"]["QueryStringBehavior"] == "all"
+    assert key["MaxTTL"] <= 60
+
+
+def test_every_public_path_reaches_the_api_through_the_edge(source: dict) -> None:
+    behaviours = source["Resources"]["Distribution"]["Properties"]["DistributionConfig"]["CacheBehaviors"]
+    patterns = [b["PathPattern"] for b in behaviours if b["TargetOriginId"] == "api"]
+    events = [e["Properties"] for p in functions(source).values() for e in p.get("Events", {}).values()]
+    for path in {event["Path"] for event in events}:
+        assert any(fnmatch.fnmatchcase(path, pattern) for pattern in patterns), path
+
+
+def test_whatever_grows_ends(source: dict) -> None:
+    logs = [r["Properties"] for r in source["Resources"].values() if r["Type"] == "AWS::Logs::LogGroup"]
+    assert [log["RetentionInDays"] for log in logs] == [30, 30]
+
+
+def test_bucket_and_table_can_be_restored(source: dict) -> None:
+    resources = source["Resources"]
+    table, bucket = resources["Table"], resources["KeypointBucket"]
+    assert table["Properties"]["PointInTimeRecoverySpecification"]["PointInTimeRecoveryEnabled"]
+    assert bucket["Properties"]["VersioningConfiguration"] == {"Status": "Enabled"}
+    assert {r["DeletionPolicy"] for r in (table, bucket)} == {"Retain"}
+
+
+def test_what_costs_extra_is_off_by_default(source: dict) -> None:
+    defaults = {name: p["Default"] for name, p in source["Parameters"].items()}
+    assert (defaults["WafRate"], defaults["DomainName"], defaults["SnapStart"]) == (0, "", "None")

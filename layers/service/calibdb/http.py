@@ -7,6 +7,7 @@ serves one event at a time, so nothing here is gained by waiting asynchronously.
 from __future__ import annotations
 
 import asyncio
+import hmac
 import json
 import logging
 import os
@@ -43,6 +44,8 @@ from calibdb.tokens import ApiToken, Ticket
 
 MAX_BODY = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
 _MOST_FIELDS = 20  # of a body with ten thousand wrong points the first few say enough
+
+_HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
 
 _PROBLEM = "application/problem+json"
 _TEXT = ["text/", "application/json", _PROBLEM]  # everything else leaves as base64
@@ -149,7 +152,17 @@ class Call:
 
     @property
     def address(self) -> str:
-        """Source address, only ever used inside a keyed hash."""
+        """Source address, only ever used inside a keyed hash.
+
+        Of what came through our CloudFront the gateway sees CloudFront's. It is told apart by a secret, for
+        anyone can write X-Forwarded-For; then the gateway appended the edge's address, the edge the caller's.
+        """
+        secret = self.service.settings.edge_secret
+        shown = self.request.headers.get("x-calibdb-edge", "")
+        if secret is not None and hmac.compare_digest(shown.encode(), secret.encode()):
+            hops = self.request.headers.get("x-forwarded-for", "").split(",")
+            if len(hops) >= _HOPS_OF_EDGE:
+                return hops[-_HOPS_OF_EDGE].strip()
         return self.request.client.host if self.request.client else ""
 
     def path(self, name: str) -> str:

@@ -12,6 +12,7 @@ from calibdb.errors import ForbiddenError, TooManyError
 from calibdb.plans import Kind, plan
 from calibdb.settings import Settings
 from calibdb.store import Store
+from calibdb.store.secrets import with_secrets
 from calibdb.token_memory import TokenMemory, retry_after
 from calibdb.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse
 
@@ -30,7 +31,7 @@ class Service:
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Service:
         """Return the service of `environment`; one and the same for equal settings."""
-        return _service(Settings.from_environment(environment))
+        return _service(Settings.from_environment(with_secrets(environment)))
 
     @classmethod
     def build(

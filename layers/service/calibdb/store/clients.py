@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from mypy_boto3_lambda import LambdaClient
     from mypy_boto3_s3 import S3Client
 
+    from calibdb.store.secrets import Reader as SecretsReader
+
 # Storage answers in milliseconds or not at all; the gateway gives up after 30 s, the function after 10.
 _STORAGE = Config(
     connect_timeout=1,
@@ -52,6 +54,12 @@ def s3(region: str) -> S3Client:
 def lambda_(region: str) -> LambdaClient:
     """Return the client that asks other functions."""
     return cast("LambdaClient", _make("lambda", region, _INVOKE))
+
+
+@functools.cache
+def ssm(region: str) -> SecretsReader:
+    """Return the client of the parameter store."""
+    return cast("SecretsReader", _make("ssm", region, _STORAGE))
 
 
 @functools.cache
