@@ -1,0 +1,58 @@
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+import { build } from "esbuild";
+
+const root = fileURLToPath(new URL("../..", import.meta.url));
+const sdk = join(root, "web/sdk");
+
+/** Bytes of what a bundler makes of a line of code, compressed. */
+async function size(contents, external = []) {
+  const { outputFiles: [{ text }] } = await build({
+    stdin: { contents, resolveDir: sdk }, bundle: true, minify: true, write: false, format: "esm", external, logLevel: "silent",
+  });
+  return gzipSync(text).length;
+}
+
+test("below 8 KB compressed, below 14 KB with the rectifier, and less for those who want less", async (t) => {
+  const all = "export * from './calibdb.js';";
+  const [without, complete, matrix, lens] = await Promise.all([
+    size(all, ["./rectifier.js"]), size(`${all} export * from './rectifier.js';`),
+    size("export { projectionMatrix } from './calibdb.js';", ["./rectifier.js"]), size("export { lensOf } from './calibdb.js';"),
+  ]);
+  t.diagnostic(`${without} bytes, ${complete} with rectifier, ${lens} for lensOf, ${matrix} for projectionMatrix`);
+  assert.ok(without < 8192 && complete < 14336, `${without}, ${complete}`);
+  assert.ok(lens < 0.5 * without && matrix < 0.1 * without, `${lens}, ${matrix}: tree-shakeable`);
+});
+
+test("packed, it installs into an empty project, with types", { timeout: 60_000 }, () => {
+  const folder = mkdtempSync(join(tmpdir(), "calibdb-"));
+  const run = (command, ...parameters) => execFileSync(command, parameters, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+  try {
+    const [{ filename }] = JSON.parse(execFileSync("npm", ["pack", "--json", "--pack-destination", folder], {
+      cwd: sdk, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"], env: { ...process.env, PATH: `${root}node_modules/.bin:${process.env.PATH}` },
+    }));
+    writeFileSync(join(folder, "package.json"), '{"type": "module"}');
+    run("npm", "install", "--offline", "--no-audit", "--no-fund", `./${filename}`);
+    const { dependencies } = JSON.parse(readFileSync(join(folder, "node_modules/calibdb/package.json"), "utf8"));
+    assert.equal(dependencies, undefined);
+    writeFileSync(join(folder, "use.mjs"), "import { lookup, projectionMatrix } from 'calibdb'; import { lensOf } from 'calibdb/projection'; console.log(typeof lookup, typeof lensOf);");
+    assert.equal(run("node", "use.mjs").trim(), "function function");
+    const use = (/** @type {string} */ model) => `import { lookup, type Calibration } from "calibdb";
+      const { calibration } = await lookup({ camera: "x", platform: "y", img_size: [640, 480], zoom: 0 }, { token: "t", model: ${model} });
+      export const known: Calibration | null = calibration;
+      export const at: [number, number] | null | undefined = calibration?.project([0, 0, 1]);`;
+    writeFileSync(join(folder, "use.ts"), use('"fisheye"'));
+    writeFileSync(join(folder, "misuse.ts"), use("5"));
+    const check = (/** @type {string} */ file) => run(`${root}node_modules/.bin/tsc`, file, "--ignoreConfig", "--noEmit", "--strict", "--target", "es2023", "--module", "esnext", "--moduleResolution", "bundler");
+    check("use.ts");
+    assert.throws(() => check("misuse.ts"), (/** @type {any} */ error) => /'number' is not assignable/.test(error.stdout));
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+});
