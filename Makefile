@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock checkov clean setup
+.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers checkov clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -106,6 +106,13 @@ lock: $(UV)
 	$(COMPILE) --group solver -c requirements.lock -o layers/solver/requirements.lock
 	npm install --package-lock-only
 	node infra/tools/lock.mjs
+
+# Both layers for Lambda's arm64 in .build/layers. A Python 3.13 compiles them: PYTHON313=python3.13
+layers: $(UV) .venv/.made
+	@rm -rf .build/layers
+	@env -u PYTHONPATH $(MAKE) --silent -C layers/service build-ServiceLayer UV=$(abspath $(UV)) ARTIFACTS_DIR=$(abspath .build/layers/service)
+	@env -u PYTHONPATH $(MAKE) --silent -C layers/solver build-SolverLayer UV=$(abspath $(UV)) ARTIFACTS_DIR=$(abspath .build/layers/solver)
+	@$(PY) -m infra.deploy.layers
 
 CHECKOV := .build/checkov/bin/checkov
 

@@ -1,0 +1,1 @@
+"""Puts calibDB into an AWS account: `python -m infra.deploy`."""

@@ -1,0 +1,85 @@
+"""Are the built layers what Lambda can take, and no larger than they must be?
+
+`python -m infra.deploy.layers` says so of `.build/layers`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILT = ROOT / ".build" / "layers"
+# MB unzipped, 10^6 bytes. Lambda takes 250 for a function with all its layers.
+MOST = {"functions with the solver": 200.0, "lookup": 30.0}
+# What must not be in a layer: another machine's code, and what only building needs.
+_FOREIGN = ("x86_64", "win32", "darwin")
+
+
+@dataclass(frozen=True)
+class Built:
+    """One layer as it lies in its folder.
+
+    Attributes
+    ----------
+    megabytes
+        Unzipped, 10^6 bytes.
+    compiled
+        Share of the modules that are byte-compiled for Python 3.13.
+    foreign
+        Libraries of other machines than Lambda's.
+    """
+
+    megabytes: float
+    compiled: float
+    foreign: tuple[str, ...]
+
+    @classmethod
+    def of(cls, folder: Path) -> Built:
+        """Look through a layer's folder."""
+        files = [path for path in folder.rglob("*") if path.is_file()]
+        sources = [path for path in files if path.suffix == ".py"]
+        compiled = {path.name.removesuffix(".cpython-313.pyc") for path in files if path.suffix == ".pyc"}
+        return cls(
+            megabytes=sum(path.stat().st_size for path in files) / 1e6,
+            compiled=sum(path.stem in compiled for path in sources) / max(1, len(sources)),
+            foreign=tuple(
+                path.name
+                for path in files
+                if path.suffix in (".so", ".dll", ".dylib") and any(name in path.name for name in _FOREIGN)
+            ),
+        )
+
+
+def problems(service: Built, solver: Built, functions: float) -> Iterator[str]:
+    """Yield what keeps the layers from being deployed; `functions`: MB of the functions' own code."""
+    sizes = {
+        "functions with the solver": service.megabytes + solver.megabytes + functions,
+        "lookup": service.megabytes + functions,
+    }
+    for name, size in sizes.items():
+        if size > MOST[name]:
+            yield f"{name}: {size:.1f} MB, more than {MOST[name]:.0f}"
+    for name, layer in (("service", service), ("solver", solver)):
+        if layer.foreign:
+            yield f"{name}: of another machine: {', '.join(layer.foreign)}"
+        if layer.compiled < 1:
+            yield f"{name}: {100 * layer.compiled:.0f} % of its modules are compiled; set PYTHON313 to a Python 3.13"
+
+
+def main() -> int:
+    """Print the sizes; return 1 where something is wrong."""
+    layers = {name: Built.of(BUILT / name) for name in ("service", "solver")}
+    functions = Built.of(ROOT / "functions").megabytes
+    for name, layer in layers.items():
+        print(f"{name:8} {layer.megabytes:6.1f} MB, {100 * layer.compiled:.0f} % compiled")
+    found = list(problems(layers["service"], layers["solver"], functions))
+    for problem in found:
+        print(f"calibDB: {problem}", file=sys.stderr)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
