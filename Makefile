@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers checkov clean setup
+.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan checkov clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -113,6 +113,14 @@ layers: $(UV) .venv/.made
 	@env -u PYTHONPATH $(MAKE) --silent -C layers/service build-ServiceLayer UV=$(abspath $(UV)) ARTIFACTS_DIR=$(abspath .build/layers/service)
 	@env -u PYTHONPATH $(MAKE) --silent -C layers/solver build-SolverLayer UV=$(abspath $(UV)) ARTIFACTS_DIR=$(abspath .build/layers/solver)
 	@$(PY) -m infra.deploy.layers
+
+# make deploy STACK=calibdb AWS_REGION=us-east-1 ARGS="AlarmEmail=ops@example.org DomainName=… CertificateArn=…"
+deploy: setup $(UV)
+	@$(PY) -m infra.deploy $(ARGS)
+
+# The same without doing anything, and without credentials
+deploy-plan: setup
+	@$(PY) -m infra.deploy --plan $(ARGS)
 
 CHECKOV := .build/checkov/bin/checkov
 

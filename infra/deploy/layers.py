@@ -1,4 +1,4 @@
-"""Are the built layers what Lambda can take, and no larger than they must be?
+"""Whether the built layers are what Lambda can take, and no larger than they must be.
 
 `python -m infra.deploy.layers` says so of `.build/layers`.
 """
@@ -66,7 +66,8 @@ def problems(service: Built, solver: Built, functions: float) -> Iterator[str]:
         if layer.foreign:
             yield f"{name}: of another machine: {', '.join(layer.foreign)}"
         if layer.compiled < 1:
-            yield f"{name}: {100 * layer.compiled:.0f} % of its modules are compiled; set PYTHON313 to a Python 3.13"
+            share = f"{100 * layer.compiled:.0f} %"
+            yield f"{name}: {share} of its modules are compiled; set PYTHON313 to a Python 3.13"
 
 
 def main() -> int:

@@ -1,0 +1,145 @@
+"""`python -m infra.deploy`: deploys, says what it would do (`--plan`), or rotates the session keys.
+
+AWS credentials are the operator's own, from the environment; a plan needs none.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+
+import boto3
+
+from infra.deploy import aws, smoke
+from infra.deploy.site import uploads
+from infra.deploy.steps import ROOT, TEMPLATE, Step, Target, packaged, steps
+
+
+class DeployError(RuntimeError):
+    """The deployment ended before its end; the message says where."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Do what the command line asks; return the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m infra.deploy")
+    parser.add_argument("--stack", default=os.environ.get("STACK", "calibdb"))
+    parser.add_argument("--region", default=os.environ.get("AWS_REGION", "us-east-1"))
+    parser.add_argument("--plan", action="store_true", help="say what would be done; needs no credentials")
+    parser.add_argument("--rotate", action="store_true", help="rotate the keys of session ids, nothing else")
+    parser.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of the template")
+    asked = parser.parse_args(arguments)
+    pairs = [parameter.partition("=") for parameter in asked.parameters]
+    if not all(equals for _, equals, _ in pairs):
+        parser.error("a parameter is written NAME=VALUE")
+    parameters = {name: value for name, _, value in pairs}
+    domain = parameters.get("DomainName")
+    target = Target(asked.stack, asked.region, parameters, f"https://{domain}" if domain else None)
+    if asked.plan:
+        print("\n".join(plan(target)))
+        return 0
+    try:
+        if asked.rotate:
+            aws.rotate(boto3.client("ssm", target.region), target.stack)
+        else:
+            deploy(target)
+    except DeployError as error:
+        print(f"calibDB: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def plan(target: Target) -> list[str]:
+    """Return what `deploy` would do, line by line."""
+    lines = [f"{target.stack} in {target.region}"]
+    for number, step in enumerate(steps(target), 1):
+        lines.append(f"{number}. {step.text}")
+        if step.command:
+            lines.append(f"   {shlex.join(step.command)}")
+        if step.kind == "upload":
+            files = list(uploads(ROOT / "web", {}))
+            lines += [
+                f"   {len(file.content):9,} {file.content_type:32} {file.content_encoding or '-':5} "
+                f"{file.cache_control:58} {file.key}"
+                for file in files
+            ]
+            size = sum(len(file.content) for file in files)
+            lines.append(f"   {len(files)} files, {size / 1e6:.1f} MB")
+    return lines
+
+
+def deploy(target: Target) -> None:
+    """Do every step; raises DeployError at the first that fails."""
+    TEMPLATE.parent.mkdir(parents=True, exist_ok=True)
+    TEMPLATE.write_text(packaged((ROOT / "template.yaml").read_text(encoding="utf-8")), encoding="utf-8")
+    for number, step in enumerate(steps(target), 1):
+        print(f"{number}. {step.text}", flush=True)
+        _do(step, target)
+
+
+def _do(step: Step, target: Target) -> None:
+    region, stack = target.region, target.stack
+    match step.kind:
+        case "run":
+            _run(_filled(step.command, target))
+        case "secrets":
+            aws.make_secrets(boto3.client("ssm", region), stack)
+        case "upload":
+            made = aws.outputs(boto3.client("cloudformation", region), stack)
+            s3, bucket = boto3.client("s3", region), made["WebBucketName"]
+            settings = aws.settings(s3, bucket) or {"api": "/v1", "token": _page_token(made, region)}
+            print(f"   {aws.upload(s3, bucket, uploads(ROOT / 'web', settings))} files")
+        case "invalidate":
+            made = aws.outputs(boto3.client("cloudformation", region), stack)
+            aws.invalidate(boto3.client("cloudfront"), made["DistributionId"], str(time.time_ns()))
+        case "smoke":
+            made = aws.outputs(boto3.client("cloudformation", region), stack)
+            if found := list(smoke.problems(smoke.asking(made["SiteUrl"]))):
+                raise DeployError("; ".join(found))
+
+
+def _filled(command: tuple[str, ...], target: Target) -> list[str]:
+    """Return the command with the outputs that it names."""
+    if not any("{SiteUrl}" in word for word in command):
+        return list(command)
+    made = aws.outputs(boto3.client("cloudformation", target.region), target.stack)
+    return [word.replace("{SiteUrl}", made["SiteUrl"]) for word in command]
+
+
+def _run(command: list[str]) -> str:
+    done = subprocess.run(command, cwd=ROOT, check=False, text=True)  # noqa: S603 - our own steps
+    if done.returncode:
+        raise DeployError(f"{shlex.join(command)} failed")
+    return done.stdout or ""
+
+
+def _page_token(made: dict[str, str], region: str) -> str:
+    """Return a new token for the site's own pages."""
+    command = [
+        sys.executable,
+        "-m",
+        "infra.ops",
+        "token",
+        "create",
+        "--plan",
+        "page",
+        "--origin",
+        made["SiteUrl"],
+    ]
+    names = {"TABLE_NAME": made["TableName"], "BUCKET_NAME": made["KeypointBucketName"]}
+    environment = {**os.environ, **names, "CALIBDB_STORAGE": "aws", "AWS_REGION": region}
+    done = subprocess.run(  # noqa: S603 - our own command
+        command, cwd=ROOT, env=environment, check=False, text=True, capture_output=True
+    )
+    token = next((word for word in done.stdout.split() if word.startswith("cdb_")), None)
+    if token is None:
+        raise DeployError(f"no token for the pages: {done.stderr.strip()}")
+    return token
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,85 @@
+"""The static client as it is uploaded: names, types, encodings, and how long each file may be kept."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from infra.local.pages import media_type
+
+# What others made, under a name that changes with its content, is kept for good. Everything else the edge
+# keeps until the upload says otherwise, and browsers ask the edge whether it changed.
+FOREVER = "public, max-age=31536000, immutable"
+FRESH = "public, max-age=0, s-maxage=31536000, must-revalidate"
+_UNSAID = "no-store"  # of the settings, which hold the page's token
+_LARGEST_COMPRESSED_AT_THE_EDGE = 10_000_000  # bytes, CloudFront developer guide, "Serving compressed files"
+_VENDOR = "vendor/"
+_NAMED = (".html", ".css", ".js", ".webmanifest")  # files that may name others
+_LEFT_OUT = (".d.ts", "tsconfig.json", ".made")
+
+
+@dataclass(frozen=True)
+class Upload:
+    """One object of the web bucket."""
+
+    key: str
+    content: bytes
+    content_type: str
+    cache_control: str
+    content_encoding: str | None = None
+
+
+def uploads(web: Path, settings: Mapping[str, str]) -> Iterator[Upload]:
+    """Yield everything to upload, pages last: what they load is there before them.
+
+    Parameters
+    ----------
+    web
+        The client, with `vendor/`.
+    settings
+        What `/config.json` says: `api`, `token`.
+    """
+    files = {
+        path.relative_to(web).as_posix(): path.read_bytes()
+        for path in sorted(web.rglob("*"))
+        if path.is_file() and not path.name.endswith(_LEFT_OUT)
+    }
+    vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})}/"
+    for key in sorted(files, key=lambda key: (key.endswith(".html"), key)):
+        yield _upload(key, files[key], vendor)
+    yield Upload("config.json", json.dumps(dict(settings)).encode(), "application/json", _UNSAID)
+
+
+def _upload(key: str, content: bytes, vendor: str) -> Upload:
+    kept = key.startswith(_VENDOR)
+    if kept:
+        key = vendor + key.removeprefix(_VENDOR)
+    elif key.endswith(_NAMED):
+        content = renamed(content, vendor)
+    large = len(content) > _LARGEST_COMPRESSED_AT_THE_EDGE
+    return Upload(
+        key=key,
+        content=gzip.compress(content, mtime=0) if large else content,
+        content_type=media_type(key),
+        cache_control=FOREVER if kept else FRESH,
+        content_encoding="gzip" if large else None,
+    )
+
+
+def renamed(content: bytes, vendor: str) -> bytes:
+    """Return a file of ours with the folder `vendor/` under its other name, wherever it is named."""
+    return re.sub(rb"(?<=[\"'/(])vendor/", vendor.encode(), content)
+
+
+def digest(files: Mapping[str, bytes]) -> str:
+    """Return what changes when a file does, or its name."""
+    whole = hashlib.sha256()
+    for name in sorted(files):
+        whole.update(f"{name}\0{len(files[name])}\0".encode())
+        whole.update(files[name])
+    return whole.hexdigest()[:12]

@@ -1,0 +1,191 @@
+"""A deployment uploads a site that holds together, keeps its secrets, and says what it would do."""
+
+import gzip
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import boto3
+import pytest
+from moto import mock_aws
+
+from calibdb.tokens import SessionIds, Ticket
+from infra.deploy import aws, layers, smoke, steps
+from infra.deploy.__main__ import main
+from infra.deploy.site import FOREVER, Upload, uploads
+from infra.local import LocalStack
+from infra.local.pages import media_type
+
+ROOT = Path(__file__).parents[2]
+SETTINGS = {"api": "/v1", "token": "cdb_page_secret"}
+
+
+@pytest.fixture(scope="module")
+def site() -> dict[str, Upload]:
+    return {file.key: file for file in uploads(ROOT / "web", SETTINGS)}
+
+
+@pytest.fixture
+def cloud(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.setenv(name, "test")
+    monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
+    with mock_aws():
+        yield
+
+
+def test_every_file_named_by_another_is_uploaded(site: dict[str, Upload]) -> None:
+    static = re.compile(
+        rb"""(?:\bfrom\s+|\bimport\s+|src=|href=|new URL\()["'](\.{1,2}/[^"'?#]*\.[a-z0-9]+)["']"""
+    )
+    named = 0
+    for key, file in site.items():
+        if key.startswith("vendor-") or not key.endswith((".js", ".html")):
+            continue
+        for match in static.finditer(file.content):
+            line = file.content[: match.start()].rpartition(b"\n")[2]
+            if line.lstrip().startswith((b"*", b"//", b"/*")):
+                continue  # of types, in a comment
+            there = (Path("/", key).parent / match[1].decode()).resolve().relative_to("/").as_posix()
+            assert there in site, (key, there)
+            named += 1
+    assert named > 100
+
+
+def test_types_encodings_and_how_long_each_is_kept(site: dict[str, Upload]) -> None:
+    forever = {key for key, file in site.items() if file.cache_control == FOREVER}
+    assert forever == {key for key in site if re.match(r"vendor-[0-9a-f]{12}/", key)}
+    assert not any(key.startswith("vendor/") for key in site)
+    (wasm,) = (file for key, file in site.items() if key.endswith(".wasm"))
+    # The edge compresses no file of more than 10 MB.
+    assert (wasm.content_type, wasm.content_encoding) == ("application/wasm", "gzip")
+    assert gzip.decompress(wasm.content) == (ROOT / "web/vendor/opencv/opencv.wasm").read_bytes()
+    for key, file in site.items():
+        assert file.content_type == media_type(key)
+        assert len(file.content) < 10_000_000
+    assert list(site)[-2:] == ["result/index.html", "config.json"]
+    assert site["config.json"].cache_control == "no-store"
+    assert json.loads(site["config.json"].content) == SETTINGS
+
+
+def test_another_vendor_file_is_another_name(tmp_path: Path) -> None:
+    (tmp_path / "vendor").mkdir()
+    (tmp_path / "page.js").write_text('import "./vendor/x.js"; // vendored')
+
+    def key(content: str) -> tuple[str, bytes]:
+        (tmp_path / "vendor/x.js").write_text(content)
+        files = {file.key: file for file in uploads(tmp_path, {})}
+        (name,) = (key for key in files if key.startswith("vendor"))
+        return name, files["page.js"].content
+
+    one, page = key("1")
+    other, _ = key("2")
+    assert one != other
+    assert page == f'import "./{one}"; // vendored'.encode()
+
+
+@pytest.mark.usefixtures("cloud")
+def test_uploaded_as_said(site: dict[str, Upload]) -> None:
+    s3 = boto3.client("s3")
+    s3.create_bucket(Bucket="web")
+    assert aws.settings(s3, "web") is None
+    few = [
+        site["index.html"],
+        site["config.json"],
+        Upload("x.wasm", b"1", "application/wasm", FOREVER, "gzip"),
+    ]
+    assert aws.upload(s3, "web", few) == 3
+    head = s3.head_object(Bucket="web", Key="x.wasm")
+    assert (head["ContentType"], head["ContentEncoding"], head["CacheControl"]) == (
+        "application/wasm",
+        "gzip",
+        FOREVER,
+    )
+    assert aws.settings(s3, "web") == SETTINGS
+
+
+@pytest.mark.usefixtures("cloud")
+def test_secrets_are_made_once() -> None:
+    ssm = boto3.client("ssm")
+    assert aws.make_secrets(ssm, "one") == list(aws.SECRETS)
+    before = values(ssm)
+    assert aws.make_secrets(ssm, "one") == []
+    assert values(ssm) == before
+    assert len(before["SESSION_SECRETS"].split(",")) == 2
+    assert all(len(key) == 64 for value in before.values() for key in value.split(","))
+    kinds = {p["Name"].rpartition("/")[2]: p["Type"] for p in parameters(ssm)}
+    assert kinds == {
+        "SESSION_SECRETS": "SecureString",
+        "CONTRIBUTOR_SECRET": "SecureString",
+        "EDGE_SECRET": "String",
+    }
+
+
+@pytest.mark.usefixtures("cloud")
+def test_a_rotation_refuses_nobody_while_functions_learn_of_it() -> None:
+    ssm = boto3.client("ssm")
+    aws.make_secrets(ssm, "one")
+    ids = [session_ids(ssm)]
+    for _ in range(3):
+        aws.rotate(ssm, "one")
+        ids.append(session_ids(ssm))
+        late, early = ids[-2:]
+        for signer, verifier in ((late, early), (early, late)):
+            session_id, _ = signer.issue(Ticket("6553f1000123456789abcdef", "dev", None))
+            assert verifier.verify(session_id, None).token == "dev"
+
+
+def parameters(ssm: Any) -> list[dict[str, str]]:
+    found: list[dict[str, str]] = ssm.get_parameters_by_path(Path="/calibdb/one", WithDecryption=True)[
+        "Parameters"
+    ]
+    return found
+
+
+def values(ssm: Any) -> dict[str, str]:
+    return {p["Name"].rpartition("/")[2]: p["Value"] for p in parameters(ssm)}
+
+
+def session_ids(ssm: Any) -> SessionIds:
+    return SessionIds(tuple(values(ssm)["SESSION_SECRETS"].split(",")), lambda: 1.7e9)
+
+
+def test_what_is_deployed_answers_the_questions_asked_of_a_deployment() -> None:
+    with LocalStack() as stack, stack.serve() as url:
+        assert list(smoke.problems(smoke.asking(url))) == []
+
+
+def test_a_deployment_that_does_not_answer_is_told_from_one_that_does() -> None:
+    found = list(smoke.problems(lambda _, __: smoke.Heard(503, {}, b"")))
+    assert "GET /healthz: 503, not 200" in found
+    assert "GET /config.json: no token" in found
+
+
+def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--plan", "--stack", "mine", "AlarmEmail=a@example.org"]) == 0
+    plan = capsys.readouterr().out
+    assert "--stack-name mine" in plan
+    assert "AlarmEmail=a@example.org" in plan
+    numbered = [line for line in plan.splitlines() if re.match(r"\d+\. ", line)]
+    assert len(numbered) == len(list(steps.steps(steps.Target("mine", "us-east-1")))) == 8
+    # With a domain the address is known beforehand.
+    own = steps.Target("mine", "us-east-1", {"DomainName": "x.example"}, "https://x.example")
+    assert [s.kind for s in steps.steps(own)].count("run") == 3
+
+
+def test_the_packaged_template_names_what_is_there() -> None:
+    text = steps.packaged((ROOT / "template.yaml").read_text())
+    places = re.findall(r"(?:CodeUri|ContentUri): (\S+)", text)
+    assert len(places) == 12
+    for place in places:
+        there = (steps.TEMPLATE.parent / place).resolve().relative_to(ROOT).as_posix()
+        assert there.startswith(("functions/", ".build/layers/")), there
+
+
+def test_layers_that_do_not_fit_are_named() -> None:
+    fine = layers.Built(20.0, 1.0, ())
+    assert list(layers.problems(fine, layers.Built(148.0, 1.0, ()), 0.1)) == []
+    found = list(layers.problems(fine, layers.Built(181.0, 0.5, ("a.x86_64-linux-gnu.so",)), 0.1))
+    assert len(found) == 3
