@@ -109,6 +109,12 @@ export class Calibration {
     const { Rectifier } = await import("./rectifier.js");
     return new Rectifier(this, options);
   }
+
+  /** Distorts a scene as the camera would; loaded when it is first asked for. @param {import("./distorter.js").Options} [options] */
+  async distorter(options) {
+    const { Distorter } = await import("./distorter.js");
+    return new Distorter(this, options);
+  }
 }
 
 /**

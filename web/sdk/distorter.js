@@ -1,0 +1,58 @@
+// Distorts a rendered scene so that it lies on the camera's own picture. WebGL2, without dependencies.
+//
+//     import { Distorter } from "https://<host>/sdk/distorter.js";
+//     const distorter = new Distorter(calibration);
+//     [scene.width, scene.height] = distorter.img_size; // the scene's canvas, larger than the picture
+//     const matrix = distorter.projectionMatrix({ near: 0.1, far: 100 }); // what its camera projects with
+//     // once a frame, in the same task in which the scene was rendered:
+//     distorter.draw(scene);
+//     // distorter.canvas is transparent where the scene is, and lies over the video
+//     distorter.dispose();
+import { projectionMatrix } from "./calibration.js";
+import { distortingMap, widePinhole } from "./straight.js";
+import { Warp } from "./warp.js";
+
+/**
+ * @typedef {object} Options
+ * @property {number} [largest] how many times wider or higher than the picture the scene may be rendered, 2 unless told
+ * @property {HTMLCanvasElement | OffscreenCanvas} [canvas] to draw into; one is made unless told
+ */
+
+export class Distorter {
+  #warp;
+  #pinhole;
+
+  /** @param {import("./straight.js").Calibration} calibration @param {Options} [options] throws RectifierError where there is no WebGL2 */
+  constructor(calibration, { largest = 2, canvas = document.createElement("canvas") } = {}) {
+    this.canvas = canvas;
+    this.#pinhole = widePinhole(calibration, largest);
+    this.#warp = new Warp(canvas, { alpha: true });
+    const { camera_matrix: matrix, img_size: extent } = this.#pinhole;
+    this.#warp.chart({ map: distortingMap(calibration, matrix), size: calibration.img_size, extent });
+  }
+
+  /** Of the scene's picture, px. */
+  get img_size() {
+    return this.#pinhole.img_size;
+  }
+
+  /** Of the scene's picture: a pinhole's. */
+  get camera_matrix() {
+    return this.#pinhole.camera_matrix;
+  }
+
+  /** What the scene's camera projects with. @param {{near?: number, far?: number}} [frustum] @returns {number[]} column-major */
+  projectionMatrix({ near, far } = {}) {
+    return projectionMatrix(this.#pinhole, { near, far });
+  }
+
+  /** @param {TexImageSource} scene of `img_size` */
+  draw(scene) {
+    this.#warp.draw(scene);
+  }
+
+  /** Frees what it holds on the GPU. */
+  dispose() {
+    this.#warp.dispose();
+  }
+}

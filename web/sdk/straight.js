@@ -1,0 +1,135 @@
+// Between a camera's picture and that of a pinhole: matrices and maps.
+import { lensOf } from "./projection.js";
+
+/**
+ * @typedef {import("./projection.js").Intrinsics & {img_size: [number, number]}} Calibration
+ * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, on the plane z = 1
+ *
+ * @typedef {object} Pinhole a picture without distortion
+ * @property {[number, number]} img_size
+ * @property {number[][]} camera_matrix
+ */
+
+/** tan of the largest angle shown, 78.7°: beyond it a plane picture is all edge. */
+const WIDEST = 5;
+const BORDER = 33; // places along each side of the picture whose rays decide what there is to show
+
+/**
+ * The camera matrix of the straightened picture, of the same size.
+ * @param {Calibration} calibration @param {number} [balance] 0: only what is picture everywhere, to 1: all of it
+ * @param {number} [zoom] how much larger than that
+ * @returns {number[][]}
+ */
+export function rectifiedMatrix(calibration, balance = 0, zoom = 1) {
+  const [width, height] = calibration.img_size;
+  const { inner, outer } = seen(calibration);
+  // Between the two rectangles, each with the shape of the picture.
+  const [narrow, wide] = [focal(inner, width, height, Math.max), focal(outer, width, height, Math.min)];
+  const f = zoom * (narrow + balance * (wide - narrow));
+  const [x, y] = [0, 1].map((axis) => {
+    const [a, b] = [inner[axis] + inner[axis + 2], outer[axis] + outer[axis + 2]];
+    return (a + balance * (b - a)) / 2;
+  });
+  return [[f, 0, (width - 1) / 2 - f * x], [0, f, (height - 1) / 2 - f * y], [0, 0, 1]];
+}
+
+/** Pixels a unit with which a rectangle fills the picture, or fits into it. @param {Rectangle} rectangle @param {number} width @param {number} height @param {typeof Math.max} choose */
+function focal([left, top, right, bottom], width, height, choose) {
+  return choose(width / (right - left), height / (bottom - top));
+}
+
+/** The largest rectangle of rays that are all in the picture, and the smallest that holds all. @param {Calibration} calibration */
+function seen(calibration) {
+  const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
+  const lens = lensOf(calibration);
+  /** Where a pixel's ray meets the plane z = 1, pulled in where that is far out or nowhere. @param {number} u @param {number} v @returns {[number, number]} */
+  const meet = (u, v) => {
+    const ray = lens.unproject([u, v]);
+    const [x, y] = ray ?? [(u - cx) / fx, (v - cy) / fy];
+    const r = Math.hypot(x, y);
+    const tangent = ray ? (ray[2] > 0 ? r / ray[2] : Infinity) : Math.tan(Math.min(lens.limit, 1.5));
+    const length = Math.min(tangent, WIDEST);
+    return r > 0 ? [(x * length) / r, (y * length) / r] : [0, 0];
+  };
+  /** @type {Rectangle} */
+  const inner = [-Infinity, -Infinity, Infinity, Infinity];
+  /** @type {Rectangle} */
+  const outer = [Infinity, Infinity, -Infinity, -Infinity];
+  for (let step = 0; step < BORDER; step++) {
+    const [u, v] = [width, height].map((side) => (step * (side - 1)) / (BORDER - 1));
+    const [left, right, top, bottom] = [meet(0, v), meet(width - 1, v), meet(u, 0), meet(u, height - 1)];
+    inner[0] = Math.max(inner[0], left[0]);
+    inner[1] = Math.max(inner[1], top[1]);
+    inner[2] = Math.min(inner[2], right[0]);
+    inner[3] = Math.min(inner[3], bottom[1]);
+    for (const [x, y] of [left, right, top, bottom]) {
+      outer[0] = Math.min(outer[0], x);
+      outer[1] = Math.min(outer[1], y);
+      outer[2] = Math.max(outer[2], x);
+      outer[3] = Math.max(outer[3], y);
+    }
+  }
+  return { inner, outer };
+}
+
+/**
+ * The same picture in another size.
+ * @param {Pinhole} pinhole @param {number} scale
+ * @returns {Pinhole}
+ */
+export function scaled({ img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] }, scale) {
+  const size = /** @type {[number, number]} */ ([width, height].map((side) => Math.max(1, Math.round(side * scale))));
+  const [sx, sy] = [size[0] / width, size[1] / height];
+  return { img_size: size, camera_matrix: [[fx * sx, 0, (cx + 0.5) * sx - 0.5], [0, fy * sy, (cy + 0.5) * sy - 0.5], [0, 0, 1]] };
+}
+
+/**
+ * A pinhole that sees all that the camera sees, and at its middle as sharply.
+ * @param {Calibration} calibration @param {number} [largest] how many times wider or higher than the camera's picture it may be
+ * @returns {Pinhole}
+ */
+export function widePinhole(calibration, largest = 2) {
+  const { img_size: [width, height], camera_matrix: [[fx], [, fy]] } = calibration;
+  const { outer: [left, top, right, bottom] } = seen(calibration);
+  const f = Math.min(Math.max(fx, fy), (largest * width) / (right - left), (largest * height) / (bottom - top));
+  // A pixel more on each side: what lies between the outermost and the edge is interpolated.
+  return {
+    img_size: [Math.ceil(f * (right - left)) + 3, Math.ceil(f * (bottom - top)) + 3],
+    camera_matrix: [[f, 0, 1 - f * left], [0, f, 1 - f * top], [0, 0, 1]],
+  };
+}
+
+/**
+ * For every pixel of the straightened picture, where it is in the camera's.
+ * @param {Calibration} calibration @param {number[][]} matrix of the straightened picture
+ * @param {[number, number]} [size] of the straightened picture, that of the camera's unless told
+ * @returns {Float32Array} x and y, px, row by row; far outside where the lens sees nothing
+ */
+export function rectifyingMap(calibration, [[fx, , cx], [, fy, cy]], size = calibration.img_size) {
+  const lens = lensOf(calibration);
+  return mapOf(size, (u, v) => lens.project([(u - cx) / fx, (v - cy) / fy, 1]));
+}
+
+/**
+ * For every pixel of the camera's picture, where it is in a pinhole's.
+ * @param {Calibration} calibration @param {number[][]} matrix of the pinhole
+ * @returns {Float32Array} x and y, px, row by row; far outside where the pinhole sees nothing
+ */
+export function distortingMap(calibration, [[fx, , cx], [, fy, cy]]) {
+  const lens = lensOf(calibration);
+  return mapOf(calibration.img_size, (u, v) => {
+    const ray = lens.unproject([u, v]);
+    return ray && ray[2] > 0 ? [(fx * ray[0]) / ray[2] + cx, (fy * ray[1]) / ray[2] + cy] : null;
+  });
+}
+
+const NOWHERE = [-1e6, -1e6]; // px, outside of every picture
+
+/** @param {[number, number]} size @param {(u: number, v: number) => [number, number] | null} place */
+function mapOf([width, height], place) {
+  const map = new Float32Array(2 * width * height);
+  for (let v = 0, at = 0; v < height; v++) {
+    for (let u = 0; u < width; u++, at += 2) [map[at], map[at + 1]] = place(u, v) ?? NOWHERE;
+  }
+  return map;
+}

@@ -1,0 +1,109 @@
+// Draws a picture as a map says, on the GPU: one pair of shaders for straightening and for distorting. WebGL2.
+
+/**
+ * @typedef {object} Chart where each pixel drawn is found
+ * @property {Float32Array} map x and y in px of the source, row by row
+ * @property {[number, number]} size of what is drawn, px
+ * @property {[number, number]} extent of the source, in the map's px
+ */
+
+const VERTEX = `#version 300 es
+void main() {
+  // One triangle over everything, from nothing but the index.
+  gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
+}`;
+
+const FRAGMENT = `#version 300 es
+precision highp float;
+uniform sampler2D picture;
+uniform highp sampler2D map;
+uniform vec2 extent;
+uniform vec4 edge;
+out vec4 colour;
+void main() {
+  // Rows of pictures run down, those of the canvas up.
+  vec2 at = texelFetch(map, ivec2(gl_FragCoord.x, float(textureSize(map, 0).y) - gl_FragCoord.y), 0).xy;
+  bool inside = at.x > -0.5 && at.y > -0.5 && at.x < extent.x - 0.5 && at.y < extent.y - 0.5;
+  colour = inside ? texture(picture, (at + 0.5) / extent) : edge;
+}`;
+
+/** This browser cannot do it. */
+export class RectifierError extends Error {}
+
+export class Warp {
+  #gl;
+  #alpha;
+  #textures;
+  #program;
+
+  /** @param {HTMLCanvasElement | OffscreenCanvas} canvas @param {{alpha: boolean}} options alpha: transparent where there is nothing, else black */
+  constructor(canvas, { alpha }) {
+    this.canvas = canvas;
+    this.#alpha = alpha;
+    const gl = /** @type {WebGL2RenderingContext | null} */ (canvas.getContext("webgl2", { alpha, antialias: false }));
+    if (!gl) throw new RectifierError("this browser has no WebGL2");
+    this.#gl = gl;
+    this.#program = program(gl);
+    this.#textures = ["picture", "map"].map((name, unit) => {
+      gl.uniform1i(gl.getUniformLocation(this.#program, name), unit);
+      return texture(gl, unit, name === "map" ? gl.NEAREST : gl.LINEAR);
+    });
+    gl.uniform4f(gl.getUniformLocation(this.#program, "edge"), 0, 0, 0, alpha ? 0 : 1);
+  }
+
+  /** @param {Chart} chart */
+  chart({ map, size: [width, height], extent }) {
+    const gl = this.#gl;
+    if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
+    gl.uniform2f(gl.getUniformLocation(this.#program, "extent"), ...extent);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, width, height, 0, gl.RG, gl.FLOAT, map);
+  }
+
+  /** @param {TexImageSource} picture as large as the chart's extent, or of its shape */
+  draw(picture) {
+    const gl = this.#gl;
+    gl.activeTexture(gl.TEXTURE0);
+    // The colour of what is transparent would bleed into its neighbours otherwise.
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, this.#alpha);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, picture);
+    gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  /** Frees what it holds on the GPU: browsers give a page few contexts. */
+  dispose() {
+    const gl = this.#gl;
+    for (const each of this.#textures) gl.deleteTexture(each);
+    gl.deleteProgram(this.#program);
+    gl.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+}
+
+/** @param {WebGL2RenderingContext} gl */
+function program(gl) {
+  const made = gl.createProgram();
+  for (const [kind, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]])) {
+    const shader = gl.createShader(kind);
+    if (!shader) throw new RectifierError("the GPU was lost");
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    gl.attachShader(made, shader);
+    gl.deleteShader(shader);
+  }
+  gl.linkProgram(made);
+  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new RectifierError(gl.getProgramInfoLog(made) ?? "the GPU was lost");
+  gl.useProgram(made);
+  return made;
+}
+
+/** @param {WebGL2RenderingContext} gl @param {number} unit @param {number} filter */
+function texture(gl, unit, filter) {
+  const made = gl.createTexture();
+  gl.activeTexture(gl.TEXTURE0 + unit);
+  gl.bindTexture(gl.TEXTURE_2D, made);
+  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, filter);
+  for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+  return made;
+}
