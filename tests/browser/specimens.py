@@ -21,7 +21,7 @@ CAMERAS = [
 
 
 def result() -> dict[str, Any]:
-    """A calibration with its report: one view contradicts the others, two stand out."""
+    """A calibration with its report: one view left out, of one much is, one stands out."""
     found: dict[str, Any] = json.loads((ROOT / "tests" / "web" / "result.json").read_text())
     return found
 

@@ -2,7 +2,7 @@
 
 import httpx
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import BrowserContext, Page
 
 from .captures import capture
 from .pictures import picture
@@ -48,6 +48,29 @@ def test_a_calibrated_camera_is_found_and_fitted_with_any_model(page: Page, api:
     page.locator("caption", has_text="fisheye").wait_for()
     assert page.locator("tbody th", has_text="k4").count() == 1
     assert '"camera"' in (page.locator("pre").last.text_content() or "")
+    page.locator("select[id^=format-model-]").select_option("gyroflow")
+    page.locator("button[id^=download-model-]").click()
+    page.locator(".saved", has_text="says exactly").wait_for()
+
+
+def test_of_a_consensus_there_are_no_corners_and_the_page_says_so(
+    context: BrowserContext, api: httpx.Client
+) -> None:
+    page = context.new_page()  # a refusal is an error in the console, and here one is meant to be
+    capture(api, Truth(), KEY | {"camera": "Desk Test Camera (1234:0003)"}, seed=8)
+    page.goto("/cameras/?query=desk+test")
+    for _ in range(40):
+        if page.locator("#found a").count():
+            break
+        page.wait_for_timeout(250)
+        page.locator("#search button").click()
+    page.locator("#found a").click()
+    select = page.locator("select[id^=format-model-]")
+    select.wait_for()
+    select.select_option("corners-vnl")
+    page.locator("button[id^=download-model-]").click()
+    page.locator(".saved.problem", has_text="no keypoints").wait_for()
+    picture(page, "camera-refused", ["hand"], full=True)
 
 
 def test_what_is_not_there_is_said(page: Page) -> None:

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,9 @@ import cv2
 import httpx
 import numpy as np
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import BrowserContext, Download, Page
 
+from calibsolver.formats import NAMES
 from tests.data import data_dir
 
 from .captures import capture
@@ -40,10 +42,13 @@ def test_a_result_with_its_report(page: Page, scheme: str) -> None:
     answer(page, "**/v1/calibrations/*", result)
     page.goto("/result/?id=x")
     page.locator("#verdict", has_text="Fair").wait_for()
-    assert page.locator(".reasons li").count() == 1
+    assert page.locator(".reasons li").count() == 2
     assert page.locator("svg.heat rect.heat-7").count() >= 1
-    assert page.locator(".views li").count() == 7
+    assert page.locator(".views li").count() == 12
     assert page.locator(".views .problem").count() == 3, "the views to take again"
+    left_out = page.locator(".views li", has_text="Left out: it contradicts the others")
+    assert left_out.count() == 1, "one view was left out as a whole"
+    assert left_out.locator(".plot.bad").count() == 1
     assert "±" in (page.locator("td.std").first.text_content() or "")
     picture(page, f"result-{scheme}", full=True)
 
@@ -58,6 +63,63 @@ def test_a_stored_calibration_is_shown_and_saved(page: Page, api: httpx.Client) 
     assert download.value.suggested_filename == "result-test-camera-1234-0001-1280x720.json"
     saved = json.loads(Path(download.value.path()).read_text())
     assert saved["camera_matrix"] == state["calibration"]["camera_matrix"]
+
+
+def test_every_format_is_saved_or_says_why_not(context: BrowserContext, api: httpx.Client) -> None:
+    page = context.new_page()  # a refusal is an error in the console, and here one is meant to be
+    state = capture(api, Truth(), KEY, seed=7)
+    page.goto(f"/result/?id={state['calibration_id']}")
+    page.locator("#format").wait_for()
+    formats = [each.get_attribute("value") or "" for each in page.locator("#format option").all()]
+    labels = page.locator("#format option").all_text_contents()
+    assert formats == list(NAMES)
+    assert len(set(labels)) == len(formats)
+    assert not set(labels) & set(formats), "people's names"
+    said: dict[str, str] = {}
+    kept: list[Download] = []
+    page.on("download", lambda download: kept.append(download))
+    for form in formats:
+        page.locator("#format").select_option(form)
+        assert not (page.locator("#format-about").text_content() or "").startswith("formats.")
+        before = len(kept)
+        page.locator("#download").click()
+        page.locator(".saved", has_text=re.compile("Saved as|There is no such file")).wait_for()
+        said[form] = page.locator(".saved").text_content() or ""
+        print(form, said[form])
+        if "There is no such file" in said[form]:
+            assert len(said[form]) > len("There is no such file of this calibration. ")
+            continue
+        assert len(kept) == before + 1, "what is said to be saved is"
+        assert f"Saved as {kept[-1].suggested_filename}" in said[form]
+        assert kept[-1].suggested_filename.startswith("result-test-camera-1234-0001-1280x720")
+        answer_ = api.get(f"/calibrations/{state['calibration_id']}?format={form}").raise_for_status()
+        if form != "calibdb":
+            assert Path(kept[-1].path()).read_bytes() == answer_.content
+        assert ("up to" in said[form]) == (float(answer_.headers["x-conversion-error"]) > 0.1)
+    assert all("says exactly" in said[form] for form in ("calibdb", "opencv-yaml", "opencv-json", "ros"))
+    assert "cannot hold the lens exactly" in said["gltf"], "two numbers are a centred pinhole"
+    picture(page, "result-saved", full=True)
+
+
+def test_a_format_that_cannot_be_is_explained_in_the_page(context: BrowserContext) -> None:
+    page = context.new_page()
+    answer(page, "**/v1/calibrations/x", result)
+    detail = "there are no keypoints of one board to write"
+    refused = {"title": "Invalid fields", "status": 422, "errors": [{"field": "format", "detail": detail}]}
+    page.route(
+        "**/v1/calibrations/*?format=*",
+        lambda route: route.fulfill(status=422, json=refused, content_type="application/problem+json"),
+    )
+    page.goto("/result/?id=x")
+    page.locator("#format").select_option("corners-vnl")
+    kept: list[Download] = []
+    page.on("download", lambda download: kept.append(download))
+    page.locator("#download").click()
+    page.locator(".saved.problem", has_text=detail).wait_for()
+    assert kept == []
+    picture(page, "result-refused", ["hand"], full=True)
+    page.locator("#format").select_option("ros")
+    assert page.locator(".saved").text_content() == "", "it was said of another"
 
 
 def test_a_result_goes_back_to_allowed_applications_alone(page: Page) -> None:

@@ -2,7 +2,8 @@
 import { el } from "../dom.js";
 import { known, number, t } from "../i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
-import { files, tables } from "../result/view.js";
+import { files } from "../result/take.js";
+import { tables } from "../result/view.js";
 import { centrePlot, focalPlot } from "./agreement.js";
 import { withModel } from "./source.js";
 

@@ -21,17 +21,39 @@ export async function load(id) {
   return { calibration, report };
 }
 
-/** Hands a file to the browser. @param {Calibration} calibration @param {string} format */
+/**
+ * @typedef {object} Saved
+ * @property {string} name of the file
+ * @property {number} error px; the most by which the file's projection of a ray is off the calibration's
+ * @property {number} coverage share of the picture that the file describes, 0…1
+ */
+
+/**
+ * Hands a file to the browser.
+ * @param {Calibration} calibration @param {string} format
+ * @returns {Promise<Saved>} rejects as Api does: 422 where the format cannot hold the calibration
+ */
 export async function save(calibration, format) {
   const { api, token } = await loadSettings();
   const response = await new Api(api).send("GET", path(calibration.id ?? "", { format }), token, { accept: "*/*" });
-  const type = response.headers.get("content-type") ?? "";
-  const ending = ENDINGS.find(([kind]) => kind.test(type))?.[1] ?? "bin";
-  const [, named] = /filename="?([^";]+)"?/.exec(response.headers.get("content-disposition") ?? "") ?? [];
+  const { headers } = response;
+  const [, named] = /filename="?([^";]+)"?/.exec(headers.get("content-disposition") ?? "") ?? [];
+  // Whole before it is offered: what breaks off is an error here, not half a file there.
+  const content = await response.blob();
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(await response.blob());
-  link.download = named ?? (format === "calibdb" ? fileName(calibration) : fileName(calibration, `${format}.${ending}`));
+  link.href = URL.createObjectURL(content);
+  link.download = named ?? fileName(calibration, endingOf(headers.get("content-type") ?? ""));
   link.click();
   // The browser has taken it by the time it takes anything else.
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+  return { name: link.download, error: measure(headers.get("x-conversion-error"), 0), coverage: measure(headers.get("x-conversion-coverage"), 1) };
 }
+
+/** @param {string | null} header @param {number} otherwise where the service says nothing */
+function measure(header, otherwise) {
+  const value = Number(header ?? otherwise);
+  return Number.isFinite(value) ? value : otherwise;
+}
+
+/** @param {string} type */
+const endingOf = (type) => ENDINGS.find(([kind]) => kind.test(type))?.[1] ?? "bin";

@@ -1,12 +1,11 @@
 // A result: what it is worth in plain words, the numbers, the pictures behind them, and what to do with it.
 import { el } from "../dom.js";
 import { known, number, onLanguage, t } from "../i18n.js";
-import { FORMATS } from "../vendor/formats.js";
 import { returnAddress, withResult } from "./back.js";
 import { comparison } from "./compare.js";
 import { complaint, fieldOfView, intrinsics, levelOf } from "./numbers.js";
 import { coveragePlot, distortionPlot, errorPlot, magnification, residualPlot } from "./plots.js";
-import { save } from "./source.js";
+import { files } from "./take.js";
 
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration
@@ -147,33 +146,6 @@ function views(calibration, report) {
         ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []));
     })));
 }
-
-/** The files it is to be had as. @param {Pick<Result, "calibration" | "explain">} result @param {string} [suffix] of the ids, where a page offers several */
-export function files({ calibration, explain }, suffix = "") {
-  const select = el("select", { id: `format${suffix}` }, ...FORMATS.map((format) =>
-    new Option(known(`result.format_${format}`) ? t(`result.format_${format}`) : format, format)));
-  const problem = el("p", { class: "problem", role: "status" });
-  const download = async () => {
-    problem.textContent = "";
-    try {
-      await save(calibration, select.value);
-    } catch (error) {
-      problem.textContent = explain(error);
-    }
-  };
-  const json = `${JSON.stringify(calibration, null, 2)}\n`;
-  return el("div", { class: "take" },
-    el("div", { class: "fields" }, el("div", { class: "field" }, el("label", { for: `format${suffix}` }, t("result.format")), select),
-      button(t("result.download"), download, { id: `download${suffix}`, class: "primary" })),
-    problem,
-    ...(calibration.id && calibration.id !== new URLSearchParams(location.search).get("id")
-      ? [el("p", {}, el("a", { href: address(calibration.id) }, t("result.address")))] : []),
-    el("details", {}, el("summary", {}, t("result.as_answered")),
-      el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: `json${suffix}` }, json))));
-}
-
-/** This result's own page. @param {string} id */
-const address = (id) => new URL(`./?${new URLSearchParams({ id })}`, import.meta.url).href;
 
 /** @param {string} label @param {() => void} action @param {Record<string, string>} attributes */
 function button(label, action, attributes) {

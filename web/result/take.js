@@ -1,0 +1,76 @@
+// The files that a calibration is to be had as, and what becomes of it in them.
+import { ApiError } from "../calibrate/api.js";
+import { el } from "../dom.js";
+import { learn, number, t } from "../i18n.js";
+import { FORMATS } from "../vendor/formats.js";
+import words from "../words/formats.js";
+import { save } from "./source.js";
+
+/**
+ * @typedef {import("./numbers.js").Calibration} Calibration
+ * @typedef {import("./source.js").Saved} Saved
+ */
+
+const VISIBLE = 0.1; // px; what no camera shows need not be spoken of
+const WHOLE = 0.995; // share of the picture
+const PERHAPS_EXACT = 1e-3; // px; a file may be written with fewer digits
+const CORNERS = new Set(["corners-vnl"]); // what was measured, and no lens
+
+learn({ formats: words }); // wherever these are offered, their names are known
+
+/**
+ * @param {{calibration: Calibration, explain: (error: unknown) => string}} result
+ * @param {string} [suffix] of the ids, where a page offers several
+ */
+export function files({ calibration, explain }, suffix = "") {
+  const [id, about] = [`format${suffix}`, `format-about${suffix}`];
+  const select = el("select", { id, "aria-describedby": about }, ...FORMATS.map((format) => new Option(t(`formats.name_${format}`), format)));
+  const purpose = el("p", { id: about, class: "muted" }, t(`formats.for_${select.value}`));
+  const status = el("p", { role: "status", class: "saved" });
+  const button = el("button", { type: "button", id: `download${suffix}`, class: "primary" }, t("result.download"));
+  select.addEventListener("change", () => {
+    purpose.textContent = t(`formats.for_${select.value}`);
+    say("", false);
+  });
+  /** @param {string} text @param {boolean} bad */
+  const say = (text, bad) => {
+    status.classList.toggle("problem", bad);
+    status.textContent = text;
+  };
+  button.addEventListener("click", async () => {
+    button.disabled = true;
+    say(t("formats.writing"), false);
+    try {
+      const saved = await save(calibration, select.value);
+      say(CORNERS.has(select.value) ? t("formats.saved", { name: saved.name }) : became(saved), false);
+    } catch (error) {
+      // 422: no camera that the format knows comes near this one, or it holds what this calibration has not.
+      const impossible = error instanceof ApiError && error.status === 422;
+      say(impossible ? t("formats.impossible", { detail: reason(error) }) : explain(error), true);
+    } finally {
+      button.disabled = false;
+    }
+  });
+  const json = `${JSON.stringify(calibration, null, 2)}\n`;
+  return el("div", { class: "take" },
+    el("div", { class: "fields" }, el("div", { class: "field" }, el("label", { for: id }, t("result.format")), select), button),
+    purpose, status,
+    ...(calibration.id && calibration.id !== new URLSearchParams(location.search).get("id")
+      ? [el("p", {}, el("a", { href: address(calibration.id) }, t("result.address")))] : []),
+    el("details", {}, el("summary", {}, t("result.as_answered")),
+      el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: `json${suffix}` }, json))));
+}
+
+/** What the service has against the format, without which field it is about. @param {ApiError} error */
+const reason = ({ message }) => /\bformat: (.+)$/.exec(message)?.[1] ?? message;
+
+/** What the file says beside what the calibration says. @param {Saved} saved */
+export function became({ name, error, coverage }) {
+  const parts = error > VISIBLE ? [t("formats.near", { name, error: number(error, error < 1 ? 2 : error < 100 ? 1 : 0) })]
+    : [t(error < PERHAPS_EXACT ? "formats.exact" : "formats.close", { name })];
+  if (coverage < WHOLE) parts.push(t("formats.partly", { share: Math.floor(100 * coverage) }));
+  return parts.join(" ");
+}
+
+/** This result's own page. @param {string} id */
+const address = (id) => new URL(`./?${new URLSearchParams({ id })}`, import.meta.url).href;
