@@ -18,6 +18,7 @@ READ = {
     "landing": ("/", "#lens polyline"),
     "board": ("/board/", "#papers a"),
     "photos": ("/photos/", "#board:not(:empty)"),
+    "import": ("/import/", "#model option"),
     "cameras": ("/cameras/", "#found li"),
     "camera": ("/cameras/?key=c2.specimen", "#camera-name"),
     "result": ("/result/?id=x", "#verdict"),

@@ -107,7 +107,9 @@ def test_the_first_board_is_found_within_three_seconds_of_a_second_visit(visitor
     assert fastest < DETECTED_WITHIN
 
 
-@pytest.mark.parametrize("path", ["/", "/calibrate/", "/photos/", "/cameras/", "/board/", "/result/?id=x"])
+@pytest.mark.parametrize(
+    "path", ["/", "/calibrate/", "/photos/", "/import/", "/cameras/", "/board/", "/result/?id=x"]
+)
 def test_pages_are_light(context: BrowserContext, path: str) -> None:
     page = context.new_page()
     sizes: dict[str, int] = {}

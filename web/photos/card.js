@@ -42,8 +42,8 @@ export function card(picture, chosen, judgement) {
   return el("li", { class: kind }, small, el("p", { class: "name" }, name), el("p", { class: "what number" }, what));
 }
 
-/** @param {Judgement} judgement */
-function became({ accepted, reason, before, after }) {
+/** What became of a view. @param {Judgement} judgement */
+export function became({ accepted, reason, before, after }) {
   const px = (/** @type {number} */ value) => number(value, value < 1 ? 2 : 1);
   if (!accepted) return t(`photos.refused_${reason === "no_information" ? "no_information" : "other"}`);
   if (after === null) return t("photos.taken");

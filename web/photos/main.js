@@ -150,7 +150,7 @@ async function start() {
   judgements.clear();
   try {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
-    const views = ranked(group.members.map((index) => pictures[index]), group.size).slice(0, MOST);
+    const views = ranked(group.members.map((index) => pictures[index]), group.size, MOST);
     const request = {
       camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,

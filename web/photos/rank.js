@@ -13,15 +13,15 @@ const ENOUGH = 0.4; // of the width: outlines so different do not get more so
 
 /**
  * @template {Candidate} C
- * @param {C[]} candidates @param {[number, number]} size px
+ * @param {C[]} candidates @param {[number, number]} size px @param {number} [most] of them
  * @returns {C[]} best first; each is the one that adds most to those before it
  */
-export function ranked(candidates, size) {
+export function ranked(candidates, size, most = Infinity) {
   const left = candidates.map((candidate) => ({ candidate, cells: cells(candidate.points, size) }));
   /** @type {C[]} */
   const chosen = [];
   const seen = new Set();
-  while (left.length) {
+  while (left.length && chosen.length < most) {
     const scores = left.map(({ candidate, cells: its }) =>
       [...its].filter((cell) => !seen.has(cell)).length / COLUMNS + SHAPE * novelty(candidate, chosen, size[0]));
     const best = scores.indexOf(Math.max(...scores));

@@ -1,0 +1,142 @@
+"""Calibration from another program's file: its keypoints through a session, the rest explained."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import BrowserContext, Page, Request
+
+from calibsolver import Board, View, fit
+from calibsolver.formats import Subject, write
+from tests.data import corner_set
+from tests.formats import subject
+
+from .pictures import picture
+
+NAME = "LifeCam HD-3000 (045e:0779)"
+SENT = {
+    "camera", "platform", "img_size", "zoom", "distortion_model", "board", "target_error",
+    "index", "ids", "points",
+}  # fmt: skip
+
+
+def real() -> tuple[Subject, tuple[int, int]]:
+    """A real camera's keypoints, and what a fit of all of them says."""
+    loaded = corner_set("pv_charuco_1280")
+    size: tuple[int, int] = (loaded["image_size"][0], loaded["image_size"][1])
+    board = Board((8, 8))
+    views = tuple(board.view(view["ids"], np.array(view["img"])) for view in loaded["views"])
+    own = [View(np.array(view["obj"]), np.array(view["img"])) for view in loaded["views"]]
+    fitted = fit(own, size)
+    return Subject(fitted.camera, views, board, NAME, rms=fitted.avg_reprojection_error), size
+
+
+def telling(sent: list[Request]) -> list[str]:
+    """Requests that could carry anything: all but those for the page's own files."""
+    return [
+        request.url
+        for request in sent
+        if request.method != "GET" or "?" in request.url or "/v1/" in request.url or request.post_data
+    ]
+
+
+def give(page: Page, tmp_path: Path, name: str, content: bytes) -> None:
+    path = tmp_path / name
+    path.write_bytes(content)
+    page.locator("#file").set_input_files(path)
+
+
+@pytest.mark.parametrize("form", ["photonvision", "corners-vnl"])
+def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -> None:
+    kept, size = real()
+    sent: list[Request] = []
+    page.goto("/import/")
+    page.on("request", lambda request: sent.append(request))
+    content = write(kept, form)
+    give(page, tmp_path, content.filename, content.content)
+    if form == "corners-vnl":
+        page.locator("#status", has_text="which board was it").wait_for()
+        assert [page.locator(f"#{side}").input_value() for side in ("columns", "rows")] == ["8", "8"]
+        page.locator("#width").fill(str(size[0]))
+        page.locator("#height").fill(str(size[1]))
+        picture(page, "import-table", full=True)
+        page.locator("#table button").click()
+    page.locator("#status", has_text="16 views of a board of 8 × 8 squares, 1280 × 720 px").wait_for()
+    assert page.locator("#views li").count() == 16
+    assert telling(sent) == [], "nothing is sent before one asks for it"
+    picture(page, f"import-{form}", full=True)
+    page.locator("#kind").select_option("photographs")
+    page.locator("#camera").fill(f"{NAME}, {form}")
+    page.locator("#start").click()
+    page.locator("#verdict").wait_for()
+    calibration = json.loads(page.locator("#json").text_content() or "")
+    ours, theirs = calibration["camera_matrix"][0][0], float(kept.camera.matrix[0, 0])
+    taken = page.locator("#views .taken").count()
+    print(
+        f"{form}: {taken} views taken, fx {ours:.2f} against {theirs:.2f}: {100 * (ours / theirs - 1):+.3f} %"
+    )
+    assert abs(ours / theirs - 1) < 0.01
+    assert calibration["platform"] == "photographs"
+    picture(page, f"import-{form}-done", full=True)
+    for request in sent:
+        if request.post_data is not None:
+            assert set(json.loads(request.post_data)) <= SENT
+
+
+def test_a_file_without_keypoints_is_explained(page: Page, tmp_path: Path) -> None:
+    held = subject("rectilinear")
+    sent: list[Request] = []
+    page.goto("/import/")
+    page.on("request", lambda request: sent.append(request))
+    for form, shown in (("opencv-json", True), ("ros", False), ("kalibr", False), ("mrcal", False)):
+        file = write(held, form)
+        give(page, tmp_path, file.filename, file.content)
+        wanted = "packed too deep" if form == "mrcal" else "no corners"
+        page.locator("#guess h2", has_text=wanted).wait_for()
+        assert f"import {file.filename} --camera" in (page.locator("#guess code").text_content() or "")
+        assert page.locator("#matrix").count() == int(shown), form
+        assert page.locator("#form").is_hidden()
+        if shown:
+            fx = float(page.locator("#matrix td").first.text_content() or "")
+            assert fx == pytest.approx(held.camera.matrix[0, 0], abs=1e-3)
+            picture(page, "import-guess", full=True)
+    assert telling(sent) == []
+
+
+def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> None:
+    sent: list[Request] = []
+    page.goto("/import/")
+    page.on("request", lambda request: sent.append(request))
+    whole = write(real()[0], "photonvision").content
+    for name, content, said in (
+        ("cut.json", whole[:2000], "damaged"),
+        ("odd.json", whole.replace(b'"x": ', b'"x": "a", "q": ', 1), "locationInObjectSpace"),
+        ("picture.jpg", b"\xff\xd8\xff\xe0" + bytes(range(256)) * 20, "no calibration file"),
+        ("empty.json", b"", "no calibration file"),
+    ):
+        give(page, tmp_path, name, content)
+        page.locator("#problem", has_text=said).wait_for()
+        assert page.locator("#form").is_hidden()
+        assert page.locator("#views li").count() == 0
+    large = tmp_path / "large.json"
+    with large.open("wb") as file:
+        file.truncate(64_000_001)
+    page.locator("#file").set_input_files(large)
+    page.locator("#problem", has_text="larger than 64 MB").wait_for()
+    picture(page, "import-large", ["hand"], full=True)
+    page.locator("#language").select_option("uk")
+    page.locator("#problem", has_text="більший за 64 МБ").wait_for()
+    assert telling(sent) == []
+
+
+@pytest.mark.parametrize("language", ["de", "uk"])
+def test_other_languages(context: BrowserContext, tmp_path: Path, language: str) -> None:
+    page = context.new_page()
+    page.goto(f"/import/?lang={language}")
+    file = write(real()[0], "photonvision")
+    give(page, tmp_path, file.filename, file.content)
+    page.locator("#views li").first.wait_for()
+    picture(page, f"import-{language}", ["hand"], full=True)

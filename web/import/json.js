@@ -1,0 +1,76 @@
+// Calibration files that are JSON: PhotonVision's with what was seen, and cameras without. Pure.
+import { MalformedError } from "./malformed.js";
+
+/** @typedef {import("./grid.js").View} View */
+
+const VIEWS = 1000; // more than any capture has
+const POINTS = 10_000; // of a view
+const LARGEST = 1e12; // beyond which no number is a camera's
+
+/** What lies at a place, undefined where there is none. @param {unknown} data @param {string[]} path @returns {unknown} */
+function at(data, ...path) {
+  return path.reduce((/** @type {unknown} */ here, key) =>
+    (here !== null && typeof here === "object" && Object.hasOwn(here, key) ? /** @type {Record<string, unknown>} */ (here)[key] : undefined), data);
+}
+
+/** @param {unknown} value @param {string} what @returns {number} */
+function finite(value, what) {
+  if (typeof value !== "number" || !(Math.abs(value) < LARGEST)) throw new MalformedError("number", { what });
+  return value;
+}
+
+/** Is it a file of PhotonVision? @param {unknown} data */
+export const isPhotonVision = (data) => at(data, "cameraIntrinsics") !== undefined;
+
+/**
+ * What a file of PhotonVision's has seen.
+ * @param {unknown} data
+ * @returns {{size: [number, number], views: View[]}} throws MalformedError; no views: it holds none
+ */
+export function photonVision(data) {
+  const size = ["width", "height"].map((name) => {
+    const value = finite(at(data, "resolution", name), `resolution.${name}`);
+    if (!Number.isInteger(value) || value < 1) throw new MalformedError("number", { what: `resolution.${name}` });
+    return value;
+  });
+  const seen = at(data, "observations") ?? [];
+  if (!Array.isArray(seen) || seen.length > VIEWS) throw new MalformedError("many", { most: VIEWS });
+  return { size: [size[0], size[1]], views: seen.map(observation).filter(({ image }) => image.length > 0) };
+}
+
+/** @param {unknown} item @param {number} index @returns {View} */
+function observation(item, index) {
+  const object = points(at(item, "locationInObjectSpace"), ["x", "y", "z"], "locationInObjectSpace");
+  const image = points(at(item, "locationInImageSpace"), ["x", "y"], "locationInImageSpace");
+  if (object.length !== image.length) throw new MalformedError("count", { index: index + 1 });
+  const flags = at(item, "cornersUsed");
+  const used = Array.isArray(flags) && flags.length === image.length ? flags : null;
+  // Corners that were not seen are written as negative pixels.
+  const kept = image.map(([x, y], number) => x >= -0.5 && y >= -0.5 && (used === null || Boolean(used[number])));
+  const name = at(item, "snapshotName");
+  return {
+    name: typeof name === "string" && name ? name.slice(0, 80) : String(index + 1),
+    object: object.filter((_, number) => kept[number]), image: image.filter((_, number) => kept[number]),
+  };
+}
+
+/** @param {unknown} items @param {string[]} axes @param {string} what @returns {number[][]} */
+function points(items, axes, what) {
+  if (!Array.isArray(items) || items.length > POINTS) throw new MalformedError("number", { what });
+  return items.map((item) => axes.map((axis) => finite(at(item, axis), what)));
+}
+
+/** Where tools keep the camera matrix. */
+const MATRICES = [["cameraIntrinsics", "data"], ["camera_matrix", "data"], ["camera_matrix"], ["fisheye_params", "camera_matrix"], ["K"], ["mtx"]];
+
+/** The camera matrix in a file, null where none is found. @param {unknown} data @returns {number[][] | null} */
+export function cameraMatrix(data) {
+  for (const path of MATRICES) {
+    const found = at(data, ...path);
+    const flat = Array.isArray(found) ? found.flat(1) : [];
+    if (flat.length === 9 && flat.every((value) => typeof value === "number" && Number.isFinite(value))) {
+      return [flat.slice(0, 3), flat.slice(3, 6), flat.slice(6)];
+    }
+  }
+  return null;
+}

@@ -1,0 +1,245 @@
+// Calibration from what another program has measured. The file is read on this device; only where corners are is sent.
+import { Api, ApiError, OfflineError } from "../calibrate/api.js";
+import { observedOutline } from "../calibrate/area.js";
+import { part } from "../dom.js";
+import { number, onLanguage, t } from "../i18n.js";
+import { openPage } from "../page.js";
+import { ranked } from "../photos/rank.js";
+import { calibrate } from "../photos/series.js";
+import { load } from "../result/source.js";
+import { ResultView } from "../result/view.js";
+import { platformHere } from "../sdk/calibdb.js";
+import { COEFFICIENTS } from "../sdk/projection.js";
+import { SettingsError, loadSettings } from "../settings.js";
+import words from "../words/import.js";
+import photos from "../words/photos.js";
+import result from "../words/result.js";
+import { MalformedError } from "./malformed.js";
+import { FEWEST_CORNERS, LARGEST, prepare, read } from "./read.js";
+import { table } from "./table.js";
+import { card, guessView } from "./views.js";
+
+/**
+ * @typedef {import("./read.js").Guess} Guess
+ * @typedef {import("./read.js").Numbered} Numbered
+ * @typedef {import("./read.js").View} View
+ * @typedef {import("../photos/series.js").Judgement} Judgement
+ *
+ * @typedef {object} Measured
+ * @property {Required<import("../vendor/api.js").Board>} board
+ * @property {[number, number]} size of the pictures, px
+ * @property {Numbered[]} views those that tell most, best first
+ * @property {number} count of views in the file
+ */
+
+const MOST = 30; // views offered: the service ends a session after 15
+
+openPage({ import: words, photos, result });
+const query = new URLSearchParams(location.search);
+const parts = {
+  drop: part("drop", HTMLElement), file: part("file", HTMLInputElement), status: part("status", HTMLElement), problem: part("problem", HTMLElement),
+  guess: part("guess", HTMLElement), views: part("views", HTMLElement), table: part("table", HTMLFormElement), form: part("form", HTMLFormElement),
+  kind: part("kind", HTMLSelectElement), camera: part("camera", HTMLInputElement), cameraLabel: part("camera-label", HTMLElement),
+  focal: part("focal", HTMLInputElement), focalField: part("focal-field", HTMLElement), model: part("model", HTMLSelectElement), start: part("start", HTMLButtonElement),
+};
+const [columns, rows, width, height] = ["columns", "rows", "width", "height"].map((id) => part(id, HTMLInputElement));
+const view = new ResultView(part("result", HTMLElement));
+/** @type {Measured | null} */
+let measured = null;
+/** @type {{guess: Guess, name: string} | null} */
+let guessed = null;
+/** A table whose board is still to be told. */
+let text = "";
+/** @type {unknown} what is wrong */
+let wrong = null;
+/** @type {Map<Numbered, Judgement>} */
+const judgements = new Map();
+/** Files are read one after the other, and only the last one counts. */
+let turn = 0;
+
+/** @param {unknown} error */
+function explain(error) {
+  if (error instanceof MalformedError) return t(`import.wrong_${error.code}`, error.values);
+  if ([ApiError, OfflineError, SettingsError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
+  console.error(error);
+  return t("common.went_wrong", { message: String(error) });
+}
+
+/** @param {unknown} error null: nothing is wrong any more */
+function complain(error) {
+  wrong = error;
+  parts.problem.hidden = error === null;
+  parts.problem.textContent = error === null ? "" : explain(error);
+}
+
+/** Forgets what was read. */
+function clear() {
+  [measured, guessed, text] = [null, null, ""];
+  judgements.clear();
+  view.clear();
+  complain(null);
+  parts.status.textContent = "";
+  parts.table.hidden = true;
+  show();
+}
+
+function show() {
+  parts.guess.hidden = guessed === null;
+  parts.guess.replaceChildren(...(guessed ? guessView(guessed.guess, guessed.name) : []));
+  parts.form.hidden = measured === null;
+  parts.views.replaceChildren(...(measured?.views.map((each) => card(each, /** @type {Measured} */ (measured).size, judgements.get(each))) ?? []));
+}
+
+/** @param {File | undefined} file */
+async function take(file) {
+  if (!file) return;
+  const mine = ++turn;
+  clear();
+  try {
+    if (file.size > LARGEST) throw new MalformedError("large", { most: LARGEST / 1e6 });
+    parts.status.textContent = t("import.reading", { name: file.name });
+    const content = await contentOf(file);
+    if (mine !== turn) return;
+    parts.status.textContent = "";
+    const found = read(content);
+    if (found.kind === "guess") {
+      guessed = { guess: found, name: file.name };
+      parts.status.textContent = t("import.was_read", { name: file.name });
+    }
+    if (found.kind === "keypoints") accept(found.views, found.size);
+    if (found.kind === "table") ask(found.text, found.squares);
+    show();
+  } catch (error) {
+    if (mine !== turn) return;
+    parts.status.textContent = "";
+    complain(error);
+  }
+}
+
+/** @param {File} file */
+async function contentOf(file) {
+  try {
+    return await file.text();
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error;
+    throw new MalformedError("unreadable"); // moved or changed since it was chosen, or not permitted
+  }
+}
+
+/** Which board a table is of. @param {string} content @param {[number, number] | null} squares */
+function ask(content, squares) {
+  text = content;
+  [columns.value, rows.value] = squares?.map(String) ?? ["", ""];
+  parts.table.hidden = false;
+  parts.status.textContent = t("import.which_board");
+  (squares ? width : columns).focus();
+}
+
+/** @param {View[]} views @param {[number, number]} size */
+function accept(views, size) {
+  const { board, views: numbered } = prepare(views, size);
+  const candidates = numbered.map((each) => ({ ...each, outline: observedOutline(board, each) }));
+  measured = { board, size, views: ranked(candidates, size, MOST), count: views.length };
+  summarise();
+}
+
+function summarise() {
+  if (!measured) return;
+  const { board, size, views, count } = measured;
+  parts.status.textContent = [
+    t("import.found", { count, squares: board.squares.join(" × "), size: size.join(" × ") }),
+    ...(count > views.length ? [t("import.best", { most: views.length })] : []),
+  ].join(" ");
+}
+
+async function start() {
+  if (!measured) return;
+  const { board, size, views } = measured;
+  const mine = turn;
+  parts.start.disabled = true;
+  view.clear();
+  complain(null);
+  judgements.clear();
+  show();
+  try {
+    const { api: address, token, return_origins: returnOrigins } = await loadSettings();
+    const webcam = parts.kind.value === "webcam";
+    const request = {
+      camera: parts.camera.value.trim(), platform: webcam ? await platformHere() : parts.kind.value, img_size: size,
+      zoom: webcam ? 0 : Number(parts.focal.value) || 0, board,
+      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value),
+    };
+    parts.status.textContent = t("photos.calibrating");
+    const usable = views.filter(({ points }) => points.length >= FEWEST_CORNERS);
+    const { state } = await calibrate(new Api(address), token, request, usable, (judgement) => {
+      if (mine !== turn) return;
+      judgements.set(usable[judgement.view], judgement);
+      show();
+    });
+    if (mine !== turn) return;
+    const id = state.calibration_id;
+    if (!id) {
+      parts.status.textContent = state.uncertainty ? t("import.not_enough", { rms: number(state.uncertainty.rms, 1) }) : t("import.nothing_taken");
+      return;
+    }
+    parts.status.textContent = t("photos.done", { count: [...judgements.values()].filter(({ accepted }) => accepted).length });
+    const { calibration, report } = await load(id);
+    view.show({ calibration, report, origin: "added", returnTo: query.get("return_to"), returnOrigins, explain });
+    document.getElementById("verdict")?.focus();
+  } catch (error) {
+    if (mine !== turn) return;
+    parts.status.textContent = "";
+    complain(error);
+  } finally {
+    parts.start.disabled = false;
+  }
+}
+
+function showKind() {
+  const webcam = parts.kind.value === "webcam";
+  parts.focalField.hidden = webcam;
+  parts.cameraLabel.textContent = t(webcam ? "import.webcam" : "photos.camera");
+}
+
+function speak() {
+  for (const option of parts.model.options) option.textContent = t(`photos.model_${option.value}`);
+  showKind();
+  if (wrong !== null) complain(wrong);
+  if (guessed) parts.status.textContent = t("import.was_read", { name: guessed.name });
+  else if (text && !measured) parts.status.textContent = t("import.which_board");
+  else if (judgements.size === 0) summarise();
+  show();
+}
+
+parts.camera.value = query.get("camera") ?? "";
+parts.model.append(...Object.keys(COEFFICIENTS).map((model) => new Option("", model)));
+speak();
+onLanguage(speak);
+parts.file.addEventListener("change", () => {
+  void take(parts.file.files?.[0]);
+  parts.file.value = "";
+});
+for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
+  parts.drop.addEventListener(name, (event) => {
+    event.preventDefault();
+    parts.drop.classList.toggle("over", name === "dragenter" || name === "dragover");
+    if (name === "drop") void take(/** @type {DragEvent} */ (event).dataTransfer?.files[0]);
+  });
+}
+parts.kind.addEventListener("change", showKind);
+parts.table.addEventListener("submit", (event) => {
+  event.preventDefault();
+  complain(null);
+  measured = null;
+  try {
+    accept(table(text, [columns.valueAsNumber, rows.valueAsNumber]), [width.valueAsNumber, height.valueAsNumber]);
+  } catch (error) {
+    parts.status.textContent = "";
+    complain(error);
+  }
+  show();
+});
+parts.form.addEventListener("submit", (event) => {
+  event.preventDefault();
+  void start();
+});

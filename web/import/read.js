@@ -1,0 +1,84 @@
+// A calibration file: of which kind it is, and what in it can be used here. Pure.
+import { DEFAULT_BOARD } from "../board/geometry.js";
+import { grid } from "./grid.js";
+import { cameraMatrix, isPhotonVision, photonVision } from "./json.js";
+import { MalformedError } from "./malformed.js";
+import { isTable, squaresIn, table } from "./table.js";
+
+/**
+ * @typedef {import("./grid.js").Numbered} Numbered
+ * @typedef {import("./grid.js").View} View
+ *
+ * @typedef {object} Keypoints
+ * @property {"keypoints"} kind
+ * @property {[number, number]} size of the pictures, px
+ * @property {View[]} views
+ *
+ * @typedef {object} Table
+ * @property {"table"} kind
+ * @property {string} text of corners of a board that only its owner knows
+ * @property {[number, number] | null} squares of that board, where a comment says it all the same
+ *
+ * @typedef {object} Guess
+ * @property {"guess"} kind
+ * @property {number[][] | null} matrix
+ * @property {boolean} packed it holds keypoints, but in a way that a page cannot read
+ */
+
+export const LARGEST = 64_000_000; // bytes of a file
+export const FEWEST_CORNERS = 6; // of a view
+const SMALL = 100; // squares that a dictionary of 50 markers has room for
+const MOST_SQUARES = 2000; // that any has
+const BEYOND = 1; // px outside of the picture that a corner may have been found
+
+/** @param {string} text a file's content @returns {Keypoints | Table | Guess} throws MalformedError */
+export function read(text) {
+  const content = text.replace(/^\uFEFF/, "");
+  const data = /^\s*\{/.test(content) ? parsed(content) : undefined;
+  if (data !== undefined) return json(data);
+  // mrcal's is a Python dictionary, its measurements a packed archive inside.
+  if (content.includes("'lensmodel'")) return { kind: "guess", matrix: null, packed: content.includes("'optimization_inputs'") };
+  if (/^\s*\{/.test(content)) throw new MalformedError("json");
+  if (isTable(content)) return { kind: "table", text: content, squares: squaresIn(content) };
+  if (/^[ \t]*(camera_matrix|cam0|intrinsics|K)[ \t]*:/m.test(content)) return { kind: "guess", matrix: null, packed: false };
+  throw new MalformedError("unknown");
+}
+
+/** @param {unknown} data @returns {Keypoints | Guess} */
+function json(data) {
+  if (isPhotonVision(data)) {
+    const { size, views } = photonVision(data);
+    if (views.length) return { kind: "keypoints", size, views };
+  }
+  const matrix = cameraMatrix(data);
+  if (!matrix) throw new MalformedError("unknown");
+  return { kind: "guess", matrix, packed: false };
+}
+
+/** @param {string} content @returns {unknown} undefined where it is no JSON */
+function parsed(content) {
+  try {
+    return JSON.parse(content);
+  } catch (error) {
+    if (!(error instanceof SyntaxError)) throw error;
+    return undefined;
+  }
+}
+
+/**
+ * The views as a session takes them, and the board that they are of. Which markers it had nobody asks any more, but a
+ * board must have enough of them.
+ * @param {View[]} views @param {[number, number]} size of the pictures, px
+ * @returns {{board: Required<import("../vendor/api.js").Board>, views: Numbered[]}} throws MalformedError
+ */
+export function prepare(views, [width, height]) {
+  if (views.length === 0) throw new MalformedError("empty");
+  for (const { name, image } of views) {
+    const inside = image.every(([x, y]) => x >= -BEYOND && y >= -BEYOND && x <= width - 1 + BEYOND && y <= height - 1 + BEYOND);
+    if (!inside) throw new MalformedError("outside", { name, size: `${width} × ${height}` });
+  }
+  const { squares, views: numbered } = grid(views);
+  const count = squares[0] * squares[1];
+  if (count > MOST_SQUARES) throw new MalformedError("board", { columns: squares[0] - 1, rows: squares[1] - 1 });
+  return { board: { ...DEFAULT_BOARD, squares, dictionary: count <= SMALL ? "DICT_4X4_50" : "DICT_4X4_1000" }, views: numbered };
+}

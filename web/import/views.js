@@ -1,0 +1,38 @@
+// What a file holds, to be seen: its views as small plots, or, where it has none, its camera.
+import { el } from "../dom.js";
+import { number, t } from "../i18n.js";
+import { became } from "../photos/card.js";
+import { imagePlot, make, short } from "../result/svg.js";
+import { FEWEST_CORNERS } from "./read.js";
+
+/**
+ * @typedef {import("./read.js").Numbered} Numbered
+ * @typedef {import("./read.js").Guess} Guess
+ * @typedef {import("../photos/series.js").Judgement} Judgement
+ */
+
+const DOT = 5; // plot units
+const PLAIN = /^[\w.-]{1,80}$/; // names that a shell takes as they are
+
+/** @param {Numbered} view @param {[number, number]} size px @param {Judgement | undefined} judgement */
+export function card({ name, points }, size, judgement) {
+  const usable = points.length >= FEWEST_CORNERS;
+  const { svg, area, x, y } = imagePlot(size, t("import.view_label", { name, count: points.length }), { plain: true });
+  area.append(...points.map(([u, v]) => make("circle", { cx: short(x(u)), cy: short(y(v)), r: DOT, class: "seen" })));
+  const what = judgement ? became(judgement) : usable ? t("photos.corners", { count: points.length }) : t("photos.too_few");
+  return el("li", { class: judgement?.accepted ? "taken" : usable ? "" : "unused" }, svg, el("p", { class: "name" }, name), el("p", { class: "what number" }, what));
+}
+
+/** A file without corners: what it is good for. @param {Guess} guess @param {string} name of the file @returns {HTMLElement[]} */
+export function guessView({ matrix, packed }, name) {
+  const file = PLAIN.test(name) && !name.startsWith("-") ? name : "FILE";
+  const command = `make ops ARGS="import ${file} --camera 'LABEL' --platform 'PLATFORM'"`;
+  return [
+    el("h2", { id: "guess-title" }, t(packed ? "import.packed" : "import.guess")),
+    el("p", {}, t(packed ? "import.packed_text" : "import.guess_text")),
+    ...(matrix ? [el("table", { id: "matrix" }, el("caption", {}, t("import.matrix")), el("tbody", {}, ...matrix.map((row) =>
+      el("tr", {}, ...row.map((value) => el("td", {}, number(value, Number.isInteger(value) ? 0 : 3))))))), ] : []),
+    el("p", {}, t("import.operator")),
+    el("pre", { tabindex: 0, "aria-label": t("import.command") }, el("code", {}, command)),
+  ];
+}
