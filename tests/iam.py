@@ -1,0 +1,182 @@
+"""IAM's rules as far as the template uses them, and a record of what each function asks of AWS."""
+
+import contextvars
+import fnmatch
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from botocore.client import BaseClient
+
+from infra.local.functions import Function
+from infra.local.intrinsics import ACCOUNT, REGION, Resolver, parse
+
+ROOT = Path(__file__).parents[1]
+_running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)
+# Operations that are granted under another name than their own.
+_ACTIONS = {"invoke": "InvokeFunction", "delete_objects": "DeleteObject", "transact_write_items": "PutItem"}
+
+
+@dataclass(frozen=True)
+class Needed:
+    """One action that one call needs."""
+
+    action: str
+    resource: str
+    keys: frozenset[str] = frozenset()  # DynamoDB's leading keys
+    attributes: frozenset[str] | None = None  # that a write touches; None where it names none
+    returned: str | None = None  # ReturnValues
+
+
+@dataclass(frozen=True)
+class Grant:
+    """One statement of a function's role."""
+
+    sid: str
+    actions: tuple[str, ...]
+    resources: tuple[str, ...]
+    conditions: Mapping[str, Mapping[str, Any]]
+
+    def allows(self, needed: Needed) -> bool:
+        return (
+            needed.action in self.actions
+            and any(fnmatch.fnmatchcase(needed.resource, pattern) for pattern in self.resources)
+            and all(self._holds(kind, tests, needed) for kind, tests in self.conditions.items())
+        )
+
+    @staticmethod
+    def _holds(kind: str, tests: Mapping[str, Any], needed: Needed) -> bool:
+        for name, allowed in tests.items():
+            if (kind, name) == ("ForAllValues:StringLike", "dynamodb:LeadingKeys"):
+                if not all(any(fnmatch.fnmatchcase(k, a) for a in allowed) for k in needed.keys):
+                    return False
+            elif (kind, name) == ("ForAllValues:StringEquals", "dynamodb:Attributes"):
+                if not (needed.attributes or frozenset()) <= set(allowed):
+                    return False
+            elif (kind, name) == ("StringEqualsIfExists", "dynamodb:ReturnValues"):
+                if needed.returned is not None and needed.returned not in allowed:
+                    return False
+            else:
+                raise AssertionError(f"a condition that is not known here: {kind} {name}")
+        return True
+
+
+def listed(value: Any) -> tuple[Any, ...]:
+    return tuple(value) if isinstance(value, list) else (value,)
+
+
+def grants() -> dict[str, tuple[Grant, ...]]:
+    """What the template grants each function."""
+    document = parse(ROOT / "template.yaml")
+    resolve = Resolver(
+        {n: p.get("Default", "") for n, p in document["Parameters"].items()}, document["Resources"]
+    )
+    return {
+        name: tuple(
+            Grant(
+                s["Sid"],
+                listed(s["Action"]),
+                tuple(map(resolve, listed(s["Resource"]))),
+                s.get("Condition", {}),
+            )
+            for policy in resource["Properties"]["Policies"]
+            for s in policy["Statement"]
+        )
+        for name, resource in document["Resources"].items()
+        if resource["Type"] == "AWS::Serverless::Function"
+    }
+
+
+def needs(service: str, operation: str, asked: Mapping[str, Any]) -> Iterator[Needed]:
+    """What a call with these parameters needs."""
+    action = _ACTIONS.get(operation) or "".join(word.title() for word in operation.split("_"))
+    match service:
+        case "lambda":
+            yield Needed(
+                f"lambda:{action}", f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{asked['FunctionName']}"
+            )
+        case "s3":
+            for name in (
+                [o["Key"] for o in asked["Delete"]["Objects"]] if "Delete" in asked else [asked["Key"]]
+            ):
+                yield Needed(f"s3:{action}", f"arn:aws:s3:::{asked['Bucket']}/{name}")
+        case "dynamodb":
+            for part in [w["Put"] for w in asked["TransactItems"]] if "TransactItems" in asked else [asked]:
+                yield Needed(
+                    f"dynamodb:{action}",
+                    f"arn:aws:dynamodb:{REGION}:{ACCOUNT}:table/{part['TableName']}",
+                    frozenset(_keys(part)),
+                    frozenset(_attributes(part)) if operation == "update_item" else None,
+                    part.get("ReturnValues"),
+                )
+        case _:
+            raise AssertionError(f"a service that is not known here: {service}")
+
+
+def _keys(asked: Mapping[str, Any]) -> Iterator[str]:
+    key = asked.get("Key") or asked.get("Item")
+    if key is not None:
+        yield key["pk"]["S"]
+    else:
+        assert asked["KeyConditionExpression"].startswith("pk = :pk ")
+        yield asked["ExpressionAttributeValues"][":pk"]["S"]
+
+
+def _attributes(asked: Mapping[str, Any]) -> Iterator[str]:
+    yield from asked["Key"]
+    yield from asked["ExpressionAttributeNames"].values()
+
+
+@dataclass
+class Recorder:
+    """Who needed what, while its block lasts."""
+
+    needed: set[tuple[str, Needed]]
+
+    @contextmanager
+    def recording(self) -> Iterator[None]:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(Function, "__call__", _named(Function.__call__))
+            patch.setattr(BaseClient, "_make_api_call", self._recorded(BaseClient._make_api_call))
+            patch.setattr(ThreadPoolExecutor, "submit", _inherited(ThreadPoolExecutor.submit))
+            yield
+
+    def _recorded(self, call: Callable[..., Any]) -> Callable[..., Any]:
+        def recorded(client: Any, operation: str, asked: Mapping[str, Any]) -> Any:
+            who = _running.get()
+            if who is not None:
+                name = next(n for n, o in client.meta.method_to_api_mapping.items() if o == operation)
+                service = client.meta.service_model.service_name
+                self.needed |= {(who, one) for one in needs(service, name, asked)}
+            return call(client, operation, asked)
+
+        return recorded
+
+
+def running() -> str | None:
+    """The function in whose handler this is called."""
+    return _running.get()
+
+
+def _named(call: Callable[..., Any]) -> Callable[..., Any]:
+    def named(function: Function, *arguments: Any) -> Any:
+        before = _running.set(function.spec.name)
+        try:
+            return call(function, *arguments)
+        finally:
+            _running.reset(before)
+
+    return named
+
+
+def _inherited(submit: Callable[..., Any]) -> Callable[..., Any]:
+    def inherited(
+        pool: ThreadPoolExecutor, task: Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> Any:
+        return submit(pool, contextvars.copy_context().run, task, *arguments, **named)
+
+    return inherited

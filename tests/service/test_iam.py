@@ -1,0 +1,197 @@
+"""Every role grants what its function asks of AWS, and nothing that it never asks for.
+
+moto lets everybody do everything. So the calls are recorded on their way out, by the function that makes
+them, and held against the template's statements.
+"""
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import boto3
+import pytest
+
+from calibdb import service as services
+from calibdb.settings import Settings
+from calibdb.store import Store, Table
+from calibdb.store.table import Condition, Item
+from calibdb.tokens import ApiToken, secret_hash
+from infra.local import LocalStack
+from tests.client import CAMERA, Client, Truth, until
+from tests.iam import Grant, Needed, Recorder, grants, running
+from tests.published import PLATFORM, asked, calibration, held, mode_of, store
+
+TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
+#: granted and not asked for in a local stack, and why it is granted nevertheless
+UNASKED = {
+    "ssm:GetParametersByPath": "secrets are in the environment here",
+}
+
+
+class Clock:
+    ahead = 0.0
+
+    def __call__(self) -> float:
+        return time.time() + self.ahead
+
+
+@pytest.fixture(scope="module")
+def recorded() -> Iterator[set[tuple[str, Needed]]]:
+    recorder, clock = Recorder(set()), Clock()
+    # On AWS each function remembers tokens for itself; here they would share one memory.
+    instances: dict[tuple[str | None, Settings], services.Service] = {}
+
+    def of(settings: Settings) -> services.Service:
+        key = (running(), settings)
+        if key not in instances:
+            instances[key] = services.Service.build(settings, Store.of(settings), clock)
+        return instances[key]
+
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        LocalStack(environment={"CONTRIBUTOR_PERIOD": "86400"}) as stack,
+    ):
+        patch.setattr(services, "_service", of)
+        for token_id in ("page", "other"):
+            token = ApiToken(token_id, secret_hash("secret"), plan="page")
+            store(stack).tokens.create(token)
+        for n in range(5):
+            store(stack).calibrations.publish(calibration("Well known", n, views=3))
+        mode = mode_of(calibration("Well known", 0, views=3))
+        with recorder.recording():
+            invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
+            use(stack)
+            clock.ahead += 700  # what was counted in memory is written down
+            use_again(stack)
+            objects = boto3.client("s3").list_objects_v2(
+                Bucket=stack.environment["BUCKET_NAME"], Prefix="calibrations/"
+            )["Contents"]
+            items = [{"Key": o["Key"].replace("c2-", "c1-"), "Size": 1} for o in objects[:2]]
+            invoke("BackfillFunction", {"Items": [*items, {"Key": objects[0]["Key"], "Size": 1}]})
+            stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
+        yield recorder.needed
+
+
+def invoke(function: str, payload: Any) -> Any:
+    answer = boto3.client("lambda").invoke(FunctionName=function, Payload=json.dumps(payload).encode())
+    content = json.load(answer["Payload"])
+    assert "FunctionError" not in answer, content
+    return content
+
+
+def use(stack: LocalStack) -> None:
+    """A capture with an undone view, one that is forgotten, and every way of reading."""
+    client = Client(stack, api_token=TOKEN)
+    assert client.open(camera="Well known", platform=PLATFORM).status == 201
+    truth = Truth(seed=11)
+    with overtaken():
+        pose = client.pose().json
+    with overtaken():
+        assert client.view(pose["index"], *truth.see(pose)).json["accepted"]
+    assert client.call("DELETE", f"/v1/session/views/{pose['index']}").status == 200
+    assert client.pose("skip=1").status == 200
+    assert client.state()["status"] == "capturing"
+    assert client.call("DELETE", "/v1/session").status == 204
+    state = Truth(seed=12).calibrate(client, camera="Captured here", platform=PLATFORM)
+    until(lambda: store(stack).consensuses.of(state["calibration_id"].rpartition("-")[0]), 30)
+    assert client.call("GET", f"/v1/calibrations/{state['calibration_id']}", token=TOKEN).status == 200
+    assert client.lookup(camera="Well known", platform=PLATFORM).status == 200
+    assert client.lookup(camera="Well known", platform=PLATFORM, distortion_model="rational").status == 200
+    assert client.call("GET", "/v1/cameras", token=TOKEN, query="query=known").json["cameras"]
+    views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=30), 3)]
+    checker = Client(stack, api_token="cdb_other_secret")
+    checker.session_id = checker.call("POST", "/v1/auth", token=checker.api_token).json["session_id"]
+    body = {**CAMERA, "camera": "Well known", "platform": PLATFORM, "views": views}
+    assert checker.call("POST", "/v1/checks", body).json["counted"]
+    assert checker.call("POST", "/v1/checks", body).status == 200
+
+
+@contextmanager
+def overtaken() -> Iterator[None]:
+    """The first write of a session within the block comes too late, as when another request got ahead."""
+    put, late = Table.put, []
+
+    def losing(table: Table, item: Item, condition: Condition | None = None) -> bool:
+        if not late and str(item["pk"]).startswith("SESSION#"):
+            late.append(item)
+            return False
+        return put(table, item, condition)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Table, "put", losing)
+        yield
+    assert late
+
+
+def use_again(stack: LocalStack) -> None:
+    client = Client(stack, api_token=TOKEN)
+    key = calibration("Well known", 0, views=3).camera_key
+    for _ in range(2):
+        assert client.lookup(camera="Well known", platform=PLATFORM).status == 200
+        assert client.call("GET", "/v1/cameras", token=TOKEN, query="query=known").json["cameras"]
+        assert client.call("GET", f"/v1/cameras/{key}", token=TOKEN).json["modes"]
+        consensus = client.lookup(camera="Well known", platform=PLATFORM).json["id"]
+        assert client.call("GET", f"/v1/calibrations/{consensus}", token=TOKEN).status == 200
+        old = consensus.replace("c2-", "c1-", 1)
+        client.call("GET", f"/v1/calibrations/{old}", token=TOKEN)
+
+
+def test_no_call_without_a_grant(recorded: set[tuple[str, Needed]]) -> None:
+    given = grants()
+    refused = {(who, one) for who, one in recorded if not any(grant.allows(one) for grant in given[who])}
+    assert refused == set()
+    assert {who for who, _ in recorded} == set(given)
+
+
+def test_no_grant_without_a_call(recorded: set[tuple[str, Needed]]) -> None:
+    unused = {
+        (who, grant.sid, action)
+        for who, statements in grants().items()
+        for grant in statements
+        for action in grant.actions
+        if action not in UNASKED
+        and not any(one.action == action and grant.allows(one) for asker, one in recorded if asker == who)
+    }
+    assert unused == set()
+
+
+@pytest.mark.parametrize(
+    "needed",
+    [
+        Needed(
+            "dynamodb:PutItem",
+            "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table",
+            frozenset({"TOKEN#x"}),
+        ),
+        Needed("dynamodb:Scan", "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table"),
+        Needed("s3:GetObject", "arn:aws:s3:::calibdb-keypointbucket/calibrations/x"),
+        Needed("s3:DeleteObject", "arn:aws:s3:::calibdb-keypointbucket/sessions/x"),
+    ],
+    ids=lambda needed: needed.action,
+)
+def test_lookup_may_not(needed: Needed) -> None:
+    assert not any(grant.allows(needed) for grant in grants()["LookupFunction"])
+
+
+def test_a_statement_allows_what_it_names_and_no_more() -> None:
+    grant = Grant(
+        "S",
+        ("dynamodb:UpdateItem",),
+        ("arn:t",),
+        {
+            "ForAllValues:StringLike": {"dynamodb:LeadingKeys": ["A#*"]},
+            "ForAllValues:StringEquals": {"dynamodb:Attributes": ["pk", "n"]},
+            "StringEqualsIfExists": {"dynamodb:ReturnValues": ["NONE"]},
+        },
+    )
+    fine = Needed("dynamodb:UpdateItem", "arn:t", frozenset({"A#1"}), frozenset({"pk", "n"}))
+    assert grant.allows(fine)
+    for other in (
+        Needed("dynamodb:UpdateItem", "arn:u", fine.keys, fine.attributes),
+        Needed("dynamodb:UpdateItem", "arn:t", frozenset({"B#1"}), fine.attributes),
+        Needed("dynamodb:UpdateItem", "arn:t", fine.keys, frozenset({"pk", "secret"})),
+        Needed("dynamodb:UpdateItem", "arn:t", fine.keys, fine.attributes, "ALL_OLD"),
+    ):
+        assert not grant.allows(other)
