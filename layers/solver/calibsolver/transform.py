@@ -35,6 +35,11 @@ class Transform:
     offset: Array
     img_size: tuple[int, int]
 
+    @property
+    def mirrored(self) -> bool:
+        """Whether left and right are swapped."""
+        return float(np.linalg.det(self.linear)) < 0
+
     def pixels(self, q: Array) -> Array:
         """Carry pixels (n, 2) along."""
         moved: Array = np.asarray(q, dtype=np.float64) @ self.linear.T + self.offset
@@ -123,9 +128,8 @@ def apply(transform: Transform, camera: Camera, views: Sequence[View]) -> tuple[
     Views of a reflected picture are of a reflected camera, which sees the board as it would look in a mirror:
     the board's points are reflected too, so that they fit the camera again.
     """
-    reflected = np.linalg.det(transform.linear) < 0
     moved = [transform.view(view) for view in views]
-    if reflected:
+    if transform.mirrored:
         moved = [View(view.object_points * (-1.0, 1.0, 1.0), view.image_points) for view in moved]
     return transform.camera(camera), tuple(moved)
 

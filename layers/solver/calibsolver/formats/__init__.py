@@ -1,9 +1,11 @@
 """Other tools' files, by name. A new one is a class in a file beside this one and a line in the registry."""
 
 import re
+from dataclasses import replace
 
 from .. import transform as transforms
 from ..errors import CalibrationError
+from ..view import View
 from . import (
     artoolkit,
     calibdb,
@@ -83,21 +85,15 @@ def write(subject: Subject, name: str, transform: transforms.Transform | None = 
 
 
 def moved(subject: Subject, transform: transforms.Transform) -> Subject:
-    """Carry camera and measurements along; a mirrored board is no board any more."""
+    """Carry camera and measurements along.
+
+    A mirrored board has its corners at the places of the board's own: the rightmost become the leftmost.
+    """
     camera, views = transforms.apply(transform, subject.camera, subject.views)
-    mirrored = bool(views) and float(transform.linear[0, 0] * transform.linear[1, 1]) < float(
-        transform.linear[0, 1] * transform.linear[1, 0]
-    )
-    return Subject(
-        camera,
-        views,
-        None if mirrored else subject.board,
-        subject.name,
-        subject.identifier,
-        subject.rms,
-        subject.time,
-        subject.record,
-    )
+    if transform.mirrored and subject.board is not None:
+        shift = (float(subject.board.squares[0]), 0.0, 0.0)
+        views = tuple(View(view.object_points + shift, view.image_points) for view in views)
+    return replace(subject, camera=camera, views=views)
 
 
 def slug(name: str) -> str:

@@ -15,9 +15,12 @@ import lensfunpy
 import numpy as np
 import pytest
 
-from calibsolver import Camera, formats, models
+from calibsolver import Camera, formats, models, transform
 from calibsolver.formats import lensfun as lensfun_format
+from calibsolver.formats.grid import grid
+from calibsolver.formats.reading import read, read_text
 from calibsolver.formats.web import projection_matrix
+from calibsolver.score import score
 from tests.formats import IMG_SIZE, image_rays, subject
 
 W, H = IMG_SIZE
@@ -112,6 +115,18 @@ def test_corners_table_has_a_line_for_every_corner_of_every_view() -> None:
     assert len(rows) == 40 * len(mine.views)
     assert len({row[0] for row in rows}) == len(mine.views)
     assert sum(row[1] == "-" for row in rows) == 40 * len(mine.views) - sum(len(v) for v in mine.views)
+
+
+def test_measurements_stay_with_a_turned_and_mirrored_picture() -> None:
+    mine = subject("rectilinear")
+    turned = transform.rotate(IMG_SIZE, 90).then(transform.mirror((H, W)))
+    for name in ("mrcal", "corners-vnl", "photonvision"):
+        file = formats.write(mine, name, turned)
+        text = file.content.decode()
+        found = read(json.loads(text)) if name == "photonvision" else read_text(text, (9, 6))
+        assert grid(found.views).squares == (9, 6)
+        assert sum(len(view) for view in found.views) == sum(len(view) for view in mine.views)
+        assert score(turned.camera(mine.camera), found.views).rms == pytest.approx(mine.rms, rel=1e-6)
 
 
 # ---- Lensfun
