@@ -47,7 +47,8 @@ def take_in(
     """Store what a file holds, and say what it was.
 
     With keypoints of a board it is a calibration like any other: fitted anew, pooled, audited. Without, it is
-    a first guess for a capture, and no lookup ever answers with it. The same file twice is one calibration.
+    a first guess for a capture, and no lookup ever answers with it. The same file twice is one calibration;
+    another file of the same keypoints is refused.
 
     Raises OpsError where the file, or what it holds, cannot be used; nothing is stored then.
     """
@@ -61,13 +62,25 @@ def take_in(
     if size is None:
         raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
     document = _document(desk, path, whose, read.views, size, model)
+    taken = fingerprint(document)
+    mode = reindex.mode(document)
+    counted = desk.store.calibrations.newest(mode, desk.settings.thresholds.most_calibrations)
+    for known in desk.store.calibrations.read([c.id for c in counted]):
+        if known.id != document.id and fingerprint(known) == taken:
+            raise OpsError(f"these keypoints are known already: calibration {known.id}")
     desk.store.calibrations.publish(document)
-    reindex.refit(desk, reindex.mode(document))
+    reindex.refit(desk, mode)
     fitted = document.fits[document.distortion_model]
     return (
         f"calibration {document.id}: {len(document.views)} views, {document.distortion_model}, "
         f"{fitted.avg_reprojection_error:.3f} px rms"
     )
+
+
+def fingerprint(document: CalibrationDocument) -> str:
+    """Return what two files of one capture have in common, whichever tool wrote them: its keypoints."""
+    views = sorted(sorted((round(x, 2), round(y, 2)) for x, y in view.points) for view in document.views)
+    return hashlib.sha256(repr(views).encode()).hexdigest()
 
 
 def _document(

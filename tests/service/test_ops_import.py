@@ -42,6 +42,10 @@ def test_keypoints_become_a_calibration_like_any_other(
         assert main(["import", str(path), *WHOSE, "--model", "rectilinear"]) == 0
     said = capsys.readouterr().out.splitlines()
     assert said[0] == said[1]
+    again = tmp_path / "again.json"  # another file of the same capture
+    again.write_bytes(file.content.replace(b'"camera', b' "camera'))
+    assert main(["import", str(again), *WHOSE, "--model", "rectilinear"]) == 1
+    assert "known already" in capsys.readouterr().err
     name = said[0].removeprefix("calibration ").split(":")[0]
     with LocalStack(data_dir) as stack:
         client = Client(stack)
