@@ -87,7 +87,7 @@ def test_every_format_is_saved_or_says_why_not(context: BrowserContext, api: htt
         said[form] = page.locator(".saved").text_content() or ""
         print(form, said[form])
         if "There is no such file" in said[form]:
-            assert len(said[form]) > len("There is no such file of this calibration. ")
+            assert len(said[form]) > len("There is no such file of this calibration: ")
             continue
         assert len(kept) == before + 1, "what is said to be saved is"
         assert f"Saved as {kept[-1].suggested_filename}" in said[form]

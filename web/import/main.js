@@ -229,7 +229,10 @@ for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
 parts.kind.addEventListener("change", showKind);
 parts.table.addEventListener("submit", (event) => {
   event.preventDefault();
+  turn++; // what was calibrated from another reading of it counts no more
   complain(null);
+  view.clear();
+  judgements.clear();
   measured = null;
   try {
     accept(table(text, [columns.valueAsNumber, rows.valueAsNumber]), [width.valueAsNumber, height.valueAsNumber]);

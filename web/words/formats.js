@@ -41,7 +41,7 @@ export default {
     close: "Saved as {name}: it differs from this calibration by less than any camera shows.",
     near: "Saved as {name}. This format cannot hold the lens exactly: points in it lie up to {error} px away.",
     partly: "It describes {share} % of the picture; the rest is beyond this format.",
-    impossible: "There is no such file of this calibration. {detail}",
+    impossible: "There is no such file of this calibration: {detail}",
   },
   de: {
     name_calibdb: "calibDB, WPIcal (JSON)",
@@ -82,7 +82,7 @@ export default {
     close: "Als {name} gespeichert: der Unterschied zu dieser Kalibrierung ist kleiner, als eine Kamera zeigt.",
     near: "Als {name} gespeichert. Dieses Format kann das Objektiv nicht genau fassen: Punkte liegen darin bis zu {error} px daneben.",
     partly: "Sie beschreibt {share} % des Bildes; der Rest ist diesem Format nicht möglich.",
-    impossible: "Diese Datei gibt es von dieser Kalibrierung nicht. {detail}",
+    impossible: "Diese Datei gibt es von dieser Kalibrierung nicht: {detail}",
   },
   uk: {
     name_calibdb: "calibDB, WPIcal (JSON)",
@@ -123,6 +123,6 @@ export default {
     close: "Збережено як {name}: різниця з цим калібруванням менша, ніж видно на будь-якій камері.",
     near: "Збережено як {name}. Цей формат не може точно описати об’єктив: точки в ньому зміщені щонайбільше на {error} px.",
     partly: "Він описує {share} % кадру; решта для цього формату недосяжна.",
-    impossible: "Такого файлу цього калібрування немає. {detail}",
+    impossible: "Такого файлу цього калібрування немає: {detail}",
   },
 };
