@@ -157,3 +157,11 @@ def test_bucket_and_table_can_be_restored(source: dict) -> None:
 def test_what_costs_extra_is_off_by_default(source: dict) -> None:
     defaults = {name: p["Default"] for name, p in source["Parameters"].items()}
     assert (defaults["WafRate"], defaults["DomainName"], defaults["SnapStart"]) == (0, "", "None")
+
+
+def test_what_fails_every_time_reaches_the_queue_by_the_name_it_is_invoked_by(transformed: dict) -> None:
+    resources = transformed["Resources"].values()
+    (config,) = (r["Properties"] for r in resources if r["Type"] == "AWS::Lambda::EventInvokeConfig")
+    assert config["FunctionName"] == {"Ref": "RefitFunction"}
+    assert config["Qualifier"] == "$LATEST"
+    assert config["DestinationConfig"]["OnFailure"]["Destination"] == {"Fn::GetAtt": ["RefitFailures", "Arn"]}
