@@ -1,23 +1,38 @@
 // The network as people meet it: there, or not.
 
+/** ms: longer than the service may take to compute, so what has not answered by then will not. */
+const LONGEST = 30_000;
+
 /** The service could not be reached. */
 export class OfflineError extends Error {
-  constructor() {
+  /** @param {boolean} [silent] it was there and said nothing: another attempt would take as long again */
+  constructor(silent = false) {
     super("calibDB cannot be reached. Check the connection and try again.");
     this.name = "OfflineError";
+    this.silent = silent;
   }
 }
 
 /**
- * `fetch`, whose rejections a person can read. It rejects with a TypeError when there is no network.
- * @param {Parameters<typeof globalThis.fetch>} request
- * @returns {Promise<Response>} rejects with OfflineError
+ * `fetch`, whose rejections a person can read, and which does not wait for ever.
+ * @param {RequestInfo | URL} address @param {RequestInit & {patience?: number}} [request] patience: ms for the whole answer
+ * @returns {Promise<Response>} rejects with OfflineError; reading the body rejects as `readable` understands
  */
-export async function reach(...request) {
+export async function reach(address, { patience = LONGEST, signal, ...request } = {}) {
+  const limit = AbortSignal.timeout(patience);
+  return readable(globalThis.fetch(address, { ...request, signal: signal ? AbortSignal.any([signal, limit]) : limit }));
+}
+
+/**
+ * What breaks off, or never comes, said as such: `fetch` and its bodies reject with a TypeError when the network fails.
+ * @template T @param {Promise<T>} arriving @returns {Promise<T>}
+ */
+export async function readable(arriving) {
   try {
-    return await globalThis.fetch(...request);
+    return await arriving;
   } catch (error) {
     if (error instanceof TypeError) throw new OfflineError();
+    if (error instanceof DOMException && error.name === "TimeoutError") throw new OfflineError(true);
     throw error;
   }
 }

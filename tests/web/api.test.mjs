@@ -1,5 +1,7 @@
 import assert from "node:assert/strict";
+import { createServer } from "node:http";
 import { test } from "node:test";
+import { reach } from "../../web/network.js";
 import { Api, ApiError, OfflineError } from "../../web/calibrate/api.js";
 import { CaptureSession, isAway, viewCount } from "../../web/calibrate/session.js";
 
@@ -49,6 +51,43 @@ test("a refusal is said in the service's words and not repeated", async () => {
   await assert.rejects(api.json("POST", "/session", "sid", { body: {} }), (error) =>
     error instanceof ApiError && error.status === 422 && error.message === "The request is not valid. img_size: too small");
   assert.equal(calls.length, 1);
+});
+
+test("whoever gets through ends the waiting, also of a call that gave up", async () => {
+  const patience = [];
+  const answers = [new OfflineError(), new OfflineError(), new OfflineError(), json(200, {}), json(200, {})];
+  const fetch = async () => {
+    const answer = answers.shift();
+    if (answer instanceof Error) throw answer;
+    return answer;
+  };
+  const api = new Api("/v1", { fetch, wait: async () => {}, onPatience: (now) => patience.push(now?.attempt ?? 0) });
+  await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
+  await api.json("GET", "/session", "sid", { brief: true });
+  await api.json("GET", "/session", "sid", { brief: true });
+  assert.deepEqual(patience, [1, 2, 0]);
+});
+
+test("who accepts and says nothing is given up after one wait, by those who can go on without", async () => {
+  const { api, calls } = service(() => new OfflineError(true));
+  await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
+  assert.equal(calls.length, 1);
+  await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);
+  assert.equal(calls.length, 1 + 8, "who cannot, asks again");
+});
+
+test("a server that never answers, or stops in the middle, is one that cannot be reached", async () => {
+  const server = createServer((request, response) => {
+    if (request.url === "/half") response.writeHead(200, { "content-length": 10 }).write("half");
+  });
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  const address = `http://127.0.0.1:${server.address().port}`;
+  const api = new Api(address, { patience: 50 });
+  await assert.rejects(api.json("GET", "/none", "sid", { brief: true }), OfflineError);
+  await assert.rejects(api.json("GET", "/half", "sid", { brief: true }), OfflineError);
+  await assert.rejects(reach(`${address}/none`, { signal: AbortSignal.abort() }), { name: "AbortError" });
+  server.closeAllConnections();
+  server.close();
 });
 
 test("a programming error is not a lost network", async () => {

@@ -1,6 +1,6 @@
 // HTTP to the service: bearer credentials, problems as errors, patience when the network fails.
 
-import { OfflineError, reach } from "../network.js";
+import { OfflineError, reach, readable } from "../network.js";
 
 export { OfflineError };
 
@@ -9,7 +9,8 @@ export { OfflineError };
  * @property {typeof reach} fetch rejects with OfflineError when there is no network, and only then we may try again
  * @property {(ms: number) => Promise<void>} wait
  * @property {AbortSignal} [signal] after which nothing more is asked
- * @property {(patience: {attempt: number} | null) => void} onPatience told before each new attempt, and when it got through
+ * @property {number} [patience] ms for one answer; unset: as long as the service may compute
+ * @property {(patience: {attempt: number} | null) => void} onPatience told before each new attempt, and when one got through
  */
 
 /** Seconds between attempts: a minute in all, about as long as a person would wait. */
@@ -41,6 +42,8 @@ export class ApiError extends Error {
 export class Api {
   #base;
   #transport;
+  /** Was the last attempt in vain? Of whichever call: one that gets through ends the waiting of all. */
+  #vain = false;
 
   /** @param {string} base address of the API, "/v1" @param {Partial<Transport>} [transport] */
   constructor(base, transport = {}) {
@@ -64,25 +67,43 @@ export class Api {
     /** @type {HeadersInit} */
     const headers = { authorization: `Bearer ${credential}`, accept };
     if (body) headers["content-type"] = "application/json";
-    const { signal } = this.#transport;
-    const request = { method, headers, body: body && JSON.stringify(body), signal };
+    const { signal, patience } = this.#transport;
+    const request = { method, headers, body: body && JSON.stringify(body), signal, patience };
     const pauses = brief ? PAUSES.slice(0, SHORT_PAUSES) : PAUSES;
     for (let attempt = 0; ; attempt++) {
-      const response = await this.#transport.fetch(this.#base + path, request).catch(noNetwork);
-      if (response && !PASSING.has(response.status)) {
-        if (attempt > 0) this.#transport.onPatience(null);
+      const response = await this.#attempt(path, request);
+      if (response instanceof Response && !PASSING.has(response.status)) {
+        if (this.#vain) this.#transport.onPatience(null);
+        this.#vain = false;
         if (response.ok) return response;
         throw new ApiError(response.status, await problem(response));
       }
-      const asked = Number(response?.headers.get("retry-after"));
-      // A used-up hour is not waited for: nobody stands there so long.
-      if (attempt === pauses.length || asked > LONGEST) {
-        if (response) throw new ApiError(response.status, await problem(response));
-        throw new OfflineError();
+      this.#vain = true;
+      const asked = response instanceof Response ? Number(response.headers.get("retry-after")) : 0;
+      // A used-up hour is not waited for: nobody stands there so long. Nor is silence, where there is better to do.
+      const hopeless = asked > LONGEST || (brief && response instanceof OfflineError && response.silent);
+      if (attempt === pauses.length || hopeless) {
+        throw response instanceof Response ? new ApiError(response.status, await problem(response)) : response;
       }
       this.#transport.onPatience({ attempt: attempt + 1 });
       await this.#transport.wait(1000 * (asked > 0 ? asked : pauses[attempt]));
       signal?.throwIfAborted();
+    }
+  }
+
+  /**
+   * The answer, whole: what breaks off on its way is asked for again.
+   * @param {string} path @param {RequestInit & {patience?: number}} request @returns {Promise<Response | OfflineError>}
+   */
+  async #attempt(path, request) {
+    try {
+      const response = await this.#transport.fetch(this.#base + path, request);
+      const body = await readable(response.blob());
+      const { status, statusText, headers } = response;
+      return new Response(body.size > 0 ? body : null, { status, statusText, headers });
+    } catch (error) {
+      if (error instanceof OfflineError) return error;
+      throw error;
     }
   }
 
@@ -91,12 +112,6 @@ export class Api {
     const response = await this.send(...request);
     return response.status === 204 ? null : response.json();
   }
-}
-
-/** @param {unknown} error */
-function noNetwork(error) {
-  if (error instanceof OfflineError) return null;
-  throw error;
 }
 
 /** @param {Response} response */

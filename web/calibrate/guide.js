@@ -4,7 +4,7 @@ import { lockFocus } from "./camera.js";
 import { DetectorError, grab } from "./detector.js";
 import { nextProbe } from "./diagnosis.js";
 import { decide, lenience } from "./hold.js";
-import { plannedPose } from "./plan.js";
+import { nextPlanned, trusted } from "./plan.js";
 import { isAway, viewCount } from "./session.js";
 import { isOfSize } from "./state.js";
 import { motion } from "./stillness.js";
@@ -187,9 +187,10 @@ export class Guide {
   /** A target of our own, where there is one. */
   #planPose() {
     const { board, key, session } = this.#state;
-    if (this.#plan.length === 0 || !key) return;
-    const step = this.#plan[this.#planned++ % this.#plan.length];
-    const pose = plannedPose(step, board, key.img_size, session?.calibration ?? null);
+    const planned = key && nextPlanned(this.#plan, this.#planned, board, key.img_size, trusted(session));
+    if (!planned) return;
+    const { pose, next } = planned;
+    this.#planned = next;
     this.#tell({ type: "pose", pose, picture: null, time: performance.now() });
     this.#camera.virtual?.follow(pose);
   }

@@ -1,5 +1,6 @@
 // The capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows it.
 import { boardFrom, boardQuery } from "../board/geometry.js";
+import { showProblem } from "../board/problem.js";
 import { language, onLanguage } from "../i18n.js";
 import { openPage } from "../page.js";
 import { cameraKey, platformHere } from "../sdk/calibdb.js";
@@ -23,6 +24,9 @@ import * as words from "./words.js";
  * @typedef {import("./state.js").Event} Event
  * @typedef {import("../vendor/api.js").SessionRequest} Request
  */
+
+/** ms that a fit of fifteen views takes at most, ten times over: who is silent for longer is away. */
+const ANSWER = 10_000;
 
 openPage({ capture: captureWords });
 const parameters = new URLSearchParams(location.search);
@@ -188,6 +192,7 @@ async function converse(key, track, signal) {
   const { api: address, token } = await loadSettings();
   const api = new Api(address, {
     signal,
+    patience: ANSWER,
     onPatience: (patience) => signal.aborted || dispatch({ type: "patience", attempt: patience?.attempt ?? 0 }),
   });
   const about = aboutOf(key);
@@ -295,8 +300,7 @@ for (const [sense, box] of /** @type {[import("./feedback.js").Sense, HTMLInputE
 }
 onLanguage(() => render(parts, state, null));
 navigator.mediaDevices?.addEventListener("devicechange", listCameras);
-parts.problem.textContent = problem;
-parts.problem.hidden = problem === "";
+showProblem(parts.problem, problem);
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
 await listCameras();
 await listInterrupted();

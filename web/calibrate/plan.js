@@ -21,11 +21,42 @@ export async function loadPlan() {
   return response.ok ? response.json() : [];
 }
 
+/** Views from which an estimate may tell where the board is seen: one of two can be wild. */
+const ENOUGH = 3;
+/** Part of the board's corners that a target must have in the picture. */
+const IN_SIGHT = 0.6;
+
+/**
+ * What is known of the camera, as far as targets can be drawn with it.
+ * @param {{calibration: Intrinsics | null, views: {set_aside?: object | null}[]} | null} session
+ */
+export function trusted(session) {
+  return session && session.views.filter(({ set_aside }) => !set_aside).length >= ENOUGH ? session.calibration : null;
+}
+
+/**
+ * The next step of the plan that can be drawn whole: a lens of strong distortion sees none of what is far from its axis.
+ * Where it can draw none of them, they are drawn as by the camera that the plan was made for.
+ * @param {Step[]} plan @param {number} from step to try first @param {Board} board @param {[number, number]} size px
+ * @param {Intrinsics | null} known
+ * @returns {{pose: Pose, next: number} | null} next: the step after it; null where there is no plan
+ */
+export function nextPlanned(plan, from, board, size, known) {
+  for (const camera of known ? [known, null] : [null]) {
+    for (let tried = 0; tried < plan.length; tried++) {
+      const step = (from + tried) % plan.length;
+      const pose = plannedPose(plan[step], board, size, camera);
+      if (pose) return { pose, next: step + 1 };
+    }
+  }
+  return null;
+}
+
 /**
  * A step of the plan for this board and this camera.
  * @param {Step} step @param {Board} board @param {[number, number]} size of the image, px
  * @param {Intrinsics | null} known null: no view has been fitted yet
- * @returns {Pose} with the index −1: it answers no pose of the service
+ * @returns {Pose | null} with the index −1: it answers no pose of the service; null where its outline cannot be drawn
  */
 export function plannedPose(step, board, size, known) {
   const longer = Math.max(...size);
@@ -51,6 +82,7 @@ export function plannedPose(step, board, size, known) {
     seen.push(q);
   });
   const edge = outline(board).map(project).filter((q) => q !== null);
+  if (edge.length < 4 || ids.length < IN_SIGHT * corners(board).length) return null;
   return /** @type {Pose} */ ({
     index: -1, ...pose, ids, corners: seen, outline: edge, purpose: step.purpose, hint: step.hint, hint_code: step.hint_code ?? "first",
   });

@@ -156,7 +156,7 @@ export function reduce(state, event) {
         { key: "capture.went_away", kind: "plain" }, event.time);
     case "back":
       return notify(
-        { ...inSession(state, event.session), away: false, stored: 0, pose: null, picture: null },
+        { ...inSession(state, event.session), away: false, stored: 0, patience: 0, pose: null, picture: null },
         { key: event.refused ? "capture.came_back_less" : "capture.came_back", kind: "good", values: { count: event.refused } }, event.time);
     case "stalled":
       return { ...state, stalled: event.stalled };
