@@ -1,12 +1,12 @@
 """From views to a calibration, or to the reason why there is none."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from . import checks, majority, models, normal, outliers, plausible, prior, start
+from . import checks, majority, models, normal, outliers, plausible, prior, score, start
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
@@ -280,6 +280,7 @@ class _Fit:
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
         plausible.demand(self.problem, state, good, self.robust)
+        state = self.left_out_posed(state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
         square = np.where(mask, state.square, 0.0)
         rms = float(np.sqrt(square.sum() / mask.sum()))
@@ -303,6 +304,19 @@ class _Fit:
             prior_used=with_prior,
             cut_views=self.reasons(good),
         )
+
+    def left_out_posed(self, state: State, good: Mask) -> State:
+        """Give views that took no part the poses that suit them best: their errors are reported, too."""
+        out = np.flatnonzero(~good.any(axis=1))
+        if not out.size:
+            return state
+        poses, square = score.resect(self.model, state.k, self.problem.obs.subset(out))
+        better = np.isfinite(square) & (
+            square < np.where(self.problem.obs.mask, state.square, 0)[out].sum(axis=1)
+        )
+        r, t = state.poses.r.copy(), state.poses.t.copy()
+        r[out[better]], t[out[better]] = poses.r[better], poses.t[better]
+        return replace(self.problem.at(state.k, Poses(r, t)), converged=state.converged)
 
     def reasons(self, good: Mask) -> dict[int, str]:
         """Why views (by number) are wholly left out."""
