@@ -1,0 +1,112 @@
+"""Storage that misbehaves: throttles, fails, keeps silent, or answers what was true a while ago."""
+
+import json
+import random
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any
+
+import botocore.endpoint
+import pytest
+from botocore.awsrequest import AWSPreparedRequest
+from botocore.exceptions import ReadTimeoutError
+
+from infra.local import intercept
+from infra.local.storage import Answer
+
+Service = Callable[[str, AWSPreparedRequest], Answer]
+Fault = Callable[[Service, str, AWSPreparedRequest], Answer]
+_THROTTLED = {"dynamodb": (400, "ProvisionedThroughputExceededException"), "s3": (503, "SlowDown")}
+
+
+def _error(service: str, status: int, code: str) -> Answer:
+    if service == "s3":
+        text = f"<Error><Code>{code}</Code><Message>rehearsed</Message></Error>"
+        return Answer(status, {"content-type": "application/xml"}, text.encode())
+    return Answer(status, {}, json.dumps({"__type": f"x#{code}", "message": "rehearsed"}).encode())
+
+
+def throttled(name: str) -> Fault:
+    return lambda _, __, ___: _error(name, *_THROTTLED[name])
+
+
+def broken(name: str) -> Fault:
+    return lambda _, __, ___: _error(
+        name, 500, "InternalServerError" if name == "dynamodb" else "InternalError"
+    )
+
+
+def unreached(_: str) -> Fault:
+    """The request is lost, and nothing happens."""
+
+    def fault(_: Service, __: str, request: AWSPreparedRequest) -> Answer:
+        raise ReadTimeoutError(endpoint_url=request.url)
+
+    return fault
+
+
+def unheard(_: str) -> Fault:
+    """It is done, and the answer is lost."""
+
+    def fault(service: Service, operation: str, request: AWSPreparedRequest) -> Answer:
+        service(operation, request)
+        raise ReadTimeoutError(endpoint_url=request.url)
+
+    return fault
+
+
+@contextmanager
+def faulty(
+    fault: Callable[[str], Fault],
+    services: tuple[str, ...] = ("dynamodb", "s3"),
+    share: float = 1.0,
+    seed: int = 0,
+) -> Iterator[list[str]]:
+    """A share of the requests of these services go wrong; yields the operations that did."""
+    rng, met = random.Random(seed), list[str]()
+
+    def around(name: str, service: Service) -> Service:
+        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
+            if rng.random() >= share:
+                return service(operation, request)
+            met.append(operation)
+            return fault(name)(service, operation, request)
+
+        return handle
+
+    with replaced({n: around(n, s) for n, s in intercept._interceptor.services.items() if n in services}):
+        yield met
+
+
+@contextmanager
+def stale() -> Iterator[list[str]]:
+    """Reads that may be eventually consistent answer as they first did within the block."""
+    first: dict[tuple[str, bytes], Answer] = {}
+    met: list[str] = []
+    dynamodb = intercept._interceptor.services["dynamodb"]
+
+    def handle(operation: str, request: AWSPreparedRequest) -> Answer:
+        body = request.body if isinstance(request.body, bytes) else b"{}"
+        if operation not in ("GetItem", "Query") or json.loads(body).get("ConsistentRead"):
+            return dynamodb(operation, request)
+        key = (operation, body)
+        if key in first:
+            met.append(operation)
+        return first.setdefault(key, first.get(key) or dynamodb(operation, request))
+
+    with replaced({"dynamodb": handle}):
+        yield met
+
+
+@contextmanager
+def replaced(services: Mapping[str, Any]) -> Iterator[None]:
+    before = intercept._interceptor.services
+    with pytest.MonkeyPatch.context() as patch:
+        # Pauses between attempts are real seconds; that there are attempts is what matters here.
+        patch.setattr(botocore.endpoint, "time", SimpleNamespace(sleep=lambda _: None))
+        intercept._interceptor.services = {**before, **services}
+        try:
+            yield
+        finally:
+            intercept._interceptor.services = before
