@@ -1,12 +1,12 @@
 // The landing page: the figure, and a lookup of the visitor's own camera.
 import { CameraError, open } from "./calibrate/camera.js";
 import { DEFAULT_BOARD } from "./board/geometry.js";
-import { LookupError, lookup } from "./sdk/calibdb.js";
+import { explain } from "./faults.js";
 import { drawLine, gridThrough } from "./figure.js";
-import { t } from "./i18n.js";
-import { OfflineError, reach } from "./network.js";
+import { known, t } from "./i18n.js";
 import { openPage } from "./page.js";
-import { SettingsError, loadSettings } from "./settings.js";
+import { lookup } from "./sdk/calibdb.js";
+import { loadSettings } from "./settings.js";
 import landing from "./words/landing.js";
 
 /** @type {[number, number]} */
@@ -32,7 +32,7 @@ async function lookUpMine(outcome) {
     parameters: new URLSearchParams(), size: [1280, 720], place: document.body, board: DEFAULT_BOARD,
   });
   try {
-    const options = { token, api: new URL(api, location.href), fetch: reach };
+    const options = { token, api: new URL(api, location.href) };
     const { calibration, guidanceUrl } = await lookup(camera.track, options);
     const name = camera.track.label;
     if (calibration) outcome.replaceChildren(paragraph(t("landing.yes", { camera: name, count: calibration.calibrations })), json(calibration));
@@ -40,6 +40,19 @@ async function lookUpMine(outcome) {
   } finally {
     camera.close();
   }
+}
+
+/** Here there is no other camera to choose, and no virtual one. @param {unknown} error */
+function complaint(error) {
+  const made = paragraph();
+  made.className = "problem";
+  if (!(error instanceof CameraError)) made.append(explain(error));
+  else {
+    const keys = [`landing.fault_${error.code}`, `capture.fault_${error.code}`];
+    made.append(t(keys.find(known) ?? "capture.fault_not_opened", { detail: error.detail }));
+    if (error.code === "not_found") made.append(" ", link(t("landing.search_all"), "./cameras/"));
+  }
+  return made;
 }
 
 /** @param {(string | Node)[]} content */
@@ -78,9 +91,7 @@ if (button instanceof HTMLButtonElement && outcome) {
     try {
       await lookUpMine(outcome);
     } catch (error) {
-      const known = [CameraError, LookupError, OfflineError, SettingsError].some((type) => error instanceof type);
-      if (!known) console.error(error);
-      outcome.replaceChildren(paragraph(error instanceof Error ? error.message : String(error)));
+      outcome.replaceChildren(complaint(error));
     } finally {
       button.disabled = false;
     }

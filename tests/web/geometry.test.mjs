@@ -6,6 +6,8 @@ import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { TABLES } from "../../web/board/dictionaries.js";
 import { blackRectangles, raster } from "../../web/board/drawing.js";
+import { say } from "../../web/i18n.js";
+import "../../web/board/problem.js";
 import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery, corners, dictionaryOf, markers } from "../../web/board/geometry.js";
 
 const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));
@@ -67,20 +69,21 @@ test("a dictionary that is unknown, or too small for the board, is refused by na
 
 test("an address and its board lead to each other", () => {
   const board = { squares: [8, 11], marker_ratio: 0.75, dictionary: "DICT_5X5_100", legacy: true };
-  assert.deepEqual(boardFrom(new URLSearchParams(boardQuery(board).toString())), { board, problem: "" });
+  assert.deepEqual(boardFrom(new URLSearchParams(boardQuery(board).toString())), { board, problem: null });
   assert.equal(boardQuery(DEFAULT_BOARD).toString(), "");
-  assert.deepEqual(boardFrom(new URLSearchParams("virtual=1")), { board: DEFAULT_BOARD, problem: "" });
+  assert.deepEqual(boardFrom(new URLSearchParams("virtual=1")), { board: DEFAULT_BOARD, problem: null });
 });
 
 test("a board that cannot be is named, and the default taken", () => {
   for (const [query, reason] of [
-    ["squares=2x9", /3 to 64/], ["squares=9", /columns and rows/], ["squares=axb", /columns and rows/], ["squares=65x3", /3 to 64/], ["squares=3x3", /six inner corners/],
-    ["marker_ratio=1", /0.3 to 0.95/], ["marker_ratio=wide", /0.3 to 0.95/], ["dictionary=DICT_9X9_50", /unknown marker dictionary/],
+    ["squares=2x9", /3 to 64/], ["squares=9", /across and down/], ["squares=axb", /across and down/], ["squares=65x3", /3 to 64/], ["squares=3x3", /six inner corners/],
+    ["marker_ratio=1", /0.3 to 0.95/], ["marker_ratio=wide", /0.3 to 0.95/], ["dictionary=DICT_9X9_50", /DICT_9X9_50/],
     ["squares=12x12", /DICT_4X4_50 has 50 markers, and it needs 72/],
   ]) {
     const { board, problem } = boardFrom(new URLSearchParams(query));
     assert.equal(board, DEFAULT_BOARD, query);
-    assert.match(problem, reason);
+    assert.match(say(`board.cannot_${problem.code}`, problem.values, "en"), reason);
+    for (const language of ["de", "uk"]) assert.notEqual(say(`board.cannot_${problem.code}`, problem.values, language), say(`board.cannot_${problem.code}`, problem.values, "en"));
   }
 });
 

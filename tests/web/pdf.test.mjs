@@ -4,6 +4,8 @@ import { blackRectangles } from "../../web/board/drawing.js";
 import { DEFAULT_BOARD } from "../../web/board/geometry.js";
 import { PAPERS, boardPdf, squareSide } from "../../web/board/pdf.js";
 
+const FOOT = { bar: "100 mm", lines: ["9 × 6 Felder (28 mm)", "Eben muß sie sein."] };
+const none = () => null;
 const latin = (bytes) => Buffer.from(bytes).toString("latin1");
 
 test("squares are whole millimetres, as large as the paper allows", () => {
@@ -12,7 +14,7 @@ test("squares are whole millimetres, as large as the paper allows", () => {
 });
 
 test("the cross-reference table points at the objects", () => {
-  const text = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4));
+  const text = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4, FOOT, none));
   const start = Number(/startxref\n(\d+)/.exec(text)[1]);
   assert.equal(text.slice(start, start + 4), "xref");
   const offsets = [...text.slice(start).matchAll(/^(\d{10}) 00000 n /gm)].map(([, offset]) => Number(offset));
@@ -23,7 +25,7 @@ test("the cross-reference table points at the objects", () => {
 });
 
 test("the page is A4 and the board on it true to scale", () => {
-  const text = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4));
+  const text = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4, FOOT, none));
   const [, , width, height] = /MediaBox \[(.*?)\]/.exec(text)[1].split(" ").map(Number);
   assert.ok(Math.abs(width - (297 * 72) / 25.4) < 0.01 && Math.abs(height - (210 * 72) / 25.4) < 0.01);
   const rectangles = [...text.matchAll(/^(.+) re$/gm)].map(([, numbers]) => numbers.split(" ").map(Number));
@@ -39,4 +41,14 @@ test("the page is A4 and the board on it true to scale", () => {
   });
   // The scale bar.
   assert.ok(rectangles.slice(expected.length).some(([, , w]) => Math.abs(w - (100 * 72) / 25.4) < 1e-3));
+});
+
+test("what is written below is in the file: as letters, or as a picture where the font has none", () => {
+  const text = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4, FOOT, none));
+  assert.ok(text.includes("(9 × 6 Felder \\(28 mm\\)) Tj"));
+  const picture = { width: 16, height: 2, size: 2, depth: 1, bits: Uint8Array.of(255, 0, 170, 41) };
+  const drawn = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4, { bar: "100 мм", lines: ["a", "дошка"] }, () => picture));
+  assert.match(drawn, /\/XObject << \/I0 6 0 R \/I1 7 0 R >>/);
+  assert.match(drawn, /q 64 0 0 8 \S+ \S+ cm \/I1 Do Q/);
+  assert.equal(drawn.match(/\/ImageMask true .*\/Width 16 \/Height 2 \/Length 4 >>\nstream\n\xff\x00\xaa\)\nendstream/g).length, 2);
 });

@@ -12,6 +12,9 @@ const SIZES = {
  * @property {number} marker_ratio marker side / square side
  * @property {string} dictionary "DICT_4X4_50"
  * @property {boolean} legacy layout of OpenCV before 4.6: boards of an even number of rows start with a white square
+ *
+ * @typedef {{code: "squares" | "few_corners" | "ratio" | "dictionary" | "few_markers", values: Record<string, string | number>}} Problem
+ *   why a board cannot be; problem.js has the words
  */
 
 /** The names of the marker dictionaries, as OpenCV has them. */
@@ -25,8 +28,8 @@ export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: 
  * The board an address asks for: `squares=9x6`, `marker_ratio`, `dictionary`, `legacy=true`; of each the default where it
  * asks for none.
  * @param {URLSearchParams} query
- * @returns {{board: Required<import("../vendor/api.js").Board>, problem: string}} problem: why it is the default board all
- *   the same, "" where it is not
+ * @returns {{board: Required<import("../vendor/api.js").Board>, problem: Problem | null}} problem: why it is the default
+ *   board all the same
  */
 export function boardFrom(query) {
   const [squares, ratio] = [query.get("squares"), query.get("marker_ratio")];
@@ -37,10 +40,8 @@ export function boardFrom(query) {
     dictionary: query.get("dictionary") ?? DEFAULT_BOARD.dictionary,
     legacy: ["true", "1"].includes(query.get("legacy") ?? ""),
   };
-  const reason = impossible(asked);
-  const instead = `The board asked for cannot be: ${reason}. The default board is taken instead.`;
-  if (reason) return { board: DEFAULT_BOARD, problem: instead };
-  return { board: /** @type {typeof DEFAULT_BOARD} */ (asked), problem: "" };
+  const problem = impossible(asked);
+  return { board: problem ? DEFAULT_BOARD : /** @type {typeof DEFAULT_BOARD} */ (asked), problem };
 }
 
 /** The parameters that lead to this board. @param {Board} board @returns {URLSearchParams} without those of the default */
@@ -53,22 +54,18 @@ export function boardQuery({ squares, marker_ratio, dictionary, legacy }) {
   return query;
 }
 
-/** Why there is no such board, by the limits of the service; "" where there may be. @param {Board} board */
+/** Why there is no such board, by the limits of the service; null where there may be. @param {Board} board @returns {Problem | null} */
 function impossible(board) {
-  const { squares, marker_ratio } = board;
+  const { squares, marker_ratio, dictionary } = board;
   if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= 3 && count <= 64)) {
-    return "squares are columns and rows, 3 to 64 of each, such as 9x6";
+    return { code: "squares", values: {} };
   }
-  if ((squares[0] - 1) * (squares[1] - 1) < 6) return "it has at least six inner corners";
-  if (!(marker_ratio >= 0.3 && marker_ratio <= 0.95)) return "a marker is 0.3 to 0.95 of its square";
-  try {
-    const { count } = dictionaryOf(board.dictionary);
-    const needed = markers(board).length;
-    return needed > count ? `${board.dictionary} has ${count} markers, and it needs ${needed}` : "";
-  } catch (error) {
-    if (!(error instanceof RangeError)) throw error;
-    return error.message;
-  }
+  if ((squares[0] - 1) * (squares[1] - 1) < 6) return { code: "few_corners", values: {} };
+  if (!(marker_ratio >= 0.3 && marker_ratio <= 0.95)) return { code: "ratio", values: {} };
+  if (!DICTIONARIES.includes(dictionary)) return { code: "dictionary", values: { dictionary } };
+  const { count } = dictionaryOf(dictionary);
+  const needed = markers(board).length;
+  return needed > count ? { code: "few_markers", values: { dictionary, has: count, needed } } : null;
 }
 
 /** Inner corners in the order of their ids: row by row. @param {Board} board @returns {[number, number][]} */

@@ -3,7 +3,9 @@ import { number, onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import words from "../words/board.js";
 import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery } from "./geometry.js";
+import { lettering } from "./lettering.js";
 import { PAPERS, boardPdf, squareSide } from "./pdf.js";
+import { reason, showProblem } from "./problem.js";
 import { drawQr } from "./qr.js";
 import { BoardScreen } from "./screen.js";
 
@@ -21,10 +23,13 @@ function part(id, type) {
 
 const query = new URLSearchParams(location.search);
 let { board, problem } = boardFrom(query);
+/** @type {import("./geometry.js").Problem | null} what is wrong with what the form says now */
+let wrong = null;
 openPage({ board: words });
 
 const status = part("status", HTMLElement);
-const screenOf = new BoardScreen(part("frame", HTMLElement), part("board", HTMLCanvasElement), board, () => {
+const shown = { frame: part("frame", HTMLElement), canvas: part("board", HTMLCanvasElement), hint: part("hint", HTMLElement) };
+const screenOf = new BoardScreen(shown, board, () => {
   status.textContent = t("board.may_dim");
 });
 const fields = {
@@ -52,10 +57,19 @@ function showFields() {
   fields.legacy.checked = legacy;
 }
 
+/** What is written below a printed board. @param {number} side of a square, mm @returns {import("./pdf.js").Foot} */
+function foot(side) {
+  const { squares: [columns, rows], marker_ratio, dictionary, legacy } = board;
+  const marker = number(side * marker_ratio, 2);
+  const layout = t(legacy ? "board.layout_legacy" : "board.layout_new");
+  return { bar: t("board.pdf_bar"), lines: [t("board.pdf_board", { columns, rows, side, marker, dictionary, layout }), t("board.pdf_flat")] };
+}
+
 function showPapers() {
   for (const file of files) URL.revokeObjectURL(file);
   const papers = Object.entries(PAPERS).filter(([, size]) => squareSide(board, size) >= SMALLEST);
-  files = papers.map(([, size]) => URL.createObjectURL(new Blob([boardPdf(board, size)], { type: "application/pdf" })));
+  files = papers.map(([, size]) =>
+    URL.createObjectURL(new Blob([boardPdf(board, size, foot(squareSide(board, size)), lettering)], { type: "application/pdf" })));
   part("papers", HTMLElement).replaceChildren(...papers.map(([name], index) => {
     const link = document.createElement("a");
     link.className = "button";
@@ -87,13 +101,18 @@ function show() {
   }
 }
 
+function complain() {
+  formProblem.textContent = wrong ? t("board.still_last", { reason: reason(wrong) }) : "";
+}
+
 function change() {
   const asked = new URLSearchParams({
     squares: `${fields.columns.value}x${fields.rows.value}`, marker_ratio: fields.ratio.value, dictionary: fields.dictionary.value,
     legacy: String(fields.legacy.checked),
   });
   const found = boardFrom(asked);
-  formProblem.textContent = found.problem;
+  wrong = found.problem;
+  complain();
   if (found.problem) return;
   board = found.board;
   notice.hidden = true;
@@ -102,11 +121,13 @@ function change() {
 }
 
 fields.dictionary.append(...DICTIONARIES.map((name) => new Option(name, name)));
-notice.textContent = problem;
-notice.hidden = problem === "";
+showProblem(notice, problem);
 showFields();
 show();
-onLanguage(show);
+onLanguage(() => {
+  show();
+  complain();
+});
 part("full-screen", HTMLButtonElement).addEventListener("click", (event) => {
   event.stopPropagation(); // or this very click would close it again
   screenOf.enter();

@@ -10,6 +10,20 @@ export const PAPERS = { A4: [297, 210], A3: [420, 297], Letter: [279.4, 215.9] }
 
 const MARGIN = 12; // mm; what home printers leave free, and the white edge the outer squares need
 const FOOT = 14; // mm below the board for the scale bar and the text
+const LETTERS = 8; // points
+
+/**
+ * @typedef {object} Foot what is written below the board, in the language of whoever prints it
+ * @property {string} bar beside the scale bar of 100 mm
+ * @property {string[]} lines
+ *
+ * @typedef {object} Lettering a text as a picture
+ * @property {number} width px
+ * @property {number} height px
+ * @property {number} size of the letters, px
+ * @property {number} depth of the picture below their line, px
+ * @property {Uint8Array} bits row by row, each of whole bytes; 1 is paper
+ */
 
 /**
  * Side of a square in whole millimetres, the largest that fits.
@@ -22,9 +36,11 @@ export function squareSide({ squares: [columns, rows] }, [width, height]) {
 /**
  * @param {Board} board
  * @param {[number, number]} paper mm
+ * @param {Foot} foot
+ * @param {(text: string) => Lettering | null} letter pictures of texts that the font of every viewer has no letters for
  * @returns {Uint8Array<ArrayBuffer>} the file
  */
-export function boardPdf(board, paper) {
+export function boardPdf(board, paper, foot, letter) {
   const [width, height] = paper;
   const side = squareSide(board, paper);
   if (side < 1) throw new RangeError("the board has too many squares for this paper");
@@ -34,34 +50,47 @@ export function boardPdf(board, paper) {
   /** mm from the top left of the page to PDF's points from the bottom left @param {number[]} rectangle */
   const path = ([x, y, w, h]) =>
     `${[x, height - y - h, w, h].map((value) => number(value * POINTS_PER_MM)).join(" ")} re`;
+  /** @type {Lettering[]} */
+  const pictures = [];
   /** @param {number} x @param {number} y @param {string} words */
-  const text = (x, y, words) =>
-    `BT /F1 8 Tf ${number(x * POINTS_PER_MM)} ${number((height - y) * POINTS_PER_MM)} Td (${escape(words)}) Tj ET`;
+  const text = (x, y, words) => {
+    const [u, v] = [x * POINTS_PER_MM, (height - y) * POINTS_PER_MM];
+    const picture = LATIN.test(words) ? null : letter(words);
+    if (!picture) return `BT /F1 ${LETTERS} Tf ${number(u)} ${number(v)} Td (${escape(words)}) Tj ET`;
+    const scale = LETTERS / picture.size;
+    const place = [picture.width * scale, 0, 0, picture.height * scale, u, v - picture.depth * scale].map(number).join(" ");
+    return `q ${place} cm /I${pictures.push(picture) - 1} Do Q`;
+  };
 
-  const foot = top + rows * side + MARGIN / 2;
+  const below = top + rows * side + MARGIN / 2;
   const content = [
     "0 g",
     // One path, one fill: viewers that smooth edges leave no hairlines between touching rectangles.
     ...blackRectangles(board).map(([x, y, w, h]) => path([left + x * side, top + y * side, w * side, h * side])),
     "f",
-    path([left, foot, 100, 0.4]), path([left, foot - 1, 0.4, 2.4]), path([left + 99.6, foot - 1, 0.4, 2.4]),
+    path([left, below, 100, 0.4]), path([left, below - 1, 0.4, 2.4]), path([left + 99.6, below - 1, 0.4, 2.4]),
     "f",
-    text(left + 103, foot + 1, "100 mm when printed at 100 %. Any other scale is fine too: what matters is that the board is flat."),
-    text(left, foot + 6, `calibDB  ${columns} x ${rows}  ${board.dictionary}${board.legacy ? "  legacy" : ""}  ` +
-      `square ${side} mm, marker ${number(side * board.marker_ratio)} mm. Glue it to something rigid, without bubbles.`),
+    text(left + 103, below + 1, foot.bar),
+    ...foot.lines.map((line, index) => text(MARGIN, below + 6 + 4 * index, line)),
   ].join("\n");
 
   const box = [0, 0, width * POINTS_PER_MM, height * POINTS_PER_MM].map(number).join(" ");
+  const named = pictures.map((_, index) => `/I${index} ${6 + index} 0 R`).join(" ");
   return file([
     "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
     "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-    `<< /Type /Page /Parent 2 0 R /MediaBox [${box}] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> >> >>`,
+    `<< /Type /Page /Parent 2 0 R /MediaBox [${box}] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> /XObject << ${named} >> >> >>`,
     `<< /Length ${content.length} >>\nstream\n${content}\nendstream`,
     "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
+    ...pictures.map((picture) => `<< /Type /XObject /Subtype /Image /ImageMask true /BitsPerComponent 1 /Width ${picture.width} ` +
+      `/Height ${picture.height} /Length ${picture.bits.length} >>\nstream\n${characters(picture.bits)}\nendstream`),
   ]);
 }
 
-/** @param {string[]} objects bodies of objects 1, 2, …; ASCII only, so that characters are bytes */
+/** A character a byte. @param {Uint8Array} bytes */
+const characters = (bytes) => Array.from(bytes, (byte) => String.fromCharCode(byte)).join("");
+
+/** @param {string[]} objects bodies of objects 1, 2, …; Latin-1, so that characters are bytes */
 function file(objects) {
   let text = "%PDF-1.4\n";
   const offsets = objects.map((body, index) => {
@@ -74,6 +103,9 @@ function file(objects) {
     `trailer\n<< /Size ${objects.length + 1} /Root 1 0 R >>\nstartxref\n${text.length}\n%%EOF\n`;
   return Uint8Array.from(text, (character) => character.charCodeAt(0));
 }
+
+/** What WinAnsi has at the place that Latin-1 has it. */
+const LATIN = /^[\x20-\x7e\xa0-\xff]*$/;
 
 /** @param {number} value */
 const number = (value) => String(Math.round(value * 1e4) / 1e4);

@@ -4,21 +4,29 @@ import { raster } from "./drawing.js";
 /** @typedef {import("./geometry.js").Board} Board */
 
 const MARGIN = 0.5; // squares of white around the board
+const READING = 6000; // ms that the way back is told; a board is looked at without words on it
 
 export class BoardScreen {
   #frame;
   #canvas;
+  #hint;
   #board;
   #onDimming;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #read;
   /** @type {WakeLockSentinel | null} */
   #awake = null;
   /** Does the board fill the window, where no full screen is to be had? */
   #filling = false;
 
-  /** @param {HTMLElement} frame @param {HTMLCanvasElement} canvas @param {Board} board @param {() => void} onDimming the screen cannot be kept on */
-  constructor(frame, canvas, board, onDimming) {
+  /**
+   * @param {{frame: HTMLElement, canvas: HTMLCanvasElement, hint: HTMLElement}} parts hint: how to get back from the whole window
+   * @param {Board} board @param {() => void} onDimming the screen cannot be kept on
+   */
+  constructor({ frame, canvas, hint }, board, onDimming) {
     this.#frame = frame;
     this.#canvas = canvas;
+    this.#hint = hint;
     this.#board = board;
     this.#onDimming = onDimming;
     document.addEventListener("click", () => this.fill(false));
@@ -46,6 +54,9 @@ export class BoardScreen {
   fill(whether) {
     if (this.#filling === whether) return;
     this.#filling = whether;
+    clearTimeout(this.#read);
+    this.#hint.hidden = !whether; // of the whole screen the browser says it itself
+    this.#read = setTimeout(() => this.#hint.toggleAttribute("hidden", true), READING);
     void this.#arrange();
   }
 

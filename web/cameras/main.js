@@ -1,9 +1,8 @@
 // The database, to look through: /cameras/ searches, /cameras/?key=… shows one camera.
-import { ApiError, OfflineError } from "../calibrate/api.js";
 import { el, part } from "../dom.js";
+import { explain } from "../faults.js";
 import { onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
-import { SettingsError } from "../settings.js";
 import words from "../words/cameras.js";
 import result from "../words/result.js";
 import { cameraView, nameOf } from "./camera.js";
@@ -23,13 +22,6 @@ let next = null;
 let shown = null;
 /** What is asked for now; an answer to anything else comes too late. */
 let asked = 0;
-
-/** @param {unknown} error */
-function explain(error) {
-  if ([ApiError, OfflineError, SettingsError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
-  console.error(error);
-  return t("common.went_wrong", { message: String(error) });
-}
 
 /** @param {string} key */
 const address = (key) => `./?${new URLSearchParams({ key })}`;

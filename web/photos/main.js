@@ -1,16 +1,18 @@
 // Calibration from photographs or a video. Boards are looked for on this device; only where their corners are is sent.
 import { boardFrom, boardQuery } from "../board/geometry.js";
-import { Api, ApiError, OfflineError } from "../calibrate/api.js";
+import { showProblem } from "../board/problem.js";
+import { Api } from "../calibrate/api.js";
 import { observedOutline } from "../calibrate/area.js";
 import { Detector, DetectorError } from "../calibrate/detector.js";
 import { el, part } from "../dom.js";
+import { explain as fault } from "../faults.js";
 import { known, number, onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { load } from "../result/source.js";
 import { imagePlot, make, short } from "../result/svg.js";
 import { ResultView } from "../result/view.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
-import { SettingsError, loadSettings } from "../settings.js";
+import { loadSettings } from "../settings.js";
 import capture from "../words/capture.js";
 import words from "../words/photos.js";
 import result from "../words/result.js";
@@ -53,10 +55,9 @@ let run = new AbortController();
 
 /** @param {unknown} error */
 function explain(error) {
-  if (error instanceof DetectorError && known(`capture.fault_${error.code}`)) return t(`capture.fault_${error.code}`, { detail: error.message });
-  if ([ApiError, OfflineError, SettingsError, DetectorError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
-  console.error(error);
-  return t("common.went_wrong", { message: String(error) });
+  if (!(error instanceof DetectorError)) return fault(error);
+  const key = `capture.fault_${error.code}`;
+  return t(known(key) ? key : "capture.fault_detector", { detail: error.message });
 }
 
 const openDetector = () => (detector ??= Detector.open(board).catch((error) => {
@@ -141,6 +142,11 @@ async function find(finder, { name, picture, camera, focal, kind }) {
   return { name, camera, focal, kind, size, ids, points, outline: observedOutline(board, { ids, points }), thumbnail: small };
 }
 
+/** A minute of trying again: it is said that the network is away, and when it is back. @param {object | null} patience */
+function onPatience(patience) {
+  parts.status.textContent = t(patience ? "faults.patience" : "photos.calibrating");
+}
+
 async function start() {
   const group = chosen();
   if (!group) return;
@@ -156,7 +162,7 @@ async function start() {
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,
     };
     parts.status.textContent = t("photos.calibrating");
-    const outcome = await calibrate(new Api(address), token, request, views, (judgement) => {
+    const outcome = await calibrate(new Api(address, { onPatience }), token, request, views, (judgement) => {
       judgements.set(views[judgement.view], judgement);
       showPictures();
     });
@@ -224,8 +230,7 @@ function speak() {
 }
 speak();
 onLanguage(speak);
-parts.problem.textContent = problem;
-parts.problem.hidden = problem === "";
+showProblem(parts.problem, problem);
 for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href^="../board/"]'))) {
   const there = new URL(link.href);
   there.search = boardQuery(board).toString();

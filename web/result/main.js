@@ -1,9 +1,9 @@
 // The page of one stored calibration: /result/?id=…
-import { ApiError, OfflineError } from "../calibrate/api.js";
 import { el, part } from "../dom.js";
+import { explain } from "../faults.js";
 import { t } from "../i18n.js";
 import { openPage } from "../page.js";
-import { SettingsError, loadSettings } from "../settings.js";
+import { loadSettings } from "../settings.js";
 import words from "../words/result.js";
 import { load } from "./source.js";
 import { ResultView } from "./view.js";
@@ -15,13 +15,6 @@ const query = new URLSearchParams(location.search);
 const root = part("result", HTMLElement);
 const status = part("status", HTMLElement);
 const view = new ResultView(root);
-
-/** @param {unknown} error */
-function explain(error) {
-  if ([ApiError, OfflineError, SettingsError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
-  console.error(error);
-  return t("common.went_wrong", { message: String(error) });
-}
 
 /** A picture of this camera to straighten. @param {Result} result */
 function offerPicture(result) {

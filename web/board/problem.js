@@ -1,0 +1,20 @@
+// Why a board cannot be, in the language of the page.
+import { learn, onLanguage, t } from "../i18n.js";
+import words from "../words/board.js";
+
+/** @typedef {import("./geometry.js").Problem} Problem */
+
+learn({ board: words });
+
+/** @param {Problem} problem */
+export const reason = ({ code, values }) => t(`board.cannot_${code}`, values);
+
+/** Says on a page that the board its address asks for cannot be. @param {HTMLElement} place @param {Problem | null} problem */
+export function showProblem(place, problem) {
+  const say = () => {
+    place.textContent = problem ? t("board.default_instead", { reason: reason(problem) }) : "";
+  };
+  place.hidden = problem === null;
+  say();
+  onLanguage(say);
+}

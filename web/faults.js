@@ -1,0 +1,28 @@
+// What went wrong, in words a person can act on and in the language of the page.
+import { ApiError } from "./calibrate/api.js";
+import { known, learn, t } from "./i18n.js";
+import { OfflineError } from "./network.js";
+import { LookupError } from "./sdk/request.js";
+import { SettingsError } from "./settings.js";
+import words from "./words/faults.js";
+
+learn({ faults: words });
+
+/**
+ * @param {unknown} error what the service or the network did is explained; anything else is the page's own mistake
+ * @returns {string}
+ */
+export function explain(error) {
+  if (error instanceof OfflineError || (error instanceof LookupError && error.status === 0)) return t("faults.offline");
+  if (error instanceof SettingsError) return t("faults.settings");
+  if (error instanceof ApiError) return service(error.status, error.kind, error.message);
+  if (error instanceof LookupError) return service(error.status, "", error.message);
+  console.error(error);
+  return t("faults.unforeseen", { message: String(error) });
+}
+
+/** Its own words only where the page has none: they are English. @param {number} status @param {string} kind @param {string} detail */
+function service(status, kind, detail) {
+  const keys = [`faults.kind_${kind.replaceAll("-", "_")}`, `faults.status_${status}`, status >= 500 ? "faults.status_500" : ""];
+  return t(keys.find(known) ?? "faults.refused", { detail });
+}
