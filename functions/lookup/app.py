@@ -9,7 +9,7 @@ from urllib.parse import urlencode
 
 from starlette.responses import Response
 
-from calibdb import http, resolution
+from calibdb import http, metrics, resolution
 from calibdb.answer import answer, between, neighbours
 from calibdb.camera_key import identify
 from calibdb.errors import NotFoundError
@@ -42,14 +42,18 @@ def visit(call: http.Call) -> Response:
 
 def _answer(call: http.Call, request: LookupRequest) -> Response:
     found = _find(call, request)
+    now = call.service.clock()
     if isinstance(found, LookupAnswer):
+        metrics.count(now, Lookups=1, Hits=1)
         return http.answer(found, headers=_CACHED if call.request.method != "POST" else None)
     if not (request.redirect and call.flag("redirect", default=True)):
+        metrics.count(now, Lookups=1, Misses=1)
         raise NotFoundError(
             found.detail,
             kind="no-calibration",
             members={"guidance_url": found.guidance_url, "reason": found.reason},
         )
+    metrics.count(now, Lookups=1, Misses=1, Redirects=1)
     return http.answer(found, 307, {"Location": found.guidance_url})
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb import capture, http
+from calibdb import capture, http, metrics
 from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, NotFoundError
 from calibdb.schema import FitRecord, SessionDocument, SessionRequest
@@ -24,6 +24,7 @@ def start(call: http.Call) -> Response:
     document = store.sessions.start(sid, now, begin)
     if not capture.same_start(document, capture.begin(request, sid, document.first_version, now)):
         raise ConflictError("A session with other content runs under this session id.", kind="other-content")
+    metrics.count(now, Sessions=1)
     return http.answer(capture.state(document), 201)
 
 

@@ -14,7 +14,7 @@ from pydantic import JsonValue
 from starlette.responses import Response
 
 import calibsolver
-from calibdb import capture, http
+from calibdb import capture, http, metrics
 from calibdb.schema import (
     DISTORTION_MODELS,
     EstimateDocument,
@@ -42,7 +42,9 @@ def submit(call: http.Call) -> Response:
         if capture.repeated(document, view):
             return None, (document, Judged())
         capture.check(document, view)
+        begun = service.clock()
         judged = judge(document, view, service.now, who)
+        measure(begun, service.clock(), judged)
         if judged.reason is not None:  # nothing changes that anyone could see
             return judged.document, (document, judged)
         return judged.document, (judged.document or document, judged)
@@ -108,6 +110,16 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str) -> J
         described = report.describe(estimate.calibration, used, indices)
         changed = capture.finished(changed, now, who, calibsolver.__version__, described)
     return Judged(changed)
+
+
+def measure(begun: float, ended: float, judged: Judged) -> None:
+    """Have the judgement counted; `begun`, `ended`: unix seconds."""
+    counted: dict[str, float] = {"Views": 1, "FitTime": round((ended - begun) * 1e3, 1)}
+    if judged.reason is not None:
+        counted["Refusals"] = 1
+    elif judged.document is not None and judged.document.finish is not None:
+        counted |= {"Calibrations": 1, "ViewsPerSession": len(judged.document.views)}
+    metrics.count(ended, reason=judged.reason, **counted)
 
 
 def publish(call: http.Call, document: SessionDocument) -> None:

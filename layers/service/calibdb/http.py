@@ -12,6 +12,7 @@ import json
 import logging
 import os
 import re
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -26,6 +27,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
+from calibdb import metrics
 from calibdb.accept import preferred
 from calibdb.errors import (
     PROBLEMS,
@@ -254,6 +256,7 @@ async def _known(_: Request, raised: Exception) -> Response:
         error.status >= HTTPStatus.INTERNAL_SERVER_ERROR
     ):  # not the caller's doing, so the operator hears of it
         _log.error("%s", error.detail, exc_info=error)
+        metrics.count(time.time(), reason=error.kind, Errors=1)
     return _problem(error)
 
 
@@ -272,6 +275,7 @@ async def _starlette(_: Request, raised: Exception) -> Response:
 async def _unknown(_: Request, __: Exception) -> Response:
     # Starlette raises it again once this is sent, and Mangum logs it with its trace: for us, not for the
     # caller.
+    metrics.count(time.time(), reason="internal", Errors=1)
     return _problem(CalibdbError("Something went wrong here, not in the request."))
 
 

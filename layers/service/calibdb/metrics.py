@@ -1,0 +1,47 @@
+"""What happened, for CloudWatch: a line on standard output that it takes for measurements.
+
+Format: Amazon CloudWatch user guide, "Specification: Embedded metric format". No call to CloudWatch is made,
+and nothing is written anywhere but in Lambda.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+
+NAMESPACE = "calibDB"
+_MILLISECONDS = {"FitTime"}
+
+
+def document(stack: str, now: float, values: Mapping[str, float], reason: str | None = None) -> str:
+    """Return the line.
+
+    Parameters
+    ----------
+    stack
+        Name of the deployment, the dimension that all have.
+    now
+        Unix seconds.
+    values
+        Measurements by name.
+    reason
+        Why, where that is counted apart, too.
+    """
+    dimensions = [["Stack"]] + ([["Stack", "Reason"]] if reason is not None else [])
+    units = [{"Name": name, "Unit": "Milliseconds" if name in _MILLISECONDS else "Count"} for name in values]
+    described = {"Namespace": NAMESPACE, "Dimensions": dimensions, "Metrics": units}
+    line: dict[str, object] = {
+        "_aws": {"Timestamp": int(now * 1000), "CloudWatchMetrics": [described]},
+        "Stack": stack,
+        **values,
+    }
+    if reason is not None:
+        line["Reason"] = reason
+    return json.dumps(line, separators=(",", ":"))
+
+
+def count(now: float, *, reason: str | None = None, **values: float) -> None:
+    """Have the values counted, in Lambda; elsewhere do nothing."""
+    if "AWS_LAMBDA_RUNTIME_API" in os.environ:
+        print(document(os.environ.get("STACK_NAME", ""), now, values, reason), flush=True)

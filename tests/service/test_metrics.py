@@ -1,0 +1,69 @@
+"""What happens is counted, as CloudWatch reads it, and only where CloudWatch is."""
+
+import json
+from typing import Any
+
+import pytest
+
+from calibdb.metrics import document
+from infra.local import LocalStack
+from tests.client import Client, Truth
+
+PLATFORM = "X11; Linux x86_64"
+
+
+def counted(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines() if line.startswith('{"_aws"')]
+    for line in lines:
+        (described,) = line["_aws"]["CloudWatchMetrics"]
+        assert described["Namespace"] == "calibDB"
+        for dimensions in described["Dimensions"]:
+            assert set(dimensions) <= set(line)
+        assert all(isinstance(line[metric["Name"]], int | float) for metric in described["Metrics"])
+    return lines
+
+
+def total(lines: list[dict[str, Any]], name: str) -> float:
+    return sum(line.get(name, 0) for line in lines)
+
+
+def test_a_capture_and_lookups(
+    stack: LocalStack, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
+    client = Client(stack)
+    state = Truth(seed=3).calibrate(client, camera="Counted")
+    assert client.lookup(camera="Never seen", redirect=False).status == 404
+    assert client.lookup(camera="Never seen").status == 307
+    lines = counted(capsys)
+    assert [total(lines, name) for name in ("Sessions", "Calibrations")] == [1, 1]
+    views = len(state["views"])
+    assert total(lines, "ViewsPerSession") == views
+    assert total(lines, "Views") - total(lines, "Refusals") == views
+    assert [total(lines, name) for name in ("Lookups", "Hits", "Misses", "Redirects")] == [2, 0, 2, 1]
+    assert all(0 < line["FitTime"] < 5000 for line in lines if "FitTime" in line)
+    assert total(lines, "Errors") == 0
+
+
+def test_refusals_by_reason(
+    stack: LocalStack, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
+    client = Client(stack)
+    client.open()
+    index = client.pose().json["index"]
+    ids, points = Truth().see(client.pose().json)
+    assert client.view(index, ids[:3], points[:3]).json["reason"] == "too_few_points"
+    (line,) = [line for line in counted(capsys) if "Refusals" in line]
+    assert line["Reason"] == "too_few_points"
+    assert line["_aws"]["CloudWatchMetrics"][0]["Dimensions"] == [["Stack"], ["Stack", "Reason"]]
+
+
+def test_nothing_is_said_elsewhere(stack: LocalStack, capsys: pytest.CaptureFixture[str]) -> None:
+    Client(stack).lookup(camera="Never seen")
+    assert counted(capsys) == []
+
+
+def test_a_line_costs_less_than_the_call() -> None:
+    # 0.50 USD for a GB of logs; a lookup may cost 2 USD in a million.
+    assert len(document("calibdb", 1.7e9, {"Lookups": 1, "Hits": 1})) < 300
