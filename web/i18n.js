@@ -90,7 +90,14 @@ export function known(key) {
 
 /** A measured number as it is written in the language spoken now, not grouped. @param {number} value @param {number} digits after the point */
 export function number(value, digits) {
-  return value.toLocaleString(language(), { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
+  const written = value.toLocaleString(language(), { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
+  return written.replace("-", "−");
+}
+
+/** As many digits as a measured error is worth: two. @param {number} value */
+export function rough(value) {
+  const digits = value > 0 ? Math.min(4, Math.max(0, 1 - Math.floor(Math.log10(value)))) : 1;
+  return number(value, digits);
 }
 
 /** Puts the texts into all marked elements in and below one; sets the page's language too. @param {Element} root */

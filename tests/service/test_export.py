@@ -31,7 +31,7 @@ def test_every_format_is_a_file_with_its_name_and_error(client: Client, calibrat
     assert float(answer.headers["x-conversion-coverage"]) > 0.9
     if name != "calibdb":
         suffix = formats.REGISTRY[name].suffix
-        assert f'filename="test-camera-1280x720{suffix}"' in answer.headers["content-disposition"]
+        assert f'filename="test-camera-1280x720-{name}{suffix}"' in answer.headers["content-disposition"]
         assert answer.headers["content-type"] == formats.REGISTRY[name].media_type
     warned = "x-conversion-warning" in answer.headers
     assert warned == (float(answer.headers["x-conversion-error"]) > formats.VISIBLE)

@@ -4,6 +4,7 @@ import { known, number, t } from "../i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { files } from "../result/take.js";
 import { tables } from "../result/view.js";
+import { isVirtual } from "../virtual/name.js";
 import { centrePlot, focalPlot } from "./agreement.js";
 import { withModel } from "./source.js";
 
@@ -17,7 +18,8 @@ import { withModel } from "./source.js";
 export function cameraView(page, explain) {
   const modes = [...page.modes].sort((a, b) => b.calibrations - a.calibrations);
   return el("div", {},
-    el("header", { class: "opening" }, el("h1", { id: "camera-name", tabindex: -1 }, page.camera), el("p", {}, page.platform)),
+    el("header", { class: "opening" }, el("h1", { id: "camera-name", tabindex: -1 }, page.camera), el("p", {}, page.platform),
+      ...(isVirtual(page.camera) ? [el("p", { class: "lead" }, t("cameras.practice"))] : [])),
     ...(modes.length ? modes.map((mode) => modeView(page, mode, explain)) : [el("p", { class: "band" }, t("cameras.no_modes"))]),
     lookupView(page, modes[0]));
 }
@@ -51,8 +53,8 @@ function agreement({ members }, agreed) {
   const [[fx, , cx], [, , cy]] = agreed?.camera_matrix ?? [[0, 0, 0], [0, 0, 0]];
   const captioned = (/** @type {SVGElement} */ svg, /** @type {string} */ words) => el("figure", { class: "figure" }, svg, el("figcaption", {}, words));
   return el("div", { class: "columns" },
-    captioned(focalPlot(members, agreed && fx), t("cameras.focal_caption")),
-    captioned(centrePlot(members, agreed && [cx, cy]), t("cameras.centre_caption")));
+    captioned(focalPlot(members, agreed && fx), [t("cameras.focal_caption"), ...(agreed ? [t("cameras.focal_agreed")] : [])].join(" ")),
+    captioned(centrePlot(members, agreed && [cx, cy]), [t("cameras.centre_caption"), ...(agreed ? [t("cameras.centre_agreed")] : [])].join(" ")));
 }
 
 /** @param {CameraPage} page @param {Mode} mode @param {(error: unknown) => string} explain */

@@ -1,8 +1,10 @@
 // The database, to look through: /cameras/ searches, /cameras/?key=… shows one camera.
+import { ApiError } from "../calibrate/api.js";
 import { el, part } from "../dom.js";
 import { explain } from "../faults.js";
 import { onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
+import { isVirtual } from "../virtual/name.js";
 import words from "../words/cameras.js";
 import result from "../words/result.js";
 import { cameraView, nameOf } from "./camera.js";
@@ -30,7 +32,7 @@ const address = (key) => `./?${new URLSearchParams({ key })}`;
 function item({ key, camera: name, platform, sizes }) {
   const calibrations = sizes.reduce((sum, each) => sum + each.calibrations, 0);
   return el("li", {},
-    el("a", { href: address(key) }, el("strong", {}, name), el("span", { class: "muted" }, platform)),
+    el("a", { href: address(key) }, el("strong", {}, name), el("span", { class: "muted" }, [platform, ...(isVirtual(name) ? [t("cameras.practice")] : [])].join(" · "))),
     el("ul", { class: "sizes number" }, ...sizes.map((size) =>
       el("li", { class: size.reliable ? "known" : "" }, nameOf({ ...size, groups: [], consensus: {}, members: [] }),
         el("span", { class: "unseen" }, ` ${t(size.reliable ? "cameras.reliable" : "cameras.unreliable")}`)))),
@@ -60,6 +62,19 @@ async function look({ further = false } = {}) {
   }
 }
 
+/** Why there is nothing to show, and where to go from here. @param {() => string} why */
+function leadOn(why) {
+  const ways = el("div", { class: "actions" });
+  const say = () => {
+    part("waiting-text", HTMLElement).textContent = why();
+    ways.replaceChildren(el("a", { class: "button", href: "./" }, t("cameras.search_all")),
+      el("a", { class: "button", href: "../calibrate/" }, t("cameras.calibrate")));
+  };
+  part("waiting", HTMLElement).append(ways);
+  say();
+  onLanguage(say);
+}
+
 /** @param {string} key */
 async function show(key) {
   searching.hidden = true;
@@ -71,7 +86,8 @@ async function show(key) {
     waiting.hidden = true;
     one.replaceChildren(cameraView(shown, explain));
   } catch (error) {
-    part("waiting-text", HTMLElement).textContent = explain(error);
+    const missing = error instanceof ApiError && error.status === 404;
+    leadOn(() => (missing ? t("cameras.missing") : explain(error)));
   }
 }
 

@@ -1,7 +1,9 @@
 // Calibration from what another program has measured. The file is read on this device; only where corners are is sent.
-import { Api, ApiError, OfflineError } from "../calibrate/api.js";
+import { Api } from "../calibrate/api.js";
 import { observedOutline } from "../calibrate/area.js";
 import { part } from "../dom.js";
+import { explain as fault } from "../faults.js";
+import { sayChosen } from "../file-input.js";
 import { number, onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { ranked } from "../photos/rank.js";
@@ -10,7 +12,7 @@ import { load } from "../result/source.js";
 import { ResultView } from "../result/view.js";
 import { platformHere } from "../sdk/calibdb.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
-import { SettingsError, loadSettings } from "../settings.js";
+import { loadSettings } from "../settings.js";
 import words from "../words/import.js";
 import photos from "../words/photos.js";
 import result from "../words/result.js";
@@ -60,9 +62,7 @@ let turn = 0;
 /** @param {unknown} error */
 function explain(error) {
   if (error instanceof MalformedError) return t(`import.wrong_${error.code}`, error.values);
-  if ([ApiError, OfflineError, SettingsError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
-  console.error(error);
-  return t("common.went_wrong", { message: String(error) });
+  return fault(error);
 }
 
 /** @param {unknown} error null: nothing is wrong any more */
@@ -215,6 +215,7 @@ parts.camera.value = query.get("camera") ?? "";
 parts.model.append(...Object.keys(COEFFICIENTS).map((model) => new Option("", model)));
 speak();
 onLanguage(speak);
+sayChosen(parts.file);
 parts.file.addEventListener("change", () => {
   void take(parts.file.files?.[0]);
   parts.file.value = "";

@@ -6,6 +6,7 @@ import { observedOutline } from "../calibrate/area.js";
 import { Detector, DetectorError } from "../calibrate/detector.js";
 import { el, part } from "../dom.js";
 import { explain as fault } from "../faults.js";
+import { sayChosen } from "../file-input.js";
 import { known, number, onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { load } from "../result/source.js";
@@ -236,6 +237,7 @@ for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.queryS
   there.search = boardQuery(board).toString();
   link.href = there.href;
 }
+sayChosen(parts.files);
 parts.files.addEventListener("change", () => {
   take(parts.files.files);
   parts.files.value = "";

@@ -1,7 +1,9 @@
 // The page of one stored calibration: /result/?id=…
+import { ApiError } from "../calibrate/api.js";
 import { el, part } from "../dom.js";
 import { explain } from "../faults.js";
-import { t } from "../i18n.js";
+import { sayChosen } from "../file-input.js";
+import { onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { loadSettings } from "../settings.js";
 import words from "../words/result.js";
@@ -22,6 +24,7 @@ function offerPicture(result) {
   const input = part("picture", HTMLInputElement);
   const problem = part("picture-problem", HTMLElement);
   part("trial", HTMLElement).hidden = false;
+  sayChosen(input);
   input.addEventListener("change", async () => {
     const [file] = input.files ?? [];
     if (!file) return;
@@ -43,10 +46,23 @@ function offerPicture(result) {
   });
 }
 
+/** Why there is nothing to show, and where to go from here. @param {() => string} why */
+function leadOn(why) {
+  const say = () => {
+    status.textContent = why();
+    ways.replaceChildren(el("a", { class: "button", href: "../cameras/" }, t("result.search")),
+      el("a", { class: "button", href: "../calibrate/" }, t("result.calibrate")));
+  };
+  const ways = el("div", { class: "actions" });
+  part("waiting", HTMLElement).append(ways);
+  say();
+  onLanguage(say);
+}
+
 async function show() {
   const id = query.get("id");
   if (!id) {
-    status.textContent = t("result.no_id");
+    leadOn(() => t("result.no_id"));
     return;
   }
   try {
@@ -57,7 +73,8 @@ async function show() {
     view.show(result);
     offerPicture(result);
   } catch (error) {
-    status.textContent = explain(error);
+    const missing = error instanceof ApiError && error.status === 404;
+    leadOn(() => (missing ? t("result.missing") : explain(error)));
   }
 }
 

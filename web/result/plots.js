@@ -1,5 +1,5 @@
 // The pictures of a result: predicted error, distortion, coverage, residuals. Numbers in, SVG out.
-import { number, t } from "../i18n.js";
+import { number, rough, t } from "../i18n.js";
 import { lensOf } from "../sdk/projection.js";
 import { complaint, covered, extremes } from "./numbers.js";
 import { arrow, imagePlot, make, short } from "./svg.js";
@@ -26,7 +26,8 @@ export function errorPlot({ img_size: [width, height] }, { grid: [columns, rows]
   const { max, mean } = extremes(px);
   const top = roundUp(max);
   const digits = top < 1 ? 2 : 1;
-  const label = t("result.error_label", { mean: number(mean, digits), max: number(max, digits) });
+  const found = { mean: rough(mean), max: rough(max) };
+  const label = t("result.error_label", found);
   const { svg, area, x, y, unit } = imagePlot([width, height], label, { name: "heat" });
   // The map's points include the first and the last pixel: a cell is what is nearest to one.
   const [dx, dy] = [(width - 1) / (columns - 1), (height - 1) / (rows - 1)];
@@ -40,10 +41,10 @@ export function errorPlot({ img_size: [width, height] }, { grid: [columns, rows]
       const value = px[row][column];
       if (value === null) continue;
       const place = { x: short(x(column * dx)), y: short(y(row * dy) + 4), "text-anchor": "middle" };
-      area.append(make("text", { ...place, class: level(value) < STEPS / 2 ? "on-little" : "on-much" }, [number(value, digits)]));
+      area.append(make("text", { ...place, class: level(value) < STEPS / 2 ? "on-little" : "on-much" }, [rough(value)]));
     }
   }
-  return { svg, scale: scaleOf(top, digits), caption: t("result.error_caption", { mean: number(mean, digits), max: number(max, digits) }) };
+  return { svg, scale: scaleOf(top, digits), caption: t("result.error_caption", found) };
 }
 
 /** Places that leave the rim free for letters. @param {number} count @param {number} wanted */

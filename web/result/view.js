@@ -1,6 +1,7 @@
 // A result: what it is worth in plain words, the numbers, the pictures behind them, and what to do with it.
 import { el } from "../dom.js";
 import { known, number, onLanguage, t } from "../i18n.js";
+import { isVirtual } from "../virtual/name.js";
 import { returnAddress, withResult } from "./back.js";
 import { comparison } from "./compare.js";
 import { complaint, fieldOfView, intrinsics, levelOf } from "./numbers.js";
@@ -56,7 +57,7 @@ export class ResultView {
       report && band("views", views(calibration, report)),
       straight && band("straight", straight.element),
       band("take", files(result)),
-      band("help", el("p", { id: "summary" }, t(`result.help_${result.origin}`, { count: calibration.calibrations }))),
+      band("help", el("p", { id: "summary" }, helped(result))),
     ].filter((section) => section !== null));
     if (focused) document.getElementById("verdict")?.focus();
   }
@@ -78,6 +79,13 @@ export class ResultView {
   }
 }
 
+/** What was given to others, as it really was. @param {Result} result */
+function helped({ origin, calibration: { camera, platform, calibrations } }) {
+  if (origin === "practice" || isVirtual(camera)) return t("result.help_practice");
+  const kind = origin === "added" && ["photographs", "video"].includes(platform) ? "photographs" : origin;
+  return t(`result.help_${kind}`, { count: calibrations });
+}
+
 /** The verdict, and why. @param {Result} result */
 function opening({ calibration, report, again, notes = [] }) {
   const level = report?.verdict.level ?? levelOf(calibration);
@@ -85,7 +93,9 @@ function opening({ calibration, report, again, notes = [] }) {
   const values = { rms: number(rms, rms < 0.1 ? 2 : 1), max: number(max, max < 0.1 ? 2 : 1) };
   const reasons = [...(report?.verdict.reasons ?? []), ...notes];
   return el("header", { class: "opening" },
-    el("p", { class: "label" }, [calibration.camera, img_size.join(" × "), calibration.distortion_model].join(" · ")),
+    el("p", { class: "label" }, [
+      calibration.camera, ...(isVirtual(calibration.camera) ? [t("result.practice_camera")] : []), img_size.join(" × "), calibration.distortion_model,
+    ].join(" · ")),
     el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
     el("p", { class: "lead" }, t(`result.means_${level}`), " ", t("result.sentence", values)),
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map(({ code, text }) =>

@@ -2,7 +2,10 @@
 import { DEFAULT_BOARD } from "../board/geometry.js";
 import { HANDS, Hand } from "./hand.js";
 import { matched } from "./match.js";
+import { NAME, isVirtual } from "./name.js";
 import { FAULTS } from "./spoil.js";
+
+export { isVirtual };
 
 /**
  * @typedef {import("../board/geometry.js").Board} Board
@@ -64,11 +67,6 @@ export function setupFrom(parameters) {
     },
   };
 }
-
-const NAME = "calibDB virtual camera";
-
-/** @param {string} label of a camera */
-export const isVirtual = (label) => label.startsWith(NAME);
 
 /** The name it reports: another lens is another camera. @param {Setup} setup */
 export function labelOf({ size, lens }) {

@@ -10,6 +10,10 @@ export default {
     board: "Board",
     licence: "calibDB is free software, Apache-2.0.",
     method: "Method: Rojtberg & Gorschlüter, Web3D 2019; Rojtberg & Kuijper, ISMAR 2018.",
+    choose_files: "Choose files",
+    choose_file: "Choose a file",
+    no_file: "nothing chosen yet",
+    files_chosen: { one: "{count} file chosen", other: "{count} files chosen" },
     went_wrong: "Something went wrong in this page ({message}).",
   },
   de: {
@@ -20,6 +24,10 @@ export default {
     board: "Tafel",
     licence: "calibDB ist freie Software, Apache-2.0.",
     method: "Verfahren: Rojtberg & Gorschlüter, Web3D 2019; Rojtberg & Kuijper, ISMAR 2018.",
+    choose_files: "Dateien wählen",
+    choose_file: "Datei wählen",
+    no_file: "noch nichts gewählt",
+    files_chosen: { one: "{count} Datei gewählt", other: "{count} Dateien gewählt" },
     went_wrong: "Auf dieser Seite ist etwas schiefgegangen ({message}).",
   },
   uk: {
@@ -30,6 +38,10 @@ export default {
     board: "Дошка",
     licence: "calibDB — вільне програмне забезпечення, Apache-2.0.",
     method: "Метод: Rojtberg & Gorschlüter, Web3D 2019; Rojtberg & Kuijper, ISMAR 2018.",
+    choose_files: "Вибрати файли",
+    choose_file: "Вибрати файл",
+    no_file: "ще нічого не вибрано",
+    files_chosen: { one: "вибрано {count} файл", few: "вибрано {count} файли", many: "вибрано {count} файлів", other: "вибрано {count} файлу" },
     went_wrong: "На цій сторінці щось пішло не так ({message}).",
   },
 };

@@ -74,10 +74,13 @@ def write(subject: Subject, name: str, transform: transforms.Transform | None = 
     if transform is not None:
         subject = moved(subject, transform)
     held = form.convert(subject)
+    width, height = subject.camera.img_size
+    # Several formats are YAML: files of one camera are to lie side by side.
+    kind = "" if name == calibdb.CalibDb.name else f"-{name}"
     return Written(
         content=form.write(subject, held),
         media_type=form.media_type,
-        filename=f"{slug(subject.name)}-{subject.camera.img_size[0]}x{subject.camera.img_size[1]}{form.suffix}",
+        filename=f"{slug(subject.name)}-{width}x{height}{kind}{form.suffix}",
         error=held.error,
         coverage=held.coverage,
         warning=held.warning,

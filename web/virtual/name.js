@@ -1,0 +1,6 @@
+// What the virtual camera calls itself: whoever sees its calibrations can tell that no real camera stands behind them.
+
+export const NAME = "calibDB virtual camera";
+
+/** @param {string} label of a camera */
+export const isVirtual = (label) => label.startsWith(NAME);
