@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan checkov clean setup
+.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan cost checkov clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -124,6 +124,10 @@ deploy: setup $(UV)
 # The same without doing anything, and without credentials
 deploy-plan: setup
 	@$(PY) -m infra.deploy --plan $(ARGS)
+
+# What a million lookups cost, and a calibration, by calls, durations and sizes measured here
+cost: setup
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m infra.cost
 
 CHECKOV := .build/checkov/bin/checkov
 

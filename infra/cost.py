@@ -1,0 +1,236 @@
+"""`python -m infra.cost`: what a million lookups cost, and a finished calibration.
+
+Calls, durations and sizes are measured on a local stack, whose functions ask the same of storage as they do
+on AWS; prices and what cannot be measured here are in `infra/prices.yaml`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from infra import load
+from infra.local import LocalStack
+from infra.local.stack import DEVELOPMENT_TOKEN
+
+PRICES = Path(__file__).with_name("prices.yaml")
+MOST = {"a million lookups": 2.0, "a finished calibration": 0.0006}  # USD
+_CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
+_ENOUGH = 5  # calibrations, that a lookup hits
+_GB = 1e9
+_READS = {"GetItem", "Query"}
+
+
+@dataclass
+class Use:
+    """What some requests used.
+
+    Attributes
+    ----------
+    requests, sent
+        Through the gateway; bytes of their answers.
+    invocations, gb_seconds
+        Of all functions, storage's answers as fast as they are here.
+    reads, writes
+        DynamoDB's units.
+    puts, gets, kept
+        S3's requests; bytes of what lasts.
+    calls
+        Of each service, which the functions wait for.
+    """
+
+    requests: int = 0
+    sent: int = 0
+    invocations: int = 0
+    gb_seconds: float = 0.0
+    reads: float = 0.0
+    writes: float = 0.0
+    puts: int = 0
+    gets: int = 0
+    kept: int = 0
+    waits: list[tuple[str, float]] = field(default_factory=list)  # service, GB of who waits
+
+
+def price(use: Use, prices: Mapping[str, Any]) -> dict[str, float]:
+    """Return USD by what they are for."""
+    assumed = prices["assumed"]
+    waited = sum(assumed[f"{service}_seconds"] * gb for service, gb in use.waits)
+    logged = use.requests * (assumed["access_log_bytes"] + assumed["metric_log_bytes"])
+    return {
+        "API": use.requests * prices["http_api_request"],
+        "functions": use.invocations * prices["lambda_request"]
+        + (use.gb_seconds + waited) * prices["lambda_gb_second"],
+        "index": use.reads * prices["dynamodb_read_unit"] + use.writes * prices["dynamodb_write_unit"],
+        "objects": use.puts * prices["s3_put"]
+        + use.gets * prices["s3_get"]
+        + use.kept / _GB * prices["s3_gb_month"] * assumed["months_kept"],
+        "logs and traces": logged / _GB * prices["log_gb"]
+        + use.requests * assumed["traced"] * prices["trace"],
+        "transfer": use.sent / _GB * prices["transfer_gb"],
+    }
+
+
+def read_units(answer: int, *, consistent: bool) -> float:
+    """Return the units of a read whose items have so many bytes.
+
+    Source: Amazon DynamoDB developer guide, "Read and write operations".
+    """
+    return max(1, math.ceil(answer / 4096)) * (1.0 if consistent else 0.5)
+
+
+def write_units(item: int, *, together: bool) -> float:
+    """Return the units of a write of so many bytes; `together`: in a transaction."""
+    return max(1, math.ceil(item / 1024)) * (2.0 if together else 1.0)
+
+
+class Meter:
+    """Counts what a stack's functions use."""
+
+    def __init__(self, stack: LocalStack) -> None:
+        self._stack = stack
+        self.use = Use()
+        self._gb = 0.0
+
+    @contextmanager
+    def running(self) -> Iterator[Use]:
+        """Count within the block, from nothing."""
+        from calibdb.settings import Settings
+        from calibdb.store import clients
+
+        self.use = Use()
+        region = Settings.from_environment(self._stack.environment).region
+        used = (clients.dynamodb(region), clients.s3(region))
+        for client in used:
+            client.meta.events.register("provide-client-params.*", self._asked, unique_id="meter")
+            client.meta.events.register("after-call.*", self._answered, unique_id="meter-after")
+        functions = dict(self._stack.functions)
+        self._stack.functions.update({name: self._timed(f) for name, f in functions.items()})
+        try:
+            yield self.use
+        finally:
+            self._stack.functions.update(functions)
+            for client in used:
+                client.meta.events.unregister("provide-client-params.*", unique_id="meter")
+                client.meta.events.unregister("after-call.*", unique_id="meter-after")
+
+    def ask(self, method: str, path: str, credential: str, body: object = None, query: str = "") -> bytes:
+        """Send a request through the gateway and count it; return the answer's body."""
+        content = json.dumps(body).encode() if body is not None else b""
+        headers = {"authorization": f"Bearer {credential}"}
+        answer = self._stack.request(method, path, headers, query, content)
+        self.use.requests += 1
+        self.use.sent += len(answer.body)
+        if answer.status >= 400:
+            raise RuntimeError(f"{method} {path}: {answer.status} {answer.body[:200]!r}")
+        return answer.body
+
+    def _timed(self, function: Any) -> Any:
+        def timed(*arguments: Any) -> Any:
+            self._gb = function.spec.memory / 1024
+            begun = time.perf_counter()
+            try:
+                return function(*arguments)
+            finally:
+                # Lambda bills whole milliseconds.
+                billed = math.ceil((time.perf_counter() - begun) * 1e3) / 1e3
+                self.use.gb_seconds += billed * function.spec.memory / 1024
+                self.use.invocations += 1
+
+        timed.spec = function.spec  # type: ignore[attr-defined]  # as a Function has it
+        return timed
+
+    def _asked(self, params: Mapping[str, Any], model: Any, **_: object) -> None:
+        service, use = model.service_model.service_name, self.use
+        use.waits.append((service, self._gb))
+        if service == "s3":
+            reading = model.name == "GetObject"
+            use.gets += reading
+            use.puts += model.name == "PutObject"
+            if str(params.get("Key", "")).startswith("calibrations/") and not reading:
+                use.kept += len(params["Body"])
+        elif model.name not in _READS:
+            together = "TransactItems" in params
+            for part in [w["Put"] for w in params["TransactItems"]] if together else [params]:
+                use.writes += write_units(len(json.dumps(part.get("Item", {}))), together=together)
+        elif params.get("ConsistentRead"):
+            use.reads += 0.5  # the other half
+
+    def _answered(self, http_response: Any, model: Any, **_: object) -> None:
+        if model.name in _READS:
+            self.use.reads += read_units(len(http_response.content), consistent=False)
+
+
+def finished(meter: Meter, seed: int) -> None:
+    """Run one capture as the page does: each pose as numbers and as a picture, views until it is done."""
+    token = DEVELOPMENT_TOKEN
+    session = json.loads(meter.ask("POST", "/v1/auth", token))["session_id"]
+    meter.ask("POST", "/v1/session", session, {**_CAMERA, "target_error": 1.0})
+    index = 0
+    for ids, points in load.seen(seed):
+        for _ in range(2):
+            meter.ask("GET", "/v1/session/pose", session)
+        view = {"index": index, "ids": ids, "points": points}
+        state = json.loads(meter.ask("POST", "/v1/session/views", session, view))
+        if state["status"] == "converged":
+            return
+        index += state["accepted"]
+    raise RuntimeError("a capture did not end")
+
+
+def settled(meter: Meter) -> None:
+    """Wait until the functions that were asked for later have done their part."""
+    before = -1
+    while before != meter.use.invocations:
+        before = meter.use.invocations
+        time.sleep(2)
+
+
+def measured(lookups: int = 200) -> dict[str, Use]:
+    """Return what lookups that hit use, together, and the last of several calibrations of a camera."""
+    with LocalStack() as stack:
+        meter = Meter(stack)
+        with meter.running():
+            for seed in range(_ENOUGH):
+                finished(meter, seed)
+            settled(meter)
+        with meter.running() as calibration:
+            finished(meter, _ENOUGH)
+            settled(meter)
+        meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
+        with meter.running() as lookup:
+            for _ in range(lookups):
+                meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
+    return {"a million lookups": lookup, "a finished calibration": calibration}
+
+
+def main(say: Callable[[str], None] = print) -> int:
+    """Print the prices; return 1 where one is above its bound."""
+    prices = yaml.safe_load(PRICES.read_text(encoding="utf-8"))
+    status = 0
+    for name, use in measured().items():
+        scale = 1e6 / use.requests if name == "a million lookups" else 1.0
+        parts = {part: scale * usd for part, usd in price(use, prices).items()}
+        total = sum(parts.values())
+        say(f"{name}: {total:.6f} USD, at most {MOST[name]}")
+        for part, usd in parts.items():
+            say(f"  {part:16} {usd:.6f}")
+        if name == "a million lookups":
+            edge = 1e6 * prices["cloudfront_request"] + scale * use.sent / _GB * prices["cloudfront_gb"]
+            say(
+                f"  through CloudFront {edge:.2f} more where it must ask; {edge:.2f} in all where it need not"
+            )
+        status |= total > MOST[name]
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,42 @@
+"""What is asked of AWS stays affordable, by calls and sizes measured and prices written down."""
+
+import pytest
+import yaml
+
+from infra.cost import MOST, PRICES, Use, measured, price, read_units, write_units
+
+
+def test_a_lookup_and_a_calibration_are_affordable() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    uses = measured(lookups=100)
+    lookup, calibration = uses["a million lookups"], uses["a finished calibration"]
+    assert lookup.requests == lookup.invocations == 100
+    # One Query each, nothing written, nothing else asked.
+    assert [service for service, _ in lookup.waits] == ["dynamodb"] * 100
+    assert (lookup.writes, lookup.puts, lookup.gets) == (0, 0, 0)
+    assert 1e4 * sum(price(lookup, prices).values()) <= MOST["a million lookups"]
+    assert calibration.kept > 1000
+    assert calibration.puts >= 3
+    assert sum(price(calibration, prices).values()) <= MOST["a finished calibration"]
+
+
+def test_units_as_dynamodb_counts_them() -> None:
+    assert [read_units(n, consistent=False) for n in (0, 4096, 4097)] == [0.5, 0.5, 1.0]
+    assert read_units(4097, consistent=True) == 2.0
+    assert [write_units(n, together=False) for n in (0, 1024, 1025)] == [1, 1, 2]
+    assert write_units(1025, together=True) == 4
+
+
+def test_every_use_has_its_price() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    assert sum(price(Use(), prices).values()) == 0
+    for use, usd in (
+        (Use(invocations=1_000_000), 0.20),
+        (Use(gb_seconds=1000.0), 0.0133334),
+        (Use(reads=1e6, writes=1e6), 0.75),
+        (Use(puts=1000, gets=1000), 0.0054),
+        (Use(kept=10**9), 0.023 * 36),
+        (Use(sent=10**9), 0.09),
+        (Use(waits=[("dynamodb", 0.5)] * 1000), 0.005 * 500 * 13.3334e-6),
+    ):
+        assert sum(price(use, prices).values()) == pytest.approx(usd)
