@@ -11,7 +11,7 @@ from calibdb.tokens import ApiToken, secret_hash
 from infra.local import LocalStack
 from tests.client import CAMERA, Answer, Client
 
-SMALL = Plan(Allowance(3, 4, 5), Allowance(3, 4, 5))
+SMALL = Plan(Allowance(3, 4, 5, 6), Allowance(3, 4, 5, 6))
 
 
 @pytest.fixture
@@ -50,6 +50,18 @@ def test_views_refused_ones_and_undone_ones_count(client: Client, token: str) ->
     assert_used_up(client.call("DELETE", "/v1/session/views/0"))
     assert client.call("GET", "/v1/session").status == 200
     assert client.pose().status == 200
+
+
+def test_poses_in_numbers_and_as_pictures_count(client: Client, token: str) -> None:
+    client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    client.call("POST", "/v1/session", CAMERA)
+    path, accept = "/v1/session/pose", {"accept": "image/jpeg"}
+    answers = [client.call("GET", path, headers=accept) for _ in range(3)]
+    answers += [client.call("GET", path, query="skip=1") for _ in range(3)]
+    assert [a.status for a in answers] == [200] * 6
+    assert_used_up(client.call("GET", path, headers=accept))
+    assert_used_up(client.pose())
+    assert client.view(0, [0], [[1, 1]]).status == 200
 
 
 def test_lookups(client: Client, token: str) -> None:

@@ -5,20 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["sessions", "views", "lookups"]
+Kind = Literal["sessions", "views", "poses", "lookups"]
 
 
 @dataclass(frozen=True)
 class Allowance:
     """Calls in one hour by kind; None: as many as are wanted.
 
-    `sessions`: captures opened. `views`: requests that are fitted (submitted, undone, checked). `lookups`:
-    everything that reads with the API token.
+    `sessions`: captures opened. `views`: requests that are computed (views submitted, undone, checked;
+    calibrations converted). `poses`: where to hold the board, and its pictures. `lookups`: everything that
+    reads with the API token.
     """
 
     sessions: int | None
     views: int | None
     lookups: int | None
+    poses: int | None
 
 
 @dataclass(frozen=True)
@@ -30,18 +32,19 @@ class Plan:
 
 
 # A capture is four to six views and a few refused ones; who calibrates all cameras in the house needs ten
-# captures an hour. The token of a page is public: one stranger who copies it gets the share of one user, and
-# many of them exhaust that page's plan, nobody else's.
-_EACH = Allowance(sessions=20, views=400, lookups=600)
-_NONE = Allowance(None, None, None)
+# captures an hour. For each view the page asks twice where to hold the board: in numbers and as a picture.
+# The token of a page is public: one stranger who copies it gets the share of one user, and many of them
+# exhaust that page's plan, nobody else's.
+_EACH = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
+_NONE = Allowance(None, None, None, None)
 
 PLANS: dict[str, Plan] = {
-    "free": Plan(Allowance(sessions=60, views=1_500, lookups=10_000), _EACH),
-    "page": Plan(Allowance(sessions=1_000, views=25_000, lookups=200_000), _EACH),
+    "free": Plan(Allowance(sessions=60, views=1_500, lookups=10_000, poses=4_500), _EACH),
+    "page": Plan(Allowance(sessions=1_000, views=25_000, lookups=200_000, poses=75_000), _EACH),
     # A server of someone's own, which asks for many users from one address.
     "partner": Plan(
-        Allowance(sessions=5_000, views=100_000, lookups=2_000_000),
-        Allowance(sessions=5_000, views=100_000, lookups=2_000_000),
+        Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000),
+        Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000),
     ),
     "development": Plan(_NONE, _NONE),
 }

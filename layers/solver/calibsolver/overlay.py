@@ -22,6 +22,8 @@ FAR = 1e4
 SQUARE = 32
 """Texture pixels a square, at least."""
 QUALITIES = (45, 30, 15)
+MOST_PIXELS = 12_000_000
+"""A larger picture is drawn smaller, in the same shape, and is stretched by whoever shows it."""
 MOST_BYTES = 60_000
 """A JPEG of a finer board is coded more coarsely until it is no larger than this."""
 
@@ -37,7 +39,7 @@ COLORS: Picture = np.where(LEVEL[:, None] > 0, np.stack([255 - LEVEL, LEVEL, 255
 def render(
     board: Board, camera: Camera, target: TargetPose, image_format: Literal["jpeg", "png"] = "jpeg"
 ) -> bytes:
-    """Picture of `camera.img_size` with the board at the target pose, black elsewhere.
+    """Picture of `drawn_size(camera.img_size)` with the board at the target pose, black elsewhere.
 
     White squares are green and black ones magenta: two hues of similar brightness, made for the CSS blend
     mode `color`, and no pixel of the board is black. PNG has an alpha channel that is 0 outside the board.
@@ -47,23 +49,24 @@ def render(
     """
     if image_format not in ("jpeg", "png"):
         raise ValueError(f"unknown image format {image_format!r}")
-    w, h = camera.img_size
+    w, h = drawn = drawn_size(camera.img_size)
+    scale = np.array(camera.img_size) / drawn
     canvas = np.zeros((h, w), dtype=np.uint8)
-    box = bounds(target.outline, camera.img_size)
+    box = bounds(reduced(target.outline, scale), drawn)
     if box is not None:
         x0, y0, x1, y1 = box
         # Fixed-point maps are read twice as fast, to a 32nd of a pixel of the texture.
         place, part = cv2.convertMaps(
-            board_coordinates(camera, target, box, resolution(board)), np.empty(0), cv2.CV_16SC2
+            board_coordinates(camera, target, box, resolution(board), scale), np.empty(0), cv2.CV_16SC2
         )
         canvas[y0:y1, x0:x1] = cv2.remap(
             texture(board), place, part, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0
         )
     picture: Picture = np.asarray(cv2.applyColorMap(canvas, COLORS), dtype=np.uint8)
     if image_format == "png":
-        alpha = np.where(canvas > 0, 255, 0).astype(np.uint8)
-        with_alpha = np.dstack([picture, alpha])
-        return encoded(".png", with_alpha, [cv2.IMWRITE_PNG_COMPRESSION, 3])
+        alpha = cv2.threshold(canvas, 0, 255, cv2.THRESH_BINARY)[1]
+        with_alpha = np.asarray(cv2.merge([*cv2.split(picture), alpha]), dtype=np.uint8)
+        return encoded(".png", with_alpha, [cv2.IMWRITE_PNG_COMPRESSION, 1])
     for quality in QUALITIES:
         data = encoded(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])
         if len(data) <= MOST_BYTES:
@@ -77,6 +80,19 @@ def encoded(suffix: str, picture: Picture, options: list[int]) -> bytes:
     if not ok:  # cannot happen with memory left
         raise MemoryError("the overlay could not be encoded")
     return data.tobytes()
+
+
+def drawn_size(img_size: tuple[int, int]) -> tuple[int, int]:
+    """Return the size at which the picture for an image of `img_size` is drawn, px."""
+    w, h = img_size
+    shrink = math.sqrt(min(1.0, MOST_PIXELS / (w * h)))
+    return (w, h) if shrink == 1 else (max(1, math.floor(w * shrink)), max(1, math.floor(h * shrink)))
+
+
+def reduced(points: Array, scale: Array) -> Array:
+    """Carry px of the image (m, 2) to those of a picture `scale` (2,) times smaller; centres are whole."""
+    carried: Array = (points + 0.5) / scale - 0.5
+    return carried if len(points) else points
 
 
 def bounds(outline: Array, img_size: tuple[int, int]) -> tuple[int, int, int, int] | None:
@@ -97,11 +113,14 @@ def resolution(board: Board) -> int:
 
 
 def board_coordinates(
-    camera: Camera, target: TargetPose, box: tuple[int, int, int, int], square: int
+    camera: Camera, target: TargetPose, box: tuple[int, int, int, int], square: int, scale: Array
 ) -> npt.NDArray[np.float32]:
-    """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; far outside where there are none."""
+    """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; far outside where there are none.
+
+    The box is of a picture `scale` (2,) times smaller than the image.
+    """
     for stride in STRIDES:
-        coarse = lattice_coordinates(camera, target, box, stride) * square - 0.5
+        coarse = lattice_coordinates(camera, target, box, stride, scale) * square - 0.5
         if np.isfinite(coarse).all():
             break
     x0, y0, x1, y1 = box
@@ -119,13 +138,17 @@ def board_coordinates(
 
 
 def lattice_coordinates(
-    camera: Camera, target: TargetPose, box: tuple[int, int, int, int], stride: int
+    camera: Camera, target: TargetPose, box: tuple[int, int, int, int], stride: int, scale: Array
 ) -> Array:
-    """Board coordinates (rows, columns, 2), squares, of every `stride`-th pixel; NaN where there are none."""
+    """Board coordinates (rows, columns, 2), squares, of every `stride`-th pixel; NaN where there are none.
+
+    `box` and `scale` as of `board_coordinates`.
+    """
     x0, y0, x1, y1 = box
     columns, rows = -(-(x1 - x0) // stride) + 1, -(-(y1 - y0) // stride) + 1
     x, y = np.meshgrid(x0 + stride * np.arange(columns), y0 + stride * np.arange(rows))
-    ray = camera.unproject(np.stack([x, y], axis=-1).reshape(-1, 2).astype(np.float64))
+    pixels = np.stack([x, y], axis=-1).reshape(-1, 2).astype(np.float64)
+    ray = camera.unproject((pixels + 0.5) * scale - 0.5)
     r = rotation.matrix(target.rvec)
     # The ray s v meets the plane z = 0 of the board at R'(s v - t).
     v, t = ray @ r, r.T @ target.tvec

@@ -16,7 +16,10 @@ from calibdb.tokens import ApiToken, Ticket, contributor
 from tests.unit.service.test_service import Clock
 from tests.unit.service.test_settings import ENVIRONMENT
 
-SMALL = Plan(Allowance(sessions=5, views=9, lookups=10_000), Allowance(sessions=2, views=4, lookups=6_000))
+SMALL = Plan(
+    Allowance(sessions=5, views=9, lookups=10_000, poses=9),
+    Allowance(sessions=2, views=4, lookups=6_000, poses=4),
+)
 TOKEN = ApiToken("t", "", plan="small")
 
 

@@ -1,6 +1,7 @@
 """The picture says what the numbers say."""
 
 import time
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -133,6 +134,29 @@ def test_cheap_enough_for_every_request() -> None:
                 times.append(time.process_time() - begin)
             assert len(data) <= 60 * 1024
             assert np.median(times) < 0.030
+
+
+@pytest.mark.parametrize("image_format", ["jpeg", "png"])
+def test_a_picture_of_many_pixels_is_drawn_smaller(image_format: Literal["jpeg", "png"]) -> None:
+    """In the same shape, the board in the same place, and in reasonable time."""
+    size = (8192, 6144)
+    camera = Camera(
+        "rectilinear", np.array([[8000.0, 0, 4000], [0, 8000, 3000], [0, 0, 1]]), [0.1, 0, 0, 0, 0], size
+    )
+    target = TargetPose.seen(BOARD, camera, np.eye(3), np.array([-4.0, -3.0, 16.0]), "", 0.0)
+    began = time.process_time()
+    picture = decoded(overlay.render(BOARD, camera, target, image_format))
+    assert time.process_time() - began < 2
+    assert overlay.drawn_size((4000, 3000)) == (4000, 3000)
+    w, h = overlay.drawn_size(size)
+    assert picture.shape[:2] == (h, w)
+    assert 11.9e6 < w * h <= 12e6
+    assert w / h == pytest.approx(size[0] / size[1], rel=1e-3)
+    rows, columns = np.nonzero(picture.max(axis=2) > 100)
+    outline = (target.outline + 0.5) * (w / size[0], h / size[1]) - 0.5
+    low, high = np.maximum(outline.min(axis=0), 0), np.minimum(outline.max(axis=0), (w - 1, h - 1))
+    assert np.abs(low - (columns.min(), rows.min())).max() < 8
+    assert np.abs(high - (columns.max(), rows.max())).max() < 8
 
 
 def test_unknown_format_is_refused() -> None:
