@@ -13,8 +13,27 @@ import { cameraName, readExif, unturned } from "./exif.js";
 const FRAMES = 60; // of a video
 const PATIENCE = 15_000; // ms for one frame
 
+/** What browsers cannot read, by what its name ends with. @type {[RegExp, string][]} */
+const KNOWN = [
+  [/\.(heic|heif)$/i, "heic"],
+  [/\.(arw|cr2|cr3|dng|nef|orf|raf|rw2)$/i, "raw"],
+  [/\.(mp4|mov|m4v|mkv|webm|avi|3gp)$/i, "video"],
+];
+const endingOf = (/** @type {string} */ name) => KNOWN.find(([ending]) => ending.test(name))?.[1] ?? "";
+
 /** The browser cannot read a file. */
-export class UnreadableError extends Error {}
+export class UnreadableError extends Error {
+  /** @param {{name: string, type: string}} file */
+  constructor({ name, type }) {
+    super(name);
+    const kind = type.split("/")[0];
+    /** @type {"heic" | "raw" | "video" | "image" | "other"} what it is, as far as its name and type tell */
+    this.code = /** @type {any} */ (endingOf(name) || (kind === "video" || kind === "image" ? kind : "other"));
+  }
+}
+
+/** Files of cards and some phones come without a type. @param {File} file */
+const isVideo = ({ type, name }) => type.startsWith("video/") || (type === "" && endingOf(name) === "video");
 
 /**
  * @param {File} file
@@ -22,7 +41,7 @@ export class UnreadableError extends Error {}
  * @returns {AsyncGenerator<Shot>} throws UnreadableError
  */
 export async function* shots(file, signal) {
-  if (file.type.startsWith("video/")) yield* frames(file, signal);
+  if (isVideo(file)) yield* frames(file, signal);
   else yield await photograph(file);
 }
 
@@ -34,7 +53,7 @@ async function photograph(file) {
     const picture = await createImageBitmap(new Blob([unturned(bytes, exif)], { type: file.type }));
     return { name: file.name, picture, camera: cameraName(exif), focal: exif.focal, kind: "photographs" };
   } catch (error) {
-    if (error instanceof DOMException) throw new UnreadableError(file.name);
+    if (error instanceof DOMException) throw new UnreadableError(file);
     throw error;
   }
 }
@@ -46,12 +65,12 @@ async function* frames(file, signal) {
   video.preload = "auto";
   video.src = URL.createObjectURL(file);
   try {
-    await event(video, "loadeddata", file.name);
+    await event(video, "loadeddata", file);
     const { duration } = video;
     const count = Number.isFinite(duration) ? Math.min(FRAMES, Math.max(1, Math.floor(duration * 10))) : 1;
     for (let index = 0; index < count && !signal.aborted; index++) {
       video.currentTime = ((index + 0.5) * duration) / count;
-      await event(video, "seeked", file.name);
+      await event(video, "seeked", file);
       const picture = await createImageBitmap(video);
       yield { name: `${file.name}, ${video.currentTime.toFixed(1)} s`, picture, camera: "", focal: 0, kind: "video" };
     }
@@ -62,7 +81,7 @@ async function* frames(file, signal) {
   }
 }
 
-/** @param {HTMLVideoElement} video @param {string} name @param {string} file @returns {Promise<void>} */
+/** @param {HTMLVideoElement} video @param {string} name @param {File} file @returns {Promise<void>} */
 function event(video, name, file) {
   return new Promise((resolve, reject) => {
     const end = new AbortController();

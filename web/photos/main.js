@@ -4,6 +4,7 @@ import { showProblem } from "../board/problem.js";
 import { Api } from "../calibrate/api.js";
 import { observedOutline } from "../calibrate/area.js";
 import { Detector, DetectorError } from "../calibrate/detector.js";
+import { blackSquares } from "../calibrate/ghost.js";
 import { el, part } from "../dom.js";
 import { explain as fault } from "../faults.js";
 import { sayChosen } from "../file-input.js";
@@ -100,6 +101,7 @@ async function look(files) {
   parts.wanted.replaceChildren();
   judgements.clear();
   parts.progress.hidden = false;
+  /** @type {UnreadableError[]} */
   const unreadable = [];
   try {
     parts.status.textContent = t("photos.loading");
@@ -118,19 +120,25 @@ async function look(files) {
         }
       } catch (error) {
         if (!(error instanceof UnreadableError)) throw error;
-        unreadable.push(error.message);
+        unreadable.push(error);
       }
       if (signal.aborted) return;
     }
     proposeKey();
     const views = groups(pictures).reduce((sum, { members }) => sum + members.length, 0);
     parts.status.textContent = [t("photos.found", { count: views, all: pictures.length }), ...(views === 0 ? [t("photos.which_board")] : []),
-      ...(unreadable.length ? [t("photos.unreadable", { names: unreadable.join(", ") })] : [])].join(" ");
+      ...reasons(unreadable)].join(" ");
   } catch (error) {
     if (!signal.aborted) parts.status.textContent = explain(error);
   } finally {
     parts.progress.hidden = true;
   }
+}
+
+/** Files that were not read: by name, and why. @param {UnreadableError[]} errors @returns {string[]} */
+function reasons(errors) {
+  const codes = [...new Set(errors.map(({ code }) => code))];
+  return codes.map((code) => t(`photos.unreadable_${code}`, { names: errors.filter((each) => each.code === code).map(({ message }) => message).join(", ") }));
 }
 
 /** @param {Detector} finder @param {import("./files.js").Shot} shot @returns {Promise<Picture>} */
@@ -210,14 +218,14 @@ async function canvasOf(picture) {
 function advice(pose, size) {
   const { svg, area, x, y } = imagePlot(size, t("photos.like_this"), { plain: true });
   const points = (/** @type {number[][]} */ list) => list.map(([u, v]) => `${short(x(u))},${short(y(v))}`).join(" ");
+  for (const square of blackSquares(board, pose)) area.append(make("polygon", { points: points(square), class: "square" }));
   area.append(make("polygon", { points: points(pose.outline), class: "outline" }));
-  for (const [u, v] of pose.corners) area.append(make("circle", { cx: short(x(u)), cy: short(y(v)), r: 2, class: "agrees" }));
   return el("figure", { class: "figure measured" }, svg, el("figcaption", {}, t("photos.like_this")));
 }
 
 /** @param {FileList | null | undefined} list */
 function take(list) {
-  const files = [...(list ?? [])].filter(({ type }) => /^(image|video)\//.test(type));
+  const files = [...(list ?? [])];
   if (files.length) void look(files);
 }
 
