@@ -165,3 +165,16 @@ def test_what_fails_every_time_reaches_the_queue_by_the_name_it_is_invoked_by(tr
     assert config["FunctionName"] == {"Ref": "RefitFunction"}
     assert config["Qualifier"] == "$LATEST"
     assert config["DestinationConfig"]["OnFailure"]["Destination"] == {"Fn::GetAtt": ["RefitFailures", "Arn"]}
+
+
+def test_what_a_crowd_can_use_up_is_bounded(transformed: dict) -> None:
+    resources = transformed["Resources"]
+    (stage,) = (r["Properties"] for r in resources.values() if r["Type"] == "AWS::ApiGatewayV2::Stage")
+    assert set(stage["DefaultRouteSettings"]) >= {"ThrottlingRateLimit", "ThrottlingBurstLimit"}
+    for name in ("SubmitFunction", "RefitFunction"):
+        reserved = resources[name]["Properties"]["ReservedConcurrentExecutions"]["Fn::If"]
+        assert reserved[1] == {"Ref": f"{name.removesuffix('Function')}Concurrency"}
+    alarms = {name for name, r in resources.items() if r["Type"] == "AWS::CloudWatch::Alarm"}
+    watched = {"ServerErrorAlarm", "LatencyAlarm", "ThrottleAlarm", "RefitFailureAlarm", "CostAlarm"}
+    assert watched <= alarms
+    assert "Budget" in resources

@@ -1,0 +1,40 @@
+"""What docs/security.md promises has its tests."""
+
+import ast
+import gzip
+import json
+import re
+from pathlib import Path
+
+from infra.local import LocalStack
+from infra.local.intrinsics import parse
+from tests.client import TOKEN, Client
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_every_test_that_is_named_exists() -> None:
+    named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", (ROOT / "docs/security.md").read_text())
+    assert len(named) > 25
+    for path, name in named:
+        tree = ast.parse((ROOT / path).read_text())
+        assert name in {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}, (
+            path,
+            name,
+        )
+
+
+def test_a_compressed_body_is_never_unpacked() -> None:
+    bomb = gzip.compress(b" " * 50_000_000 + json.dumps({"camera": "x"}).encode())
+    assert len(bomb) < 100_000
+    with LocalStack() as stack:
+        client = Client(stack)
+        for encoding in ("gzip", "deflate", "br", "identity"):
+            headers = {"content-encoding": encoding}
+            answer = client.call("POST", "/v1/lookup", bomb, token=TOKEN, headers=headers)
+            assert answer.status == 400, answer
+
+
+def test_cors_admits_no_credentials_of_the_browser() -> None:
+    api = parse(ROOT / "template.yaml")["Resources"]["HttpApi"]["Properties"]
+    assert "AllowCredentials" not in api["CorsConfiguration"]
