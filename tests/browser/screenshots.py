@@ -6,11 +6,12 @@ Not a test by its name, so that `make test` passes over it; the tests hold the s
 from __future__ import annotations
 
 import pytest
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import BrowserContext, FilePayload, Page
 
 from tests.data import data_dir
 
 from .pictures import SIZES, picture
+from .scenes import CAMERA, no_network, unreadable
 from .specimens import answer, camera, cameras, result
 from .truth import Truth
 
@@ -99,6 +100,90 @@ def test_what_goes_wrong(context: BrowserContext) -> None:
     page.goto(f"/calibrate/?{Truth().query()}")
     page.locator("#failed:not([hidden])").wait_for()
     picture(page, "shot-capture-failed", SIZES)
-    page.goto("/result/?id=there-is-none")
-    page.locator("#status", has_text="no calibration").wait_for()
-    picture(page, "shot-result-none", ["hand"])
+
+
+def test_how_a_lookup_ends(context: BrowserContext) -> None:
+    for name, known in (("known", True), ("not-yet", False)):
+        page = context.new_page()
+        page.add_init_script(CAMERA)
+        if known:
+            answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True})
+        page.goto("/")
+        page.locator("#look").click()
+        page.locator("#outcome p", has_text="Yes:" if known else "Not yet:").wait_for()
+        page.locator("#outcome").scroll_into_view_if_needed()
+        picture(page, f"shot-lookup-{name}", SIZES)
+    page = context.new_page()  # where there is no camera
+    for language, words in (("en", "No camera was found"), ("de", "keine Kamera"), ("uk", "Камери не")):
+        page.goto(f"/?lang={language}")
+        page.locator("#look").click()
+        page.locator("#outcome .problem", has_text=words).wait_for()
+        page.locator("#outcome").scroll_into_view_if_needed()
+        picture(page, f"shot-lookup-no-camera-{language}", SIZES if language == "en" else ["hand"])
+
+
+def test_what_the_capture_says_of_what_happens(page: Page) -> None:
+    page.goto(f"/calibrate/?{Truth().query(seed=3, error=0, fault='dark')}")
+    page.locator("#instruction", has_text="Too dark").wait_for()
+    picture(page, "shot-capture-diagnosis", SIZES)
+    page.goto(HELD)
+    page.locator("#undo:enabled").wait_for()
+    page.locator("#stop").click()
+    picture(page, "shot-capture-stop", SIZES)
+    page.evaluate(
+        "document.getElementById('video').srcObject.getVideoTracks()[0].dispatchEvent(new Event('ended'))"
+    )
+    page.locator("#failed:not([hidden])").wait_for()
+    picture(page, "shot-capture-kept", SIZES)
+    page.goto("/calibrate/")
+    page.locator("#interrupted:not([hidden])").wait_for()
+    picture(page, "shot-capture-interrupted", SIZES)
+    page.goto(f"{HELD}&camera=C920")
+    page.locator("#another:not([hidden])").wait_for()
+    picture(page, "shot-capture-another", SIZES)
+
+
+def test_without_the_network(context: BrowserContext) -> None:
+    page = context.new_page()
+    page.goto(HELD)
+    page.locator("#undo:enabled").wait_for()
+    no_network(page)
+    page.wait_for_timeout(8_000)
+    picture(page, "shot-capture-away", SIZES)
+
+
+def test_the_board_alone(page: Page) -> None:
+    page.goto("/board/?fill=1")
+    page.locator("#frame.filling").wait_for()
+    picture(page, "shot-board-filling", SIZES)
+    page.goto("/board/?squares=12x12")
+    page.locator("#columns").fill("40")
+    page.locator("#form-problem:not(:empty)").wait_for()
+    picture(page, "shot-board-impossible", SIZES, full=True)
+
+
+def test_what_photographs_lack(page: Page) -> None:
+    page.goto("/photos/?squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000")
+    some = sorted((data_dir() / "photos" / "charuco_640x480").glob("*.jpg"))[0]
+    page.locator("#files").set_input_files(
+        [
+            FilePayload(name="1.jpg", mimeType="image/jpeg", buffer=some.read_bytes()),
+            unreadable("IMG_0001.HEIC"),
+        ]
+    )
+    page.locator("#status", has_text="The board was found in 1 of 1").wait_for()
+    page.locator("#camera").fill("LifeCam HD-3000")
+    page.locator("#start").click()
+    page.locator("#wanted svg").wait_for()
+    picture(page, "shot-photos-advice", SIZES, full=True)
+
+
+def test_what_is_not_there(context: BrowserContext) -> None:
+    page = context.new_page()
+    for language in ("en", "de", "uk"):
+        page.goto(f"/cameras/?key=c2.none&lang={language}")
+        page.locator("#waiting .actions").wait_for()
+        picture(page, f"shot-camera-none-{language}", ["hand"])
+        page.goto(f"/result/?id=there-is-none&lang={language}")
+        page.locator("#waiting .actions").wait_for()
+        picture(page, f"shot-result-none-{language}", ["hand"])

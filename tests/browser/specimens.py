@@ -17,6 +17,7 @@ CAMERAS = [
     ("camera2 0, facing back", "Linux; Android 14; Pixel 7"),
     ("GoPro HERO9 Black", "photographs"),
     ("FaceTime HD Camera", "Macintosh; Intel Mac OS X 10_15_7"),
+    ("calibDB virtual camera 8b0a5c1f", "X11; Linux x86_64"),
 ]
 
 

@@ -19,7 +19,8 @@ def test_what_is_known_is_drawn(page: Page, scheme: str) -> None:
     answer(page, "**/v1/cameras/*", camera)
     page.goto("/cameras/")
     page.locator("#found li").first.wait_for()
-    assert page.locator("#found > li").count() == 5
+    assert page.locator("#found > li").count() == 6
+    assert page.locator("#found > li", has_text="practice camera, not a real one").count() == 1
     assert page.locator("#more").is_visible()
     picture(page, f"cameras-{scheme}")
     page.goto("/cameras/?key=c2.specimen")
@@ -28,6 +29,10 @@ def test_what_is_known_is_drawn(page: Page, scheme: str) -> None:
     assert page.locator("path.cut").count() == 2 * 2, "what does not agree is crossed"
     assert "known: every web page" in (page.locator(".standing").first.text_content() or "")
     assert "too few calibrations" in (page.locator(".standing").last.text_content() or "")
+    captions = page.locator("figcaption").all_text_contents()
+    assert ["agreed" in caption for caption in captions] == [True, True, False, False], (
+        "where there is none, none is named"
+    )
     picture(page, f"camera-{scheme}", full=True)
 
 

@@ -1,18 +1,18 @@
 // Why a board cannot be, in the language of the page.
 import { learn, onLanguage, t } from "../i18n.js";
-import words from "../words/board.js";
+import words from "../words/impossible.js";
 
 /** @typedef {import("./geometry.js").Problem} Problem */
 
-learn({ board: words });
+learn({ impossible: words });
 
 /** @param {Problem} problem */
-export const reason = ({ code, values }) => t(`board.cannot_${code}`, values);
+export const reason = ({ code, values }) => t(`impossible.because_${code}`, values);
 
 /** Says on a page that the board its address asks for cannot be. @param {HTMLElement} place @param {Problem | null} problem */
 export function showProblem(place, problem) {
   const say = () => {
-    place.textContent = problem ? t("board.default_instead", { reason: reason(problem) }) : "";
+    place.textContent = problem ? t("impossible.default_instead", { reason: reason(problem) }) : "";
   };
   place.hidden = problem === null;
   say();

@@ -52,9 +52,13 @@ const standing = ({ reason }) => (reason && known(`cameras.reason_${reason}`) ? 
 function agreement({ members }, agreed) {
   const [[fx, , cx], [, , cy]] = agreed?.camera_matrix ?? [[0, 0, 0], [0, 0, 0]];
   const captioned = (/** @type {SVGElement} */ svg, /** @type {string} */ words) => el("figure", { class: "figure" }, svg, el("figcaption", {}, words));
+  // Only what is drawn is spoken of.
+  const outside = members.some(({ in_group }) => !in_group);
+  const caption = (/** @type {string} */ plot) =>
+    [t(plot === "focal" ? "cameras.focal_caption" : "cameras.centre_caption"), agreed && t(plot === "focal" ? "cameras.focal_agreed" : "cameras.centre_agreed"), outside && t("cameras.crossed")].filter(Boolean).join(" ");
   return el("div", { class: "columns" },
-    captioned(focalPlot(members, agreed && fx), [t("cameras.focal_caption"), ...(agreed ? [t("cameras.focal_agreed")] : [])].join(" ")),
-    captioned(centrePlot(members, agreed && [cx, cy]), [t("cameras.centre_caption"), ...(agreed ? [t("cameras.centre_agreed")] : [])].join(" ")));
+    captioned(focalPlot(members, agreed && fx), caption("focal")),
+    captioned(centrePlot(members, agreed && [cx, cy]), caption("centre")));
 }
 
 /** @param {CameraPage} page @param {Mode} mode @param {(error: unknown) => string} explain */

@@ -1,0 +1,26 @@
+"""What a page finds around it: a camera of its own, no network."""
+
+from playwright.sync_api import FilePayload, Page
+
+# A stream without a sensor behind it, which a page cannot tell from a camera's.
+CAMERA = """
+  navigator.mediaDevices.getUserMedia = async () => {
+    const canvas = Object.assign(document.createElement("canvas"), { width: 1280, height: 720 });
+    canvas.getContext("2d").fillRect(0, 0, 1280, 720);
+    const stream = canvas.captureStream(5);
+    const [track] = stream.getVideoTracks();
+    Object.defineProperty(track, "label", { value: "HD Pro Webcam C920 (046d:082d)" });
+    track.getSettings = () => ({ width: 1280, height: 720, deviceId: "c920" });
+    return stream;
+  };
+"""
+
+
+def no_network(page: Page) -> None:
+    """Let no request to the service through any more."""
+    page.route("**/v1/**", lambda route: route.abort("internetdisconnected"))
+
+
+def unreadable(name: str, kind: str = "") -> FilePayload:
+    """Give a file that is no picture, whatever its name says."""
+    return {"name": name, "mimeType": kind, "buffer": b"no picture"}
