@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan cost checkov clean setup
+.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan cost conformance checkov clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -128,6 +128,15 @@ deploy-plan: setup
 # What a million lookups cost, and a calibration, by calls, durations and sizes measured here
 cost: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m infra.cost
+
+MINISTACK := .build/ministack/bin/hypercorn
+
+$(MINISTACK):
+	$(PYTHON) -m venv .build/ministack && .build/ministack/bin/pip install --quiet ministack==1.5.33
+
+# The storage tests against another implementation of AWS than moto
+conformance: setup $(MINISTACK)
+	@$(PY) -m infra.tools.conformance
 
 CHECKOV := .build/checkov/bin/checkov
 

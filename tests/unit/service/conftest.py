@@ -1,6 +1,8 @@
 """Table and bucket in memory, as the template makes them."""
 
+import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import boto3
 import pytest
@@ -11,11 +13,26 @@ from calibdb.store import Objects, Table
 REGION = "eu-central-1"
 
 
+@contextmanager
+def elsewhere(endpoint: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Another implementation than moto (`make conformance`), left as it was found."""
+    monkeypatch.setenv("AWS_ENDPOINT_URL", endpoint)
+    yield
+    s3, dynamodb = boto3.client("s3", REGION), boto3.client("dynamodb", REGION)
+    for kept in s3.list_object_versions(Bucket="bucket").get("Versions", []):
+        s3.delete_object(Bucket="bucket", Key=kept["Key"], VersionId=kept["VersionId"])
+    for listed in s3.list_objects_v2(Bucket="bucket").get("Contents", []):
+        s3.delete_object(Bucket="bucket", Key=listed["Key"])
+    s3.delete_bucket(Bucket="bucket")
+    dynamodb.delete_table(TableName="table")
+
+
 @pytest.fixture
 def aws(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "test")
-    with mock_aws():
+    endpoint = os.environ.get("CONFORMANCE_ENDPOINT")
+    with elsewhere(endpoint, monkeypatch) if endpoint else mock_aws():
         boto3.client("s3", REGION).create_bucket(
             Bucket="bucket", CreateBucketConfiguration={"LocationConstraint": REGION}
         )
