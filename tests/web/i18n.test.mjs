@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import { test } from "node:test";
-import { LANGUAGES, choose, known, learn, say } from "../../web/i18n.js";
+import { LANGUAGES, choose, known, learn, number, rough, say, setLanguage } from "../../web/i18n.js";
 
 const WEB = new URL("../../web/", import.meta.url);
 const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: true })
@@ -81,4 +81,11 @@ test("values and plural forms are put in", () => {
   assert.equal(say("trial.views", { count: 3 }, "uk"), "3 вигляди");
   assert.equal(say("trial.views", { count: 5 }, "uk"), "5 виглядів");
   assert.equal(say("trial.none", {}, "en"), "trial.none");
+});
+
+test("numbers have the signs and digits of people", () => {
+  setLanguage("de");
+  assert.equal(number(-0.25, 3), "−0,250");
+  setLanguage("en");
+  assert.deepEqual([0.0123, 0.31, 3.14159, 31.4, 314].map(rough), ["0.012", "0.31", "3.1", "31", "314"]);
 });

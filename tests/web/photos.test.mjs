@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { UnreadableError } from "../../web/photos/files.js";
 import { cameraName, readExif, unturned } from "../../web/photos/exif.js";
 import { groups } from "../../web/photos/group.js";
 import { ranked } from "../../web/photos/rank.js";
@@ -142,4 +143,9 @@ test("views that do not lead far enough are not stored; what would help is asked
   assert.equal(state.calibration_id, null);
   assert.deepEqual(wanted, { index: 3 });
   assert.ok(!calls.includes("DELETE /session"));
+});
+
+test("a file that cannot be read is told apart by its name where it has no type", () => {
+  const codes = [["a.HEIC", ""], ["b.nef", "image/x-nikon-nef"], ["c.mov", ""], ["d.webm", "video/webm"], ["e.jpg", "image/jpeg"], ["f.txt", "text/plain"]];
+  assert.deepEqual(codes.map(([name, type]) => new UnreadableError({ name, type }).code), ["heic", "raw", "video", "video", "image", "other"]);
 });

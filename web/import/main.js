@@ -171,7 +171,10 @@ async function start() {
     };
     parts.status.textContent = t("photos.calibrating");
     const usable = views.filter(({ points }) => points.length >= FEWEST_CORNERS);
-    const { state } = await calibrate(new Api(address), token, request, usable, (judgement) => {
+    const onPatience = (/** @type {object | null} */ patience) => {
+      if (mine === turn) parts.status.textContent = t(patience ? "faults.patience" : "photos.calibrating");
+    };
+    const { state } = await calibrate(new Api(address, { onPatience }), token, request, usable, (judgement) => {
       if (mine !== turn) return;
       judgements.set(usable[judgement.view], judgement);
       show();
