@@ -17,6 +17,7 @@ from calibdb.camera_key import (
     public_label,
     public_platform,
 )
+from calibdb.camera_key.virtual import _PROGRAMS
 from tests.data import data_dir
 
 LINUX, WINDOWS, MAC = "X11; Linux x86_64", "Windows NT 10.0; Win64; x64", "Macintosh; Intel Mac OS X 10_15_7"
@@ -194,10 +195,73 @@ def test_a_key_is_safe_in_addresses_and_names(label: str) -> None:
         ("Galaxy S23 von Anna", "Galaxy S23"),
         ("iPad di Giulia", "iPad"),
         ("Anna's S23 (Windows Virtual Camera)", "Windows Virtual Camera"),
+        ("Anna Schmidt's OnePlus 9", "OnePlus 9"),
+        ("Anna Schmidt’s Nothing Phone (2)", "Nothing Phone (2)"),
+        ("Anna Schmidt’s S24 Ultra", "S24 Ultra"),
+        ("Anna Schmidts Galaxy S21", "Galaxy S21"),
+        ("Anna's Webcam (046d:0825)", "Webcam (046d:0825)"),
+        ("Webcam of Anna Schmidt", "Webcam"),
+        ("Камера від Анни", "Камера"),
+        ("Cámara de Anna", "Cámara"),
+        ("Kamera „Anna“", "Kamera"),
+        ("Logitech C920 (Anna Schmidt)", "Logitech C920"),
+        ("Logitech C920 (Anna Schmidt) (046d:082d)", "Logitech C920 (046d:082d)"),
+        ("Logitech C920 anna.schmidt@example.com 10.0.0.5", "Logitech C920"),
+        ("ANNA-SCHMIDT-PC Camera", "Camera"),
+        ("OBS anna.schmidt@example.com", "OBS"),
+        ("Camo Anna Schmidt", "Camo"),
+        ("DroidCam Source anna-pc", "DroidCam"),
+        ("Anna's", "camera"),
+        # what looks like it and is not
+        ("FaceTime HD Camera (Built-in) (05ac:8510)", "FaceTime HD Camera (Built-in) (05ac:8510)"),
+        ("Microsoft® LifeCam Studio(TM)", "Microsoft® LifeCam Studio(TM)"),
+        ("Fotocamera di Panoramica Scrivania", "Fotocamera di Panoramica Scrivania"),
+        ("Wide Field of View Camera", "Wide Field of View Camera"),
+        ("USB AV Camera", "USB AV Camera"),
+        ("OBS Virtual Camera", "OBS Virtual Camera"),
     ],
 )
 def test_no_persons_name_is_kept(label: str, public: str) -> None:
     assert public_label(label) == public
+
+
+def test_what_is_not_seen_is_not_kept() -> None:
+    assert public_label("X\x1b[31m Z77\u202e\nexe\x07") == "X [31m Z77 exe"
+    assert public_platform("X11;\x1b Linux\u202e x86_64\n") == LINUX
+
+
+@pytest.mark.parametrize("name", sorted(_PROGRAMS))
+def test_a_programs_name_is_the_programs(name: str) -> None:
+    shown = public_label(f"Anna's {name.title()}")
+    assert name.title().startswith(shown.strip())
+    assert (identify(shown, WINDOWS).virtual, identify(shown, WINDOWS).name) == (True, name)
+
+
+@pytest.mark.parametrize(
+    ("platform", "public"),
+    [
+        (LINUX, LINUX),
+        (WINDOWS, WINDOWS),
+        (MAC, MAC),
+        (IPHONE, IPHONE),
+        ("X11; Ubuntu; Linux x86_64; rv:140.0", "X11; Ubuntu; Linux x86_64; rv:140.0"),
+        ("X11; CrOS x86_64 14541.0.0", "X11; CrOS x86_64 14541.0.0"),
+        ("Android 14; Mobile; rv:140.0", "Android 14; Mobile; rv:140.0"),
+        (
+            "Linux; Android 15; Pixel 8 Build/AP1A.240505.004",
+            "Linux; Android 15; Pixel 8 Build/AP1A.240505.004",
+        ),
+        ("Linux; Android 14; moto g power (2022)", "Linux; Android 14; moto g power (2022)"),
+        ("anna.schmidt@example.com 10.0.0.5", "other"),
+        ("Linux anna@example.com; 10.0.0.5", "Linux"),
+        ("Linux; Android 14; Anna Schmidt", "Linux; Android 14"),
+        ("Linux; Android 14; Anna's phone 2", "Linux; Android 14"),
+        ("Windows of Anna", "Windows"),
+        ("photographs", "photographs"),
+    ],
+)
+def test_of_the_platform_is_kept_what_is_recognised(platform: str, public: str) -> None:
+    assert public_platform(platform) == public
 
 
 def test_the_platform_is_what_stands_in_parentheses() -> None:
@@ -212,6 +276,15 @@ TEXT = st.text(max_size=60) | st.lists(
             "iPhone",
             " von ",
             "Anna",
+            "’s ",
+            "Galaxy",
+            "(",
+            ")",
+            "@x",
+            "OBS ",
+            "Camo ",
+            " of ",
+            "10.0.0.5",
             "Camera",
             "(046d:082d)",
             "Logitech ",
@@ -234,7 +307,9 @@ TEXT = st.text(max_size=60) | st.lists(
 )
 def test_what_is_stored_gives_the_key_that_was_asked_for(label: str, platform: str) -> None:
     """The index is rebuilt from what is stored, which carries no person's name."""
-    assert identify(public_label(label), public_platform(platform)) == identify(label, platform)
+    label_, platform_ = public_label(label), public_platform(platform)
+    assert identify(label_, platform_) == identify(label, platform)
+    assert (public_label(label_), public_platform(platform_)) == (label_, platform_)
 
 
 def test_an_earlier_versions_key_becomes_todays() -> None:

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 from calibdb.camera_key.apple import CAMERA_WORDS, in_english
 from calibdb.camera_key.names import without_maker
-from calibdb.camera_key.virtual import program
+from calibdb.camera_key.owner import without_owner
+from calibdb.camera_key.virtual import program, spelled
+from calibdb.camera_key.visible import visible
 
 # Chromium appends ` (vid:pid)`; on macOS it cuts it out of an id that need not be one (`(m-de:vice)`).
 _ID = re.compile(r"\(\s*([^\s():]{4}):([^\s():]{4})\s*\)\s*$")
@@ -20,18 +22,6 @@ _REPEATED = re.compile(r"^(.+?): (.+)$")
 # Android's older interface to the same two cameras; beyond these the numbers may mean others.
 _ANDROID = re.compile(r"^camera2 (?=[01], facing )")
 
-# "Anna's iPhone Camera": whose it is, is nobody's business, and says nothing about the optics.
-_OWNER = re.compile(
-    r"^.{1,64}?['’]s? +(?=(?:galaxy|pixel|phone|camera|macbook|imac|webcam|tablet|redmi|xperia)\b)",
-    re.IGNORECASE,
-)
-_OWNER_GENITIVE = re.compile(r"^\w{2,40}s +(?=(?:galaxy|pixel|redmi|xperia)\b)", re.IGNORECASE)
-_OWNER_AFTER = re.compile(
-    r"\b((?:galaxy|pixel|macbook|imac|redmi|xperia)\b[\w +-]*?) "
-    r"+(?:von|de|di|da|do|van|av|af|fra|of|od|від|от) .*$",
-    re.IGNORECASE,
-)
-_PHONE_LINK = re.compile(r"^.*\((windows virtual camera)\)", re.IGNORECASE)
 # Apple's phones are called what their owners like, in any grammar: of such labels only known words are kept.
 _APPLE = re.compile(r"iphone|ipad|ipod", re.IGNORECASE)
 _APPLE_WORDS = re.compile(
@@ -40,7 +30,6 @@ _APPLE_WORDS = re.compile(
     r"telephoto|truedepth|back|front|desk view)(?![a-z0-9])|schreibtischansicht|" + "|".join(CAMERA_WORDS),
     re.IGNORECASE,
 )
-_INVISIBLE = frozenset({"Cc", "Cf", "Cs", "Co", "Cn"})
 
 
 @dataclass(frozen=True)
@@ -53,21 +42,33 @@ class Label:
 
 
 def public_label(label: str) -> str:
-    """Return `label` without the name of a person, as it may be stored and shown."""
-    text = label.strip()
-    if match := _PHONE_LINK.search(text):
-        return match[1]
-    if _APPLE.search(text):
-        return _apple_label(text)
-    text = _OWNER_GENITIVE.sub("", _OWNER.sub("", text))
-    return _OWNER_AFTER.sub(r"\1", text).strip() or "camera"
+    """Return `label` without the name of a person, as it may be stored and shown.
+
+    Of a program that poses as a camera its own name is left, of a phone that its owner named known words.
+    """
+    text = visible(label)
+    # Until nothing is left to cut, so that what is stored says the same as what was reported.
+    while (shorter := _public(text)) != text:
+        text = shorter
+    return text
+
+
+def _public(text: str) -> str:
+    found = _ID.search(text)
+    usb_id = f" {found[0].strip()}" if found else ""
+    name = text[: found.start()].strip() if found else text
+    if posing := program(_plain(text)):
+        return spelled(posing, name)
+    if _APPLE.search(name):
+        return " ".join(_APPLE_WORDS.findall(name)) + usb_id
+    if in_english(name.casefold()):
+        return text
+    return (without_owner(name) or "camera") + usb_id
 
 
 def read(label: str, system: str) -> Label:
     """Return what `label` says, on a system of this family."""
-    visible = "".join(c if unicodedata.category(c) not in _INVISIBLE else " " for c in public_label(label))
-    text = " ".join(unicodedata.normalize("NFKC", _MARKS.sub(" ", visible)).casefold().split())
-    text = " ".join(_MARKS.sub(" ", text).split())
+    text = _plain(public_label(label))
     usb_id = None
     if match := _ID.search(text):
         text = text[: match.start()].strip()
@@ -84,10 +85,10 @@ def read(label: str, system: str) -> Label:
     return Label(without_maker(_ANDROID.sub("camera ", text)), usb_id, virtual=False)
 
 
-def _apple_label(text: str) -> str:
-    usb_id = _ID.search(text)
-    kept = " ".join(_APPLE_WORDS.findall(text[: usb_id.start()] if usb_id else text))
-    return f"{kept} {usb_id[0].strip()}" if usb_id else kept
+def _plain(text: str) -> str:
+    """Return the label as it is compared: without trademark signs, in one case and one spelling."""
+    text = " ".join(unicodedata.normalize("NFKC", _MARKS.sub(" ", text)).casefold().split())
+    return " ".join(_MARKS.sub(" ", text).split())
 
 
 def _english_camera(text: str) -> str:

@@ -43,6 +43,11 @@ def words(name: str) -> list[str]:
     return [word[:_LONGEST_WORD] for word in _WORDS.findall(name)]
 
 
+def is_generic(word: str) -> bool:
+    """Tell whether `word` (lower case) is said of many cameras, or is a maker's name."""
+    return word in _GENERIC or word in ("r", "c", "tm")
+
+
 def is_maker(word: str) -> bool:
     """Tell whether `word` (lower case) is the name of a maker."""
     return word in _MAKER

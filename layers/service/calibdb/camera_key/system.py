@@ -6,6 +6,35 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
+from calibdb.camera_key.owner import without_owner
+from calibdb.camera_key.visible import visible
+
+# What systems say of themselves; anything else is reduced to the family that it names, or left out.
+_KNOWN = re.compile(
+    r"x11|wayland|linux(?: (?:x86_64|i[3-6]86|amd64|aarch64|arm64|armv?[0-9a-z]{0,4}|riscv64|ppc64le))?"
+    r"|u|k|wv|mobile|tablet|unknown|ubuntu|fedora|debian|rv:[0-9.]{1,12}"
+    r"|win32|win64|x64|x86_64|wow64|arm64|arm|windows(?: nt)?(?: [0-9]{1,2}(?:\.[0-9]{1,5}){0,3})?"
+    r"|macintosh|macintel|(?:(?:intel|ppc|arm) )?mac ?os(?: x)?(?: [0-9]{1,3}(?:[._][0-9]{1,4}){0,3})?"
+    r"|iphone|ipad|ipod(?: touch)?|ios(?: [0-9]{1,3}(?:[._][0-9]{1,4}){0,3})?"
+    r"|cpu (?:iphone )?os [0-9]{1,3}(?:_[0-9]{1,4}){0,3} like mac os x"
+    r"|cros \w{1,10} [0-9.]{1,20}|chrome ?os|chromium ?os|[a-z]{0,10}bsd(?: (?:amd64|i386|x86_64))?"
+    r"|android(?: [0-9]{1,3}(?:\.[0-9]{1,3}){0,3})?|[a-z]{2}[-_][a-z]{2}|photographs|video|other",
+    re.IGNORECASE,
+)
+# A device's model has a number or is a make's own name: words alone may be anybody's.
+_DEVICE = re.compile(
+    r"(?=.*[0-9]|(?:google )?pixel\b|nexus\b|moto\b|redmi\b|poco\b|nokia\b)[^\W_][\w ()+./,&-]{0,47}?"
+    r"(?: build/[\w.-]{1,40})?",
+    re.IGNORECASE,
+)
+_SHOWN = {
+    "ios": "iOS",
+    "android": "Android",
+    "chromeos": "ChromeOS",
+    "windows": "Windows",
+    "macos": "macOS",
+    "linux": "Linux",
+}
 _USER_AGENT = re.compile(r"^Mozilla/[0-9.]+ \(([^)]*)\)")
 _SYSTEMS = (
     # The first that is found: Android calls itself Linux, too, and iOS "like Mac OS X".
@@ -55,19 +84,39 @@ class System:
 
 
 def public_platform(platform: str) -> str:
-    """Return the part of `platform` that is stored: of a whole user agent only its parenthesised part."""
-    match = _USER_AGENT.match(platform.strip())
-    return (match[1] if match else platform).strip()
+    """Return what of `platform` is recognised and so is stored: system, version, the device's model.
+
+    Of a whole user agent only its parenthesised part. `other` where nothing is.
+    """
+    text = visible(platform.replace('"', " "))
+    match = _USER_AGENT.match(text)
+    parts = [part.strip() for part in (match[1] if match else text).split(";")]
+    android = any(_family(part) == "android" for part in parts)
+    kept: list[str] = []
+    for part in parts:
+        family = _family(part)
+        if _KNOWN.fullmatch(part):
+            kept.append(part)
+        elif family:
+            kept.append(_SHOWN[family])
+        elif android and _DEVICE.fullmatch(part) and without_owner(part) == part:
+            kept.append(part)
+            android = False  # it has one model
+    return "; ".join(dict.fromkeys(kept)) or "other"
 
 
 def system_of(platform: str) -> System:
     """Return the system that `platform` names."""
     text = unicodedata.normalize("NFKC", public_platform(platform)).casefold()
-    text = " ".join(text.replace('"', " ").split())
-    for name, pattern in _SYSTEMS:
-        if pattern.search(text):
-            return System(name, _model(name, text))
+    family = _family(text)
+    if family:
+        return System(family, _model(family, text))
     return System(text if text in FILES else "other")
+
+
+def _family(text: str) -> str | None:
+    folded = text.casefold()
+    return next((name for name, pattern in _SYSTEMS if pattern.search(folded)), None)
 
 
 def _model(name: str, text: str) -> str:

@@ -8,14 +8,14 @@ import re
 _OURS = "calibdb virtual camera"
 
 _PROGRAMS = {
-    "obs virtual camera": r"\bobs(?:[ -]?virtual)?[ -]?cam(?:era)?\b|\bobs-?camera ?[0-9]*\b|\bobs virtual\b",
+    "obs virtual camera": r"\bobs(?:[ -]?virtual)?[ -]?cam(?:era)?\b|\bobs-?camera ?[0-9]*\b|^obs\b",
     "camtwist": r"\bcamtwist\b",
     "manycam": r"\bmanycam\b",
     "droidcam": r"\bdroidcam\b",
     "iriun webcam": r"\biriun\b",
     "epoccam": r"\bepoccam\b",
     "ivcam": r"\bivcam\b|\be2esoft\b",
-    "camo": r"\breincubate camo\b|\bcamo(?: camera)?$",
+    "camo": r"^camo\b|\breincubate camo\b|\bcamo(?: camera)?$",
     "nvidia broadcast": r"\bnvidia (?:broadcast|camera)\b",
     "snap camera": r"\bsnap camera\b",
     "xsplit vcam": r"\bxsplit\b",
@@ -32,7 +32,7 @@ _PROGRAMS = {
     "prism live": r"\bprism (?:live|lens)\b",
     "unity video capture": r"\bunity video capture\b",
     "spoutcam": r"\bspoutcam\b",
-    "screen capture": r"\bscreen-capture-recorder\b",
+    "screen-capture-recorder": r"\bscreen-capture-recorder\b",
     "windows virtual camera": r"\(windows virtual camera\)|\bwindows virtual camera\b",
     "v4l2loopback": r"\bv4l2[ -]?loopback\b|\bdummy video device\b",
     # Chromium's and Firefox's, under test.
@@ -41,6 +41,12 @@ _PROGRAMS = {
     "virtual camera": r"\bvirtual[ -]?(?:cam|camera|webcam)\b|\bvcam\b",
 }
 _PATTERNS = tuple((name, re.compile(pattern)) for name, pattern in _PROGRAMS.items())
+
+
+def spelled(posing: str, label: str) -> str:
+    """Return the program's name as `label` spells it, without anything else that stands there."""
+    match = re.search(_PROGRAMS[posing], label, re.IGNORECASE)
+    return match[0].strip("()") if match else posing
 
 
 def program(text: str) -> str | None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 from pydantic_core import PydanticCustomError
+
+from calibdb.camera_key.visible import visible
 
 MAX_CORNERS = 49 * 49  # of the largest board
 SMALLEST_SIDE, LARGEST_SIDE = 16, 16384  # px
@@ -35,7 +37,16 @@ DistortionModel = Literal["rectilinear", "fisheye", "rational", "omnidirectional
 DISTORTION_MODELS: tuple[str, ...] = get_args(DistortionModel)
 Guidance = Literal["projection-uncertainty", "pose-selection"]
 
-Label = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=256)]
+
+def _in_one_line(text: object) -> object:
+    return visible(text) if isinstance(text, str) else text
+
+
+Label = Annotated[
+    str,
+    StringConstraints(strip_whitespace=True, min_length=1, max_length=256),
+    BeforeValidator(_in_one_line),
+]
 Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE)]
 
 

@@ -1,6 +1,7 @@
 """Lensfun's lens database: an XML file with the camera, the lens, and its distortion as `ptlens`."""
 
 import math
+import re
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -15,6 +16,8 @@ from .format import Format
 DIAGONAL = math.hypot(36, 24)
 """mm: the frame to which crop factors refer. Ours is 1: only the ratio of frame and focal length is known."""
 RADIAL = ("p1", "p2")
+NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What XML 1.0 cannot hold, not even escaped. Source: XML 1.0 (Fifth Edition), production 2, Char."""
 
 
 class Lensfun(Format):
@@ -42,7 +45,7 @@ class Lensfun(Format):
         unit = half(c)
         a, b, c2 = polynomial(c)[:3]
         focal = k[0, 0] * DIAGONAL / math.hypot(w, h)
-        name = escape(subject.name or "camera", {'"': "&quot;"})
+        name = escape(NO_XML.sub("", subject.name).strip() or "camera", {'"': "&quot;"})
         kind = "\n        <type>fisheye</type>" if c.model == "fisheye" else ""
         center = f'x="{float(k[0, 2] - (w - 1) / 2) / unit!r}" y="{float(k[1, 2] - (h - 1) / 2) / unit!r}"'
         note = f"\n<!-- {held.warning} -->" if held.warning else ""

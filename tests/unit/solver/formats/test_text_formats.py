@@ -1,6 +1,7 @@
 """Files of text, read back by the tools they are for, or by what those document."""
 
 import json
+import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from typing import Any
 
@@ -237,6 +238,14 @@ def test_warning_stands_in_every_text_that_is_off() -> None:
     for name in formats.NAMES:
         file = formats.write(subject("rectilinear"), name)
         assert (file.warning is not None) == (file.error > formats.VISIBLE)
+
+
+@pytest.mark.parametrize("name", ["a\x1b[31m & <b>\x00", "\ud800\ufffe", "]]>--", "\x07", "後置 \U0001f4f7"])
+def test_lensfuns_file_is_well_formed_whatever_the_camera_is_called(name: str) -> None:
+    mine = subject("rectilinear")
+    file = formats.write(Subject(mine.camera, name=name), "lensfun")
+    models = [e.text for e in ET.fromstring(file.content).iter("model")]
+    assert models == ["".join(c for c in name if c.isprintable() and c != "\ufffe") or "camera"] * 2
 
 
 def test_calibration_without_keypoints_is_converted_too() -> None:

@@ -1,0 +1,65 @@
+"""What a label says of a camera's owner: nobody's business, and nothing about the optics."""
+
+from __future__ import annotations
+
+import re
+
+from calibdb.camera_key.apple import CAMERA_WORDS
+from calibdb.camera_key.names import is_generic
+
+_ADDRESS = re.compile(
+    r"\S*@\S*"
+    r"|(?<![\w.])[0-9]{1,3}(?:\.[0-9]{1,3}){3}(?::[0-9]+)?(?![\w.])"
+    r"|(?<![\w:])(?:[0-9a-f]{0,4}[:]){2,}[0-9a-f:.]*(?![\w:])",
+    re.IGNORECASE,
+)
+_HOST = re.compile(
+    r"(?<![\w-])(?!usb)[\w-]+-(?:pc|laptop|notebook|desktop|macbook)(?![\w-])"
+    r"|(?<![\w-])(?:desktop|laptop)-[0-9a-z]{5,}(?![\w-])",
+    re.IGNORECASE,
+)
+_QUOTED = re.compile(r"[„“«][^„“”«»]*[“”»]|[„“”«»]")
+_PARENTHESES = re.compile(r"\(([^()]*)\)|\([^()]*$|[()]")
+# In parentheses stands what a product's model is (`(2)`, `(V-U0028)`), where it is built in, or a name.
+_MODEL = re.compile(r"(?=.*[0-9])[A-Z]{0,5}[-.]?[A-Z]{0,3}[0-9][0-9A-Za-z.+-]{0,12}")
+_WORD = re.compile(r"[^\s/_-]+")
+_POSSESSIVE = re.compile(r"^.*['’‘ʼ´`]s?(?: +|$)", re.IGNORECASE)
+_PRODUCTS = (
+    r"galaxy|pixel|redmi|xperia|oneplus|nothing phone|moto|huawei|honor|oppo|vivo|realme|poco|nokia|xiaomi|"
+    r"fairphone|zenfone|iphone|ipad|macbook|imac|thinkpad|ideapad|handy"
+)
+_GENITIVE = re.compile(rf"^(?:[\w.-]+ +){{0,3}}\w{{2,40}}s +(?=(?:{_PRODUCTS})\b)", re.IGNORECASE)
+# "Field of view" is said of cameras; AV, AF and VAN are no prepositions.
+_TAIL = re.compile(r"^(.*?)(?:^| +)(?:of(?! +[Vv]iew)|von|vom|van|av|af|fra|od|від|от|del|della)(?: .*)?$")
+_SHORT_TAIL = re.compile(
+    rf"^(.*\b(?:{_PRODUCTS}|tablet|phone|webcam|{'|'.join(CAMERA_WORDS)})\b.*?) +(?:de|di|da|do) +(.*)$",
+    re.IGNORECASE,
+)
+
+
+def without_owner(name: str) -> str:
+    """Return a camera's name without names of persons and computers, addresses, and what says whose it is."""
+    # Until nothing is left to cut: what one rule cuts may have hidden from another.
+    while (shorter := _cut(name)) != name:
+        name = shorter
+    return name
+
+
+def _cut(name: str) -> str:
+    for pattern in (_ADDRESS, _HOST, _QUOTED):
+        name = pattern.sub(" ", name)
+    name = _PARENTHESES.sub(_kept, name)
+    name = _GENITIVE.sub("", _POSSESSIVE.sub("", name))
+    if match := _TAIL.match(name):
+        name = match[1]
+    match = _SHORT_TAIL.match(name)
+    if match and match[2][:1].isupper():
+        name = match[1]
+    return " ".join(name.split())
+
+
+def _kept(match: re.Match[str]) -> str:
+    words = _WORD.findall(match[1] or "")
+    if words and all(_MODEL.fullmatch(word) or is_generic(word.casefold()) for word in words):
+        return match[0]
+    return " "
