@@ -125,8 +125,11 @@ def test_waiting_for_the_service_is_said_and_can_be_ended(context: BrowserContex
     page.route("**/v1/auth", lambda route: route.abort())
     page.goto(VIRTUAL)
     page.locator("#opening-text", has_text="connection to calibDB is lost. Trying again").wait_for()
-    picture(page, "capture-offline")
-    page.locator("#cancel").click()
+    # It is not waited for: the page has targets of its own.
+    page.locator("#away", has_text="Without connection").wait_for()
+    page.locator("#undo:enabled").wait_for()
+    page.locator("#stop").click()
+    page.locator("#stop").click()
     page.locator("#welcome:not([hidden])").wait_for()
     before = len(asked)
     page.wait_for_timeout(2_500)
@@ -142,12 +145,19 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     there = views(page)
     page.route("**/v1/**", lambda route: route.abort())
     page.locator("#away", has_text="Without connection").wait_for()
-    page.locator("#counts", has_text=re.compile("[2-9] waiting")).wait_for()
+    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] kept here")).wait_for()
+    assert len(page.locator("#target").get_attribute("points").split()) == 4  # type: ignore[union-attr]
     picture(page, "capture-away")
     page.unroute("**/v1/**")
     page.locator("#away").wait_for(state="hidden", timeout=20_000)
+    # What is said is of now: for a while after the return, whatever is said.
+    said = set()
+    for _ in range(20):
+        said.add(page.locator("#instruction").text_content())
+        page.wait_for_timeout(50)
+    assert not [text for text in said if text and "onnection" in text], said
     wait_for_views(page, there + 1)
-    assert "waiting" not in (page.locator("#counts").text_content() or "")
+    assert "kept here" not in (page.locator("#counts").text_content() or "")
 
     taken = views(page)
     page.reload()
@@ -159,6 +169,88 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     picture(page, "capture-interrupted")
     page.locator("#forget").click()
     page.locator("#interrupted").wait_for(state="hidden")
+
+
+def test_a_service_that_never_answers_is_done_without(context: BrowserContext) -> None:
+    page = context.new_page()
+    page.goto(ENDLESS)
+    page.locator("#undo:enabled").wait_for()
+    page.route("**/v1/**", lambda _: None)  # accepted, and nothing is said
+    page.locator("#away", has_text="Without connection").wait_for(timeout=25_000)
+    page.locator("#counts", has_text=re.compile("[1-9] of [3-8] kept here")).wait_for()
+
+
+def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_back(
+    context: BrowserContext,
+) -> None:
+    page = context.new_page()
+    page.goto(VIRTUAL)
+    page.locator("#done:not([hidden])").wait_for()
+    page.route("**/v1/**", lambda route: route.abort())
+    page.route("**/config.json", lambda route: route.abort())
+    page.goto(VIRTUAL)
+    page.locator("#notice", has_text="calibDB cannot be reached. Go on").wait_for()
+    page.locator("#counts", has_text=re.compile("[2-7] of 8 kept here")).wait_for()
+
+    page.goto("/calibrate/")
+    page.locator("#interrupted-text", has_text="are kept on this device").wait_for()
+    page.locator("#go-on").click()
+    page.locator("#notice", has_text="views are kept on this device: go on").wait_for()
+    page.locator("#instruction", has_text="Enough views. Waiting for calibDB").wait_for()
+    assert (page.locator("#counts").text_content() or "").endswith("8 of 8 kept here")
+    page.locator("#undo").click()
+    page.locator("#notice", has_text="The last view was taken back").wait_for()
+    page.locator("#instruction", has_text="Enough views").wait_for()
+    picture(page, "capture-enough")
+    page.unroute("**/v1/**")
+    page.locator("#done:not([hidden])").wait_for(timeout=30_000)
+
+
+def test_a_view_that_the_service_has_is_not_taken_back_without_it(context: BrowserContext) -> None:
+    page = context.new_page()
+    page.goto(ENDLESS)
+    page.locator("#undo:enabled").wait_for()
+    page.route("**/v1/**", lambda route: route.abort())
+    page.reload()
+    page.locator("#notice", has_text="kept on this device: go on").wait_for()
+    page.locator("#undo").click()
+    page.locator("#notice", has_text="cannot be taken back until calibDB is there").wait_for()
+    page.locator("#counts", has_text="of 8 kept here").wait_for()
+
+
+def test_a_second_tab_leaves_the_first_one_alone(context: BrowserContext) -> None:
+    first, second = context.new_page(), context.new_page()
+    first.bring_to_front()
+    first.goto(ENDLESS)
+    first.locator("#undo:enabled").wait_for()
+    begun = sessions(second)
+    second.goto("/calibrate/")
+    assert second.locator("#interrupted").is_hidden(), "it is not interrupted, it goes on"
+    second.goto(ENDLESS)
+    second.locator("#failure", has_text="being calibrated in another tab").wait_for()
+    assert begun == []
+    first.bring_to_front()
+    wait_for_views(first, views(first) + 1)
+    first.close()
+    second.bring_to_front()
+    second.locator("#again").click()
+    second.locator("#controls:not([hidden])").wait_for()
+    assert views(second) >= 1, "it takes up what the first one had"
+
+
+def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> None:
+    page.goto(VIRTUAL)
+    page.locator("#done:not([hidden])").wait_for()
+    assert "This was practice" in (page.locator("#practice").text_content() or "")
+    assert page.locator("#practice").is_visible()
+    assert "/result/?id=" in page.url
+    page.locator("#once-more").click()
+    page.locator("#controls:not([hidden])").wait_for()
+    assert "/calibrate/?virtual=1" in page.url
+    page.locator("#done:not([hidden])").wait_for()
+    page.reload()
+    page.locator("#verdict").wait_for()
+    assert "/result/?id=" in page.url
 
 
 def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: BrowserContext) -> None:

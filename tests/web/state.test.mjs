@@ -167,7 +167,7 @@ test("without the service, views are kept and counted, and the target is the pag
   assert.deepEqual([stored.stored, stored.pose, stored.notice.key], [2, null, "capture.view_stored"]);
   const views = [{ index: 0, points: 40, rms: 0.1 }, { index: 1, points: 40, rms: 0.1 }];
   const trying = reduce(stored, { type: "patience", attempt: 2 });
-  const back = reduce(trying, { type: "back", session: { ...SESSION, views, progress: 0.5 }, refused: 0, time: 3000 });
+  const back = reduce(trying, { type: "back", session: { ...SESSION, views, progress: 0.5 }, taken: 2, refused: 0, time: 3000 });
   assert.deepEqual([back.away, back.stored, back.progress, back.notice.key], [false, 0, 0.5, "capture.came_back"]);
   assert.equal(back.patience, 0, "the connection is not lost any more");
 });

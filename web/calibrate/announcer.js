@@ -6,6 +6,9 @@ export class Announcer {
   #place;
   #wait;
   #text = "";
+  /** What is said once, and not lost to what comes after it. */
+  #news = "";
+  #told = "";
   /** @type {ReturnType<typeof setTimeout> | null} */
   #timer = null;
 
@@ -15,9 +18,12 @@ export class Announcer {
     this.#wait = pause;
   }
 
-  /** @param {string} text */
-  say(text) {
-    if (text === this.#text) return;
+  /** @param {string} text what holds now @param {string} [news] what has just happened: said once, before it */
+  say(text, news = "") {
+    const isNew = news !== "" && news !== this.#told;
+    this.#told = news;
+    if (isNew) this.#news = news;
+    if (text === this.#text && !isNew) return;
     this.#text = text;
     if (this.#timer !== null) return;
     this.#write();
@@ -25,10 +31,11 @@ export class Announcer {
 
   #write() {
     const said = this.#text;
-    this.#place.textContent = said;
+    this.#place.textContent = [this.#news, said].filter(Boolean).join(" ");
+    this.#news = "";
     this.#timer = setTimeout(() => {
       this.#timer = null;
-      if (this.#text !== said) this.#write();
+      if (this.#text !== said || this.#news) this.#write();
     }, this.#wait);
   }
 }

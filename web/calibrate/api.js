@@ -14,7 +14,7 @@ export { OfflineError };
  */
 
 /** Seconds between attempts: a minute in all, about as long as a person would wait. */
-const PAUSES = [0.5, 1, 2, 4, 8, 15, 30];
+export const PAUSES = [0.5, 1, 2, 4, 8, 15, 30];
 /** Who can go on without an answer waits for two seconds. */
 const SHORT_PAUSES = 2;
 /** Seconds that the service may ask to be left alone for. */

@@ -1,11 +1,11 @@
 // The loop of one capture: looks, sends what is held still, follows the targets, and goes on when something fails.
 import { ApiError } from "./api.js";
-import { lockFocus } from "./camera.js";
+import { facts, lockFocus } from "./camera.js";
 import { DetectorError, grab } from "./detector.js";
 import { nextProbe } from "./diagnosis.js";
 import { decide, lenience } from "./hold.js";
 import { nextPlanned, trusted } from "./plan.js";
-import { isAway, viewCount } from "./session.js";
+import { isAway, isEnough, viewCount } from "./session.js";
 import { isOfSize } from "./state.js";
 import { motion } from "./stillness.js";
 import { tint } from "./tint.js";
@@ -84,7 +84,8 @@ export class Guide {
    * @returns {Promise<"relayout" | null>} relayout: the capture is to begin again with the board's other layout
    */
   async run() {
-    void this.#nextPose();
+    if (this.#state.away) this.#alone();
+    else void this.#nextPose();
     while (this.#state.phase === "capturing" && !this.#signal.aborted) {
       await nextFrame(this.#video);
       if (this.#signal.aborted || this.#isHidden()) continue;
@@ -144,7 +145,22 @@ export class Guide {
     const [columns, rows] = this.#state.board.squares;
     if (this.#focused || this.#state.corners.ids.length < FOCUSED * (columns - 1) * (rows - 1)) return;
     this.#focused = true;
-    void lockFocus(this.#camera.track);
+    void this.#lock();
+  }
+
+  /** What was recorded of the camera was so before its focus was held: a session without views is begun anew. */
+  async #lock() {
+    const before = JSON.stringify(this.#session.request.track);
+    await lockFocus(this.#camera.track);
+    const track = facts(this.#camera.track);
+    if (this.#signal.aborted || JSON.stringify(track) === before) return;
+    await this.#silence();
+    if (this.#state.phase !== "capturing" || this.#state.away || viewCount(this.#state) > 0) return;
+    await this.#exclusive(async () => {
+      this.#tell({ type: "session", session: await this.#session.renew(track) });
+      this.#tell({ type: "request", request: this.#session.request });
+    });
+    if (this.#state.phase === "capturing") await this.#nextPose();
   }
 
   async #submit() {
@@ -162,7 +178,7 @@ export class Guide {
     if (ids.length === 0 || motion(corners, view) > steady) return;
     if (this.#state.away) {
       this.#session.keep(view);
-      this.#tell({ type: "stored", corners: view, stored: this.#session.waiting, time: performance.now() });
+      this.#tell({ type: "stored", corners: view, stored: this.#stored, time: performance.now() });
     } else {
       await this.#exclusive(async () => {
         const answer = await this.#session.submit(pose.index, view);
@@ -187,6 +203,7 @@ export class Guide {
   /** A target of our own, where there is one. */
   #planPose() {
     const { board, key, session } = this.#state;
+    if (isEnough(this.#state)) return;
     const planned = key && nextPlanned(this.#plan, this.#planned, board, key.img_size, trusted(session));
     if (!planned) return;
     const { pose, next } = planned;
@@ -203,9 +220,13 @@ export class Guide {
   async #undo() {
     await this.#silence();
     if (this.#state.phase !== "capturing" || viewCount(this.#state) === 0) return;
+    // What the service has, or is just being sent, only the service can take back.
+    if (this.#state.away && (this.#state.sending || this.#session.lastIsTaken)) {
+      return this.#tell({ type: "told", notice: { key: "capture.undo_away", kind: "plain" }, time: performance.now() });
+    }
     await this.#exclusive(async () => {
       const session = await this.#session.undo();
-      this.#tell({ type: "undone", session, stored: this.#session.waiting, time: performance.now() });
+      this.#tell({ type: "undone", session, stored: this.#stored, time: performance.now() });
     });
     await this.#nextPose();
   }
@@ -248,25 +269,37 @@ export class Guide {
     }
   }
 
-  /** Without the service: targets from the plan, views kept, and asking every now and then. */
+  /** Views that the service is not known to have. */
+  get #stored() {
+    return this.#state.session ? this.#session.waiting : this.#session.size;
+  }
+
   #goAway() {
-    if (this.#state.away) return;
-    this.#tell({ type: "away", stored: this.#session.waiting, time: performance.now() });
+    if (this.#state.away) return this.#tell({ type: "idle" });
+    this.#tell({ type: "away", stored: this.#stored, time: performance.now() });
+    this.#alone();
+  }
+
+  /** Without the service: targets from the plan, views kept, and asking every now and then. */
+  #alone() {
     this.#planPose();
     void this.#reconnect();
   }
 
   async #reconnect() {
+    let [taken, refused] = [0, 0];
     for (let attempt = 0; !this.#signal.aborted; attempt++) {
       await new Promise((resolve) => setTimeout(resolve, 1000 * (RECONNECT[attempt] ?? RECONNECT[RECONNECT.length - 1])));
       if (this.#signal.aborted) return;
       try {
-        const { state, refused } = await this.#session.resume();
-        if (this.#session.waiting > 0 && state.status !== "converged") continue; // taken while these were sent
-        this.#tell({ type: "back", session: state, refused, time: performance.now() });
+        const sent = await this.#session.resume(undefined, { onSending: () => this.#tell({ type: "sending", sending: true }) });
+        [taken, refused] = [taken + sent.taken, refused + sent.refused];
+        if (this.#session.waiting > 0 && sent.state.status !== "converged") continue; // taken while these were sent
+        this.#tell({ type: "back", session: sent.state, taken, refused, time: performance.now() });
         break;
       } catch (error) {
         if (!isAway(error)) return this.#page.fail(error, this.#signal);
+        this.#tell({ type: "sending", sending: false });
       }
     }
     if (this.#state.phase === "capturing") await this.#nextPose();

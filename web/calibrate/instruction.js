@@ -1,4 +1,5 @@
 // One short instruction at a time, the largest difference first, and none that flickers.
+import { isEnough } from "./session.js";
 import { advice } from "./target.js";
 
 /**
@@ -32,7 +33,9 @@ export function instruct(state, holding, time) {
 }
 
 /** @param {import("./state.js").State} state @param {boolean} holding */
-function choose({ pose, away, corners, markers, outline, aim, mirrored, diagnosis: { trouble } }, holding) {
+function choose(state, holding) {
+  const { pose, away, corners, markers, outline, aim, mirrored, diagnosis: { trouble } } = state;
+  if (isEnough(state)) return "enough";
   if (!pose) return away ? "away" : "wait";
   if (trouble) return trouble;
   if (corners.ids.length === 0) return markers > 0 ? "slower" : "show";

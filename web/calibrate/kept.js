@@ -6,7 +6,7 @@
  *
  * @typedef {object} Cupboard
  * @property {(about: string) => Promise<Kept | null>} load
- * @property {() => Promise<Kept | null>} last the one that was saved last
+ * @property {(except?: Set<string>) => Promise<Kept | null>} last the one that was saved last; except: what those are about that others have
  * @property {(kept: Kept) => Promise<boolean>} save false: it could not be kept, the storage is full or refused
  * @property {(about: string) => Promise<void>} remove
  */
@@ -30,12 +30,12 @@ export function openCupboard(factory = globalThis.indexedDB, now = Date.now) {
       const kept = store ? await done(store.get(about)).catch(refused) : null;
       return kept && now() - kept.time < OLD ? kept : null;
     },
-    async last() {
+    async last(except = new Set()) {
       const store = (await database())?.transaction(STORE).objectStore(STORE);
       const all = /** @type {Dated[]} */ ((store && (await done(store.getAll()).catch(refused))) ?? []);
       const fresh = all.filter(({ time }) => now() - time < OLD).sort((a, b) => b.time - a.time);
       for (const { about, time } of all) if (now() - time >= OLD) await cupboard.remove(about);
-      return fresh[0] ?? null;
+      return fresh.find(({ about }) => !except.has(about)) ?? null;
     },
     async save(kept) {
       const base = await database();

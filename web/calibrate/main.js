@@ -4,18 +4,22 @@ import { showProblem } from "../board/problem.js";
 import { language, onLanguage } from "../i18n.js";
 import { openPage } from "../page.js";
 import { cameraKey, platformHere } from "../sdk/calibdb.js";
-import { SettingsError, loadSettings } from "../settings.js";
+import { SettingsError } from "../settings.js";
+import { isVirtual } from "../virtual/camera.js";
 import captureWords from "../words/capture.js";
 import { Announcer } from "./announcer.js";
-import { Api, ApiError, OfflineError } from "./api.js";
+import { ApiError, OfflineError } from "./api.js";
 import { CameraError, cameras, facts, open } from "./camera.js";
+import { Captures, aboutOf } from "./captures.js";
+import { claim, claimed } from "./claim.js";
 import { Detector, DetectorError } from "./detector.js";
 import { Feedback } from "./feedback.js";
 import { Guide } from "./guide.js";
 import { openCupboard } from "./kept.js";
 import { loadPlan } from "./plan.js";
+import { address, atCapture, atResult, GO_ON, goTo } from "./place.js";
 import { findParts, render } from "./render.js";
-import { CaptureSession } from "./session.js";
+import { Sizes } from "./sizes.js";
 import { initial, reduce } from "./state.js";
 import * as words from "./words.js";
 
@@ -25,14 +29,12 @@ import * as words from "./words.js";
  * @typedef {import("../vendor/api.js").SessionRequest} Request
  */
 
-/** ms that a fit of fifteen views takes at most, ten times over: who is silent for longer is away. */
-const ANSWER = 10_000;
-
 openPage({ capture: captureWords });
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
 const cupboard = openCupboard();
+const captures = new Captures(cupboard, { address: () => address(parameters), onUnkept: () => dispatch({ type: "unkept" }) });
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
 /** What shows the result: it arrives while the capture goes on. @type {import("./outcome.js").Outcome | null} */
@@ -47,16 +49,20 @@ let shown = null;
 let run = null;
 /** @type {Promise<Detector> | null} */
 let detector = null;
-/** The captures of this page, by what they are about: each can be taken up again. @type {Map<string, CaptureSession>} */
-const sessions = new Map();
-/** Id of the camera that was asked for last. */
+/** The session of the last run. @type {import("./session.js").CaptureSession | null} */
+let session = null;
+/** Id of the camera that was asked for last, and the size asked of it, px. */
 let chosen = "";
+let size = state.wanted.img_size ?? Sizes.USUAL;
 
 /** @param {Event} event */
 function dispatch(event) {
   state = reduce(state, event);
   // Before the page turns to it: it takes the focus, and the camera's last picture.
-  if (state.phase === "done" && shown?.phase !== "done") outcome?.show(state);
+  if (state.phase === "done" && shown?.phase !== "done") {
+    outcome?.show(state);
+    atResult(parameters, state.session?.calibration_id ?? null);
+  }
   else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
   if (shown?.picture && shown.picture !== state.picture) URL.revokeObjectURL(shown.picture);
@@ -71,7 +77,7 @@ function signal(event) {
   else if (event.type === "answer") feedback.give("refused");
   if (state.phase !== "capturing") return;
   const hint = words.instruction(state);
-  announcer.say([words.notice(state.notice), hint, words.remedy(state)].filter(Boolean).join(". "));
+  announcer.say([hint, words.remedy(state)].filter(Boolean).join(". "), words.notice(state.notice));
   feedback.say(hint, language(), performance.now());
 }
 
@@ -109,10 +115,11 @@ async function capture(choice, opened = null) {
   const own = run = new AbortController();
   const { signal } = own;
   chosen = choice;
+  atCapture(parameters);
   dispatch({ type: "open" });
   try {
     const camera = opened ?? await open(choice, {
-      parameters, board: state.board, place: document.body, size: state.wanted.img_size ?? [1280, 720],
+      parameters, board: state.board, place: document.body, size,
     });
     const letGo = () => camera.close();
     signal.addEventListener("abort", letGo);
@@ -123,16 +130,21 @@ async function capture(choice, opened = null) {
     const { videoWidth, videoHeight } = parts.video;
     const img_size = /** @type {[number, number]} */ ([videoWidth, videoHeight]);
     const key = { ...cameraKey(camera.track), platform: await platformHere(), img_size };
-    dispatch({ type: "opened", key, track: facts(camera.track), mirrored: camera.mirrored, cropped: camera.cropped });
+    const request = { ...requestFor(key), track: facts(camera.track) };
+    dispatch({ type: "opened", key, request, mirrored: camera.mirrored, cropped: camera.cropped });
     camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
 
+    if (!await claim(aboutOf(request), signal)) throw new CameraError("elsewhere");
     dispatch({ type: "waiting", waiting: "detector" });
     const plan = loadPlan().catch(() => []);
     const finder = await openDetector();
     if (signal.aborted) return;
     await prepareOutcome();
     dispatch({ type: "waiting", waiting: "service" });
-    const session = await converse(key, facts(camera.track), signal);
+    session = await converse(request, signal);
+    if (state.phase === "capturing" && !state.notice && !isVirtual(key.camera) && String(size) !== String(img_size)) {
+      tell("capture.got_size", { size: img_size.join(" × ") });
+    }
     const means = { session, detector: finder, camera, plan: await plan, signal };
     const end = state.phase === "capturing" ? await new Guide(page, means).run() : null;
     if (signal.aborted) return;
@@ -141,7 +153,7 @@ async function capture(choice, opened = null) {
     own.abort();
     if (resized) await again("capture.resized", camera);
     else if (end === "relayout") await relayout();
-    else await cupboard.remove(aboutOf(key));
+    else await captures.forget(aboutOf(request));
   } catch (error) {
     fail(error, signal);
   }
@@ -150,7 +162,7 @@ async function capture(choice, opened = null) {
 /** What only a capture that goes on will need. */
 async function prepareOutcome() {
   const { Outcome } = await import("./outcome.js");
-  outcome ??= new Outcome(parts.result, parts.video, { returnTo: parameters.get("return_to"), onAgain: () => end(state.key) });
+  outcome ??= new Outcome(parts.result, parts.video, { returnTo: parameters.get("return_to"), asked: state.wanted.camera, onAgain: () => capture(chosen) });
 }
 
 /**
@@ -163,9 +175,14 @@ async function again(why, camera = null) {
   const told = setInterval(() => {
     if (state.phase === "opening") return;
     clearInterval(told);
-    if (state.phase === "capturing") dispatch({ type: "told", notice: { key: why, kind: "plain" }, time: performance.now() });
+    if (state.phase === "capturing") tell(why);
   }, 100);
   await begun;
+}
+
+/** @param {string} key of a text @param {Record<string, string | number>} [values] */
+function tell(key, values) {
+  dispatch({ type: "told", notice: { key, kind: "plain", values }, time: performance.now() });
 }
 
 /** The board that is shown has the other layout: that is the board, then. */
@@ -176,41 +193,20 @@ async function relayout() {
   await again("capture.legacy_taken");
 }
 
-/** @param {import("../sdk/calibdb.js").CameraKey} key */
+/** @param {import("../sdk/calibdb.js").CameraKey} key @returns {Request} what is sent of a capture, but its views */
 function requestFor(key) {
   return { ...key, board: state.board, distortion_model: state.wanted.distortion_model, ...targetError() };
 }
 
-/** @param {import("../sdk/calibdb.js").CameraKey} key what a capture is about, as text */
-const aboutOf = (key) => JSON.stringify(requestFor(key));
-
-/**
- * A session for this camera: one that was interrupted, on this page or an earlier one, where it is about the same.
- * @param {import("../sdk/calibdb.js").CameraKey} key @param {ReturnType<typeof facts>} track @param {AbortSignal} signal
- */
-async function converse(key, track, signal) {
-  const { api: address, token } = await loadSettings();
-  const api = new Api(address, {
-    signal,
-    patience: ANSWER,
-    onPatience: (patience) => signal.aborted || dispatch({ type: "patience", attempt: patience?.attempt ?? 0 }),
-  });
-  const about = aboutOf(key);
-  const before = await cupboard.load(about);
-  const same = sessions.get(about);
-  const session = same ?? new CaptureSession(api, token, /** @type {Request} */ ({ ...requestFor(key), track }), { about, kept: before, save });
-  const answer = same || before?.views.length ? (await session.resume(api, { patient: true })).state : await session.start();
+/** @param {Request} request @param {AbortSignal} signal */
+async function converse(request, signal) {
+  const onPatience = (/** @type {{attempt: number} | null} */ patience) =>
+    signal.aborted || dispatch({ type: "patience", attempt: patience?.attempt ?? 0 });
+  const { session, state: answer } = await captures.open(request, { signal, onPatience });
   signal.throwIfAborted();
-  sessions.set(about, session);
-  if (answer.status === "converged") sessions.delete(about);
-  dispatch({ type: "session", session: answer, stored: session.waiting });
+  if (answer) dispatch({ type: "session", session: answer, stored: session.waiting });
+  else dispatch({ type: "offline", stored: session.size, time: performance.now() });
   return session;
-}
-
-/** @param {import("./session.js").Kept} kept */
-async function save(kept) {
-  const saved = kept.views.length ? await cupboard.save(kept) : (await cupboard.remove(kept.about), true);
-  if (!saved) dispatch({ type: "unkept" });
 }
 
 /** What the session is to reach, where the address says so, px. */
@@ -245,19 +241,28 @@ function fail(error, signal) {
 /** To the first sheet, where what was interrupted is offered again. */
 function restart() {
   run?.abort();
+  atCapture(parameters);
   dispatch({ type: "restart" });
-  void listCameras();
-  void listInterrupted();
+  void listInterrupted().then(listCameras);
 }
 
 /** What a failure interrupted is kept; what a person ended is not. @param {State["key"]} key */
 async function end(key) {
   run?.abort();
-  if (key) {
-    sessions.delete(aboutOf(key));
-    await cupboard.remove(aboutOf(key));
-  }
+  if (key) await captures.forget(aboutOf(requestFor(key)));
   restart();
+}
+
+/** Once more, with the model that the service suggests: the views that there are go with it. */
+async function changeModel() {
+  const model = state.session?.suggested_model;
+  if (!model || !session || !state.key) return;
+  run?.abort();
+  const before = session;
+  dispatch({ type: "model", model: /** @type {State["wanted"]["distortion_model"]} */ (model) });
+  parameters.set("distortion_model", model);
+  await captures.move(before, requestFor(state.key));
+  await capture(chosen);
 }
 
 function stop() {
@@ -276,18 +281,42 @@ async function listCameras() {
 }
 
 async function listInterrupted() {
-  const kept = await cupboard.last();
-  dispatch({ type: "interrupted", interrupted: kept && { camera: kept.camera, views: kept.views.length } });
+  const kept = await cupboard.last(await claimed());
+  dispatch({
+    type: "interrupted",
+    interrupted: kept && { camera: kept.camera, views: kept.views.length, about: kept.about, address: kept.address ?? address(parameters) },
+  });
+}
+
+/** Goes on with what was interrupted: on the page that it was begun on, since that says what it is of. */
+async function goOn() {
+  const { interrupted } = state;
+  if (!interrupted) return;
+  if (interrupted.address !== address(parameters)) return goTo(interrupted.address);
+  size = JSON.parse(interrupted.about).img_size;
+  await capture(state.cameras.find(({ label }) => label === interrupted.camera)?.id ?? parts.camera.value);
 }
 
 async function forget() {
-  for (let kept = await cupboard.last(); kept; kept = await cupboard.last()) await cupboard.remove(kept.about);
-  sessions.clear();
+  if (state.interrupted) await captures.forget(state.interrupted.about);
   await listInterrupted();
   parts.start.focus();
 }
 
-parts.start.addEventListener("click", () => capture(parts.camera.value));
+const sizes = new Sizes(parts.resolution, size);
+parts.start.addEventListener("click", () => {
+  size = sizes.chosen;
+  void capture(parts.camera.value);
+});
+parts.goOn.addEventListener("click", goOn);
+for (const button of parts.models) button.addEventListener("click", changeModel);
+document.addEventListener("keydown", ({ key }) => {
+  if (key !== "Escape") return;
+  for (const drawer of document.querySelectorAll("details[open]")) {
+    if (drawer.contains(document.activeElement)) drawer.querySelector("summary")?.focus();
+    drawer.removeAttribute("open");
+  }
+});
 for (const button of [parts.startVirtual, parts.failedVirtual]) button.addEventListener("click", () => capture("virtual"));
 for (const button of [parts.cancel, parts.other]) button.addEventListener("click", restart);
 parts.again.addEventListener("click", () => capture(chosen));
@@ -298,12 +327,19 @@ for (const [sense, box] of /** @type {[import("./feedback.js").Sense, HTMLInputE
   box.parentElement?.toggleAttribute("hidden", !Feedback.offers(sense));
   box.addEventListener("change", () => feedback.switch(sense, box.checked));
 }
-onLanguage(() => render(parts, state, null));
+onLanguage(() => {
+  sizes.write();
+  render(parts, state, null);
+  void listCameras();
+});
 navigator.mediaDevices?.addEventListener("devicechange", listCameras);
 showProblem(parts.problem, problem);
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
-await listCameras();
 await listInterrupted();
-if (parameters.has("virtual")) void capture("virtual");
+await listCameras();
+const onward = location.hash === GO_ON;
+atCapture(parameters);
+if (onward) void goOn();
+else if (parameters.has("virtual")) void capture("virtual");
 // The detector arrives while the visitor reads. If it does not, capture() asks again and says why.
 else openDetector().catch((error) => console.info("detector not loaded yet:", error.message));

@@ -16,18 +16,20 @@ export class Outcome {
   #view;
   #video;
   #returnTo;
+  #asked;
   #onAgain;
   /** The capture whose outcome is shown; what arrives for an earlier one comes too late. */
   #shown = 0;
 
   /**
    * @param {HTMLElement} place @param {HTMLVideoElement} video whose last picture is straightened
-   * @param {{returnTo: string | null, onAgain: () => void}} options
+   * @param {{returnTo: string | null, asked: string | null, onAgain: () => void}} options asked: the camera that the page was opened for
    */
-  constructor(place, video, { returnTo, onAgain }) {
+  constructor(place, video, { returnTo, asked, onAgain }) {
     this.#view = new ResultView(place);
     this.#video = video;
     this.#returnTo = returnTo;
+    this.#asked = asked;
     this.#onAgain = onAgain;
   }
 
@@ -36,15 +38,18 @@ export class Outcome {
     const { calibration, calibration_id: id, advice = [] } = session ?? {};
     if (!calibration) return;
     const own = ++this.#shown;
+    const practice = isVirtual(key?.camera ?? "");
+    // An application gets no made-up camera for a real one, only where that is what it asked for.
+    const returnTo = practice && key?.camera !== this.#asked ? null : this.#returnTo;
     /** @type {import("../result/view.js").Result} */
     const result = {
       calibration, report: null, picture: still(this.#video, calibration.img_size), notes: advice,
-      origin: isVirtual(key?.camera ?? "") ? "practice" : "added", again: { label: () => t("capture.once_more"), action: this.#onAgain }, explain,
+      origin: practice ? "practice" : "added", again: { label: () => t("capture.once_more"), action: this.#onAgain }, explain,
     };
     this.#view.show(result);
     if (!id) return;
     void Promise.all([load(id), loadSettings()]).then(([{ report }, { return_origins: returnOrigins }]) => {
-      if (own === this.#shown) this.#view.show({ ...result, report, returnTo: this.#returnTo, returnOrigins });
+      if (own === this.#shown) this.#view.show({ ...result, report, returnTo, returnOrigins });
     }).catch((error) => console.info("no report:", explain(error)));
   }
 

@@ -1,9 +1,10 @@
 // Puts the state into the page. Reads nothing back, decides nothing.
 import { t } from "../i18n.js";
+import { isVirtual } from "../virtual/camera.js";
 import { propose } from "./camera.js";
 import { holdProgress } from "./hold.js";
 import { renderSeen, renderTarget } from "./marks.js";
-import { viewCount } from "./session.js";
+import { viewCount, wantedAway } from "./session.js";
 import * as words from "./words.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -29,6 +30,8 @@ export function findParts() {
     wanted: html("wanted"), problem: html("problem"),
     interrupted: html("interrupted"), interruptedText: html("interrupted-text"), forget: element("forget", HTMLButtonElement),
     senses: { sound: element("sound", HTMLInputElement), vibration: element("vibration", HTMLInputElement), voice: element("voice", HTMLInputElement) },
+    resolution: element("resolution", HTMLSelectElement), goOn: element("go-on", HTMLButtonElement), practice: html("practice"),
+    models: [element("model", HTMLButtonElement), element("model-done", HTMLButtonElement)],
     another: html("another"), anothers: /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".another")),
     boardLinks: /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href="../board/"]')),
     camera: element("camera", HTMLSelectElement),
@@ -62,13 +65,14 @@ export function render(parts, state, before) {
     parts.interrupted.hidden = state.interrupted === null;
     text(parts.interruptedText, words.interrupted(state));
   }
-  if (state.key !== before?.key || state.cropped !== before?.cropped) renderCamera(parts, state);
+  if (state.key !== before?.key || state.request !== before?.request || state.cropped !== before?.cropped) renderCamera(parts, state);
   parts.loading.value = state.loading;
   parts.stage.classList.toggle("plain", state.plain);
   if (phase === "opening") renderOpening(parts, state);
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);
-  if (state.session !== before?.session || state.progress !== before?.progress || state.stored !== before?.stored) renderProgress(parts, state);
+  if (state.session !== before?.session || state.progress !== before?.progress || state.stored !== before?.stored
+    || state.away !== before?.away) renderProgress(parts, state);
 }
 
 /** @param {Parts} parts @param {State["phase"]} phase */
@@ -93,7 +97,7 @@ function renderFailure({ failure, kept, failedVirtual }, state) {
 
 /** @param {Parts} parts @param {State} state */
 function renderCameras({ camera, wanted }, state) {
-  const proposed = propose(state.cameras, state.wanted.camera, camera.value);
+  const proposed = propose(state.cameras, state.wanted.camera ?? state.interrupted?.camera ?? null, camera.value);
   camera.replaceChildren(...state.cameras.map(({ id, label }) => new Option(label, id)));
   if (proposed === "" && state.cameras.every(({ id }) => id !== "")) camera.prepend(new Option(t("capture.no_camera"), ""));
   camera.value = proposed;
@@ -102,7 +106,7 @@ function renderCameras({ camera, wanted }, state) {
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderCamera({ stage, marks, pictureEdge, facts, sent, sentJson, anothers }, state) {
+function renderCamera({ practice, stage, marks, pictureEdge, facts, sent, sentJson, anothers }, state) {
   const { key, mirrored } = state;
   for (const place of anothers) {
     text(place, words.another(state));
@@ -112,6 +116,7 @@ function renderCamera({ stage, marks, pictureEdge, facts, sent, sentJson, anothe
   sent.hidden = !key;
   text(facts, words.facts(state));
   text(sentJson, words.sent(state));
+  practice.hidden = !isVirtual(key?.camera ?? "");
   if (!key) return;
   marks.setAttribute("viewBox", `-0.5 -0.5 ${key.img_size.join(" ")}`);
   pictureEdge.setAttribute("width", String(key.img_size[0]));
@@ -142,7 +147,8 @@ function show(where, words) {
 
 /** @param {Parts} parts @param {State} state */
 function renderProgress(parts, state) {
-  parts.progress.value = state.progress;
+  parts.progress.value = state.away ? Math.min(1, state.stored / wantedAway(state)) : state.progress;
+  for (const button of parts.models) show(button, words.withModel(state));
   text(parts.counts, words.counts(state));
   // Not while busy: a button that is disabled under the finger loses the keyboard's focus.
   const none = viewCount(state) === 0;

@@ -28,6 +28,7 @@ import { ApiError, OfflineError } from "./api.js";
  * @property {string} camera its label
  * @property {string} credential
  * @property {View[]} views
+ * @property {string} [address] of the page that it was captured with, "?virtual=1"
  *
  * @typedef {object} Reconciled what became of the views that were waiting
  * @property {SessionState} state
@@ -37,6 +38,15 @@ import { ApiError, OfflineError } from "./api.js";
 
 /** @param {unknown} error Is the service away, for a while? */
 export const isAway = (error) => error instanceof OfflineError || (error instanceof ApiError && error.passing);
+
+const ENOUGH = 8; // views in all, of which a fit is good where their poses were not chosen for it,
+const MORE = 3; // and so many at least where the service went on asking
+
+/** Views to keep while the service is away. @param {{session: SessionState | null}} capture */
+export const wantedAway = ({ session }) => Math.max(MORE, ENOUGH - viewCount({ session, stored: 0 }));
+
+/** Are there enough views to wait for the service with? @param {{away: boolean, session: SessionState | null, stored: number}} capture */
+export const isEnough = (capture) => capture.away && capture.stored >= wantedAway(capture);
 
 /** Views that the person has taken, wherever they are. @param {{session: SessionState | null, stored: number}} capture */
 export const viewCount = ({ session, stored }) => (session?.views.filter(({ set_aside }) => !set_aside).length ?? 0) + stored;
@@ -50,8 +60,6 @@ export class CaptureSession {
   /** @type {View[]} in the order in which they were captured */
   #views = [];
   #save;
-  /** Has somebody better to do than to wait for the service? */
-  #brief = true;
 
   /**
    * @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request
@@ -75,26 +83,50 @@ export class CaptureSession {
     return this.#views.filter(({ taken }) => !taken).length;
   }
 
+  /** All views, wherever they are. */
+  get size() {
+    return this.#views.length;
+  }
+
+  /** Has the service the last view? Then it alone can take it back. */
+  get lastIsTaken() {
+    return this.#views.at(-1)?.taken ?? false;
+  }
+
+  /** What the session is about, as it is sent. */
+  get request() {
+    return this.#request;
+  }
+
   /** @returns {Promise<SessionState>} */
   async start() {
-    const { session_id } = await this.#api.json("POST", "/auth", this.#token);
+    const { session_id } = await this.#api.json("POST", "/auth", this.#token, { brief: true });
+    const state = await this.#api.json("POST", "/session", session_id, { body: this.#request, brief: true });
     this.#credential = session_id;
-    return this.#api.json("POST", "/session", session_id, { body: this.#request });
+    return state;
+  }
+
+  /** Begins anew, before the first view, where the camera has changed its ways. @param {SessionRequest["track"]} track */
+  renew(track) {
+    this.#request = { ...this.#request, track };
+    return this.start();
+  }
+
+  /** What is kept, as if nothing of it had ever been sent. @returns {Kept} */
+  unsent() {
+    const views = this.#views.map((view) => ({ ...view, index: null, taken: false }));
+    return { about: this.#about, camera: this.#request.camera, credential: "", views };
   }
 
   /**
    * Goes on after the camera, the network or the page was lost: by another connection, with all views so far.
-   * @param {import("./api.js").Api} [api] @param {{patient?: boolean}} [options] patient: wait a minute for the service, not two seconds
+   * @param {import("./api.js").Api} [api] @param {{onSending?: () => void}} [options] onSending: the service is there, and has views to come
    * @returns {Promise<Reconciled>}
    */
-  async resume(api = this.#api, { patient = false } = {}) {
+  async resume(api = this.#api, { onSending = () => {} } = {}) {
     this.#api = api;
-    this.#brief = !patient;
-    try {
-      return await this.#lasting(() => this.#reconcile());
-    } finally {
-      this.#brief = true;
-    }
+    if (this.#credential === "") await this.start(); // it was begun while the service was away
+    return this.#lasting(() => this.#reconcile(onSending));
   }
 
   /**
@@ -158,12 +190,13 @@ export class CaptureSession {
     return answer;
   }
 
-  /** Makes the service's views and ours the same. @returns {Promise<Reconciled>} */
-  async #reconcile() {
+  /** Makes the service's views and ours the same. @param {() => void} onSending @returns {Promise<Reconciled>} */
+  async #reconcile(onSending) {
     let state = /** @type {SessionState} */ (await this.#call("GET", "/session"));
     const there = new Set(state.views.map(({ index }) => index));
     for (const view of this.#views) view.taken = view.index !== null && there.has(view.index);
     let [taken, refused] = [0, 0];
+    if (this.waiting > 0 && state.status !== "converged") onSending();
     for (const view of this.#views.filter((each) => !each.taken)) {
       if (state.status === "converged") break;
       const answer = await this.#send(view, (await this.#call("GET", "/session/pose")).index);
@@ -182,7 +215,7 @@ export class CaptureSession {
 
   /** @param {string} method @param {string} path @param {object} [body] */
   #call(method, path, body) {
-    return this.#api.json(method, path, this.#credential, { body, brief: this.#brief });
+    return this.#api.json(method, path, this.#credential, { body, brief: true });
   }
 
   /**

@@ -31,9 +31,9 @@ import { viewCount } from "./session.js";
  * @property {Board} board
  * @property {Wanted} wanted
  * @property {Choice[]} cameras
- * @property {{camera: string, views: number} | null} interrupted a capture that an earlier page left on this device
+ * @property {{camera: string, views: number, about: string, address: string} | null} interrupted a capture that an earlier page left on this device
  * @property {CameraKey | null} key of the open camera
- * @property {Record<string, string | number>} track what else the browser tells of it
+ * @property {import("./session.js").SessionRequest | null} request what is sent about it
  * @property {boolean} mirrored
  * @property {boolean} cropped
  * @property {"camera" | "detector" | "service"} waiting what a capture that begins waits for
@@ -59,6 +59,7 @@ import { viewCount } from "./session.js";
  * @property {number} patience attempts to reach the service since it last answered
  * @property {boolean} away the service cannot be reached: targets come from the page's own plan
  * @property {number} stored views that wait for it
+ * @property {boolean} sending it is back, and is sent them
  * @property {boolean} stalled the detector has stopped, and is started again
  * @property {boolean} plain this device is too slow to colour the picture
  * @property {boolean} kept is what was captured kept on this device?
@@ -72,8 +73,11 @@ import { viewCount } from "./session.js";
  *   | {type: "board", board: Board}
  *   | {type: "waiting", waiting: State["waiting"]}
  *   | {type: "loading", fraction: number}
- *   | {type: "opened", key: CameraKey, track?: State["track"], mirrored: boolean, cropped: boolean}
+ *   | {type: "opened", key: CameraKey, request?: State["request"], mirrored: boolean, cropped: boolean}
  *   | {type: "session", session: SessionState, stored?: number}
+ *   | {type: "request", request: State["request"]}
+ *   | {type: "model", model: Wanted["distortion_model"]}
+ *   | {type: "offline", stored: number, time: number}
  *   | {type: "pose", pose: Pose, picture: string | null, time: number}
  *   | {type: "frame", detection: Detection, time: number}
  *   | {type: "busy"}
@@ -83,7 +87,8 @@ import { viewCount } from "./session.js";
  *   | {type: "undone", session: SessionState | null, stored: number, time: number}
  *   | {type: "patience", attempt: number}
  *   | {type: "away", stored: number, time: number}
- *   | {type: "back", session: SessionState, refused: number, time: number}
+ *   | {type: "sending", sending: boolean}
+ *   | {type: "back", session: SessionState, taken: number, refused: number, time: number}
  *   | {type: "stalled", stalled: boolean}
  *   | {type: "shown", time: number}
  *   | {type: "unkept"}
@@ -103,11 +108,11 @@ const REFUSALS = new Set(["too_few_points", "degenerate", "mirrored", "outlier",
 /** @param {Board} board @param {Wanted} wanted @returns {State} */
 export function initial(board, wanted) {
   return {
-    phase: "welcome", board, wanted, cameras: [], interrupted: null, key: null, track: {}, mirrored: false, cropped: false,
+    phase: "welcome", board, wanted, cameras: [], interrupted: null, key: null, request: null, mirrored: false, cropped: false,
     waiting: "camera", loading: 0, session: null, progress: 0, pose: null, aim: null, picture: null, posedAt: 0,
     nearest: { time: 0, distance: Infinity }, corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0,
     stillness: MOVING, diagnosis: HEALTHY, answered: null, futile: null, busy: false, notice: null, noticedAt: 0, patience: 0,
-    away: false, stored: 0, stalled: false, plain: false, kept: true, instruction: SILENT, stopAsked: null, failure: null,
+    away: false, stored: 0, sending: false, stalled: false, plain: false, kept: true, instruction: SILENT, stopAsked: null, failure: null,
   };
 }
 
@@ -128,7 +133,16 @@ export function reduce(state, event) {
     case "loading":
       return { ...state, loading: event.fraction };
     case "opened":
-      return { ...state, key: event.key, track: event.track ?? {}, mirrored: event.mirrored, cropped: event.cropped };
+      return { ...state, key: event.key, request: event.request ?? null, mirrored: event.mirrored, cropped: event.cropped };
+    case "request":
+      return { ...state, request: event.request };
+    case "model":
+      return { ...state, wanted: { ...state.wanted, distortion_model: event.model } };
+    case "offline":
+      return notify(
+        { ...state, phase: "capturing", session: null, away: true, stored: event.stored, patience: 0 },
+        event.stored ? { key: "capture.offline_kept", kind: "plain", values: { count: event.stored } } : { key: "capture.went_away", kind: "plain" },
+        event.time);
     case "session":
       return { ...inSession(state, event.session), stored: event.stored ?? 0 };
     case "pose":
@@ -154,10 +168,12 @@ export function reduce(state, event) {
       return notify(
         { ...state, away: true, stored: event.stored, patience: 0, pose: null, picture: null, busy: false },
         { key: "capture.went_away", kind: "plain" }, event.time);
+    case "sending":
+      return { ...state, sending: event.sending };
     case "back":
       return notify(
-        { ...inSession(state, event.session), away: false, stored: 0, patience: 0, pose: null, picture: null },
-        { key: event.refused ? "capture.came_back_less" : "capture.came_back", kind: "good", values: { count: event.refused } }, event.time);
+        { ...inSession(state, event.session), away: false, sending: false, stored: 0, patience: 0, pose: null, picture: null },
+        returned(event), event.time);
     case "stalled":
       return { ...state, stalled: event.stalled };
     case "shown":
@@ -185,6 +201,12 @@ function afresh({ board, wanted, cameras, loading, interrupted, plain }) {
 
 /** @param {State} state @param {Notice} notice @param {number} time @returns {State} */
 const notify = (state, notice, time) => ({ ...state, notice, noticedAt: time });
+
+/** What became of the views that were kept. @param {{taken: number, refused: number}} event @returns {Notice} */
+function returned({ taken, refused }) {
+  if (refused) return { key: "capture.came_back_less", kind: "good", values: { count: refused } };
+  return { key: taken ? "capture.came_back" : "capture.came_back_only", kind: "good" };
+}
 
 /** Views are lost at the second press only. @param {State} state @param {number} time @returns {State} */
 function stopped(state, time) {

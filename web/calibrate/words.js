@@ -1,7 +1,7 @@
 // What the page says about itself, by its state.
 import { known, number, t } from "../i18n.js";
 import { asMirrored } from "./instruction.js";
-import { viewCount } from "./session.js";
+import { isEnough, viewCount, wantedAway } from "./session.js";
 
 /** @typedef {import("./state.js").State} State */
 
@@ -50,13 +50,15 @@ export function stopping(state) {
 }
 
 /** @param {State} state */
-export function counts({ session, stored }) {
+export function counts(state) {
+  const { session, stored, away } = state;
   const used = session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
   const aside = (session?.views.length ?? 0) - used;
   return [
     t("capture.views", { count: used }),
     aside > 0 && t("capture.set_aside", { count: aside }),
-    stored > 0 && t("capture.waiting_views", { count: stored }),
+    away && t("capture.kept_of", { count: stored, wanted: wantedAway(state) }),
+    !away && stored > 0 && t("capture.waiting_views", { count: stored }),
     session?.uncertainty && `± ${rounded(session.uncertainty.rms)} px`,
   ].filter(Boolean).join(" · ");
 }
@@ -66,7 +68,8 @@ const rounded = (value) => number(value, value < 1 ? 2 : value < 10 ? 1 : 0);
 
 /** What stays true for a while. @param {State} state */
 export function standing(state) {
-  if (state.away) return t("capture.away_now");
+  if (state.sending) return t("capture.sending");
+  if (state.away) return t(isEnough(state) ? "capture.away_enough" : "capture.away_now");
   return state.kept ? advice(state) : t("capture.not_kept");
 }
 
@@ -106,9 +109,14 @@ export function facts({ key, cropped }) {
   ].filter(Boolean).join(" · ");
 }
 
-/** All that is sent besides the corners, as it is sent. @param {State} state */
-export function sent({ key, track }) {
-  return key ? Object.entries({ ...key, ...track }).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join("\n") : "";
+/** All that is sent besides the corners: the very object. @param {State} state */
+export const sent = ({ request }) =>
+  (request ? Object.entries(request).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join("\n") : "");
+
+/** How to begin again with the model that the service suggests; "" where it suggests none. @param {State} state */
+export function withModel({ session, wanted }) {
+  const model = session?.suggested_model;
+  return model && model !== wanted.distortion_model ? t("capture.with_model", { model }) : "";
 }
 
 /** An instruction about the camera's picture. @param {State} state */

@@ -1,0 +1,100 @@
+// The captures of this page and of earlier ones, by what they are about: each can be taken up again.
+import { OfflineError } from "../network.js";
+import { keptSettings, loadSettings } from "../settings.js";
+import { Api, ApiError, PAUSES } from "./api.js";
+import { CaptureSession, isAway } from "./session.js";
+
+/**
+ * @typedef {import("./session.js").SessionRequest} Request
+ * @typedef {import("./session.js").SessionState} SessionState
+ *
+ * @typedef {object} Run
+ * @property {AbortSignal} signal
+ * @property {(patience: {attempt: number} | null) => void} onPatience
+ */
+
+/** ms that a fit of fifteen views takes at most, ten times over: who is silent for longer is away. */
+const ANSWER = 10_000;
+const SETTINGS = 5_000; // ms
+
+/** What a capture is about, as text: how it was focused does not belong to it. @param {Request} request */
+export const aboutOf = ({ track, ...request }) => JSON.stringify(request);
+
+export class Captures {
+  #cupboard;
+  #address;
+  #onUnkept;
+  /** @type {Map<string, CaptureSession>} */
+  #sessions = new Map();
+
+  /**
+   * @param {import("./kept.js").Cupboard} cupboard
+   * @param {{address: () => string, onUnkept: () => void}} page address: of the page that can go on with what is kept;
+   *   onUnkept: called where there is no room for it
+   */
+  constructor(cupboard, { address, onUnkept }) {
+    this.#cupboard = cupboard;
+    this.#address = address;
+    this.#onUnkept = onUnkept;
+  }
+
+  /**
+   * A session: one that was interrupted, where it is about the same.
+   * @param {Request} request @param {Run} run
+   * @returns {Promise<{session: CaptureSession, state: SessionState | null}>} state: null while the service is away
+   */
+  async open(request, run) {
+    const { api: base, token } = await settings(run);
+    const api = new Api(base, { ...run, patience: ANSWER });
+    const about = aboutOf(request);
+    const kept = await this.#cupboard.load(about);
+    const same = this.#sessions.get(about);
+    const session = same ?? new CaptureSession(api, token, request, { about, kept, save: (now) => this.#save(now) });
+    this.#sessions.set(about, session);
+    try {
+      const state = session.size > 0 || same ? (await session.resume(api)).state : await session.start();
+      if (state.status === "converged") this.#sessions.delete(about);
+      return { session, state };
+    } catch (error) {
+      // An hour that is used up is not waited for; all else that passes by itself is.
+      if (!isAway(error) || (error instanceof ApiError && error.status === 429)) throw error;
+      return { session, state: null };
+    }
+  }
+
+  /** @param {string} about */
+  async forget(about) {
+    this.#sessions.delete(about);
+    await this.#cupboard.remove(about);
+  }
+
+  /** Makes the views of one capture those of another, which has not sent them yet. @param {CaptureSession} session @param {Request} request */
+  async move(session, request) {
+    await this.forget(aboutOf(session.request));
+    await this.#save({ ...session.unsent(), about: aboutOf(request) });
+  }
+
+  /** @param {import("./session.js").Kept} kept */
+  async #save(kept) {
+    const saved = kept.views.length ? await this.#cupboard.save({ ...kept, address: this.#address() }) : (await this.#cupboard.remove(kept.about), true);
+    if (!saved) this.#onUnkept();
+  }
+}
+
+/** Those of the last visit where there is no network; where there was none yet, they are waited for. @param {Run} run */
+async function settings({ signal, onPatience }) {
+  for (let attempt = 0; ; attempt++) {
+    try {
+      const found = await loadSettings({ patience: SETTINGS });
+      if (attempt > 0) onPatience(null);
+      return found;
+    } catch (error) {
+      const kept = error instanceof OfflineError && keptSettings();
+      if (kept) return kept;
+      if (!(error instanceof OfflineError) || attempt === PAUSES.length) throw error;
+    }
+    onPatience({ attempt: attempt + 1 });
+    await new Promise((resolve) => setTimeout(resolve, 1000 * PAUSES[attempt]));
+    signal.throwIfAborted();
+  }
+}

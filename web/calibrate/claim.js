@@ -1,0 +1,25 @@
+// One capture belongs to one tab: two that sent views of the same camera to the same session would undo each other's.
+
+const NAME = "calibdb capture ";
+const GRACE = 1_500; // ms in which a page that is just left lets go
+
+/**
+ * Takes a capture for this tab.
+ * @param {string} about what the capture is of @param {AbortSignal} signal after which it is let go
+ * @returns {Promise<boolean>} false: another tab has it. True where the browser cannot tell
+ */
+export function claim(about, signal) {
+  if (!navigator.locks || signal.aborted) return Promise.resolve(true);
+  return new Promise((resolve, reject) => {
+    navigator.locks.request(NAME + about, { signal: AbortSignal.timeout(GRACE) }, () => {
+      resolve(true);
+      return new Promise((free) => signal.addEventListener("abort", free));
+    }).catch((error) => (error instanceof DOMException ? resolve(false) : reject(error)));
+  });
+}
+
+/** What captures go on now are about, in whichever tab. @returns {Promise<Set<string>>} */
+export async function claimed() {
+  const { held = [] } = (await navigator.locks?.query()) ?? {};
+  return new Set(held.map(({ name = "" }) => name).filter((name) => name.startsWith(NAME)).map((name) => name.slice(NAME.length)));
+}
