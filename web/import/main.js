@@ -187,7 +187,7 @@ async function start() {
     }
     parts.status.textContent = t("photos.done", { count: [...judgements.values()].filter(({ accepted }) => accepted).length });
     const { calibration, report } = await load(id);
-    view.show({ calibration, report, origin: "added", returnTo: query.get("return_to"), returnOrigins, explain });
+    view.show({ calibration, report, origin: "imported", returnTo: query.get("return_to"), returnOrigins, explain });
     document.getElementById("verdict")?.focus();
   } catch (error) {
     if (mine !== turn) return;

@@ -16,7 +16,7 @@ import { files } from "./take.js";
  * @property {Calibration} calibration
  * @property {Report | null} report null: not there, or not yet
  * @property {HTMLCanvasElement | null} [picture] one of this camera, which stays on this device
- * @property {"added" | "practice" | "stored"} origin what becomes of it
+ * @property {"added" | "imported" | "practice" | "stored"} origin what becomes of it
  * @property {string | null} [returnTo] address of the application that asked
  * @property {readonly string[]} [returnOrigins] to which results may be handed
  * @property {{code: string, text: string}[]} [notes] what else is to be said
@@ -82,7 +82,7 @@ export class ResultView {
 /** What was given to others, as it really was. @param {Result} result */
 function helped({ origin, calibration: { camera, platform, calibrations } }) {
   if (origin === "practice" || isVirtual(camera)) return t("result.help_practice");
-  const kind = origin === "added" && ["photographs", "video"].includes(platform) ? "photographs" : origin;
+  const kind = origin !== "stored" && ["photographs", "video"].includes(platform) ? "photographs" : origin;
   return t(`result.help_${kind}`, { count: calibrations });
 }
 
