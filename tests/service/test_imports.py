@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from infra.local.intrinsics import parse
+
 ROOT = Path(__file__).parents[2]
 SCRIPT = """
 import json, sys, time
@@ -47,3 +49,32 @@ def test_the_solver_is_there_where_it_is_needed(function: str) -> None:
     _, modules = imported(function, ("service", "solver"))
     assert {"numpy", "calibsolver"} <= modules
     assert not modules & {"moto", "infra", "tests"}
+
+
+def test_submit_is_imported_in_less_than_a_second() -> None:
+    took, _ = imported("submit", ("service", "solver"))
+    assert took < 1.0
+
+
+def deployed() -> dict[str, tuple[str, ...]]:
+    """Each function's folder, and the layers that the template gives it."""
+    document = parse(ROOT / "template.yaml")
+    resources, common = document["Resources"], document["Globals"]["Function"]["Layers"]
+    return {
+        Path(r["Properties"]["CodeUri"]).name: tuple(
+            Path(resources[layer["Ref"]]["Properties"]["ContentUri"]).name
+            for layer in [*common, *r["Properties"].get("Layers", [])]
+        )
+        for r in resources.values()
+        if r["Type"] == "AWS::Serverless::Function"
+    }
+
+
+def test_every_function_finds_what_it_needs_in_its_own_layers() -> None:
+    for function, layers in deployed().items():
+        paths = [str(ROOT / "functions" / function), *(str(ROOT / "layers" / layer) for layer in layers)]
+        script = f"import sys; sys.path[:0] = {paths}; import app; assert callable(app.handler)"
+        run = subprocess.run(
+            [sys.executable, "-I", "-c", script], capture_output=True, text=True, check=False
+        )
+        assert run.returncode == 0, (function, run.stderr)
