@@ -4,6 +4,7 @@
 // cannot compile that while it arrives, nor cache the compiled code, so the binary is written beside the module.
 import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
+import { buildSync } from "esbuild";
 import { compile } from "json-schema-to-typescript";
 
 const root = fileURLToPath(new URL("../..", import.meta.url));
@@ -85,6 +86,24 @@ function vendorQr() {
   copyFileSync(`${from}LICENSE`, `${vendor}uqr/LICENSE`);
 }
 
+/** What of the WebXR polyfill a device of one's own needs: no headsets, no phones' lenses, no navigator that is replaced unasked. */
+function vendorWebXR() {
+  const from = `${root}node_modules/webxr-polyfill/`;
+  const contents = `
+      export { default as XRDevice } from "./src/devices/XRDevice.js";
+      export { default as classes } from "./src/api/index.js";
+      export { PRIVATE as SESSION } from "./src/api/XRSession.js";`;
+  buildSync({
+    stdin: { contents, resolveDir: from }, outfile: `${vendor}webxr/polyfill.js`, bundle: true, minify: true, format: "esm",
+    define: { "process.env.NODE_ENV": '"production"' }, logLevel: "error",
+  });
+  writeFileSync(`${vendor}webxr/polyfill.d.ts`, `
+    export const XRDevice: new (global: object) => EventTarget & { dispatchEvent(type: string, data: unknown): void; environmentBlendMode: string };
+    export const classes: Record<string, new (...parameters: any[]) => any>;
+    export const SESSION: unique symbol;\n`);
+  copyFileSync(`${from}LICENSE`, `${vendor}webxr/LICENSE`);
+}
+
 /** @param {any} document OpenAPI: the formats in which it hands out a calibration */
 function vendorFormats({ paths }) {
   const { parameters } = paths["/v1/calibrations/{id}"].get;
@@ -113,6 +132,7 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   vendorOpenCV();
   vendorFont();
   vendorQr();
+  vendorWebXR();
   const api = JSON.parse(readFileSync(`${root}web/openapi.json`, "utf8"));
   vendorFormats(api);
   await vendorTypes(api);
