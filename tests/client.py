@@ -46,6 +46,9 @@ def documented(method: str, path: str) -> set[int]:
     return {404, 405}
 
 
+EDGE = "only the edge knows this"
+
+
 @dataclass
 class Client:
     """Speaks HTTP to a stack, with the credential that the call wants."""
@@ -53,6 +56,7 @@ class Client:
     stack: LocalStack
     session_id: str = ""
     api_token: str = TOKEN
+    address: str = ""  # where they are, to a stack whose EDGE_SECRET is `EDGE`
 
     def call(
         self,
@@ -66,6 +70,8 @@ class Client:
     ) -> Answer:
         """`body`: bytes are sent as they are, everything else as JSON; `token`: None sends the session id."""
         sent = dict(headers or {})
+        if self.address:
+            sent |= {"x-calibdb-edge": EDGE, "x-forwarded-for": self.address}
         credential = self.session_id if token is None else token
         if credential:
             sent["authorization"] = f"Bearer {credential}"

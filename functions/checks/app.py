@@ -22,15 +22,17 @@ from calibdb.schema import (
     CheckAnswer,
     CheckRequest,
     ConsensusDocument,
+    FitRecord,
     RefitRequest,
     ViewDocument,
     VoteDocument,
 )
 from calibdb.store import Mode
-from calibdb.tokens import Ticket, contributor
-from calibdb.votes import fits, vote_id
+from calibdb.tokens import Ticket, contributor, source
+from calibdb.votes import Own, expected, verdict, vote_id
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.admission import unfit
+from calibsolver.agreement import difference
 from calibsolver.score import score
 
 _MOST_FIELDS = 20
@@ -52,13 +54,13 @@ class Examined:
         By view ids (n,) and points (n, 2) px, without those that no camera explains: misread corners.
     noise
         px rms of these under a camera fitted to them.
-    uncertainty
-        px rms over the image: how well they alone tell the camera. Where they do not, they fit any.
+    own
+        The camera fitted to them; None where they say nothing of some part of the image.
     """
 
     views: tuple[ViewDocument, ...]
     noise: float
-    uncertainty: float
+    own: FitRecord | None
 
 
 def check(call: http.Call) -> Response:
@@ -74,13 +76,14 @@ def check(call: http.Call) -> Response:
         raise InvalidError(wrong[:_MOST_FIELDS])
     mode, known = consensus(call, request)
     examined = examine(request)
-    expected = known.held_out_error or known.avg_reprojection_error
+    width = request.img_size[0]
     error = min(score(camera(known), seen(request, examined)).rms, math.hypot(*request.img_size))
-    thresholds = call.service.settings.thresholds
-    fit_well = fits(error, expected, examined.noise, request.img_size[0], thresholds.max_check_ratio)
-    # Views that fit any camera say nothing for this one; views that do not fit it say something against it.
-    telling = not fit_well or examined.uncertainty <= thresholds.max_projection_spread * request.img_size[0]
-    counted = telling and vote(call, ticket, request, mode, examined)
+    own = None
+    if examined.own is not None:
+        own = Own(difference(camera(known), camera(examined.own)), examined.own.uncertainty.rms)
+    ratio = call.service.settings.thresholds.max_check_ratio
+    says = verdict(error, examined.noise, width, ratio, own, same_model=True)
+    counted = says is not None and vote(call, ticket, request, mode, examined)
     current = standing(call, mode, request.distortion_model) if counted else None
     if current is None or current.calibration is None:
         current = one(call.service.store.consensuses.at(mode), request.distortion_model)
@@ -88,9 +91,9 @@ def check(call: http.Call) -> Response:
         raise NotFoundError("The consensus was withdrawn meanwhile.", kind="no-calibration")
     return http.answer(
         CheckAnswer(
-            fits="fits" if fit_well else "does_not_fit",
+            fits="does_not_fit" if says is False else "fits",
             error=error,
-            expected=expected,
+            expected=expected(examined.noise, width),
             counted=counted,
             votes=current.votes,
             calibration=current.calibration,
@@ -101,12 +104,13 @@ def check(call: http.Call) -> Response:
 def consensus(call: http.Call, request: CheckRequest) -> tuple[Mode, Calibration]:
     """Return what to check, reliable or not, and what it is of; raises NotFoundError where there is nothing.
 
-    It is found as a lookup would find it, but at no other size or zoom than the views'.
+    It is found as a lookup would find it, but at no other size or zoom than the views'. As in a lookup, what
+    a browser cropped is another picture.
     """
     size, zoom, model = request.img_size, request.zoom, request.distortion_model
     private = call.service.settings.thresholds.min_contributors == 1
     identity = identify(request.camera, request.platform)
-    if resolution.hopeless(identity, private=private, resize_mode=None) is None:
+    if resolution.hopeless(identity, private=private, resize_mode=request.resize_mode) is None:
         read = call.service.store.cameras.known
         resolved = resolution.resolve(read, identity, size, zoom, model, private=private)
         mode = Mode(resolved.key, size, zoom)
@@ -115,7 +119,8 @@ def consensus(call: http.Call, request: CheckRequest) -> tuple[Mode, Calibration
         if known is not None and known.calibration is not None:
             return mode, known.calibration
     raise NotFoundError(
-        "Nothing is known of this camera at this size that could be checked.", kind="no-calibration"
+        "Nothing is known of this camera at this size, or of a cropped stream, that could be checked.",
+        kind="no-calibration",
     )
 
 
@@ -155,22 +160,25 @@ def examine(request: CheckRequest) -> Examined:
     ]
     if not kept:
         raise InvalidError.field("views", "no view is of a board that a camera could see")
-    return Examined(tuple(kept), math.sqrt(2) * own.noise, own.uncertainty().rms)
+    u = own.uncertainty()
+    record = FitRecord.model_validate(own.record()) if math.isfinite(u.rms) and math.isfinite(u.max) else None
+    return Examined(tuple(kept), math.sqrt(2) * own.noise, record)
 
 
 def vote(call: http.Call, ticket: Ticket, request: CheckRequest, mode: Mode, examined: Examined) -> bool:
-    """Count the check as a vote, once; False where the contributor has none."""
+    """Count the check as a vote, once; False where the contributor, by where they are, has none."""
     service = call.service
     thresholds = service.settings.thresholds
-    who = contributor(service.settings.contributor_secret, call.address, ticket.token)
+    secret = service.settings.contributor_secret
+    where = source(secret, call.address)
     period = thresholds.contributor_period
     if period:
         known = service.store.calibrations.newest(mode, thresholds.most_calibrations, period)
-        if any(calibration.contributor == who for calibration in known):
+        if any(calibration.source == where for calibration in known):
             return False
     service.store.votes.cast(
         VoteDocument(
-            id=vote_id(request, mode.camera_key, who, ticket.sid, service.now, period),
+            id=vote_id(request, mode.camera_key, where, ticket.sid, service.now, period),
             camera_key=mode.camera_key,
             camera=public_label(request.camera),
             platform=public_platform(request.platform),
@@ -179,7 +187,9 @@ def vote(call: http.Call, ticket: Ticket, request: CheckRequest, mode: Mode, exa
             board=request.board,
             views=examined.views,
             noise=examined.noise,
-            contributor=who,
+            fit=examined.own,
+            contributor=contributor(secret, call.address, ticket.token),
+            source=where,
             time=service.now,
         )
     )
@@ -188,7 +198,7 @@ def vote(call: http.Call, ticket: Ticket, request: CheckRequest, mode: Mode, exa
     return True
 
 
-def camera(calibration: Calibration) -> Camera:
+def camera(calibration: Calibration | FitRecord) -> Camera:
     """Return a calibration for the solver."""
     return Camera(
         calibration.distortion_model,

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from calibdb import precision, standing
 from calibdb.errors import UnavailableError
 from calibdb.schema import (
     DISTORTION_MODELS,
@@ -35,12 +36,15 @@ from calibdb.service import Service
 from calibdb.settings import Thresholds
 from calibdb.store import Mode
 from calibdb.store.keys import consensus_id
-from calibdb.votes import Finding, fits, tally, with_votes
+from calibdb.votes import Finding, Own, tally, verdict, with_votes
 from calibsolver import Board, CalibrationError, Camera, View, __version__, consensus
+from calibsolver.agreement import difference
 from calibsolver.score import score
 
 ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
 ATTEMPTS = 5  # of one that others keep overtaking
+
+METHOD = 2  # of pooling and counting: what another one computed is computed anew
 
 Answer = dict[str, ConsensusDocument | None]
 
@@ -83,6 +87,7 @@ def current(service: Service, mode: Mode, models: Sequence[str]) -> Answer:
     for _ in range(ATTEMPTS):
         answer = attempt(service, mode, models)
         if answer is not None:
+            standing.bring_up_to_date(service.store, mode.camera_key, service.settings.thresholds)
             return answer
     raise UnavailableError("Others keep computing the consensus of this camera.")
 
@@ -97,12 +102,12 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
         gone = [stored[model] for model in models if model in stored]
         return dict.fromkeys(models) if all(map(store.consensuses.drop, gone)) else None
     cast = store.votes.newest(mode)
-    pooled = digest([c.id for c in counted], rule_of(thresholds), thresholds, __version__)
+    pooled = digest(METHOD, [c.id for c in counted], rule_of(thresholds), thresholds, __version__)
     basis = digest(pooled, [vote.id for vote in cast])
 
     documents = functools.cache(lambda: store.calibrations.read([c.id for c in counted]))
     votes = functools.cache(lambda: store.votes.read(cast))
-    contributors = frozenset(c.contributor for c in counted)
+    sources = frozenset(c.source for c in counted)
     answer: Answer = {}
     for model in models:
         known = stored.get(model)
@@ -114,7 +119,7 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
             document = known  # only the votes are others
         else:
             document, groups = pool(mode, documents(), model, thresholds, pooled)
-        found = count(document, votes() if cast else [], contributors, thresholds)
+        found = count(document, votes() if cast else [], sources, thresholds)
         document = with_votes(document, found, basis, thresholds)
         if not store.consensuses.put(document, groups, known.basis if known else None):
             return None
@@ -156,8 +161,9 @@ def pool(
         spread=finite(agreed.spread),
         held_out_error=finite(agreed.held_out_error),
     )
-    confirmable = agreed.reason == "few_contributors" or (
-        agreed.reason == "too_few" and consistent(members, mode, model, rule)
+    confirmable = precision.confirmable(calibration) and (
+        agreed.reason == "few_contributors"
+        or (agreed.reason == "too_few" and consistent(members, mode, model, rule))
     )
     errors = {name: e for name, error in agreed.member_errors.items() if (e := finite(error)) is not None}
     return (
@@ -175,7 +181,7 @@ def consistent(members: Sequence[consensus.Member], mode: Mode, model: str, rule
 def count(
     document: ConsensusDocument,
     votes: Sequence[VoteDocument],
-    contributors: frozenset[str],
+    sources: frozenset[str],
     thresholds: Thresholds,
 ) -> Votes:
     """Score the views of every vote under the consensus as it is now, and count."""
@@ -188,15 +194,18 @@ def count(
         np.array(calibration.distortion_coefficients),
         calibration.img_size,
     )
-    expected = calibration.held_out_error or calibration.avg_reprojection_error
+    width, ratio = document.img_size[0], thresholds.max_check_ratio
     findings = []
     for vote in votes:
-        error = score(camera, views_of(vote)).rms
-        fit = fits(error, expected, vote.noise, document.img_size[0], thresholds.max_check_ratio)
-        findings.append(Finding(vote.contributor, vote.time, fit))
-    return tally(
-        findings, calibration.calibration_time, contributors, apart=thresholds.contributor_period > 0
-    )
+        error, own, same = score(camera, views_of(vote)).rms, None, False
+        if vote.fit is not None:
+            by_itself = Camera.from_record(vote.fit.model_dump())
+            own = Own(difference(camera, by_itself), vote.fit.uncertainty.rms)
+            same = by_itself.model == camera.model
+        says = verdict(error, vote.noise, width, ratio, own, same_model=same)
+        if says is not None:
+            findings.append(Finding(vote.counted_as, vote.time, says))
+    return tally(findings, calibration.calibration_time, sources, apart=thresholds.contributor_period > 0)
 
 
 def rule_of(thresholds: Thresholds) -> consensus.Rule:
@@ -212,7 +221,7 @@ def member(document: CalibrationDocument) -> consensus.Member | None:
     the others.
     """
     try:
-        return consensus.Member(document.id, document.contributor, tuple(views_of(document)))
+        return consensus.Member(document.id, document.counted_as, tuple(views_of(document)))
     except ValueError:
         return None
 

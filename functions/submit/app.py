@@ -25,7 +25,7 @@ from calibdb.schema import (
     ViewRequest,
 )
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
-from calibdb.tokens import contributor
+from calibdb.tokens import contributor, source
 from calibsolver import Board, Camera, guidance, report
 from calibsolver import capture as solver_capture
 from calibsolver.capture import Capture, Estimate
@@ -36,14 +36,16 @@ def submit(call: http.Call) -> Response:
     ticket = call.session(charge="views")
     view = call.json(ViewRequest)
     service = call.service
-    who = contributor(service.settings.contributor_secret, call.address, ticket.token)
+    secret = service.settings.contributor_secret
+    who = contributor(secret, call.address, ticket.token)
+    where = source(secret, call.address)
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, tuple[SessionDocument, Judged]]:
         if capture.repeated(document, view):
             return None, (document, Judged())
         capture.check(document, view)
         begun = service.clock()
-        judged = judge(document, view, service.now, who)
+        judged = judge(document, view, service.now, who, where)
         measure(begun, service.clock(), judged)
         if judged.reason is not None:  # nothing changes that anyone could see
             return judged.document, (document, judged)
@@ -84,7 +86,7 @@ class Judged:
     hint: Hint | None = None
 
 
-def judge(document: SessionDocument, view: ViewRequest, now: int, who: str) -> Judged:
+def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, where: str) -> Judged:
     """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
     rules, views, aside = solver(document, document.views)
     if document.target is not None:
@@ -108,7 +110,7 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str) -> J
         indices = [known.index for known in changed.views if known.set_aside is None]
         used = [one for i, one in enumerate(everything) if i not in estimate.aside]
         described = report.describe(estimate.calibration, used, indices)
-        changed = capture.finished(changed, now, who, calibsolver.__version__, described)
+        changed = capture.finished(changed, now, who, calibsolver.__version__, described, where)
     return Judged(changed)
 
 

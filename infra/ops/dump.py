@@ -28,7 +28,8 @@ votes.jsonl           one check of a camera's calibrations on fresh views a line
 calibrations.parquet  one row a calibration: camera, matrix, distortion, error
 keypoints.parquet     one row a corner: calibration, view, id on the board, x, y (px)
 
-`contributor` tells contributors of this dump apart and nothing else: other dumps name them otherwise.
+`contributor` tells contributors of this dump apart and nothing else: other dumps name them otherwise; and so
+does `source`, where they were, by which they are counted.
 """
 
 _TABLE = pa.schema(
@@ -108,6 +109,7 @@ def _public(desk: Desk, alias: Callable[[str], str]) -> Iterator[CalibrationDocu
                     "camera": public_label(document.camera),
                     "platform": public_platform(document.platform),
                     "contributor": alias(document.contributor),
+                    "source": document.source and alias(document.source),
                 }
             )
 
@@ -116,7 +118,12 @@ def _votes(desk: Desk, alias: Callable[[str], str], path: Path) -> int:
     count = 0
     with path.open("w", encoding="utf-8") as lines:
         for vote in desk.store.votes.all():
-            named: VoteDocument = vote.model_copy(update={"contributor": alias(vote.contributor)})
+            named: VoteDocument = vote.model_copy(
+                update={
+                    "contributor": alias(vote.contributor),
+                    "source": vote.source and alias(vote.source),
+                }
+            )
             lines.write(named.model_dump_json() + "\n")
             count += 1
     return count

@@ -1,29 +1,39 @@
-"""Where contributors can be told apart, as on AWS: each counts once a day, and three of them are needed."""
+"""Where contributors can be told apart, as on AWS: by where they are, whatever their tokens."""
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterator, Sequence
 
+import boto3
+import numpy as np
 import pytest
 
+from calibdb import schema
 from calibdb.tokens import ApiToken, secret_hash
+from calibsolver import Camera
+from calibsolver.agreement import difference
 from infra.local import LocalStack
-from tests.client import CAMERA, Answer, Client, Truth, until
+from tests.client import CAMERA, EDGE, Answer, Client, Truth, until
 from tests.published import PLATFORM, asked, calibration, held, mode_of, store
 
-VOTERS = ("cdb_a_secret", "cdb_b_secret", "cdb_c_secret")
+TOKENS = ("cdb_a_secret", "cdb_b_secret", "cdb_c_secret")
+CHECKERS = ("192.0.2.1", "192.0.2.2", "2001:db8:7::1")
+DAY = 86_400
 
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[LocalStack]:
-    environment = {"CONTRIBUTOR_PERIOD": "86400", "MIN_CONTRIBUTORS": "3"}
+    environment = {"CONTRIBUTOR_PERIOD": str(DAY), "MIN_CONTRIBUTORS": "3", "EDGE_SECRET": EDGE}
     with LocalStack(environment=environment) as stack:
-        for token in VOTERS:
+        for token in TOKENS:
             _, token_id, secret = token.split("_")
             store(stack).tokens.create(ApiToken(token_id, secret_hash(secret), plan="development"))
         yield stack
 
 
-def check(stack: LocalStack, token: str, camera: str, seed: int = 0, fx: float = 950.0) -> Answer:
-    client = Client(stack)
+def check(
+    stack: LocalStack, address: str, camera: str, seed: int = 0, fx: float = 950.0, token: str = TOKENS[1]
+) -> Answer:
+    client = Client(stack, address=address)
     client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
     seen = held(Truth(seed=seed, fx=fx, fy=fx - 2), 3)
     views = [{"ids": ids, "points": points} for ids, points in seen]
@@ -31,47 +41,162 @@ def check(stack: LocalStack, token: str, camera: str, seed: int = 0, fx: float =
     return client.call("POST", "/v1/checks", body)
 
 
-def test_five_of_one_contributor_in_a_day_are_one(stack: LocalStack) -> None:
-    documents = [calibration("One who captures all day", n) for n in range(5)]
-    one = [d.model_copy(update={"contributor": "somebody"}) for d in documents]
-    for document in one:
-        store(stack).calibrations.publish(document)
-    mode = mode_of(one[0])
-    (found,) = store(stack).refit.now(asked(mode, "rectilinear")).models.values()
+def contributed(
+    stack: LocalStack, camera: str, n: int, source: str, day: int = 0, fx: float = 950.0
+) -> schema.CalibrationDocument:
+    """The `n`th calibration of a camera, of a token of its own, published some days later."""
+    made = calibration(camera, n, begun=1_700_000_000 + day * DAY, fx=fx, fy=fx - 2)
+    document = made.model_copy(update={"source": source})
+    store(stack).calibrations.publish(document)
+    return document
+
+
+def pooled(stack: LocalStack, document: schema.CalibrationDocument) -> schema.ConsensusDocument:
+    (found,) = store(stack).refit.now(asked(mode_of(document), "rectilinear")).models.values()
     assert found is not None
+    return found
+
+
+def moved(calibration: schema.Calibration | None) -> float:
+    """Px rms over the image from the camera that everybody honest has."""
+    assert calibration is not None
+    truth = Truth()
+    camera = Camera("rectilinear", truth.matrix, np.array(truth.distortion), (1280, 720))
+    return difference(camera, Camera.from_record(calibration.model_dump()))
+
+
+def test_five_tokens_at_one_address_are_one_contributor(stack: LocalStack) -> None:
+    for n in range(5):
+        document = contributed(stack, "One who captures all day", n, "one place")
+    found = pooled(stack, document)
     assert (found.total, found.reason) == (1, "too_few")
-    for n, document in enumerate(one[1:], 1):  # the same on five days
-        other = document.model_copy(
-            update={"id": document.id[:-4] + f"{n:04x}", "time": document.time + n * 86_400}
-        )
-        store(stack).calibrations.publish(other)
-    (found,) = store(stack).refit.now(asked(mode, "rectilinear")).models.values()
-    assert found is not None
-    assert (found.total, found.reason, found.confirmable) == (5, "few_contributors", True)
-    assert Client(stack).lookup(camera="One who captures all day").json["reason"] == "few_contributors"
+    for n in range(5, 9):  # the same on the days after
+        contributed(stack, "One who captures all day", n, "one place", day=n)
+    found = pooled(stack, document)
+    assert (found.total, found.reason) == (3, "too_few")
+    assert found.calibration is not None
+    assert found.calibration.contributors == 1
+    assert Client(stack).lookup(camera="One who captures all day").json["reason"] == "too_few"
+
+
+def test_of_two_places_however_many_calibrations_are_too_few_contributors(stack: LocalStack) -> None:
+    for n, day in itertools.product(range(2), range(4)):
+        document = contributed(stack, "Two places", 10 * day + n, f"place {n}", day)
+    assert (pooled(stack, document).total, pooled(stack, document).reason) == (6, "few_contributors")
 
 
 def test_five_of_five_contributors_are_reliable(stack: LocalStack) -> None:
     for n in range(5):
-        store(stack).calibrations.publish(calibration("Five people", n))
-    mode = mode_of(calibration("Five people", 0))
-    (found,) = store(stack).refit.now(asked(mode, "rectilinear")).models.values()
-    assert found is not None
+        store(stack).calibrations.publish(calibration("Five people", n))  # of old: without a source
+    found = pooled(stack, calibration("Five people", 0))
     assert found.calibration is not None
     assert (found.reliable, found.calibration.contributors) == (True, 5)
 
 
+@pytest.mark.parametrize("lie", [1045.0, 969.0, 960.0])
+def test_three_who_return_daily_do_not_overrule_five_who_came_once(stack: LocalStack, lie: float) -> None:
+    camera = f"Overruled at {lie}"
+    for n in range(5):
+        contributed(stack, camera, n, f"honest {n}")
+    for day, who in itertools.product(range(1, 5), range(3)):
+        document = contributed(stack, camera, 100 * day + who, f"liar {who}", day, fx=lie)
+    found = pooled(stack, document)
+    assert found.total == 14, "three of each liar"
+    assert found.calibration is not None
+    assert (found.reliable, found.calibration.contributors) == (True, 5)
+    assert moved(found.calibration) < 0.5
+
+
 def test_each_contributor_has_one_vote_a_day_and_none_on_their_own_calibration(stack: LocalStack) -> None:
-    camera = "Checked by three"
-    state = Truth(seed=1).calibrate(Client(stack, api_token=VOTERS[0]), camera=camera, platform=PLATFORM)
+    camera, home = "Checked by three", Client(stack, api_token=TOKENS[0], address="198.51.100.7")
+    state = Truth(seed=1).calibrate(home, camera=camera, platform=PLATFORM)
     known = store(stack).consensuses
     until(lambda: len(known.of(str(state["calibration_id"]).rpartition("-")[0])) >= 4, 30)
-    own = check(stack, VOTERS[0], camera).json
-    assert (own["fits"], own["counted"], own["votes"]["agree"]) == ("fits", False, 0)
-    first = [check(stack, VOTERS[1], camera, seed).json for seed in range(3)]
+    for token in TOKENS:
+        own = check(stack, home.address, camera, token=token).json
+        assert (own["fits"], own["counted"], own["votes"]["agree"]) == ("fits", False, 0)
+    first = [check(stack, CHECKERS[0], camera, seed, token=TOKENS[seed]).json for seed in range(3)]
     assert [answer["votes"]["agree"] for answer in first] == [1, 1, 1]
-    assert check(stack, VOTERS[2], camera).json["votes"]["agree"] == 2
-    third = check(stack, "cdb_dev_local", camera).json
+    assert check(stack, CHECKERS[1], camera).json["votes"]["agree"] == 2
+    third = check(stack, CHECKERS[2], camera).json
     assert (third["votes"]["agree"], third["calibration"]["basis"]) == (3, "checked")
+    assert third["calibration"]["spread"] is None, "of one there is none"
     found = Client(stack).lookup(camera=camera, platform=PLATFORM)
     assert (found.status, found.json["reliable"], found.json["calibrations"]) == (200, True, 1)
+
+
+@pytest.mark.parametrize(("noise", "lie"), [(0.2, 1.02), (0.5, 1.05), (1.0, 1.1)])
+def test_honest_checks_confirm_no_wrong_calibration_however_noisy(
+    stack: LocalStack, noise: float, lie: float
+) -> None:
+    """Its own noise and uncertainty, its maker's to choose, are no measure for others' views."""
+    camera = f"A lie of {lie}"
+    document = calibration(camera, 0, views=12, noise=noise, fx=950 * lie, fy=948 * lie)
+    # That it is precise is said, not so.
+    claimed = document.fits["rectilinear"].model_copy(
+        update={"uncertainty": schema.Uncertainty(rms=0.2, max=0.5)}
+    )
+    claim = {"fits": {"rectilinear": claimed}, "source": "liar"}
+    store(stack).calibrations.publish(document.model_copy(update=claim))
+    assert pooled(stack, document).calibration is not None
+    answers = [check(stack, a, camera, seed).json for seed, a in enumerate(CHECKERS)]
+    assert [a["fits"] for a in answers] == ["does_not_fit"] * 3
+    found = Client(stack).lookup(camera=camera, platform=PLATFORM)
+    assert (found.status, found.json["reason"]) == (307, "disagree")
+
+
+def test_a_session_that_asks_for_little_supports_nobody(stack: LocalStack) -> None:
+    camera = "A careless one"
+    client = Client(stack, api_token=TOKENS[0], address="198.51.100.9")
+    state = Truth(seed=1).calibrate(client, camera=camera, platform=PLATFORM, target_error=100.0)
+    document = store(stack).calibrations.get(str(state["calibration_id"]))
+    assert document is not None, "it is kept, and its maker has it"
+    answer = store(stack).refit.now(asked(mode_of(document), "rectilinear"))
+    assert answer.models == {"rectilinear": None}
+    assert check(stack, CHECKERS[0], camera).status == 404
+
+
+def against(stack: LocalStack, camera: str, addresses: Sequence[str]) -> str | None:
+    for seed, address in enumerate(addresses):
+        answer = check(stack, address, camera, seed, fx=700.0).json
+        assert answer["fits"] == "does_not_fit"
+    assert answer["votes"] == {"agree": 0, "disagree": len(addresses)}
+    return str(answer["calibration"]["basis"])
+
+
+def test_three_votes_do_not_withdraw_what_twelve_calibrated_and_four_do(stack: LocalStack) -> None:
+    camera = "Well known"
+    for n in range(12):
+        document = contributed(stack, camera, n, f"honest {n}")
+    assert pooled(stack, document).reliable
+    assert against(stack, camera, CHECKERS) == "consensus"
+    assert Client(stack).lookup(camera=camera, platform=PLATFORM).status == 200
+    assert check(stack, "192.0.2.4", camera, 3, fx=700.0).json["calibration"]["reliable"] is False
+    assert Client(stack).lookup(camera=camera, platform=PLATFORM).status == 307
+
+
+def test_a_cropped_stream_is_not_compared_with_what_the_camera_gives(stack: LocalStack) -> None:
+    camera = "Cropped"
+    document = contributed(stack, camera, 0, "somewhere")
+    pooled(stack, document)
+    client = Client(stack, address=CHECKERS[0])
+    client.session_id = client.call("POST", "/v1/auth", token=TOKENS[1]).json["session_id"]
+    views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=0), 3)]
+    body = {**CAMERA, "camera": camera, "platform": PLATFORM, "views": views}
+    cropped = client.call("POST", "/v1/checks", {**body, "resize_mode": "crop-and-scale"})
+    assert cropped.status == 404
+    assert store(stack).votes.newest(mode_of(document)) == []
+    native = client.call("POST", "/v1/checks", {**body, "resize_mode": "none"})
+    assert (native.status, native.json["counted"]) == (200, True)
+
+
+def test_no_address_is_kept(stack: LocalStack) -> None:
+    """After all of the above: neither in what is stored nor in the names it is stored under."""
+    files, bucket = boto3.client("s3"), stack.environment["BUCKET_NAME"]
+    pages = files.get_paginator("list_objects_v2").paginate(Bucket=bucket)
+    names = [entry["Key"] for page in pages for entry in page.get("Contents", ())]
+    assert any(name.startswith("votes/") for name in names)
+    for name in names:
+        content = name.encode() + files.get_object(Bucket=bucket, Key=name)["Body"].read()
+        for address in (*CHECKERS, "198.51.100", "127.0.0.1"):
+            assert address.encode() not in content

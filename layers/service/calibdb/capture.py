@@ -22,6 +22,7 @@ from pydantic import JsonValue
 from calibdb.camera_key import camera_key, current, public_label, public_platform
 from calibdb.corners import misplaced
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
+from calibdb.precision import TARGET_ERROR
 from calibdb.schema import (
     Calibration,
     CalibrationDocument,
@@ -38,7 +39,6 @@ from calibdb.schema import (
 )
 from calibdb.schema.session import Hint, Refusal, SetAside
 
-TARGET_ERROR = 0.3 / 1280  # px of predicted rms over the image, a pixel of its width
 MOST_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
 MOST_SKIPPED = 8  # targets remembered as unwanted
 MOST_DOUBTED = 4  # refused views remembered as witnesses
@@ -224,6 +224,7 @@ def finished(
     contributor: str,
     solver: str,
     report: Mapping[str, JsonValue] | None = None,
+    source: str | None = None,
 ) -> SessionDocument:
     """Return the document with its end fixed: everything that publishing it needs.
 
@@ -235,6 +236,7 @@ def finished(
         calibration_id=f"{document.camera_key}-{document.session[:8]}{name}",
         time=now,
         contributor=contributor,
+        source=source,
         solver=solver,
         report=None if report is None else dict(report),
     )
@@ -266,6 +268,7 @@ def calibration(document: SessionDocument) -> CalibrationDocument:
         report=finish.report,
         solver=finish.solver,
         contributor=finish.contributor,
+        source=finish.source,
         time=finish.time,
     )
 

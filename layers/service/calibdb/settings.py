@@ -46,7 +46,7 @@ class Thresholds:
     most_calibrations: int = 200
     contributor_period: int = 86_400
     min_votes: int = 3
-    min_doubt: float = 0.1
+    min_doubt: float = 0.3333
     max_check_ratio: float = 2.0
 
     @classmethod

@@ -149,7 +149,17 @@ def contributor(secret: str, address: str, token_id: str) -> str:
     return hmac.new(secret.encode(), f"{_site(address)}\n{token_id}".encode(), hashlib.sha256).hexdigest()
 
 
-def _site(address: str) -> str:
+def source(secret: str, address: str) -> str:
+    """Return the keyed hash of where a contributor is, whatever the token: HMAC-SHA-256 in hex.
+
+    By it contributors are counted, since tokens are for the asking. Of an IPv6 address only the first 48 bits
+    count, the most that one site is given (RFC 6177, 2): whoever has them has 65,536 households' worth.
+    An IPv4 address counts whole.
+    """
+    return hmac.new(secret.encode(), f"source\n{_site(address, 48)}".encode(), hashlib.sha256).hexdigest()
+
+
+def _site(address: str, bits: int = 64) -> str:
     try:
         parsed = ipaddress.ip_address(address)
     except ValueError:
@@ -158,4 +168,4 @@ def _site(address: str) -> str:
         return str(parsed)
     if parsed.ipv4_mapped is not None:
         return str(parsed.ipv4_mapped)
-    return str(ipaddress.ip_network((int(parsed) >> 64 << 64, 64)))
+    return str(ipaddress.ip_network((int(parsed) >> 128 - bits << 128 - bits, bits)))

@@ -5,8 +5,11 @@ any, even one that is reliable, until new calibrations agree with it: its lookup
 then, so that these will come. What is at stake is an answer withheld, never a wrong one given:
 
 * who contributed a calibration of this camera has had their say and votes neither for it nor against;
+* contributors are counted by where they are (`calibdb.tokens.source`), here as in the consensus;
 * votes against count from the newest calibration that agrees on, and as many as there are for it must be
-  there, and a tenth of those who contributed to it;
+  there, and a third as many as contributed to it;
+* what a consensus is measured by is the checker's own: the noise of the views, and the camera that they
+  alone give. The noise behind the consensus is its maker's to choose;
 * agreement cannot be bought with empty views: those that would fit any camera are not counted.
 """
 
@@ -25,49 +28,97 @@ from calibdb.settings import Thresholds
 from calibdb.store.keys import size_text, zoom_text
 
 _FINEST = 1e-4  # of the image's width: errors below it are nobody's concern
+_MOST_EXCESS = 5e-4  # of the width: error beyond the noise that no ratio excuses
+_APART = 4e-3  # of the width: specimens of one product differ by that, rms over the image
+_BEYOND = 3.0  # standard deviations of the views' own camera
+TELLING = 2e-3  # of the width: predicted error of a camera from few views, up to which it says which it is
+
+
+@dataclass(frozen=True)
+class Own:
+    """The camera that views alone give: px rms over the image, from the consensus, and as predicted."""
+
+    difference: float
+    uncertainty: float
 
 
 @dataclass(frozen=True)
 class Finding:
     """What one vote says of the consensus as it is."""
 
-    contributor: str
+    source: str
     time: int
     fits: bool
 
 
-def fits(error: float, expected: float, noise: float, width: int, ratio: float) -> bool:
+def fits(error: float, noise: float, width: int, ratio: float) -> bool:
     """Tell whether views with this error are of the camera.
 
     Parameters
     ----------
     error
         px rms of the views under the consensus, the poses alone fitted.
-    expected
-        px rms of views of the camera under it, as measured when it was made.
     noise
         px rms of the same views under a camera fitted to them: what no camera can do better.
     width
         Of the image, px.
     ratio
-        Of the error to what is expected, up to which it fits.
+        Of the error to the noise, up to which it fits.
     """
-    return error <= ratio * max(expected, noise, _FINEST * width)
+    return error <= min(ratio * expected(noise, width), math.hypot(noise, _MOST_EXCESS * width))
 
 
-def vote_id(request: CheckRequest, camera_key: str, contributor: str, sid: str, now: int, period: int) -> str:
+def expected(noise: float, width: int) -> float:
+    """Return the error, px rms, that views of this noise are expected to have under their own camera."""
+    return max(noise, _FINEST * width)
+
+
+def resembles(difference: float, uncertainty: float, width: int) -> bool:
+    """Tell whether a consensus may be the camera that views give by themselves.
+
+    Parameters
+    ----------
+    difference
+        px rms over the image, between the two.
+    uncertainty
+        px rms over the image, predicted of the views' own.
+    width
+        Of the image, px.
+    """
+    return difference <= math.hypot(_APART * width, _BEYOND * uncertainty)
+
+
+def verdict(
+    error: float, noise: float, width: int, ratio: float, own: Own | None, *, same_model: bool
+) -> bool | None:
+    """Tell whether views say for a consensus or against it; None: nothing.
+
+    Views that fit any camera say nothing for this one; views that do not fit it say something against it.
+    `own`: the camera that they alone give, None where they give none. Where its model is another, it may
+    differ in corners that the views do not reach, and what is not alike is only no agreement.
+    """
+    if not fits(error, noise, width, ratio):
+        return False
+    if own is None or not math.isfinite(own.difference) or not own.uncertainty <= TELLING * width:
+        return None
+    if resembles(own.difference, own.uncertainty, width):
+        return True
+    return False if same_model else None
+
+
+def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: int, period: int) -> str:
     """Return the name of a vote: the same for all checks that are one vote, of one camera at one size.
 
-    These are a contributor's within `period` seconds; where all are the same contributor (`period` 0), those
+    These are a source's within `period` seconds; where all are the same contributor (`period` 0), those
     of one session. It sorts by time, to the period.
     """
     # Names of sessions begin with the time of their start.
-    voter, moment = (contributor, f"{now // period * period:08x}") if period else (sid, sid[:8])
+    voter, moment = (source, f"{now // period * period:08x}") if period else (sid, sid[:8])
     what = f"{camera_key}/{size_text(request.img_size)}/{zoom_text(request.zoom)}/{voter}"
     return moment + hashlib.sha256(what.encode()).hexdigest()[:12]
 
 
-def tally(findings: Iterable[Finding], since: int, contributors: frozenset[str], *, apart: bool) -> Votes:
+def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, apart: bool) -> Votes:
     """Count votes: those against a consensus from `since` on alone.
 
     Parameters
@@ -76,17 +127,17 @@ def tally(findings: Iterable[Finding], since: int, contributors: frozenset[str],
         Newest first.
     since
         Unix seconds of the newest calibration in the group that agrees.
-    contributors
-        Whose calibrations were considered.
+    sources
+        Of the calibrations that were considered.
     apart
         Whether contributors can be told apart: each then has one vote, the newest.
     """
     agree = disagree = 0
     heard: set[str] = set()
     for finding in findings:
-        if apart and (finding.contributor in heard or finding.contributor in contributors):
+        if apart and (finding.source in heard or finding.source in sources):
             continue
-        heard.add(finding.contributor)
+        heard.add(finding.source)
         if finding.fits:
             agree += 1
         elif finding.time >= since:

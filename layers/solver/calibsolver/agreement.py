@@ -11,6 +11,7 @@ import numpy as np
 from . import models, rotation
 from .arrays import Array, IntArray, Mask
 from .calibration import Calibration
+from .camera import Camera
 from .uncertainty import pixel_grid
 
 GRID = (12, 9)
@@ -34,7 +35,16 @@ def compare(calibrations: Sequence[Calibration]) -> Array:
     The rays of the same pixels, turned onto each other as well as can be (Kabsch 1976), and the remaining
     angles times the local magnification. Infinite where two share less than half of the image.
     """
-    v, px, seen = _rays(calibrations)
+    return _differences([c.camera for c in calibrations])
+
+
+def difference(one: Camera, other: Camera) -> float:
+    """Difference between the projections of two cameras, px rms over the image, as `compare` measures it."""
+    return float(_differences([one, other])[0, 1])
+
+
+def _differences(cameras: Sequence[Camera]) -> Array:
+    v, px, seen = _rays(cameras)
     both = seen[:, None, :] & seen[None, :, :]
     count = both.sum(axis=2)
     m = np.einsum("anb,cnd->acbd", v, v)
@@ -50,12 +60,12 @@ def compare(calibrations: Sequence[Calibration]) -> Array:
     return out
 
 
-def _rays(calibrations: Sequence[Calibration]) -> tuple[Array, Array, Mask]:
+def _rays(cameras: Sequence[Camera]) -> tuple[Array, Array, Mask]:
     """Return unit rays (c, n, 3) of a grid of pixels, px per radian (c, n), and which exist; else 0."""
-    q = pixel_grid(calibrations[0].camera.img_size, GRID).reshape(2, -1)
+    q = pixel_grid(cameras[0].img_size, GRID).reshape(2, -1)
     rays, scale = [], []
-    for c in calibrations:
-        law, k = models.get(c.camera.model), c.camera.intrinsics
+    for c in cameras:
+        law, k = models.get(c.model), c.intrinsics
         v = law.unproject(k, q)
         with np.errstate(all="ignore"):
             _, _, by_p = law.jacobian(k, v)
@@ -75,7 +85,7 @@ def fields(calibrations: Sequence[Calibration], reference: int) -> Array:
     the difference of two rows is the rms difference of two calibrations. The turn of the camera frame that
     makes it least is taken out of every row.
     """
-    v, _, seen = _rays(calibrations)
+    v, _, seen = _rays([c.camera for c in calibrations])
     common = seen.mean(axis=0) >= 1 - 1e-9 if seen.all(axis=0).mean() >= SHARED else seen[reference]
     v = v[:, common]
     base = calibrations[reference].camera
@@ -91,24 +101,29 @@ def fields(calibrations: Sequence[Calibration], reference: int) -> Array:
     return out
 
 
-def groups(calibrations: Sequence[Calibration], limit: float, harmless: float) -> list[list[int]]:
+def groups(
+    calibrations: Sequence[Calibration], limit: float, harmless: float, weights: Array | None = None
+) -> list[list[int]]:
     """Split calibrations into groups that agree, largest first; of equals the tightest first.
+
+    `weights` (c,) say how much each counts in what is large and what is a majority; None: as much as any.
 
     `limit` is the difference, px rms over the image, beyond which only noise can be an excuse. What is nearer
     agrees if its distance from the others is explained too (`gather`); below `harmless`, px, no explanation
     is asked for.
     """
     differences = compare(calibrations)
+    weights = np.ones(len(calibrations)) if weights is None else weights
     own = predicted(calibrations)
     bound = np.sqrt(limit**2 + BEYOND**2 * (own[:, None] + own))
     left, found = list(range(len(calibrations))), []
     while left:
         d = differences[np.ix_(left, left)]
-        near = [left[i] for i in largest(d < bound[np.ix_(left, left)], d)]
-        group = gather([calibrations[i] for i in near], limit, harmless)
+        near = [left[i] for i in largest(d < bound[np.ix_(left, left)], d, weights[left])]
+        group = gather([calibrations[i] for i in near], limit, harmless, weights[near])
         found.append([near[i] for i in group])
         left = [i for i in left if i not in found[-1]]
-    return sorted(found, key=lambda group: -len(group))
+    return sorted(found, key=lambda group: -_counted(weights[group]))
 
 
 def predicted(calibrations: Sequence[Calibration]) -> Array:
@@ -118,15 +133,22 @@ def predicted(calibrations: Sequence[Calibration]) -> Array:
     return bounded
 
 
-def largest(agree: Mask, differences: Array) -> list[int]:
+def _counted(weights: Array) -> float:
+    """Sum of weights, without the rounding by which equals would differ."""
+    return round(float(weights.sum()), 9)
+
+
+def largest(agree: Mask, differences: Array, weights: Array) -> list[int]:
     """Find the largest set whose members all agree with one of them; the tightest of equals."""
-    counts = agree.sum(axis=1)
+    counts = np.round(agree @ weights, 9)
     near = np.where(agree, differences, 0.0).sum(axis=1)
-    center = min(range(len(counts)), key=lambda i: (-int(counts[i]), float(near[i])))
+    center = min(range(len(counts)), key=lambda i: (-float(counts[i]), float(near[i])))
     return [int(i) for i in np.flatnonzero(agree[center])]
 
 
-def gather(calibrations: Sequence[Calibration], limit: float, harmless: float) -> list[int]:
+def gather(
+    calibrations: Sequence[Calibration], limit: float, harmless: float, weights: Array | None = None
+) -> list[int]:
     """Find those that belong to the tightest majority of calibrations: their indices.
 
     A forward search (Atkinson & Riani 2000): from the tightest half, the next nearest joins as long as its
@@ -134,17 +156,19 @@ def gather(calibrations: Sequence[Calibration], limit: float, harmless: float) -
     from the fits. What specimens of a product, or sessions, differ by on top of it is learnt from those
     already in, of whom a few know little; but it is never more than `limit`, px rms over the image. So a
     minority that agrees with itself on something else stays outside, however near, if there is a gap. Where
-    the noise is larger than the gap, so that it was bridged, the two heaps of many still show.
+    the noise is larger than the gap, so that it was bridged, the two heaps of many still show. What half and
+    majority are is told by the `weights` (c,); None: equal ones.
     """
     count = len(calibrations)
     if count < 3:
         return list(range(count))
+    weights = np.ones(count) if weights is None else weights
     own = predicted(calibrations)
     x = fields(calibrations, int(np.argmin(compare(calibrations).sum(axis=1))))
-    inner = _tightest(x, count // 2 + 1)
+    inner = _tightest(x, weights)
     while len(inner) < count:
         size = len(inner)
-        distance2 = np.sum((x - x[inner].mean(axis=0)) ** 2, axis=1)
+        distance2 = np.sum((x - np.average(x[inner], axis=0, weights=weights[inner])) ** 2, axis=1)
         outside = np.setdiff1d(np.arange(count), inner)
         nearest = outside[np.argmin(distance2[outside])]
         noise2 = float(np.mean(own[inner]))
@@ -156,12 +180,12 @@ def gather(calibrations: Sequence[Calibration], limit: float, harmless: float) -
         if distance2[nearest] > max(explained, harmless**2):
             break
         inner = np.append(inner, nearest)
-    while len(inner) >= MANY and (part := _larger_side(x[inner], harmless)) is not None:
+    while len(inner) >= MANY and (part := _larger_side(x[inner], harmless, weights[inner])) is not None:
         inner = inner[part]
     return sorted(int(i) for i in inner)
 
 
-def _larger_side(x: Array, harmless: float) -> IntArray | None:
+def _larger_side(x: Array, harmless: float, weights: Array) -> IntArray | None:
     """Find the larger of two heaps that the rows fall into: its indices; None where there is one heap.
 
     Along the direction in which they differ most, the distance of the two means over the spread within
@@ -181,14 +205,17 @@ def _larger_side(x: Array, harmless: float) -> IntArray | None:
             best, at = apart, size
     if best < 3.2 + 28 / count:
         return None
-    side: IntArray = order[:at] if 2 * at >= count else order[at:]
+    low, high = order[:at], order[at:]
+    side: IntArray = low if _counted(weights[low]) >= _counted(weights[high]) else high
     return side
 
 
-def _tightest(x: Array, size: int) -> IntArray:
-    """Find the `size` rows that lie closest together around one of them: their indices."""
+def _tightest(x: Array, weights: Array) -> IntArray:
+    """Find the rows with most of the weight that lie closest together around one of them: their indices."""
     d = np.linalg.norm(x[:, None] - x[None], axis=2)
-    order = np.argsort(d, axis=1)[:, :size]
-    center = np.argmin(np.take_along_axis(d, order, axis=1)[:, -1])
-    chosen: IntArray = order[center]
+    order = np.argsort(d, axis=1)
+    held = np.cumsum(weights[order], axis=1)
+    last = np.argmax(held > held[:, -1:] / 2 + 1e-9, axis=1)
+    center = np.argmin(np.take_along_axis(d, np.take_along_axis(order, last[:, None], axis=1), axis=1)[:, 0])
+    chosen: IntArray = order[center, : last[center] + 1]
     return chosen

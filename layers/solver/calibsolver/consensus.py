@@ -1,6 +1,7 @@
 """What all calibrations of one camera agree on."""
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -24,7 +25,7 @@ FOLDS = 5
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """One calibration of the camera: its id, who contributed it, its views."""
+    """One calibration of the camera: its id, whoever counts as its contributor, its views."""
 
     id: str
     contributor: str
@@ -40,7 +41,9 @@ class Rule:
     min_calibrations, min_contributors
         In the largest group that agrees.
     min_share
-        Of all calibrations that this group holds.
+        Of all calibrations that this group holds. Where contributors are told apart (`min_contributors` of 2
+        or more) each of them weighs the same, however many calibrations are theirs: in what is a majority,
+        in this share, and nobody has more calibrations in the pooled fit than half of the others have.
     max_focal_spread
         Standard deviation of fx / fx, and of fy / fy, within the group.
     max_center_spread
@@ -90,7 +93,7 @@ class Consensus:
         Members whose views the model cannot be fitted to: id -> code of the `CalibrationError`.
     spread
         px, root mean square over the image and over the group of the difference between a member's own
-        projections and the pooled ones, after the best rotation.
+        projections and the pooled ones, after the best rotation; NaN where there is one member.
     member_errors
         px rms of the views of each of the group under intrinsics fitted to the others, by id; empty where
         there are no others.
@@ -130,12 +133,14 @@ def pool(
     if not fits:
         raise failure
     limits = rule.max_projection_spread * img_size[0], rule.max_harmless_spread * img_size[0]
-    parts = groups([c for _, c in fits], *limits)
+    weight = weights(members, rule)
+    parts = groups([c for _, c in fits], *limits, np.array([weight[m.id] for m, _ in fits]))
     group = [fits[i] for i in parts[0]]
-    pooled = fit([view for member, _ in group for view in member.views], img_size, model)
+    entering = balanced([member for member, _ in group], rule)
+    pooled = fit([view for member in entering for view in member.views], img_size, model)
     errors = without_each(group, pooled, img_size) if len(group) > 1 else np.empty(0)
     contributors = len({member.contributor for member, _ in group})
-    reason = doubt(group, errors, contributors, len(members), img_size, rule)
+    reason = doubt(group, errors, members, img_size, rule)
     return Consensus(
         calibration=pooled,
         members=tuple(m.id for m, _ in group),
@@ -145,7 +150,7 @@ def pool(
         reason=reason,
         groups=tuple(tuple(fits[i][0].id for i in part) for part in parts),
         dropped=dropped,
-        spread=float(np.sqrt(np.mean(compare([pooled, *(c for _, c in group)])[0, 1:] ** 2))),
+        spread=apart(pooled, [c for _, c in group]) if len(group) > 1 else math.nan,
         member_errors={m.id: float(e) for (m, _), e in zip(group, errors, strict=False)},
         held_out_error=overall(group, errors) if len(group) > 1 else math.nan,
     )
@@ -154,22 +159,52 @@ def pool(
 def doubt(
     group: Sequence[tuple[Member, Calibration]],
     errors: Array,
-    contributors: int,
-    total: int,
+    members: Sequence[Member],
     img_size: tuple[int, int],
     rule: Rule,
 ) -> Doubt | None:
-    """Why the group of a consensus is not reliable; `errors` (m,) px of its members, held out."""
-    if total < rule.min_calibrations:
+    """Why the group among `members` is not reliable; `errors` (m,) px of those in it, held out."""
+    if len(members) < rule.min_calibrations:
         return "too_few"
-    if len(group) < max(rule.min_calibrations, rule.min_share * total):
+    weight = weights(members, rule)
+    share = sum(weight[member.id] for member, _ in group) / sum(weight.values())
+    if len(group) < rule.min_calibrations or share < rule.min_share - 1e-9:
         return "disagree"
     own = np.array([c.avg_reprojection_error for _, c in group])
     if len(group) > 1 and (errors > own + rule.max_unexplained * img_size[0]).any():
         return "disagree"
     if not spread_within(group, img_size, rule):
         return "disagree"
+    contributors = len({member.contributor for member, _ in group})
     return "few_contributors" if contributors < rule.min_contributors else None
+
+
+def weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
+    """How much each member counts, by id: where contributors are told apart, all of one as much as one."""
+    if rule.min_contributors < 2:
+        return {member.id: 1.0 for member in members}
+    counts = Counter(member.contributor for member in members)
+    return {member.id: 1 / counts[member.contributor] for member in members}
+
+
+def balanced(group: Sequence[Member], rule: Rule) -> list[Member]:
+    """Those that enter the pooled fit: of each contributor the first, no more than the median one has."""
+    if rule.min_contributors < 2:
+        return list(group)
+    counts = Counter(member.contributor for member in group)
+    most = sorted(counts.values())[(len(counts) - 1) // 2]
+    entered: Counter[str] = Counter()
+    kept = []
+    for member in group:
+        entered[member.contributor] += 1
+        if entered[member.contributor] <= most:
+            kept.append(member)
+    return kept
+
+
+def apart(pooled: Calibration, group: Sequence[Calibration]) -> float:
+    """Root mean square over the group of the differences from the pooled projections, px."""
+    return float(np.sqrt(np.mean(compare([pooled, *group])[0, 1:] ** 2)))
 
 
 def overall(group: Sequence[tuple[Member, Calibration]], errors: Array) -> float:

@@ -1,5 +1,7 @@
 """What is known of a camera: calibrations, votes, the consensus, which races leave as new as it can be."""
 
+import pytest
+
 from calibdb import capture
 from calibdb.camera_key import camera_key
 from calibdb.schema import (
@@ -28,6 +30,9 @@ FIT = FitRecord(
     avg_reprojection_error=0.2,
     uncertainty=Uncertainty(rms=0.1, max=0.2),
 )
+
+
+VAGUE = Uncertainty(rms=0.7, max=2.0)
 
 
 def mode(document: CalibrationDocument) -> Mode:
@@ -91,9 +96,42 @@ def test_a_contributor_counts_once_in_a_period_and_keeps_nobody_out(table: Table
     for n in range(3, 30):
         calibrations.index(calibrated(n, "busy"))
     place = mode(calibrated(0))
-    assert [c.contributor for c in calibrations.newest(place, 5)] == ["busy"] * 5
+    assert [c.source for c in calibrations.newest(place, 5)] == ["busy"] * 5
     once = calibrations.newest(place, 5, 86_400)
     assert once == [Counted(calibrated(29).id, "busy"), Counted(calibrated(2).id, "honest")]
+
+
+def test_a_source_counts_whoever_it_says_it_is_and_three_times_at_most(
+    table: Table, objects: Objects
+) -> None:
+    calibrations, day = Calibrations(table, objects), 86_400
+    once = calibrated(0, "honest", source="elsewhere")
+    calibrations.index(once)
+    busy = [calibrated(n, f"token {n}", source="one place", time=NOW + n * day) for n in range(1, 9)]
+    for document in busy:
+        calibrations.index(document)
+    found = calibrations.newest(mode(once), 200, day)
+    assert [c.source for c in found] == ["one place"] * 3 + ["elsewhere"]
+    assert [c.id for c in found[:3]] == [d.id for d in busy[:-4:-1]], "the newest"
+    assert len(calibrations.newest(mode(once), 200)) == 9, "where nobody is told apart everything counts"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"target_error": 0.61}, {"fits": {"rectilinear": FIT.model_copy(update={"uncertainty": VAGUE})}}],
+    ids=["asked for too little", "ended at the limit"],
+)
+def test_what_is_not_precise_supports_nobody(
+    table: Table, objects: Objects, changes: dict[str, object]
+) -> None:
+    calibrations = Calibrations(table, objects)
+    wide = {"img_size": (1280, 720), "target_error": 0.6}
+    precise, vague = calibrated(0, **wide), calibrated(1, **{**wide, **changes})
+    calibrations.index(precise)
+    calibrations.index(vague)
+    place = mode(precise)
+    assert [c.id for c in calibrations.newest(place, 200, 86_400)] == [precise.id]
+    assert len(calibrations.newest(place, 200)) == 2, "on a machine of one's own it does"
 
 
 def rests_on(basis: str) -> ConsensusDocument:
@@ -180,7 +218,7 @@ def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects
     assert votes.cast(vote.model_copy(update={"time": NOW + 9})) == vote
     assert votes.cast(later) == later
     found = votes.newest(Mode("c2-k-0123456789ab", (1280, 720), 0.0))
-    assert [(cast.id, cast.contributor, cast.time) for cast in found] == [
+    assert [(cast.id, cast.source, cast.time) for cast in found] == [
         (later.id, "somebody", NOW + 256),
         (vote.id, "somebody", NOW),
     ]

@@ -3,7 +3,7 @@
 import pytest
 
 from calibdb.errors import ForbiddenError
-from calibdb.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse, secret_hash
+from calibdb.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse, secret_hash, source
 
 OLD, NEW = "old secret " * 4, "new secret " * 4
 TICKET = Ticket("6b0113478f87f366bd2f0a11", "dev")
@@ -121,3 +121,23 @@ def test_a_contributor_is_a_keyed_hash() -> None:
     }
     assert one not in others
     assert len(others) == 3
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        ("192.0.2.7", "192.0.2.7", True),
+        ("192.0.2.7", "192.0.2.8", False),
+        ("192.0.2.7", "::ffff:192.0.2.7", True),
+        ("2001:db8:1:2::1", "2001:db8:1:ffff::9", True),  # one site
+        ("2001:db8:1:2::1", "2001:db8:2:2::1", False),
+    ],
+)
+def test_a_source_is_an_address_or_a_site(one: str, other: str, *, same: bool) -> None:
+    assert (source("key", one) == source("key", other)) is same
+
+
+def test_a_source_is_a_keyed_hash_and_no_contributor() -> None:
+    assert len(source("key", "192.0.2.7")) == 64
+    assert source("key", "192.0.2.7") != source("another key", "192.0.2.7")
+    assert source("key", "192.0.2.7") != contributor("key", "192.0.2.7", "")

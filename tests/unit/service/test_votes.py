@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from calibdb.schema import CheckRequest, CheckView, Votes
 from calibdb.settings import Thresholds
-from calibdb.votes import Finding, fits, judged, tally, vote_id
+from calibdb.votes import Finding, Own, fits, judged, tally, verdict, vote_id
 
 NOW = 1_700_000_000
 DAY = 86_400
@@ -17,11 +17,25 @@ def found(*votes: tuple[str, bool], time: int = NOW) -> list[Finding]:
     return [Finding(who, time, agrees) for who, agrees in votes]
 
 
-def test_views_fit_up_to_twice_what_is_expected_or_what_they_could_be() -> None:
-    assert fits(0.39, expected=0.2, noise=0.1, width=1280, ratio=2)
-    assert not fits(0.41, expected=0.2, noise=0.1, width=1280, ratio=2)
-    assert fits(0.41, expected=0.2, noise=0.3, width=1280, ratio=2), "a noisier detector is no other camera"
-    assert fits(0.25, expected=0.01, noise=0.01, width=1280, ratio=2), "a fraction of a pixel is no concern"
+def test_views_fit_up_to_twice_their_own_noise_and_never_far_beyond_it() -> None:
+    assert fits(0.39, noise=0.2, width=1280, ratio=2)
+    assert not fits(0.41, noise=0.2, width=1280, ratio=2)
+    assert fits(0.25, noise=0.01, width=1280, ratio=2), "a fraction of a pixel is no concern"
+    assert fits(1.1, noise=1.0, width=1280, ratio=2), "a noisier detector is no other camera"
+    assert not fits(1.2, noise=1.0, width=1280, ratio=2), "and does not hide one"
+
+
+def test_views_speak_for_the_camera_that_they_give_by_themselves() -> None:
+    def says(error: float, own: Own | None, *, same_model: bool = True) -> bool | None:
+        return verdict(error, 0.2, 1280, 2.0, own, same_model=same_model)
+
+    assert says(0.3, Own(3.0, 0.5)) is True
+    assert says(0.3, Own(20.0, 0.5)) is False, "they fit, and are of another camera nevertheless"
+    assert says(0.3, Own(20.0, 0.5), same_model=False) is None, "of another model, perhaps"
+    assert says(0.3, Own(3.0, 9.0)) is None, "they would fit any"
+    assert says(0.3, Own(float("inf"), 0.5)) is None
+    assert says(0.3, None) is None
+    assert says(0.9, None) is False, "what does not fit says so whoever took it"
 
 
 def test_each_contributor_has_one_vote_the_newest() -> None:
@@ -72,10 +86,12 @@ def test_calibrations_that_disagree_are_confirmed_by_nobody() -> None:
 
 
 def test_the_more_stand_behind_it_the_more_must_doubt_it() -> None:
-    def after(disagree: int) -> object:
-        return judged(None, Votes(disagree=disagree), RULE, confirmable=False, contributors=60)[1]
+    def after(disagree: int, contributors: int) -> object:
+        votes = Votes(disagree=disagree)
+        return judged(None, votes, RULE, confirmable=False, contributors=contributors)[1]
 
-    assert [after(5), after(6)] == ["consensus", None]
+    assert [after(6, 20), after(7, 20)] == ["consensus", None], "a third"
+    assert [after(2, 3), after(3, 3), after(3, 9)] == ["consensus", None, None], "and at least three"
 
 
 @given(st.integers(0, 200), st.integers(0, 20), st.integers(0, 20), st.integers(1, 200))

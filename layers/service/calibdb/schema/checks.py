@@ -21,6 +21,7 @@ from calibdb.schema.fields import (
     Strict,
     Zoom,
 )
+from calibdb.schema.lookup import ResizeMode
 
 MOST_VIEWS = 5
 
@@ -57,6 +58,9 @@ class CheckRequest(Strict):
     img_size: ImgSize
     zoom: Zoom = 0.0
     distortion_model: DistortionModel = "rectilinear"
+    resize_mode: ResizeMode | None = Field(
+        None, description="`resizeMode` of the track: a stream that the browser crops is another picture."
+    )
     board: Board = Board()
     views: tuple[CheckView, ...] = Field(
         min_length=1, max_length=MOST_VIEWS, description="Tilted differently; one alone tells little."
@@ -68,10 +72,10 @@ class CheckAnswer(Open):
 
     fits: Literal["fits", "does_not_fit"]
     error: float = Field(description="px rms of the views under the consensus, the poses alone fitted.")
-    expected: float = Field(description="px rms of views of a camera that the consensus is of.")
+    expected: float = Field(description="px rms of these views under a camera fitted to them alone.")
     counted: bool = Field(
         description="Whether it counts as a vote: a contributor has one a day for a camera at a size, none "
-        "where they calibrated it themselves, and views that fit every camera are none."
+        "where they calibrated it themselves, and views that fit many a camera are none."
     )
     votes: Votes = Field(description="On the consensus as it is now, this one included.")
     calibration: Calibration = Field(description="The consensus as it is now, reliable or not.")

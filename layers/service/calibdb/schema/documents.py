@@ -41,6 +41,7 @@ class Finish(Open):
     calibration_id: str
     time: int  # unix seconds
     contributor: str
+    source: str | None = None  # where the contributor is, hashed; of ends before there was one, none
     solver: str
     report: dict[str, JsonValue] | None = None  # how good the result is, in detail
 
@@ -88,7 +89,13 @@ class CalibrationDocument(CaptureDocument):
     report: dict[str, JsonValue] | None = None  # `calibsolver.report.describe` of the fit
     solver: str
     contributor: str
+    source: str | None = None
     time: int = Field(description="Unix time, seconds.")
+
+    @property
+    def counted_as(self) -> str:
+        """Whose it is where contributors are counted."""
+        return self.source or self.contributor
 
     def answer(self) -> Calibration:
         """Return the calibration of the session's own model, as the API answers it."""
@@ -126,8 +133,15 @@ class VoteDocument(Open):
     board: Board
     views: tuple[ViewDocument, ...]
     noise: float  # px rms of the views under a camera of their own: what no camera can do better
+    fit: FitRecord | None = None  # that camera, by the model that was checked; votes of old have none
     contributor: str
+    source: str | None = None
     time: int  # unix seconds
+
+    @property
+    def counted_as(self) -> str:
+        """Whose it is where contributors are counted."""
+        return self.source or self.contributor
 
 
 class ConsensusDocument(Open):

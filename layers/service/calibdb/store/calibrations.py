@@ -7,12 +7,14 @@ is marked. It counts for nothing any more, and publishing it again does not brin
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from pydantic import ValidationError
 
+from calibdb.precision import precise
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import (
     WITHDRAWN,
@@ -27,6 +29,7 @@ from calibdb.store.names import Names, today
 from calibdb.store.objects import Objects
 from calibdb.store.table import Condition, Item, Table
 
+MOST_OF_ONE = 3  # calibrations of one source that enter a consensus
 _READERS = 8  # objects read at a time
 _MOST_ITEMS = 2_000  # of a mode that are looked through for those that count
 _CROPPED = "crop-and-scale"
@@ -38,7 +41,7 @@ class Counted:
     """A calibration that counts, as the index knows it."""
 
     id: str
-    contributor: str
+    source: str  # as what its contributor is counted
 
 
 class Calibrations:
@@ -81,8 +84,9 @@ class Calibrations:
     def newest(self, mode: Mode, limit: int, period: int = 0) -> list[Counted]:
         """Return at most `limit` calibrations of a camera at one size and zoom, last begun first.
 
-        Only those that count: not withdrawn, of the stream as the camera gives it, and one of each
-        contributor in `period` seconds (0: all of them).
+        Only those that count: not withdrawn, and of the stream as the camera gives it. With a `period`,
+        seconds, contributors are told apart: then only precise ones (`precision.precise`), one of each source
+        in a period, and of each the newest `MOST_OF_ONE`. 0: all of them.
         """
         counted: list[Counted] = []
         # Mostly all of them count; where they do not, one is not kept out by many that are passed over.
@@ -139,16 +143,19 @@ class Calibrations:
 
 def _counting(items: Sequence[Item], period: int) -> list[Counted]:
     counted, heard = [], set()
+    entered: Counter[str] = Counter()
     for item in items:
         if "withdrawn" in item or item.get("native", 1) == 0:
             continue
-        contributor = str(item["contributor"])
+        # Items written before there was a source have none.
+        source = str(item.get("source", item["contributor"]))
         if period:
-            who = contributor, int(str(item["time"])) // period
-            if who in heard:
+            who = source, int(str(item["time"])) // period
+            if item.get("precise", 1) == 0 or who in heard or entered[source] == MOST_OF_ONE:
                 continue
             heard.add(who)
-        counted.append(Counted(str(item["sk"]).rpartition("#")[2], contributor))
+            entered[source] += 1
+        counted.append(Counted(str(item["sk"]).rpartition("#")[2], source))
     return counted
 
 
@@ -183,5 +190,7 @@ def _item(document: CalibrationDocument) -> Item:
         "fit": shown,
         "model": document.distortion_model,
         "native": int(document.track.resizeMode != _CROPPED),
+        "precise": int(precise(document)),
+        "source": document.counted_as,
         "time": document.time,
     }

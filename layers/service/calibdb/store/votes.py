@@ -21,7 +21,7 @@ class Cast:
     """A vote as the index knows it."""
 
     id: str
-    contributor: str
+    source: str  # as what its contributor is counted
     time: int  # unix seconds
     object: str  # its name in the bucket, which keeps the key that the camera had then
 
@@ -55,7 +55,7 @@ class Votes:
         return [
             Cast(
                 id=str(item["sk"]).rpartition("#")[2],
-                contributor=str(item["contributor"]),
+                source=str(item.get("source", item["contributor"])),
                 time=int(str(item["time"])),
                 object=str(item["object"]),
             )
@@ -85,6 +85,7 @@ def _item(document: VoteDocument) -> Item:
         "pk": mode.pk,
         "sk": f"VOTE#{mode.text}#{document.id}",
         "contributor": document.contributor,
+        "source": document.counted_as,
         "time": document.time,
         "object": vote_object(document.camera_key, document.id),
     }
