@@ -5,11 +5,14 @@ Not a test by its name, so that `make test` passes over it; the tests hold the s
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from playwright.sync_api import BrowserContext, FilePayload, Page
 
 from tests.data import data_dir
 
+from .conftest import OUTPUT
 from .pictures import SIZES, picture
 from .scenes import CAMERA, no_network, unreadable
 from .specimens import answer, camera, cameras, result
@@ -187,3 +190,12 @@ def test_what_is_not_there(context: BrowserContext) -> None:
         page.goto(f"/result/?id=there-is-none&lang={language}")
         page.locator("#waiting .actions").wait_for()
         picture(page, f"shot-result-none-{language}", ["hand"])
+
+
+def test_the_picture_of_the_readme(page: Page) -> None:
+    page.set_viewport_size({"width": 1280, "height": 800})
+    page.goto(f"/calibrate/?{Truth().query(seed=3)}&target_error=0.05&error=1")
+    page.locator("#undo:enabled").wait_for()
+    page.locator("#overlay:not([hidden])").wait_for()
+    page.locator("#instruction", has_text=re.compile("tilt|turn|closer|farther", re.IGNORECASE)).wait_for()
+    page.screenshot(path=OUTPUT / "readme-capture.png")

@@ -1,5 +1,6 @@
 """The board: on a screen, on another device, on paper, and any other than ours."""
 
+import re
 from pathlib import Path
 
 import cv2
@@ -23,7 +24,24 @@ def test_the_board_as_a_file(page: Page) -> None:
     with page.expect_download() as download:
         page.locator("#papers a", has_text="A4").click()
     assert download.value.suggested_filename == "calibdb-board-a4.pdf"
-    assert Path(download.value.path()).read_bytes().startswith(b"%PDF-1.4")
+    content = Path(download.value.path()).read_bytes()
+    assert content.startswith(b"%PDF-1.4")
+    assert b"100 mm when printed" in content
+
+
+def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
+    for language, pictures in (("de", 0), ("uk", 3)):
+        page.goto(f"/board/?lang={language}")
+        with page.expect_download() as download:
+            page.locator("#papers a", has_text="A4").click()
+        content = Path(download.value.path()).read_bytes()
+        assert (b"Kleben" in content or b"kleben" in content) == (language == "de")
+        # Letters that the font of every viewer lacks are pictures, with black in each.
+        masks = re.findall(rb"/ImageMask true .*? stream", content.replace(b"\n", b" "))
+        assert len(masks) == pictures
+        assert len(content) < 300_000
+        for mask in re.findall(rb"/Length (\d+) >>\nstream\n", content)[1:]:
+            assert int(mask) > 1000
 
 
 def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) -> None:
