@@ -172,6 +172,27 @@ test("views taken while the service is away are sent in their order once it is b
   assert.deepEqual([taken, refused, state.views.length, next.waiting], [[1, 2, 4], 1, 3, 0]);
 });
 
+test("a capture begun without the service is sent when it is there, and may be sent again as another one's", async () => {
+  const taken = [];
+  const { api, calls } = service(({ call, body }) => {
+    if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
+    if (call === "GET /v1/session/pose") return json(200, { index: taken.length });
+    if (call === "POST /v1/session/views") taken.push(body.ids[0]);
+    return json(200, { accepted: true, status: "capturing", views: taken.map((_, index) => ({ index })) });
+  });
+  let told = 0;
+  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
+  capture.keep({ ids: [1], points: [[1, 1]] });
+  capture.keep({ ids: [2], points: [[2, 2]] });
+  assert.deepEqual([capture.size, capture.waiting, capture.lastIsTaken], [2, 2, false]);
+  const back = await capture.resume(undefined, { onSending: () => (told += 1) });
+  assert.deepEqual([calls[0].call, taken, back.taken, told, capture.lastIsTaken], ["POST /v1/auth", [1, 2], 2, 1, true]);
+  const { credential, views } = capture.unsent();
+  assert.deepEqual([credential, views.map(({ index, taken: sent }) => [index, sent])], ["", [[null, false], [null, false]]]);
+  await capture.renew({ focusMode: "manual" });
+  assert.deepEqual(calls.at(-1).body.track, { focusMode: "manual" });
+});
+
 test("a view not yet sent is taken back without the service", async () => {
   const { api, calls } = service(() => json(200, {}));
   const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });

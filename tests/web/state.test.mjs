@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { DEFAULT_BOARD, corners, outline } from "../../web/board/geometry.js";
 import { HOLD, LONG_HOLD, decide, holdProgress, lenience } from "../../web/calibrate/hold.js";
 import { initial, reduce } from "../../web/calibrate/state.js";
+import { isEnough, wantedAway } from "../../web/calibrate/session.js";
 import { HEALTHY } from "../../web/calibrate/diagnosis.js";
 import { asMirrored } from "../../web/calibrate/instruction.js";
 import { project } from "../../web/virtual/lens.js";
@@ -170,6 +171,20 @@ test("without the service, views are kept and counted, and the target is the pag
   const back = reduce(trying, { type: "back", session: { ...SESSION, views, progress: 0.5 }, taken: 2, refused: 0, time: 3000 });
   assert.deepEqual([back.away, back.stored, back.progress, back.notice.key], [false, 0, 0.5, "capture.came_back"]);
   assert.equal(back.patience, 0, "the connection is not lost any more");
+});
+
+test("without the service there is an end: eight views, or three more where it went on asking", () => {
+  const offline = (stored) => reduce(capturing(), { type: "offline", stored, time: 1 });
+  assert.deepEqual([offline(0).notice.key, offline(3).notice.key, offline(3).phase], ["capture.went_away", "capture.offline_kept", "capturing"]);
+  assert.deepEqual([wantedAway(offline(0)), isEnough(offline(7)), isEnough(offline(8))], [8, false, true]);
+  const views = Array.from({ length: 7 }, (_, index) => ({ index, points: 40, rms: 0.1 }));
+  const late = reduce(reduce(capturing(), { type: "session", session: { ...SESSION, views } }), { type: "away", stored: 2, time: 1 });
+  assert.deepEqual([wantedAway(late), isEnough(late), isEnough({ ...late, stored: 3 })], [3, false, true]);
+  const told = frames(NOTHING, 500).reduce(reduce, offline(8));
+  assert.equal(told.instruction.code, "enough");
+  assert.equal(reduce(late, { type: "sending", sending: true }).sending, true);
+  const back = (taken, refused) => reduce(late, { type: "back", session: SESSION, taken, refused, time: 2 }).notice.key;
+  assert.deepEqual([back(2, 0), back(1, 1), back(0, 0)], ["capture.came_back", "capture.came_back_less", "capture.came_back_only"]);
 });
 
 test("a refusal says what would help, as the preview shows it", () => {

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD } from "../../web/board/geometry.js";
+import { Announcer } from "../../web/calibrate/announcer.js";
 import { propose } from "../../web/calibrate/camera.js";
 import { setLanguage } from "../../web/i18n.js";
 import { initial } from "../../web/calibrate/state.js";
@@ -37,6 +38,31 @@ test("another camera, or another size, than was asked for is said to be opened",
   assert.match(words.another({ ...state, key: { ...key, camera: "Integrated Camera" } }), /C920 at 1280 × 720. Opened: Integrated Camera/);
   assert.match(words.another({ ...state, key: { ...key, img_size: [640, 480] } }), /Opened: C920 at 640 × 480/);
   assert.equal(words.another({ ...state, key, wanted: { ...wanted, camera: null } }), "");
+});
+
+test("all that is sent is shown, as it is sent", () => {
+  const request = { ...key, board: DEFAULT_BOARD, distortion_model: "fisheye", target_error: 0.1, track: { focusMode: "manual" } };
+  const shown = words.sent({ ...state, key, request }).split("\n").map((line) => line.split(/: (.*)/s));
+  assert.deepEqual(Object.fromEntries(shown.map(([name, value]) => [name, JSON.parse(value)])), request);
+});
+
+test("what has happened is said once, what is to be done whenever it changes", async () => {
+  const place = { textContent: "" };
+  const announcer = new Announcer(place, 5);
+  announcer.say("Closer", "View 1 taken.");
+  assert.equal(place.textContent, "View 1 taken. Closer");
+  announcer.say("Move left", "View 1 taken.");
+  announcer.say("Hold still", "View 2 taken.");
+  announcer.say("Move up", "");
+  await new Promise((done) => setTimeout(done, 20));
+  assert.equal(place.textContent, "View 2 taken. Move up", "news are not lost to what comes after them");
+});
+
+test("a model that would fit better is offered, unless it is the one", () => {
+  const session = { suggested_model: "fisheye" };
+  assert.equal(words.withModel({ ...state, session }), "Start again with “fisheye”");
+  assert.equal(words.withModel({ ...state, session, wanted: { ...wanted, distortion_model: "fisheye" } }), "");
+  assert.equal(words.withModel(state), "");
 });
 
 test("what is waited for is named", () => {

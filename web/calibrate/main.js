@@ -204,6 +204,7 @@ async function converse(request, signal) {
     signal.aborted || dispatch({ type: "patience", attempt: patience?.attempt ?? 0 });
   const { session, state: answer } = await captures.open(request, { signal, onPatience });
   signal.throwIfAborted();
+  dispatch({ type: "request", request: session.request });
   if (answer) dispatch({ type: "session", session: answer, stored: session.waiting });
   else dispatch({ type: "offline", stored: session.size, time: performance.now() });
   return session;
