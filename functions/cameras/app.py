@@ -24,6 +24,7 @@ def search(call: http.Call) -> Response:
     call.api_token()
     request = call.query(CamerasRequest)
     wanted = browse.asked(request.query)
+    least = call.service.settings.thresholds.min_contributors
     word = wanted[0] if wanted else ""
     if request.after is not None and not is_place(word, request.after):
         raise InvalidError.field("after", "must be `next` of an answer to the same query")
@@ -34,7 +35,7 @@ def search(call: http.Call) -> Response:
     entries = (
         browse.entry(key, name, consensuses)
         for (key, name), consensuses in zip(found, known, strict=True)
-        if browse.matches(wanted[1:], name, consensuses)
+        if browse.listed(consensuses, least) and browse.matches(wanted[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
     return http.answer(answer, headers=_CACHED)

@@ -6,17 +6,22 @@ from starlette.responses import Response
 
 from calibdb import http
 from calibdb.camera_key import VERSION
-from calibdb.errors import InvalidError, NotFoundError
+from calibdb.errors import GoneError, InvalidError, NotFoundError
 from calibdb.schema import CalibrationDocument, ExportQuery, ReportedCalibration
 
 AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
 
 
 def show(call: http.Call) -> Response:
-    """Answer with the calibration in the format asked for."""
-    call.api_token()
+    """Answer with the calibration in the format asked for; a conversion is counted as a view is."""
+    token = call.api_token()
     asked = call.query(ExportQuery)
-    document = call.service.store.calibrations.get(call.path("id"))
+    if not asked.plain:
+        call.service.charge(token, "views", call.address)
+    store = call.service.store.calibrations
+    document = store.get(call.path("id"))
+    if document is not None and (reason := store.withdrawn(document)) is not None:
+        raise GoneError("This calibration was withdrawn.", kind="withdrawn", members={"reason": reason})
     found = reported(document) if document is not None else consensus(call, call.path("id"))
     if found is None:
         raise NotFoundError("There is no calibration with this id.")

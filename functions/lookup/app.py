@@ -78,7 +78,8 @@ def _find(call: http.Call, request: LookupRequest) -> LookupAnswer | Miss:
     around = neighbours(resolved.known, size, zoom, model)
     if around is not None:
         return between(*around, zoom)
-    return Miss(guidance_url=url, reason=reason, detail=_DETAILS[reason])
+    detail = resolution.SEVERAL if resolved.several else _DETAILS[reason]
+    return Miss(guidance_url=url, reason=reason, detail=detail)
 
 
 def _key(request: LookupRequest) -> dict[str, str]:

@@ -44,10 +44,16 @@ class Gateway:
         if self._cors and origin and _is_preflight(request):
             # Answered here whatever the path, without asking a function.
             return Response(204, _preflight_headers(self._cors, origin))
-        response = self._route(request)
-        if self._cors:
-            response = replace(response, headers=_with_cors(response.headers, self._cors, origin))
-        return response
+        return self._allowed(self._route(request), origin)
+
+    def too_large(self, origin: str | None) -> Response:
+        """Answer a request that is larger than a function could be handed."""
+        return self._allowed(message(413, "Request Entity Too Large"), origin)
+
+    def _allowed(self, response: Response, origin: str | None) -> Response:
+        if not self._cors:
+            return response
+        return replace(response, headers=_with_cors(response.headers, self._cors, origin))
 
     def _route(self, request: Request) -> Response:
         match = self.routes.match(request.method, request.path)

@@ -102,7 +102,8 @@ class Front:
         except ClientDisconnect:
             return  # nobody is left to answer
         if request is None:
-            response = message(413, "Request Entity Too Large")
+            origin = WebRequest(scope).headers.get("origin")
+            response = self._gateway.too_large(origin)
         else:
             response = await self._answer(request)
         web = WebResponse(response.body, response.status, dict(response.headers))

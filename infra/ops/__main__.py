@@ -38,6 +38,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             except CalibdbError as error:
                 print(f"calibDB: {error.detail}", file=sys.stderr)
                 return 1
+    except BrokenPipeError:
+        # Who reads has read enough. What is left in the buffer must not be written at the end either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except (JournalError, TemplateError, ValueError, OSError) as error:
         print(f"calibDB: {error}", file=sys.stderr)
         return 1

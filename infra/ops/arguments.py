@@ -33,7 +33,11 @@ def parser() -> argparse.ArgumentParser:
     calibration = _group(commands, "calibration", "single calibrations")
     withdraw = calibration.add_parser("withdraw", help="let a calibration count for nothing any more")
     withdraw.add_argument("id")
-    withdraw.add_argument("--reason", default="", help="kept with it")
+    withdraw.add_argument(
+        "--reason",
+        default="",
+        help="kept with it; `wrong`, `abuse` or `privacy` as its first word is told whoever asks",
+    )
     restore = calibration.add_parser("restore", help="let one that was withdrawn count again")
     restore.add_argument("id")
 

@@ -6,6 +6,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 
+from calibdb.camera_key.visible import visible
 from calibdb.schema import CalibrationDocument
 from calibdb.store import Mode
 from calibdb.store.keys import WITHDRAWN
@@ -23,7 +24,8 @@ def listed(desk: Desk, text: str) -> list[str]:
         if text.lower() in key:
             (withdrawn if name.endswith(WITHDRAWN) else counts)[key] += 1
     return [
-        f"{key}  {count} calibrations" + (f", {withdrawn[key]} withdrawn" if withdrawn[key] else "")
+        f"{key}  {count} calibration{'' if count == 1 else 's'}"
+        + (f", {withdrawn[key]} withdrawn" if withdrawn[key] else "")
         for key, count in sorted(counts.items())
     ]
 
@@ -33,7 +35,8 @@ def shown(desk: Desk, camera_key: str) -> Iterator[str]:
     found = list(calibrations(desk, camera_key))
     if not found:
         raise OpsError(f"nothing is known of a camera {camera_key}")
-    yield f"{found[-1][0].camera}, {found[-1][0].platform}"
+    # Stored before labels were cleaned, it may hold what a terminal would obey.
+    yield visible(f"{found[-1][0].camera}, {found[-1][0].platform}")
     modes: dict[Mode, list[tuple[CalibrationDocument, bool]]] = {}
     for document, withdrawn in found:
         key = Mode(camera_key, document.img_size, document.zoom)
@@ -63,7 +66,8 @@ def _consensuses(desk: Desk, mode: Mode) -> Iterator[str]:
         line = f"{consensus.distortion_model}: {what}"
         if known is not None:
             line += (
-                f"; {known.calibrations} of {consensus.total} agree, {known.contributors} contributors, "
+                f"; {known.calibrations} of {consensus.total} agree, "
+                f"{known.contributors} contributor{'' if known.contributors == 1 else 's'}, "
                 f"fx {known.camera_matrix[0][0]:.1f}, rms {known.avg_reprojection_error:.2f} px"
             )
         yield line

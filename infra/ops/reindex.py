@@ -70,7 +70,7 @@ def reindex(desk: Desk, only: Iterable[Mode] | None = None) -> Report:
     modes: Counter[Mode] = Counter()
     for document, withdrawn in calibrations.everything():
         calibrations.index(document, withdrawn=withdrawn)
-        modes[mode(document)] += 1
+        modes[mode(document)] += not withdrawn
     cast = 0
     for vote in votes.all():
         votes.index(vote)
@@ -88,7 +88,8 @@ def reindex(desk: Desk, only: Iterable[Mode] | None = None) -> Report:
         found = refit(desk, wanted)
         failed += found is None
         consensuses += found or 0
-        desk.say(f"{wanted.camera_key} {wanted.text}: {modes[wanted]} calibrations")
+        count = modes[wanted]
+        desk.say(f"{wanted.camera_key} {wanted.text}: {count} calibration{'' if count == 1 else 's'}")
     return Report(
         calibrations=sum(modes.values()),
         published=published,

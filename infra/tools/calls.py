@@ -22,6 +22,7 @@ PROBLEMS = {
     404: "There is no such thing.",
     406: "None of the accepted media types can be given.",
     409: "The request does not fit the state that things are in.",
+    410: "It was withdrawn; `reason` says for what kind of reason: wrong, abuse, privacy, other.",
     413: f"The body is larger than {MAX_BODY} bytes.",
     422: "Fields are not what they must be; `errors` names them.",
     429: "The plan's calls of this hour are used up; `Retry-After` says when the next begins.",
@@ -210,7 +211,7 @@ OPERATIONS = (
                 sometimes=("Content-Disposition", "X-Conversion-Warning"),
             )
         },
-        (*_ASKED, 404, 422),
+        (*_ASKED, 404, 410, 422),
         _TOKEN,
         parameters=(
             _path("id", {"type": "string"}, "As a session or a lookup answered it."),

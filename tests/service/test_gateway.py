@@ -278,8 +278,10 @@ def test_a_body_without_end_is_cut_off(stack: LocalStack) -> None:
             yield b"x" * 100_000
 
     with stack.serve() as url:
-        response = httpx.post(f"{url}/v1/echo", content=chunks())
+        origin = {"origin": "https://page.example"}
+        response = httpx.post(f"{url}/v1/echo", content=chunks(), headers=origin)
     assert (response.status_code, response.json()) == (413, {"message": "Request Entity Too Large"})
+    assert response.headers["access-control-allow-origin"] in ("*", "https://page.example")
 
 
 def test_the_gateway_gives_up_on_a_slow_function(stack: LocalStack, tmp_path: Path) -> None:

@@ -8,9 +8,10 @@ from urllib.parse import quote
 
 import pytest
 
+from calibdb import resolution, standing
 from calibdb.camera_key import camera_key, identify
 from calibdb.schema import ConsensusDocument, GroupsDocument
-from calibdb.settings import Settings
+from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store, clients
 from infra.local import LocalStack
 from tests.client import TOKEN, Answer, Client
@@ -150,14 +151,49 @@ def test_a_model_that_cannot_be_computed_is_tried_once(stack: LocalStack, store:
         assert asked == ["Query"]
 
 
-def test_a_second_id_under_a_name_ends_what_the_name_alone_says(stack: LocalStack, store: Store) -> None:
+def test_a_second_id_under_a_name_ends_what_the_name_alone_says(
+    stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Once as many calibrated it as it takes; one capture with an invented id ends nothing."""
+    monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
+    rules = Thresholds(min_contributors=3, contributor_period=0)
     label = "Twofold X3"
-    store.calibrations.publish(calibration(f"{label} (1111:0003)"))
-    put(store, consensus(camera=f"{label} (1111:0003)"))
+    known, other = f"{label} (1111:0003)", f"{label} (1111:0004)"
+    store.calibrations.publish(calibration(known))
+    put(store, consensus(camera=known))
+    standing.bring_up_to_date(store, camera_key(known, LINUX), rules)
     assert ask(stack, label).status == 200
-    store.calibrations.publish(calibration(f"{label} (1111:0004)", number=1))
-    assert ask(stack, label).status == 307
-    assert ask(stack, f"{label} (1111:0003)").status == 200
+    for number, status in ((1, 200), (2, 200), (3, 307)):
+        store.calibrations.publish(calibration(other, number=number))
+        standing.bring_up_to_date(store, camera_key(other, LINUX), rules)
+        with storage_calls(stack) as asked:
+            answer = ask(stack, label)
+        assert (answer.status, len(asked)) == (status, 2 if status == 200 else 1)
+    assert (answer.json["reason"], answer.json["detail"]) == ("unknown_camera", resolution.SEVERAL)
+    assert ask(stack, known).status == 200
+    # and back, when one of the three is withdrawn
+    document = calibration(other, number=3)
+    store.calibrations.withdraw(document, "a test", 0)
+    standing.bring_up_to_date(store, camera_key(other, LINUX), rules)
+    assert ask(stack, label).status == 200
+
+
+def test_an_invented_id_does_not_keep_another_from_its_name(
+    stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is calibrated under a name answers an id of which nothing is known, but for another's name."""
+    monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
+    label = "Onefold X4"
+    store.calibrations.publish(calibration(label))
+    put(store, consensus(camera=label))
+    invented = f"{label} (dead:beef)"
+    store.calibrations.publish(calibration(invented, number=1))
+    standing.bring_up_to_date(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
+    assert ask(stack, f"{label} (1111:0004)").status == 200
+    assert ask(stack, label).status == 200
+    put(store, consensus(camera=invented))
+    standing.bring_up_to_date(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
+    assert ask(stack, f"{label} (1111:0004)").status == 307
 
 
 def test_in_public_a_name_that_many_bear_answers_nobody(
@@ -202,6 +238,40 @@ def test_a_search_finds_the_camera_whatever_is_said_of_it(stack: LocalStack) -> 
         ([1280, 720], 3, ["rectilinear"], True),
         ([640, 360], 0, ["rectilinear"], True),
     ]
+
+
+def test_in_public_a_search_shows_what_two_vouch_for(
+    stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    label = "Visit X9 (1111:0009)"
+    store.calibrations.publish(calibration(label))
+    put(store, consensus(camera=label, reason="too_few", calibrations=1))
+    other = "Visit Y9 (1111:000a)"
+    store.calibrations.publish(calibration(other, number=1))
+    put(store, consensus(camera=other, reason="too_few", calibrations=2))
+    found = [camera["camera"] for camera in browse(stack, "query=visit").json["cameras"]]
+    assert sorted(found) == [label, other]
+    monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
+    for query in ("query=visit", "limit=50"):
+        found = [camera["camera"] for camera in browse(stack, query).json["cameras"]]
+        assert other in found
+        assert label not in found
+
+
+@pytest.mark.parametrize(
+    ("said", "told"), [("wrong: seen in a mirror", "wrong"), ("Abuse", "abuse"), ("Anna asked", "other")]
+)
+def test_a_withdrawn_calibration_is_gone(stack: LocalStack, store: Store, said: str, told: str) -> None:
+    document = calibration(f"Gone {told} Z1", number=7)
+    store.calibrations.publish(document)
+    path = f"/v1/calibrations/{document.id}"
+    assert Client(stack).call("GET", path, token=TOKEN).status == 200
+    store.calibrations.withdraw(document, said, 0)
+    for query in ("", "format=ros"):
+        answer = Client(stack).call("GET", path, token=TOKEN, query=query)
+        assert (answer.status, answer.json["reason"]) == (410, told)
+        assert answer.json["type"].endswith("/withdrawn")
+        assert "Anna" not in json.dumps(answer.json)
 
 
 def test_a_search_goes_on_page_by_page(stack: LocalStack, store: Store) -> None:

@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -200,7 +202,7 @@ def test_cameras_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> Non
     assert main(["camera", "show", key]) == 0
     shown = capsys.readouterr().out
     assert "Test camera, " in shown
-    assert "rectilinear: not reliable (too_few); 3 of 3 agree, 1 contributors, fx 9" in shown
+    assert "rectilinear: not reliable (too_few); 3 of 3 agree, 1 contributor, fx 9" in shown
     assert len(re.findall(rf"{key}-[0-9a-f]{{20}}  .* contributor [0-9a-f]{{12}}  rectilinear", shown)) == 3
     assert main(["camera", "show", "c1-none-000000000000"]) == 1
     assert "nothing is known of a camera" in capsys.readouterr().err
@@ -229,6 +231,7 @@ def test_a_withdrawn_calibration_counts_for_nothing(
         for key in withdrawn:
             remove(stack, key)
     assert main(["reindex"]) == 0
+    assert "2 calibrations indexed" in capsys.readouterr().out
     with LocalStack(data_dir) as stack:
         assert items(stack) == withdrawn  # the bucket says so, too
     assert main(["calibration", "restore", victim]) == 0
@@ -237,6 +240,13 @@ def test_a_withdrawn_calibration_counts_for_nothing(
         assert items(stack) == before
     for action in ("withdraw", "restore"):
         assert main(["calibration", action, "c1-none-000000000000-00000000000000000000"]) == 1
+
+
+def test_who_has_read_enough_of_a_list_hears_no_complaint(data_dir: Path) -> None:
+    assert data_dir.exists()
+    command = f"{sys.executable} -m infra.ops camera list | true"
+    done = subprocess.run(["bash", "-o", "pipefail", "-c", command], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_nothing_of_a_contributor_is_left(

@@ -72,6 +72,13 @@ def test_lookups(client: Client, token: str) -> None:
     assert_used_up(client.call("GET", "/v1/calibrations/c1-a-0123456789ab-0123456789abcdef0123", token=token))
 
 
+def test_conversions_count_as_views(client: Client, token: str) -> None:
+    path = "/v1/calibrations/c1-a-0123456789ab-0123456789abcdef0123"
+    answers = [client.call("GET", path, token=token, query="format=ros") for _ in range(4)]
+    assert [a.status for a in answers] == [404] * 4
+    assert_used_up(client.call("GET", path, token=token, query="format=ros"))
+
+
 def test_a_wrong_secret_counts_for_nothing(client: Client, token: str) -> None:
     for _ in range(9):
         assert client.call("POST", "/v1/auth", token=token + "y").status == 403

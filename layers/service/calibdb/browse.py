@@ -12,6 +12,7 @@ from calibdb.schema.cameras import CameraEntry, CameraSize
 
 Mode = tuple[tuple[int, int], float]
 _MOST_WORDS = 8
+_LISTED = 2  # contributors
 
 
 def asked(query: str) -> list[str]:
@@ -31,6 +32,18 @@ def matches(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocument]
     text = unicodedata.normalize("NFKC", " ".join((name, *labels))).casefold()
     there = words(text)
     return all(any(word.startswith(w) for word in there) for w in wanted)
+
+
+def listed(known: Sequence[ConsensusDocument], min_contributors: int) -> bool:
+    """Tell whether a camera is shown to who does not ask for it by its key.
+
+    A label is whatever its sender wrote. So it is, once the database vouches for the camera, or calibrations
+    of another contributor agree; at once where one contributor suffices for everything, as at home.
+    """
+    enough = min(_LISTED, min_contributors)
+    return enough == 1 or any(
+        c.reliable or (c.calibration is not None and c.calibration.contributors >= enough) for c in known
+    )
 
 
 def by_mode(known: Sequence[ConsensusDocument]) -> Iterator[tuple[Mode, list[ConsensusDocument]]]:

@@ -112,6 +112,12 @@ class ConflictError(CalibdbError):
     status, kind, title = 409, "conflict", "Conflict"
 
 
+class GoneError(CalibdbError):
+    """There was such a thing, and it was taken back."""
+
+    status, kind, title = 410, "gone", "Withdrawn"
+
+
 class TooLargeError(CalibdbError):
     """The body is larger than anything this call can mean."""
 

@@ -1,12 +1,13 @@
 """Under which key a camera is found: by USB id and name; by the name alone where it says which product it is.
 
-Never a guess: a name that many products bear answers nobody, and one that two USB ids bear neither.
+Never a guess: a name that many products bear answers nobody, and one that two USB ids bear neither. Since
+anybody can invent an id, only those that are well known (`calibdb.standing`) rival each other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from calibdb.camera_key import Identity
 from calibdb.schema import ConsensusDocument
@@ -19,6 +20,9 @@ VIRTUAL = "This is a program that poses as a camera: it has no lens of its own."
 AMBIGUOUS = (
     "Many cameras go by this name: without a USB id or a device's model it cannot be told which it is."
 )
+SEVERAL = (
+    "Several cameras bear this name: which it is, the USB id decides, which Chromium tells, or a calibration."
+)
 RESIZED = "The browser crops this stream; ask for it with resizeMode: none."
 
 
@@ -29,6 +33,7 @@ class Resolved:
     key: str
     known: Sequence[ConsensusDocument]
     choice: Choice
+    several: bool = False  # the name is that of more than one camera
 
     @property
     def helps(self) -> bool:
@@ -71,14 +76,17 @@ def resolve(
         return own
     if identity.usb_id is None:
         # Calibrations that disagree under the name alone say that it is a name of several cameras.
-        if len(known.same_as) != 1 or own.choice.reason == "disagree":
+        candidates = known.same_as if private else known.candidates
+        if len(candidates) > 1:
+            return replace(own, several=True)
+        if not candidates or own.choice.reason == "disagree":
             return own
-        other = at(known.same_as[0], read(known.same_as[0]))
+        other = at(candidates[0], read(candidates[0]))
     else:
         if known.consensuses:
             return own
         named = read(identity.name_key)
-        if any(key != identity.key for key in named.same_as):
+        if any(key != identity.key for key in (named.same_as if private else named.well_known)):
             return own
         other = at(identity.name_key, named)
     return other if other.helps or own.choice.reason == "unknown_camera" else own

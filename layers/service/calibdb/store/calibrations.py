@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 from pydantic import ValidationError
 
@@ -30,6 +31,8 @@ from calibdb.store.objects import Objects
 from calibdb.store.table import Condition, Item, Table
 
 MOST_OF_ONE = 3  # calibrations of one source that enter a consensus
+Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
+WITHDRAWALS: tuple[Withdrawal, ...] = get_args(Withdrawal)
 _READERS = 8  # objects read at a time
 _MOST_ITEMS = 2_000  # of a mode that are looked through for those that count
 _CROPPED = "crop-and-scale"
@@ -57,6 +60,17 @@ class Calibrations:
         name = calibration_object(calibration_id)
         content = self._objects.get(name) if name else None
         return _document(content) if content is not None else None
+
+    def withdrawn(self, document: CalibrationDocument) -> Withdrawal | None:
+        """Return for what kind of reason the calibration was withdrawn, None where it counts.
+
+        What an operator wrote beyond the kind is for operators.
+        """
+        content = self._objects.get(_tombstone(document.id))
+        if content is None:
+            return None
+        said = str(json.loads(content).get("reason", "")).casefold()
+        return next((kind for kind in WITHDRAWALS if said.startswith(kind)), "other")
 
     def publish(self, document: CalibrationDocument) -> None:
         """Store the calibration and let the index find it; done twice, it is done once."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from pydantic_core import from_json
@@ -12,7 +13,9 @@ from calibdb.schema.cameras import CameraMember
 from calibdb.store.consensus import documents
 from calibdb.store.keys import Mode, calibrations_prefix, camera_pk
 from calibdb.store.names import ALL, SAME_AS
-from calibdb.store.table import Item, Table
+from calibdb.store.table import Condition, Item, Table
+
+_PRESENT = Condition("attribute_exists(pk)")
 
 
 @dataclass(frozen=True)
@@ -26,11 +29,19 @@ class Known:
     same_as
         Keys under which the camera may be known: the USB ids seen with this name, or the key that today's
         rules give to a camera of earlier ones.
+    well_known
+        Those of them that are known well enough to be told apart from others.
 
     """
 
     consensuses: list[ConsensusDocument]
     same_as: tuple[str, ...] = ()
+    well_known: tuple[str, ...] = ()
+
+    @property
+    def candidates(self) -> tuple[str, ...]:
+        """Return what the name can mean: one invented id does not rival one that is well known."""
+        return self.well_known or self.same_as
 
 
 class Cameras:
@@ -42,11 +53,24 @@ class Cameras:
     def known(self, camera_key: str) -> Known:
         """Return all that is known under a key: one Query."""
         items = self._table.query(camera_pk(camera_key), "CONSENSUS")
-        others = (str(item["sk"]) for item in items)
+        others = {
+            sk.removeprefix(SAME_AS): "well_known" in item
+            for item in items
+            if (sk := str(item["sk"])).startswith(SAME_AS)
+        }
         return Known(
             documents(item for item in items if "document" in item),
-            tuple(sk.removeprefix(SAME_AS) for sk in others if sk.startswith(SAME_AS)),
+            tuple(others),
+            tuple(key for key, well_known in others.items() if well_known),
         )
+
+    def stand(self, camera_key: str, names: Iterable[str], *, well_known: bool) -> None:
+        """Write down under the keys `names` whether the camera counts beside others of the name."""
+        for name in sorted(names):
+            item: Item = {"pk": camera_pk(name), "sk": SAME_AS + camera_key}
+            stored = self._table.get(str(item["pk"]), str(item["sk"]))
+            if stored is not None and ("well_known" in stored) != well_known:
+                self._table.put(item | ({"well_known": 1} if well_known else {}), _PRESENT)
 
     def name(self, camera_key: str) -> str | None:
         """Return the normalised label of a camera, None when none is known under this key."""

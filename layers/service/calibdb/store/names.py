@@ -4,7 +4,8 @@ All of them follow from the calibrations alone, so that the index can be rebuilt
 
 * `CAMERA#<other key>/CONSENSUS-OF#<key>`: what is asked for under the other key is known under this one. The
   other key is that of the name alone, which is all that some browsers tell, or one of earlier rules. Under
-  `CONSENSUS`, so that the one Query of a lookup brings it along.
+  `CONSENSUS`, so that the one Query of a lookup brings it along. `well_known: 1` where the camera counts
+  beside others of this name (`calibdb.standing`).
 * `CAMERAS#<first letter>/<word>#<key>` and `CAMERAS#/<key>`: the search, by words, and by nothing.
 """
 
@@ -17,7 +18,7 @@ from calibdb.camera_key import PATTERN, Identity, current, identify
 from calibdb.camera_key.names import words
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import camera_pk
-from calibdb.store.table import Item, Table
+from calibdb.store.table import ABSENT, Item, Table
 
 SAME_AS = "CONSENSUS-OF#"
 ALL = "CAMERAS#"  # partition of all cameras; followed by a letter, of the words that begin with it
@@ -66,7 +67,7 @@ class Names:
 
     def _alias(self, named: _Named) -> None:
         for item in _aliases(named):
-            self._table.put(item)
+            self._table.put(item, ABSENT)  # what it is worth is written there later
 
     def _search(self, named: _Named) -> None:
         for item in _search_items(named):
