@@ -155,3 +155,12 @@ def test_publishing_again_writes_no_more_than_it_must(
     )
     calibrations.publish(calibration(number=1))
     assert len(written) == 1
+
+
+def test_of_an_earlier_label_is_shown_what_is_kept_today(calibrations: Calibrations) -> None:
+    stored = calibration("Anna Schmidt's OnePlus 9", "anna@example.com", key="c2-anna-schmidt-s-0123456789ab")
+    calibrations.publish(stored)
+    found = calibrations.get(stored.id)
+    assert found is not None
+    assert (found.camera, found.platform) == ("OnePlus 9", "other")
+    assert found.camera_key == camera_key("OnePlus 9", "other")

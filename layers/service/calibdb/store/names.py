@@ -14,7 +14,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from calibdb.camera_key import PATTERN, Identity, current, identify
+from calibdb.camera_key import PATTERN, Identity, current, identify, public_label, public_platform
 from calibdb.camera_key.names import words
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import camera_pk
@@ -75,9 +75,12 @@ class Names:
 
 
 def today(document: CalibrationDocument) -> CalibrationDocument:
-    """Return the calibration under today's key of its camera."""
+    """Return the calibration under today's key of its camera, and with what today is kept of its label."""
     key = current(document.camera_key, document.camera, document.platform)
-    return document if key == document.camera_key else document.model_copy(update={"camera_key": key})
+    if key == document.camera_key:
+        return document
+    label, platform = public_label(document.camera), public_platform(document.platform)
+    return document.model_copy(update={"camera_key": key, "camera": label, "platform": platform})
 
 
 def _named(document: CalibrationDocument) -> _Named:
