@@ -253,6 +253,27 @@ def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> Non
     assert "/result/?id=" in page.url
 
 
+def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(context: BrowserContext) -> None:
+    page = context.new_page()
+    begun = sessions(page)
+
+    def suggest(route: Route) -> None:
+        answer = route.fetch()
+        route.fulfill(response=answer, json=answer.json() | {"suggested_model": "rational"})
+
+    page.route("**/v1/session/views", suggest)
+    page.goto(ENDLESS)
+    wait_for_views(page, 2)
+    page.locator("#model", has_text="Start again with “rational”").click()
+    page.locator("#opening:not([hidden])").wait_for()
+    page.locator("#controls:not([hidden])").wait_for()
+    assert views(page) >= 1, "views that say nothing new are not taken twice"
+    assert page.locator("#model").is_hidden()
+    models = [json.loads(request.post_data or "")["distortion_model"] for request in begun]
+    assert models == ["rectilinear", "rational"]
+    assert "distortion_model=rational" in page.url
+
+
 def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: BrowserContext) -> None:
     page = context.new_page()
     begun = sessions(page)

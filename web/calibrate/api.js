@@ -98,9 +98,9 @@ export class Api {
   async #attempt(path, request) {
     try {
       const response = await this.#transport.fetch(this.#base + path, request);
-      const body = await readable(response.blob());
+      const body = await readable(response.arrayBuffer());
       const { status, statusText, headers } = response;
-      return new Response(body.size > 0 ? body : null, { status, statusText, headers });
+      return new Response(body.byteLength > 0 ? body : null, { status, statusText, headers });
     } catch (error) {
       if (error instanceof OfflineError) return error;
       throw error;
