@@ -1,8 +1,6 @@
 """Lookups through the gateway: what is read for them, what they answer, and that nothing is written."""
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 from urllib.parse import quote
 
@@ -12,29 +10,12 @@ from calibdb import resolution, standing
 from calibdb.camera_key import camera_key, identify
 from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.settings import Settings, Thresholds
-from calibdb.store import Store, clients
+from calibdb.store import Store
 from infra.local import LocalStack
 from tests.client import TOKEN, Answer, Client
-from tests.known import C920, LINUX, calibration, consensus, fit
+from tests.known import C920, LINUX, calibration, consensus, fit, storage_calls
 
 WINDOWS = "Windows NT 10.0; Win64; x64"
-
-
-@contextmanager
-def storage_calls(stack: LocalStack) -> Iterator[list[str]]:
-    """What the functions ask of table, bucket and other functions within the block."""
-    asked: list[str] = []
-    region = Settings.from_environment(stack.environment).region
-    used = (clients.dynamodb(region), clients.s3(region), clients.lambda_(region))
-    for client in used:
-        client.meta.events.register(
-            "before-call.*", lambda model, **_: asked.append(model.name), unique_id="d"
-        )
-    try:
-        yield asked
-    finally:
-        for client in used:
-            client.meta.events.unregister("before-call.*", unique_id="d")
 
 
 @pytest.fixture(scope="module")

@@ -78,7 +78,9 @@ def test_indices_go_up_by_one_and_are_not_used_again() -> None:
 def test_progress_grows_and_an_undo_takes_it_back() -> None:
     document = accept(accept(DOCUMENT, 0, 0.5), 1, 0.4)
     assert document.estimate.progress == 0.5
-    undone = capture.with_views(document, document.views[:1], EstimateDocument(progress=0.3), [(0.1, None)], {})
+    undone = capture.with_views(
+        document, document.views[:1], EstimateDocument(progress=0.3), [(0.1, None)], {}
+    )
     assert undone.estimate.progress == 0.3
 
 
