@@ -87,7 +87,6 @@ def current(service: Service, mode: Mode, models: Sequence[str]) -> Answer:
     for _ in range(ATTEMPTS):
         answer = attempt(service, mode, models)
         if answer is not None:
-            standing.bring_up_to_date(service.store, mode.camera_key, service.settings.thresholds)
             return answer
     raise UnavailableError("Others keep computing the consensus of this camera.")
 
@@ -100,7 +99,11 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
     counted = store.calibrations.newest(mode, thresholds.most_calibrations, thresholds.contributor_period)
     if not counted:
         gone = [stored[model] for model in models if model in stored]
-        return dict.fromkeys(models) if all(map(store.consensuses.drop, gone)) else None
+        if not all(map(store.consensuses.drop, gone)):
+            return None
+        if gone:
+            standing.bring_up_to_date(store, mode.camera_key, thresholds)
+        return dict.fromkeys(models)
     cast = store.votes.newest(mode)
     pooled = digest(METHOD, [c.id for c in counted], rule_of(thresholds), thresholds, __version__)
     basis = digest(pooled, [vote.id for vote in cast])
@@ -124,6 +127,8 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
         if not store.consensuses.put(document, groups, known.basis if known else None):
             return None
         answer[model] = document
+    if any(known is not stored.get(model) for model, known in answer.items()):
+        standing.bring_up_to_date(store, mode.camera_key, thresholds)
     return answer
 
 

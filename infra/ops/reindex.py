@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from calibdb import capture
+from calibdb import capture, standing
 from calibdb.errors import UnavailableError
 from calibdb.schema import CalibrationDocument, RefitRequest
 from calibdb.store import Calibrations, Condition, Mode, Priors, Table, Tokens, Votes, clients
@@ -127,6 +127,8 @@ def refit(desk: Desk, wanted: Mode) -> int | None:
     except UnavailableError as error:
         desk.say(f"{wanted.camera_key} {wanted.text}: {error.detail}")
         return None
+    # A computation with nothing new leaves this as it is, and here it may have been lost.
+    standing.bring_up_to_date(desk.store, wanted.camera_key, desk.settings.thresholds)
     return sum(1 for found in answer.models.values() if found is not None)
 
 
