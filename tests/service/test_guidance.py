@@ -91,13 +91,13 @@ def test_a_wrong_first_view_is_set_aside_and_the_state_says_so(stack: LocalStack
 
 
 def test_a_refused_view_sent_twice_is_one_witness(stack: LocalStack, client: Client) -> None:
-    client.open(camera="Camera of a witness")
+    client.open(camera="Witness camera")
     take(client, Truth(), 3)
     pose = client.pose().json
     view = Truth(fx=1500, fy=1500, seed=5).see(pose)
     answers = [client.view(pose["index"], *view).json for _ in range(4)]
     assert {(answer["accepted"], answer["reason"]) for answer in answers} == {(False, "outlier")}
-    assert len(latest(stack, "Camera of a witness").doubted) == 1
+    assert len(latest(stack, "Witness camera").doubted) == 1
     assert "doubted" not in answers[0]
 
 

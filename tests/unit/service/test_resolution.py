@@ -62,8 +62,11 @@ def test_a_name_under_which_calibrations_disagree_is_no_one_cameras() -> None:
 def test_an_id_nobody_calibrated_yet_finds_what_is_known_of_the_name() -> None:
     known = consensus(camera="HD Pro Webcam C920")
     assert resolve({CHROME.name_key: Known([known])}, CHROME) == (CHROME.name_key, known, 2)
-    # but not where the name is another id's
-    assert resolve({CHROME.name_key: Known([known], (OTHER.key,))}, CHROME) == (CHROME.key, None, 2)
+    # an id that anybody may have invented does not change that
+    assert resolve({CHROME.name_key: Known([known], (OTHER.key,))}, CHROME)[1:] == (known, 2)
+    # but not where the name is another id's, and that is well known
+    taken = Known([known], (OTHER.key,), well_known=(OTHER.key,))
+    assert resolve({CHROME.name_key: taken}, CHROME) == (CHROME.key, None, 2)
     # nor where the id itself is known, and not to be relied on
     index = {CHROME.key: Known([consensus(reason="disagree")]), CHROME.name_key: Known([known])}
     assert resolve(index, CHROME) == (CHROME.key, None, 1)
