@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan cost conformance checkov clean setup
+.PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan cost conformance checkov clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -35,6 +35,11 @@ browser: setup
 	$(PY) -m pytest tests/browser
 
 # Every page in every state, to be looked at: tests/browser/output/
+# All of the browsers' tests, those too that take long and are left out of `make test`.
+thorough: setup
+	@bash infra/tools/browsers.sh
+	THOROUGH=1 $(PY) -m pytest tests/browser
+
 screenshots: setup
 	@bash infra/tools/browsers.sh
 	$(PY) -m pytest tests/browser/screenshots.py

@@ -3,6 +3,7 @@
 import json
 import re
 
+import pytest
 from playwright.sync_api import BrowserContext, Page, Request, Route
 
 from .pictures import picture
@@ -61,6 +62,7 @@ def wait_for_views(page: Page, count: int, seconds: float = 60.0) -> None:
     raise AssertionError(f"{views(page)} views in {seconds:.0f} s, not {count}")
 
 
+@pytest.mark.thorough
 def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     begun = sessions(page)
     sent: list[tuple[int, Request]] = []
@@ -180,6 +182,7 @@ def test_a_service_that_never_answers_is_done_without(context: BrowserContext) -
     page.locator("#counts", has_text=re.compile("[1-9] of [3-8] kept here")).wait_for()
 
 
+@pytest.mark.thorough
 def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_back(
     context: BrowserContext,
 ) -> None:
@@ -218,6 +221,7 @@ def test_a_view_that_the_service_has_is_not_taken_back_without_it(context: Brows
     page.locator("#counts", has_text="of 8 kept here").wait_for()
 
 
+@pytest.mark.thorough
 def test_a_second_tab_leaves_the_first_one_alone(context: BrowserContext) -> None:
     first, second = context.new_page(), context.new_page()
     first.bring_to_front()
@@ -317,6 +321,7 @@ def test_a_full_storage_is_said_and_ends_nothing(page: Page) -> None:
     page.locator("#done:not([hidden])").wait_for()
 
 
+@pytest.mark.thorough
 def test_a_hidden_tab_waits(page: Page) -> None:
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()

@@ -76,6 +76,7 @@ def test_another_board_is_not_taken_for_this_one(context: BrowserContext) -> Non
     assert page.locator("#pictures .what", has_text="no board").count() == 2
 
 
+@pytest.mark.thorough
 def test_a_video_becomes_a_calibration(page: Page, tmp_path: Path) -> None:
     film = tmp_path / "film.webm"
     writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"VP80"), 10, (640, 480))

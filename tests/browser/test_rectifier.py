@@ -162,6 +162,7 @@ def memory(pid: int) -> int:
     return below + (4096 * int(pages.read_text().split()[1]) if pages.exists() else 0)
 
 
+@pytest.mark.thorough
 def test_two_hundred_leave_nothing_behind(playwright: Any, stack: str, tmp_path: Path) -> None:
     if not Path("/proc/self/statm").exists():
         pytest.skip("no /proc to measure with")

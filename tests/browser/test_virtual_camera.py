@@ -97,6 +97,7 @@ def test_firefox_hands_free(stack: str) -> None:
     assert_true(outcome["calibration"], views, outcome["elapsed"], "Firefox")
 
 
+@pytest.mark.thorough
 def test_who_trembles_who_is_slow_and_who_goes_the_wrong_way_finishes_too(context: BrowserContext) -> None:
     pages = {}
     for seed, hand in enumerate(("shaky", "slow", "wrong")):
