@@ -4,50 +4,27 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field, ValidationInfo, field_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration
 from calibdb.schema.documents import Votes
 from calibdb.schema.fields import (
-    MAX_CORNERS,
-    CornerId,
     DistortionModel,
     ImgSize,
     Label,
     Open,
-    Point,
     Strict,
     Zoom,
 )
 from calibdb.schema.lookup import ResizeMode
+from calibdb.schema.seen import Seen
 
 MOST_VIEWS = 5
 
 
-class CheckView(Strict):
+class CheckView(Seen):
     """One frame: the board corners seen."""
-
-    ids: tuple[CornerId, ...] = Field(min_length=1, max_length=MAX_CORNERS)
-    points: tuple[Point, ...] = Field(min_length=1, max_length=MAX_CORNERS, description="px, one for each id")
-
-    @field_validator("ids")
-    @classmethod
-    def _unique(cls, value: tuple[int, ...]) -> tuple[int, ...]:
-        if len(set(value)) != len(value):
-            raise PydanticCustomError("duplicate_ids", "a corner appears more than once")
-        return value
-
-    @field_validator("points")
-    @classmethod
-    def _one_for_each_id(cls, value: tuple[Point, ...], info: ValidationInfo) -> tuple[Point, ...]:
-        ids = info.data.get("ids")  # absent where they were refused themselves
-        if ids is not None and len(ids) != len(value):
-            raise PydanticCustomError(
-                "count_differs", "{points} points for {ids} ids", {"points": len(value), "ids": len(ids)}
-            )
-        return value
 
 
 class CheckRequest(Strict):

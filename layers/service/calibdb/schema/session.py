@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, Uncertainty
 from calibdb.schema.fields import (
-    MAX_CORNERS,
-    CornerId,
     DistortionModel,
     Guidance,
     ImgSize,
@@ -19,12 +16,12 @@ from calibdb.schema.fields import (
     Label,
     Open,
     Pixel,
-    Point,
     Row,
     Strict,
     TargetError,
     Zoom,
 )
+from calibdb.schema.seen import Seen
 
 Fact = Annotated[str, Field(max_length=64)]
 Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
@@ -93,31 +90,10 @@ class SessionRequest(Strict):
     track: Track = Track()
 
 
-class ViewRequest(Strict):
+class ViewRequest(Seen):
     """One captured frame: the board corners seen, and the pose that it answers."""
 
     index: Index
-    ids: tuple[CornerId, ...] = Field(min_length=1, max_length=MAX_CORNERS)
-    points: tuple[Point, ...] = Field(min_length=1, max_length=MAX_CORNERS, description="px, one for each id")
-
-    @field_validator("ids")
-    @classmethod
-    def _unique(cls, value: tuple[int, ...]) -> tuple[int, ...]:
-        if len(set(value)) != len(value):
-            raise PydanticCustomError("duplicate_ids", "a corner appears more than once")
-        return value
-
-    @field_validator("points")
-    @classmethod
-    def _one_for_each_id(cls, value: tuple[Point, ...], info: ValidationInfo) -> tuple[Point, ...]:
-        ids = info.data.get("ids")  # absent where they were refused themselves
-        if ids is not None and len(ids) != len(value):
-            raise PydanticCustomError(
-                "count_differs",
-                "{points} points for {ids} ids",
-                {"points": len(value), "ids": len(ids)},
-            )
-        return value
 
 
 class SetAside(Open):
