@@ -1,7 +1,8 @@
 """Write the ArUco marker bits that the web client draws boards with.
 
-OpenCV's dictionaries of one marker size are prefixes of the largest, so five tables hold all of them. Bits
-are packed row by row, marker after marker, most significant bit first, 1 = white, without the black border.
+OpenCV's own dictionaries of one marker size are prefixes of the largest, so four tables hold all of them;
+the original one and AprilTag's families have one each. Bits are packed row by row, marker after marker, most
+significant bit first, 1 = white, without the black border.
 
     python -m infra.tools.dictionaries        (again only when OpenCV's tables change, which they must not)
 """
@@ -19,6 +20,10 @@ TABLES = {
     "6X6": ("DICT_6X6_1000", 6),
     "7X7": ("DICT_7X7_1000", 7),
     "ARUCO_ORIGINAL": ("DICT_ARUCO_ORIGINAL", 5),
+    "APRILTAG_16h5": ("DICT_APRILTAG_16h5", 4),
+    "APRILTAG_25h9": ("DICT_APRILTAG_25h9", 5),
+    "APRILTAG_36h10": ("DICT_APRILTAG_36h10", 6),
+    "APRILTAG_36h11": ("DICT_APRILTAG_36h11", 6),
 }
 
 

@@ -97,7 +97,7 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
         assert hrefs, where
         assert all(href.endswith(f"/{where}/?{asked}") for href in hrefs), where
     page.locator("#columns").fill("2")
-    page.locator("#form-problem", has_text="3 to 64").wait_for()
+    page.locator("#form-problem", has_text="3 to 50").wait_for()
     assert "7 × 5" in (page.locator("#description").text_content() or ""), "what cannot be changes nothing"
     page.locator("#reset").click()
     page.locator("#description", has_text="9 × 6").wait_for()

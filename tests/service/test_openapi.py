@@ -7,6 +7,7 @@ import pytest
 
 from calibdb import schema
 from calibsolver import Board, models
+from calibsolver.board import DICTIONARIES
 from infra.local import LocalStack
 from infra.tools import openapi
 
@@ -51,8 +52,17 @@ def test_bodies_are_limited_and_refused_by_field(document: dict) -> None:
 
 def test_what_is_accepted_is_what_the_solver_can_work_with() -> None:
     assert set(schema.DISTORTION_MODELS) == set(models.NAMES)
-    for dictionary in schema.DICTIONARIES:
-        Board(dictionary=dictionary)
+    assert set(schema.DICTIONARIES) == set(DICTIONARIES)
+    for dictionary, markers in DICTIONARIES.items():
+        for squares in ((4, 4), (9, 6), (10, 7), (11, 7), (20, 20), (50, 41), (50, 50)):
+            if squares[0] * squares[1] // 2 <= markers:
+                schema.Board(squares=squares, dictionary=dictionary)
+                Board(squares, dictionary=dictionary)
+            else:
+                with pytest.raises(ValueError, match="markers"):
+                    schema.Board(squares=squares, dictionary=dictionary)
+                with pytest.raises(ValueError, match="markers"):
+                    Board(squares, dictionary=dictionary)
     for squares in ((50, 20), (3, 4), (4, 3)):
         assert (
             schema.Board(squares=squares, dictionary="DICT_4X4_1000").corner_count

@@ -4,7 +4,11 @@
 const SIZES = {
   "4X4": { side: 4, count: 1000 }, "5X5": { side: 5, count: 1000 }, "6X6": { side: 6, count: 1000 }, "7X7": { side: 7, count: 1000 },
   ARUCO_ORIGINAL: { side: 5, count: 1024 },
+  APRILTAG_16h5: { side: 4, count: 30 }, APRILTAG_25h9: { side: 5, count: 35 },
+  APRILTAG_36h10: { side: 6, count: 2320 }, APRILTAG_36h11: { side: 6, count: 587 },
 };
+const COUNTS = [50, 100, 250, 1000]; // of markers, that OpenCV cuts its own dictionaries to
+const [FEWEST_SQUARES, MOST_SQUARES] = [3, 50]; // a side, that the service takes
 
 /**
  * @typedef {object} Board
@@ -19,7 +23,7 @@ const SIZES = {
 
 /** The names of the marker dictionaries, as OpenCV has them. */
 export const DICTIONARIES = Object.keys(SIZES).flatMap((size) =>
-  (size === "ARUCO_ORIGINAL" ? [`DICT_${size}`] : [50, 100, 250, 1000].map((count) => `DICT_${size}_${count}`)));
+  (isCut(size) ? COUNTS.map((count) => `DICT_${size}_${count}`) : [`DICT_${size}`]));
 
 /** @type {Required<import("../vendor/api.js").Board>} */
 export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false };
@@ -57,7 +61,7 @@ export function boardQuery({ squares, marker_ratio, dictionary, legacy }) {
 /** Why there is no such board, by the limits of the service; null where there may be. @param {Board} board @returns {Problem | null} */
 function impossible(board) {
   const { squares, marker_ratio, dictionary } = board;
-  if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= 3 && count <= 64)) {
+  if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= FEWEST_SQUARES && count <= MOST_SQUARES)) {
     return { code: "squares", values: {} };
   }
   if ((squares[0] - 1) * (squares[1] - 1) < 6) return { code: "few_corners", values: {} };
@@ -88,10 +92,16 @@ export function isBlack({ squares: [, rows], legacy }, x, y) {
 
 /** @param {string} dictionary "DICT_4X4_50" @returns {{size: string, side: number, count: number}} throws RangeError */
 export function dictionaryOf(dictionary) {
-  const [, size, number] = /^DICT_(\dX\d|ARUCO_ORIGINAL)(?:_(50|100|250|1000))?$/.exec(dictionary) ?? [];
-  const known = SIZES[size];
-  if (!known || (number === undefined) !== (size === "ARUCO_ORIGINAL")) throw new RangeError(`unknown marker dictionary ${dictionary}`);
-  return { size, side: known.side, count: number === undefined ? known.count : Number(number) };
+  if (!DICTIONARIES.includes(dictionary)) throw new RangeError(`unknown marker dictionary ${dictionary}`);
+  const name = dictionary.slice("DICT_".length);
+  const [size, number] = name in SIZES ? [name, undefined] : name.split("_");
+  const { side, count } = SIZES[size];
+  return { size, side, count: number === undefined ? count : Number(number) };
+}
+
+/** Do dictionaries of this size come in several lengths, each the beginning of the next? @param {string} size */
+function isCut(size) {
+  return /^\dX\d$/.test(size);
 }
 
 /** Markers with the square they are in, in the order of their ids. @param {Board} board */

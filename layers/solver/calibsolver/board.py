@@ -1,5 +1,6 @@
 """The ChArUco board: its corners, and its picture's parameters."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +14,10 @@ from .view import View
 DICTIONARIES = {
     **{f"DICT_{n}X{n}_{count}": count for n in (4, 5, 6, 7) for count in (50, 100, 250, 1000)},
     "DICT_ARUCO_ORIGINAL": 1024,
+    "DICT_APRILTAG_16h5": 30,
+    "DICT_APRILTAG_25h9": 35,
+    "DICT_APRILTAG_36h10": 2320,
+    "DICT_APRILTAG_36h11": 587,
 }
 
 
@@ -30,7 +35,7 @@ class Board:
     marker_ratio
         Side of a marker / side of a square, inside (0, 1).
     dictionary
-        OpenCV's name: ``DICT_<n>X<n>_<count>`` or ``DICT_ARUCO_ORIGINAL``.
+        OpenCV's name: ``DICT_<n>X<n>_<count>``, ``DICT_ARUCO_ORIGINAL`` or ``DICT_APRILTAG_<family>``.
     legacy
         The layout of OpenCV before 4.6: where the number of rows is even, the first square holds a marker.
 
@@ -80,6 +85,8 @@ class Board:
     @property
     def marker_size(self) -> int:
         """Cells along a marker's side, without its border."""
+        if bits := re.match(r"DICT_APRILTAG_(\d+)h", self.dictionary):
+            return math.isqrt(int(bits.group(1)))
         match = re.match(r"DICT_(\d)X", self.dictionary)
         return int(match.group(1)) if match else 5
 

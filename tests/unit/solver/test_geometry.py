@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, View, rotation
+from calibsolver.board import DICTIONARIES
 
 
 def test_rotations_equal_opencv() -> None:
@@ -58,6 +59,15 @@ def test_corners_are_opencvs(squares: tuple[int, int]) -> None:
 def test_impossible_boards_are_refused(values: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=r"board|marker|dictionary"):
         Board(**values)  # type: ignore[arg-type]
+
+
+def test_dictionaries_are_opencvs() -> None:
+    for name, count in DICTIONARIES.items():
+        known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+        assert (len(known.bytesList), known.markerSize) == (
+            count,
+            Board(squares=(4, 3), dictionary=name).marker_size,
+        )
 
 
 def test_views_of_a_board() -> None:

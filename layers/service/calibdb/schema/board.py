@@ -15,11 +15,18 @@ Dictionary = Literal[
     "DICT_5X5_50", "DICT_5X5_100", "DICT_5X5_250", "DICT_5X5_1000",
     "DICT_6X6_50", "DICT_6X6_100", "DICT_6X6_250", "DICT_6X6_1000",
     "DICT_7X7_50", "DICT_7X7_100", "DICT_7X7_250", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL",
+    "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10", "DICT_APRILTAG_36h11",
 ]
 # fmt: on
 DICTIONARIES: tuple[str, ...] = get_args(Dictionary)
 FEWEST_CORNERS = 6  # of a view that can be judged at all
-_ORIGINAL_MARKERS = 1024
+_MARKERS = {  # of those whose name does not say it
+    "DICT_ARUCO_ORIGINAL": 1024,
+    "DICT_APRILTAG_16h5": 30,
+    "DICT_APRILTAG_25h9": 35,
+    "DICT_APRILTAG_36h10": 2320,
+    "DICT_APRILTAG_36h11": 587,
+}
 
 # Two rows of corners need three rows of squares; one row of corners is a line, and a line fixes no pose.
 SquareCount = Annotated[int, Field(strict=True, ge=3, le=50)]
@@ -50,8 +57,7 @@ class Board(Strict):
     def _holds_all_markers(cls, value: str, info: ValidationInfo) -> str:
         squares = info.data.get("squares")  # absent where it was refused itself
         markers = squares[0] * squares[1] // 2 if squares else 0
-        count = value.rpartition("_")[2]
-        if markers > (int(count) if count.isdecimal() else _ORIGINAL_MARKERS):
+        if markers > (_MARKERS.get(value) or int(value.rpartition("_")[2])):
             raise PydanticCustomError(
                 "dictionary_too_small",
                 "a board of these squares has {markers} markers, more than the dictionary holds",
