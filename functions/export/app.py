@@ -7,30 +7,55 @@ from starlette.responses import Response
 from calibdb import http
 from calibdb.camera_key import VERSION
 from calibdb.errors import GoneError, InvalidError, NotFoundError
-from calibdb.schema import CalibrationDocument, ExportQuery, ReportedCalibration
+from calibdb.schema import CalibrationDocument, ExportQuery, FitRecord, ReportedCalibration
 
 AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
 
 
 def show(call: http.Call) -> Response:
-    """Answer with the calibration in the format asked for; a conversion is counted as a view is."""
+    """Answer with the calibration in the format asked for; what is computed for it counts as a view does."""
     token = call.api_token()
     asked = call.query(ExportQuery)
-    if not asked.plain:
+    if asked.without or not asked.plain:
         call.service.charge(token, "views", call.address)
     store = call.service.store.calibrations
     document = store.get(call.path("id"))
     if document is not None and (reason := store.withdrawn(document)) is not None:
         raise GoneError("This calibration was withdrawn.", kind="withdrawn", members={"reason": reason})
+    if document is not None and asked.without:
+        document = refitted(document, asked.without)
     found = reported(document) if document is not None else consensus(call, call.path("id"))
     if found is None:
         raise NotFoundError("There is no calibration with this id.")
+    if asked.without:
+        if document is None:
+            raise InvalidError.field("without", "a consensus has no views of its own")
+        found = found.model_copy(update={"id": None})  # it is stored nowhere
     return http.answer(found, headers=AS_IT_IS) if asked.plain else file(found, document, asked)
 
 
 def reported(document: CalibrationDocument) -> ReportedCalibration:
     """Return a single calibration, with what its session found out about it."""
     return ReportedCalibration(**dict(document.answer()), report=document.report)
+
+
+def refitted(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
+    """Return what the calibration would be had these views not been taken."""
+    from calibsolver import Board, CalibrationError, fit, report
+
+    unknown = sorted(set(without) - {view.index for view in document.views})
+    if unknown:
+        raise InvalidError.field("without", f"there is no view {unknown[0]}")
+    left = tuple(view for view in document.views if view.index not in without)
+    board = Board(**document.board.model_dump())
+    views = [board.view(view.ids, view.points) for view in left]
+    try:
+        made = fit(views, document.img_size, document.distortion_model)
+    except CalibrationError as error:
+        raise InvalidError.field("without", error.message) from error
+    described = report.describe(made, views, [view.index for view in left])
+    fits = {document.distortion_model: FitRecord(**made.record())}
+    return document.model_copy(update={"views": left, "fits": fits, "report": described})
 
 
 def consensus(call: http.Call, calibration_id: str) -> ReportedCalibration | None:

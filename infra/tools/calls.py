@@ -230,6 +230,11 @@ OPERATIONS = (
                 "rotate", {"type": "integer", "enum": [0, 90, 180, 270]}, "Degrees, clockwise, after that."
             ),
             _query("mirror", _SWITCH, "Whether left and right are swapped at last."),
+            _query(
+                "without",
+                {"type": "string", "pattern": "^[0-9]+(,[0-9]+)*$", "examples": ["4,7"]},
+                "Indices of views that are left out: what the calibration would be had they not been taken.",
+            ),
         ),
     ),
     Operation(

@@ -75,3 +75,31 @@ def test_what_makes_no_sense_is_refused_by_its_name(
     answer = client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN, query=query)
     assert answer.status == 422
     assert field in json.dumps(answer.json["errors"])
+
+
+def test_what_it_would_be_without_some_views(client: Client, calibration: str) -> None:
+    path = f"/v1/calibrations/{calibration}"
+    whole = client.call("GET", path, token=TOKEN).json
+    indices = [view["index"] for view in whole["report"]["views"]]
+    less = client.call("GET", path, token=TOKEN, query=f"without={indices[0]}").json
+    assert less["id"] is None
+    assert [view["index"] for view in less["report"]["views"]] == indices[1:]
+    assert less["uncertainty"]["rms"] > whole["uncertainty"]["rms"], "it was a view like the others"
+    (fx, *_), *_ = whole["camera_matrix"]
+    (other, *_), *_ = less["camera_matrix"]
+    assert 0 < abs(other - fx) < 4 * np.hypot(whole["report"]["std"]["fx"], less["report"]["std"]["fx"])
+    assert client.call("GET", path, token=TOKEN).json == whole, "nothing of it is stored"
+    file = client.call("GET", path, token=TOKEN, query=f"format=ros&without={indices[0]}")
+    assert read(yaml.safe_load(file.body)).camera.matrix.tolist() == less["camera_matrix"]
+
+
+@pytest.mark.parametrize("without", ["99", "0,x", "-1", "1,", ",".join(map(str, range(70)))])
+def test_only_views_that_are_there_can_be_left_out(client: Client, calibration: str, without: str) -> None:
+    path = f"/v1/calibrations/{calibration}"
+    answer = client.call("GET", path, token=TOKEN, query=f"without={without}")
+    assert answer.status == 422
+    assert [error["field"].split(".")[0] for error in answer.json["errors"]][:1] == ["without"]
+    views = client.call("GET", path, token=TOKEN).json["report"]["views"]
+    every = ",".join(str(view["index"]) for view in views)
+    answer = client.call("GET", path, token=TOKEN, query=f"without={every}")
+    assert (answer.status, answer.json["errors"][0]["field"]) == (422, "without")

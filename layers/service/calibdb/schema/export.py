@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, ConfigDict, Field
 
-from calibdb.schema.fields import LARGEST_SIDE, ImgSize, Open
+from calibdb.schema.fields import LARGEST_SIDE, ImgSize, Index, Open
 
 # The names are the API's. `calibsolver.formats` has a class for each.
 FormatName = Literal[
@@ -42,6 +42,15 @@ def _numbers(separator: str, count: int) -> BeforeValidator:
     return BeforeValidator(parse)
 
 
+def _indices(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    parts = value.split(",")
+    if not all(p.isascii() and p.isdigit() and len(p) <= 9 for p in parts):
+        raise ValueError("must be indices of views with ',' between them")
+    return tuple(int(part) for part in parts)
+
+
 Position = Annotated[int, Field(ge=0, le=LARGEST_SIDE)]
 
 
@@ -61,8 +70,11 @@ class ExportQuery(Open):
         Literal[0, 90, 180, 270], BeforeValidator(lambda v: int(v) if str(v).isdigit() else v)
     ] = Field(0, description="Degrees by which it is turned clockwise.")
     mirror: bool = Field(False, description="Whether left and right are swapped.")
+    without: Annotated[tuple[Index, ...], BeforeValidator(_indices)] = Field(
+        (), max_length=64, description="Indices of views that are left out of the fit: `4,7`."
+    )
 
     @property
     def plain(self) -> bool:
-        """Tell whether the calibration itself is asked for, as it is stored."""
+        """Tell whether the calibration itself is asked for, of the camera's own picture."""
         return self.format == "calibdb" and not (self.crop or self.resize or self.rotate or self.mirror)
