@@ -12,8 +12,9 @@ from . import models
 from .agreement import compare, groups
 from .arrays import Array
 from .calibration import Calibration
+from .camera import Camera
 from .errors import CalibrationError
-from .fit import fit
+from .fit import fit, fit_again
 from .score import score
 from .view import View
 
@@ -138,7 +139,7 @@ def pool(
     group = [fits[i] for i in parts[0]]
     entering = balanced([member for member, _ in group], rule)
     pooled = fit([view for member in entering for view in member.views], img_size, model)
-    errors = without_each(group, pooled, img_size) if len(group) > 1 else np.empty(0)
+    errors = without_each(group, pooled.camera) if len(group) > 1 else np.empty(0)
     contributors = len({member.contributor for member, _ in group})
     reason = doubt(group, errors, members, img_size, rule)
     return Consensus(
@@ -232,20 +233,21 @@ def magnification(calibration: Calibration) -> Array:
     return np.array([by_p[0, 0, 0], by_p[1, 1, 0]])
 
 
-def without_each(
-    group: Sequence[tuple[Member, Calibration]], pooled: Calibration, img_size: tuple[int, int]
-) -> Array:
+def without_each(group: Sequence[tuple[Member, Calibration]], pooled: Camera) -> Array:
     """Rms (m,), px, of each member's views under intrinsics fitted without it, the poses alone fitted anew.
 
-    With it up to a fifth of the group is left out, so that a large one takes no longer: `FOLDS` fits.
-    Infinite where the others alone give no fit.
+    With it up to a fifth of the group is left out, so that a large one takes no longer: `FOLDS` fits, each
+    from where that of all, `pooled`, ended. Infinite where the others alone give no fit.
     """
     errors = np.full(len(group), np.inf)
+    views = [view for member, _ in group for view in member.views]
+    of = np.repeat(np.arange(len(group)), [len(member.views) for member, _ in group])
+    poses = score(pooled, views).poses
     for fold in range(min(FOLDS, len(group))):
         left = range(fold, len(group), FOLDS)
-        others = [view for i, (m, _) in enumerate(group) if i not in left for view in m.views]
+        others = np.flatnonzero(~np.isin(of, left))
         try:
-            camera = fit(others, img_size, pooled.camera.model).camera
+            camera = fit_again([views[i] for i in others], pooled, poses[others]).camera
         except CalibrationError:
             continue
         for i in left:

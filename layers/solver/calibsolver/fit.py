@@ -86,6 +86,20 @@ def fit(
         return _Fit(Problem(law, obs, img_size), order, turned[order.views], robust, start).run()
 
 
+def fit_again(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
+    """Fit views of which camera and poses (v, 6) are nearly known: robustly, from there alone.
+
+    For parts of what was fitted before; raises as `fit` does.
+    """
+    law, given = models.get(near.model), check(views, near.img_size)
+    obs, order = given.ordered()
+    turned = checks.mirrored(given)[order.views]
+    problem = Problem(law, obs, near.img_size)
+    with np.errstate(all="ignore"):
+        state = problem.at(near.intrinsics, Poses.of_vectors(poses[order.views]))
+        return _Fit(problem, order, turned, True, near).finish(state)
+
+
 @dataclass(frozen=True, eq=False)
 class _Fit:
     problem: Problem
@@ -198,7 +212,7 @@ class _Fit:
         if not np.array_equal(tame, good):
             # The same again; and points that hardly spoil the fit are tails, not mistakes: they count too.
             worse = SMOOTH if outliers.systematic(good, tame, obs, size) else HARMLESS
-            whole = self.whole(begun, outliers.weights(tame))
+            whole = problem.solve(state, outliers.weights(tame), Options())
             if np.mean(whole.square[tame]) < worse**2 * np.mean(state.square[good]):
                 state, good = whole, tame
         return self.result(state, good, with_prior=True)
