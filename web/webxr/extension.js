@@ -7,62 +7,84 @@
 //     view.distortionCoefficients; // Float32Array, or null
 //     view.distortionModel; // "rectilinear", …, or null
 //     session.updateRenderState({ distortionModel: "fisheye" }); // from a later frame on
+//
+// docs/webxr.md explains it as a proposal; camera.js does the lookup, too.
 import { COEFFICIENTS } from "../sdk/projection.js";
 
 /**
  * @typedef {object} Intrinsics
- * @property {readonly number[][]} camera_matrix row-major 3x3
+ * @property {readonly number[][]} camera_matrix row-major 3x3, px
  * @property {readonly number[]} distortion_coefficients
  * @property {string} distortion_model
+ * @property {readonly [number, number]} [img_size] of the picture that these are of, px
  *
- * @typedef {object} Snapshot what a view says, all of one calibration
- * @property {Float32Array | null} cameraMatrix
+ * @typedef {object} Attributes what a view says, all of one calibration
+ * @property {Float32Array | null} cameraMatrix column-major 3x3
  * @property {Float32Array | null} distortionCoefficients
  * @property {string | null} distortionModel
  *
- * @typedef {(session: object, model: string) => Promise<Intrinsics | null>} Provider asked for the calibration of a session's camera;
- *   null where none is known
+ * @typedef {[number, number]} Size width, height, px
+ *
+ * @typedef {(session: object, model: string, size: Size | null) => Promise<Intrinsics | null>} Provider asked for the calibration of a
+ *   session's camera, null where none is known; `size`: of the picture that raw camera access gives, where it does
  *
  * @typedef {object} Options
  * @property {any} [global] where the WebXR classes are
  * @property {string} [model] of sessions that ask for none
  * @property {(error: unknown) => void} [onError] told what a provider rejected with; the views stay as they were
+ *
+ * @typedef {object} State of a session
+ * @property {string} model wanted
+ * @property {Size | null} size
+ * @property {number} asked how often
+ * @property {boolean} failed the last time
+ * @property {Intrinsics | null} known
  */
 
-/** @type {Snapshot} */
+/** @type {Attributes} */
 const UNKNOWN = { cameraMatrix: null, distortionCoefficients: null, distortionModel: null };
 
 /**
  * Adds the attributes to XRView, and `distortionModel` to XRRenderState. A second call changes the provider.
  * @param {Provider} provider @param {Options} [options]
- * @returns {(session: object) => Promise<void>} asks the provider again: the camera's picture has changed
+ * @returns {(session?: object) => Promise<void>} asks the provider again, for all running sessions unless told: the camera's picture has changed
  */
 export function extend(provider, { global = globalThis, model = "rectilinear", onError = console.warn } = {}) {
   const { XRView, XRFrame, XRSession, XRRenderState } = global;
   if (!XRView) throw new TypeError("there is no WebXR here: install() the polyfill first");
-  /** @type {WeakMap<object, Snapshot>} */
+  const first = checked(model);
+  /** @type {WeakMap<object, Attributes>} */
   const views = new WeakMap();
   /** @type {WeakMap<object, object>} */
-  const sessions = new WeakMap();
-  /** @type {WeakMap<object, {model: string, asked: number, known: Snapshot}>} */
+  const owners = new WeakMap();
+  /** @type {WeakMap<object, State>} */
   const states = new WeakMap();
+  /** @type {Set<object>} */
+  const running = new Set();
 
-  const stateOf = (/** @type {object} */ session) => {
+  const stateOf = (/** @type {any} */ session) => {
     const found = states.get(session);
     if (found) return found;
-    const state = { model, asked: 0, known: UNKNOWN };
+    /** @type {State} */
+    const state = { model: first, size: null, asked: 0, failed: false, known: null };
     states.set(session, state);
-    void ask(session);
+    running.add(session);
+    session.addEventListener("end", () => running.delete(session));
     return state;
   };
   const ask = async (/** @type {object} */ session) => {
     const state = stateOf(session);
     const own = ++state.asked;
+    // Whatever is answered after something else was asked, or after the end, comes too late.
+    const late = () => own !== state.asked || !running.has(session);
     try {
-      const known = await provider(session, state.model);
-      // What was asked for before something else comes too late.
-      if (own === state.asked) state.known = known ? snapshot(known) : UNKNOWN;
+      const known = await provider(session, state.model, state.size);
+      if (late()) return;
+      state.known = known && usable(known);
+      state.failed = false;
     } catch (error) {
+      if (late()) return;
+      state.failed = true;
       onError(error);
     }
   };
@@ -70,39 +92,45 @@ export function extend(provider, { global = globalThis, model = "rectilinear", o
   const { getViewerPose } = original(XRFrame.prototype, "getViewerPose");
   XRFrame.prototype.getViewerPose = wrapping(getViewerPose, function (/** @type {any} */ ...space) {
     const pose = getViewerPose.apply(this, space);
-    const { known } = stateOf(this.session);
+    if (!pose) return pose;
+    const state = stateOf(this.session);
+    const camera = pose.views.find((/** @type {any} */ view) => view.camera)?.camera;
+    const turned = camera && !sameSize(state.size, camera);
+    if (turned) state.size = [camera.width, camera.height];
+    if (turned || state.asked === 0) void ask(this.session);
     // As it is in this frame: a view does not change its camera while it is drawn.
-    for (const view of pose?.views ?? []) views.set(view, known === UNKNOWN ? ofRawCamera(view) : known);
+    for (const view of pose.views) views.set(view, attributesOf(view, state.known));
     return pose;
   });
-  for (const name of /** @type {(keyof Snapshot)[]} */ (Object.keys(UNKNOWN))) {
+  for (const name of /** @type {(keyof Attributes)[]} */ (Object.keys(UNKNOWN))) {
     attribute(XRView.prototype, name, function () {
       return views.get(this)?.[name] ?? null;
     });
   }
 
   const { updateRenderState } = original(XRSession.prototype, "updateRenderState");
-  XRSession.prototype.updateRenderState = wrapping(updateRenderState, function ({ distortionModel, ...init } = {}) {
-    if (distortionModel !== undefined && !(distortionModel in COEFFICIENTS)) {
-      throw new TypeError(`'${distortionModel}' is not a distortion model`);
-    }
-    updateRenderState.call(this, init);
+  XRSession.prototype.updateRenderState = wrapping(updateRenderState, function (/** @type {any} */ init = {}) {
+    const wanted = init?.distortionModel === undefined ? undefined : checked(init.distortionModel);
+    updateRenderState.call(this, init ?? {});
     const state = stateOf(this);
-    if (distortionModel === undefined || distortionModel === state.model) return;
-    state.model = distortionModel;
-    void ask(this);
+    if (wanted === undefined || (wanted === state.model && !state.failed)) return;
+    state.model = wanted;
+    if (state.asked > 0) void ask(this); // else with the first frame
   });
   const renderState = getter(XRSession.prototype, "renderState");
   attribute(XRSession.prototype, "renderState", wrapping(renderState, function () {
     const made = renderState.call(this);
-    sessions.set(made, this);
+    owners.set(made, this);
     return made;
   }));
   attribute(XRRenderState.prototype, "distortionModel", function () {
-    const session = sessions.get(this);
+    const session = owners.get(this);
     return session ? stateOf(session).model : null;
   });
-  return ask;
+  return async (session) => {
+    const asked = session ? [session] : [...running];
+    await Promise.all(asked.map(ask));
+  };
 }
 
 /**
@@ -114,19 +142,42 @@ export function matrixOf(p, width, height) {
   return [(p[0] * width) / 2, 0, 0, 0, (p[5] * height) / 2, 0, ((1 - p[8]) * width - 1) / 2, ((1 + p[9]) * height - 1) / 2, 1];
 }
 
-/** Nothing is known but what the browser itself knows; of distortion it says nothing. @param {any} view @returns {Snapshot} */
-function ofRawCamera({ camera, projectionMatrix }) {
+/** What the provider knows comes first, but not of another picture; then what the browser does, which says nothing of distortion. */
+function attributesOf(/** @type {any} */ view, /** @type {Intrinsics | null} */ known) {
+  const { camera } = view;
+  if (known && (!camera || !known.img_size || sameSize(known.img_size, camera))) return attributes(known);
   if (!camera) return UNKNOWN;
-  return { ...UNKNOWN, cameraMatrix: Float32Array.from(matrixOf(projectionMatrix, camera.width, camera.height)) };
+  return { ...UNKNOWN, cameraMatrix: Float32Array.from(matrixOf(view.projectionMatrix, camera.width, camera.height)) };
 }
 
-/** @param {Intrinsics} intrinsics @returns {Snapshot} */
-function snapshot({ camera_matrix: k, distortion_coefficients, distortion_model }) {
+/** Arrays of its own: who writes into them spoils no other view. @param {Intrinsics} intrinsics @returns {Attributes} */
+function attributes({ camera_matrix: k, distortion_coefficients, distortion_model }) {
   return {
     cameraMatrix: Float32Array.from([0, 1, 2].flatMap((column) => k.map((row) => row[column]))),
     distortionCoefficients: Float32Array.from(distortion_coefficients),
     distortionModel: distortion_model,
   };
+}
+
+/** @param {Intrinsics} intrinsics @returns {Intrinsics} itself; throws a TypeError for what no view could say */
+function usable(intrinsics) {
+  const { camera_matrix: k, distortion_coefficients: d, distortion_model } = intrinsics;
+  const numbers = [...k.flat(), ...d];
+  const complete = numbers.length === 9 + COEFFICIENTS[checked(distortion_model)].length && k.length === 3;
+  if (!complete || !numbers.every(Number.isFinite)) throw new TypeError("the provider's calibration is incomplete");
+  return intrinsics;
+}
+
+/** As an enumeration of IDL does. @param {unknown} model @returns {string} */
+function checked(model) {
+  const name = `${model}`;
+  if (!Object.hasOwn(COEFFICIENTS, name)) throw new TypeError(`'${name}' is not a distortion model`);
+  return name;
+}
+
+/** @param {readonly [number, number] | null} size @param {{width: number, height: number}} camera */
+function sameSize(size, { width, height }) {
+  return size?.[0] === width && size[1] === height;
 }
 
 const WRAPPED = Symbol("what stood here before calibDB");
