@@ -13,8 +13,7 @@ const STEP = 1e-6;
 const ENOUGH = 12; // corners; more would say the same, slower
 
 /**
- * The pose in which this lens sees the board's corners nearest to where they are asked for: Levenberg–Marquardt,
- * derivatives by differences.
+ * The pose in which this lens sees the board's corners nearest to where they are asked for.
  * @param {import("../board/geometry.js").Board} board @param {Lens} lens
  * @param {Pose & {ids?: readonly number[], corners?: readonly (readonly number[])[]}} target
  * @returns {Pose} the target's own where it shows too little of the board
@@ -36,7 +35,17 @@ export function matched(board, lens, { rvec, tvec, ids = [], corners = [] }) {
       return [u - corners[index][0], v - corners[index][1]];
     });
   };
-  let at = [...rvec, ...tvec];
+  const at = fitted(residuals, [...rvec, ...tvec]);
+  return { rvec: at.slice(0, 3), tvec: at.slice(3) };
+}
+
+/**
+ * Least squares by Levenberg–Marquardt, derivatives by differences.
+ * @param {(at: number[]) => number[]} residuals @param {number[]} start
+ * @returns {number[]} where the sum of their squares is smallest nearby
+ */
+export function fitted(residuals, start) {
+  let at = start;
   let r = residuals(at);
   let damping = 1e-3;
   for (let round = 0; round < ROUNDS; round++) {
@@ -54,7 +63,7 @@ export function matched(board, lens, { rvec, tvec, ids = [], corners = [] }) {
     damping *= improved ? 0.1 : 10;
     if (improved) [at, r] = [next, better];
   }
-  return { rvec: at.slice(0, 3), tvec: at.slice(3) };
+  return at;
 }
 
 /** @param {number[]} a @param {number[]} b */
