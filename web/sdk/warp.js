@@ -40,10 +40,9 @@ export class Warp {
   constructor(canvas, { alpha }) {
     this.canvas = canvas;
     this.#alpha = alpha;
-    const gl = /** @type {WebGL2RenderingContext | null} */ (canvas.getContext("webgl2", { alpha, antialias: false }));
-    if (!gl) throw new RectifierError("this browser has no WebGL2");
+    const { gl, program } = linked(canvas, { alpha, antialias: false }, VERTEX, FRAGMENT);
     this.#gl = gl;
-    this.#program = program(gl);
+    this.#program = program;
     this.#textures = ["picture", "map"].map((name, unit) => {
       gl.uniform1i(gl.getUniformLocation(this.#program, name), unit);
       return texture(gl, unit, name === "map" ? gl.NEAREST : gl.LINEAR);
@@ -81,21 +80,28 @@ export class Warp {
   }
 }
 
-/** @param {WebGL2RenderingContext} gl */
-function program(gl) {
-  const made = gl.createProgram();
-  for (const [kind, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]])) {
+/**
+ * A canvas' context, with one program in use.
+ * @param {HTMLCanvasElement | OffscreenCanvas} canvas @param {WebGLContextAttributes} attributes
+ * @param {string} vertex @param {string} fragment sources
+ * @returns {{gl: WebGL2RenderingContext, program: WebGLProgram}} throws RectifierError where there is no WebGL2
+ */
+export function linked(canvas, attributes, vertex, fragment) {
+  const gl = /** @type {WebGL2RenderingContext | null} */ (canvas.getContext("webgl2", attributes));
+  if (!gl) throw new RectifierError("this browser has no WebGL2");
+  const program = gl.createProgram();
+  for (const [kind, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]])) {
     const shader = gl.createShader(kind);
     if (!shader) throw new RectifierError("the GPU was lost");
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
-    gl.attachShader(made, shader);
+    gl.attachShader(program, shader);
     gl.deleteShader(shader);
   }
-  gl.linkProgram(made);
-  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new RectifierError(gl.getProgramInfoLog(made) ?? "the GPU was lost");
-  gl.useProgram(made);
-  return made;
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new RectifierError(gl.getProgramInfoLog(program) ?? "the GPU was lost");
+  gl.useProgram(program);
+  return { gl, program };
 }
 
 /** @param {WebGL2RenderingContext} gl @param {number} unit @param {number} filter */
