@@ -13,7 +13,7 @@ const BASE = new URL("./", location.href);
 const SHELL = new URL("shell.json", BASE).href;
 const CACHE = "calibdb";
 const DEVELOPED = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
-const DETECTING = /\/(calibrate|photos)\/$/;
+const DETECTING = /\/(calibrate|photos|ar)\/$/;
 
 /** The file a request is for, "" and "board/" being pages; null where it is none of ours. @param {Request} request */
 function fileOf({ method, url, headers }) {

@@ -1,0 +1,130 @@
+// One camera's pictures with what is drawn over them. A picture is shown together with what was seen in that very
+// picture: what is left between the two is the calibration's, not the computer's being late.
+import { corners as boardCorners } from "../board/geometry.js";
+import { grab } from "../calibrate/detector.js";
+import { misalignment } from "./misalignment.js";
+import { model } from "./model.js";
+import { MODES } from "./modes.js";
+import { poseOf } from "./pose.js";
+import { Scene } from "./scene.js";
+
+/**
+ * @typedef {import("../sdk/straight.js").Calibration} Calibration
+ * @typedef {{rms: number, outermost: number} | null} Misalignment null: no board is seen
+ *
+ * @typedef {object} Setup
+ * @property {HTMLVideoElement} video
+ * @property {HTMLElement} layers where the pictures go
+ * @property {import("../board/geometry.js").Board} board
+ * @property {import("../calibrate/detector.js").Detector} detector
+ * @property {Calibration} calibration
+ * @property {string} mode of `MODES`
+ * @property {number} balance how much of the edge the straightened picture keeps, 0…1
+ */
+
+const STALLED = 500; // ms; a camera that stalls, or a hidden tab, must not stop the loop for good
+
+export class Live {
+  #setup;
+  #mode;
+  #balance;
+  #places;
+  #frame;
+  #picture;
+  #scene;
+  /** Made when first used. @type {Map<string, ReturnType<typeof MODES.matrix>>} */
+  #made = new Map();
+  /** The last detection, for showing the same picture in another way. @type {{points: number[][], pixels: number[][]}} */
+  #last = { points: [], pixels: [] };
+
+  /** @param {Setup} setup throws RectifierError where there is no WebGL2 */
+  constructor(setup) {
+    this.#setup = setup;
+    this.#mode = setup.mode;
+    this.#balance = setup.balance;
+    this.#places = boardCorners(setup.board);
+    this.#frame = paper(setup.calibration.img_size);
+    this.#picture = paper(setup.calibration.img_size);
+    this.#scene = new Scene(model(setup.board));
+  }
+
+  /**
+   * Looks and shows until the signal.
+   * @param {AbortSignal} signal @param {(off: Misalignment, mode: string) => void} onShown
+   * @returns {Promise<"resized" | null>} resized: the camera's picture has another size than the calibration
+   */
+  async run(signal, onShown) {
+    const { video, detector, calibration } = this.#setup;
+    while (!signal.aborted) {
+      await nextFrame(video);
+      if (signal.aborted || document.hidden) continue;
+      const frame = await grab(video);
+      this.#frame.drawImage(frame, 0, 0);
+      const { ids, points: pixels, size } = await detector.detect(frame, { full: true });
+      if (signal.aborted) break;
+      if (size.join() !== calibration.img_size.join()) return "resized";
+      this.#picture.drawImage(this.#frame.canvas, 0, 0);
+      this.#last = { points: ids.map((id) => this.#places[id]), pixels };
+      onShown(this.#show(), this.#mode);
+    }
+    return null;
+  }
+
+  /** Shows the same picture in another way at once. @param {string} name of `MODES` @returns {Misalignment} */
+  mode(name) {
+    this.#mode = name;
+    return this.#show();
+  }
+
+  /** @param {number} value 0…1 @returns {Misalignment} */
+  balance(value) {
+    this.#balance = value;
+    this.#made.get("rectified")?.balance?.(value);
+    return this.#show();
+  }
+
+  dispose() {
+    for (const each of this.#made.values()) each.dispose();
+    this.#scene.dispose();
+    this.#setup.layers.replaceChildren();
+  }
+
+  #show() {
+    const { points, pixels } = this.#last;
+    const { layers, calibration } = this.#setup;
+    const mode = this.#modeNamed(this.#mode);
+    const pose = poseOf(mode.lens, points, pixels);
+    this.#scene.draw(mode.pinhole(), pose);
+    mode.show(this.#picture.canvas, this.#scene.canvas);
+    const [picture, overlay] = [mode.picture ?? this.#picture.canvas, mode.overlay ?? this.#scene.canvas];
+    if (layers.firstChild !== picture || layers.lastChild !== overlay) layers.replaceChildren(picture, overlay);
+    return pose && misalignment(mode, pose, points, pixels, calibration.img_size);
+  }
+
+  /** @param {string} name */
+  #modeNamed(name) {
+    const known = this.#made.get(name);
+    if (known) return known;
+    const made = MODES[name](this.#setup.calibration);
+    made.balance?.(this.#balance);
+    this.#made.set(name, made);
+    return made;
+  }
+}
+
+/** @param {[number, number]} size */
+function paper([width, height]) {
+  const canvas = Object.assign(document.createElement("canvas"), { width, height });
+  const context = canvas.getContext("2d", { alpha: false });
+  if (!context) throw new Error("this browser has no 2D canvas");
+  return context;
+}
+
+/** The next frame that the video shows. @param {HTMLVideoElement} video @returns {Promise<void>} */
+function nextFrame(video) {
+  return new Promise((resolve) => {
+    setTimeout(resolve, STALLED);
+    if (video.requestVideoFrameCallback) video.requestVideoFrameCallback(() => resolve());
+    else requestAnimationFrame(() => resolve());
+  });
+}

@@ -1,0 +1,221 @@
+// The page that shows what a calibration is for: the same drawing in three ways over the camera's picture.
+import { boardFrom, boardQuery } from "../board/geometry.js";
+import { showProblem } from "../board/problem.js";
+import { CameraError, cameras, open, propose } from "../calibrate/camera.js";
+import { Detector, DetectorError } from "../calibrate/detector.js";
+import { part } from "../dom.js";
+import { explain } from "../faults.js";
+import { onLanguage, rough, t } from "../i18n.js";
+import { openPage } from "../page.js";
+import { keyOf } from "../sdk/key.js";
+import { isVirtual } from "../virtual/name.js";
+import words from "../words/ar.js";
+import { Live } from "./live.js";
+import { MODES } from "./modes.js";
+import { calibrationOf } from "./source.js";
+import { stopAt } from "./tour.js";
+
+/** @typedef {import("./live.js").Misalignment} Misalignment */
+
+const SHEETS = ["welcome", "opening", "unknown", "failed"];
+const EVERY = 250; // ms between two numbers: faster, nobody reads them
+/** @type {[number, number]} */
+const SIZE = [1280, 720];
+
+openPage({ ar: words });
+const parameters = new URLSearchParams(location.search);
+const { board, problem } = boardFrom(parameters);
+const html = (/** @type {string} */ id) => part(id, HTMLElement);
+const [video, camera, balance] = [part("video", HTMLVideoElement), part("camera", HTMLSelectElement), part("balance", HTMLInputElement)];
+const [stage, layers, rms, outermost] = [html("stage"), html("layers"), html("rms"), html("outermost")];
+const modes = /** @type {HTMLButtonElement[]} */ ([...html("modes").children]);
+
+/** What the texts are about; written anew in another language. */
+const said = { phase: "welcome", waiting: "camera", origin: "", name: "", error: /** @type {unknown} */ (null), off: /** @type {Misalignment} */ (null) };
+/** One camera's run; a new one makes all that is still on its way for the old one meaningless. */
+let run = new AbortController();
+/** @type {Promise<Detector> | null} */
+let detector = null;
+/** @type {Live | null} */
+let live = null;
+/** @type {() => void} */
+let moveOn = () => {};
+let mode = "matrix";
+let told = -Infinity;
+let chosen = "";
+
+/** @param {string} phase a sheet's name, or "live" @param {Partial<typeof said>} [more] */
+function turnTo(phase, more = {}) {
+  const moved = phase !== said.phase;
+  Object.assign(said, { phase, ...more });
+  for (const name of SHEETS) html(name).hidden = name !== phase;
+  html("reticle").hidden = html("controls").hidden = phase !== "live";
+  write();
+  // What had the focus is gone: go on where the page goes on.
+  if (moved) html(`${phase}-title`).focus();
+}
+
+function write() {
+  const { phase, waiting, name, origin, error } = said;
+  html("opening-text").textContent = t(waiting === "lookup" ? "ar.looking_up" : `capture.opening_${waiting}`);
+  html("unknown-text").textContent = phase === "unknown" ? t("ar.unknown_text", { camera: name }) : "";
+  html("failure").textContent = phase === "failed" ? complaint(error) : "";
+  html("facts").textContent = phase === "live" ? `${name} · ${t(`ar.origin_${origin}`)}` : "";
+  html("recalibrate").hidden = phase !== "live" || origin !== "truth";
+  writeOff();
+}
+
+function writeOff() {
+  const { off } = said;
+  html("instruction").hidden = off !== null;
+  html("instruction").textContent = off ? "" : t("capture.say_show");
+  rms.textContent = off ? t("ar.rms", { px: rough(off.rms) }) : "";
+  outermost.textContent = off ? t("ar.outermost", { px: rough(off.outermost) }) : "";
+}
+
+/** @param {unknown} error */
+function complaint(error) {
+  if (error instanceof CameraError) return t(`capture.fault_${error.code}`, { detail: error.detail });
+  if (error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
+  return explain(error);
+}
+
+/** @param {Misalignment} off @param {string} shown the mode of the picture that is shown */
+function tell(off, shown) {
+  stage.dataset.shown = shown;
+  const now = performance.now();
+  if (now - told < EVERY && (off === null) === (said.off === null)) return;
+  told = now;
+  said.off = off;
+  writeOff();
+}
+
+/** OpenCV is loaded once. @returns {Promise<Detector>} */
+function openDetector() {
+  detector ??= Detector.open(board, (fraction) => {
+    html("loading-meter").hidden = fraction >= 1;
+    part("loading", HTMLProgressElement).value = fraction;
+  });
+  detector.catch(() => {
+    detector = null;
+  });
+  return detector;
+}
+
+/** @param {string} choice id of a camera */
+async function start(choice) {
+  run.abort();
+  const own = run = new AbortController();
+  const { signal } = own;
+  chosen = choice;
+  turnTo("opening", { waiting: "camera", off: null });
+  try {
+    const opened = await open(choice, { parameters, board, place: document.body, size: SIZE });
+    signal.addEventListener("abort", () => opened.close());
+    if (signal.aborted) return opened.close();
+    opened.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
+    video.srcObject = opened.stream;
+    await video.play();
+    stage.classList.toggle("mirrored", opened.mirrored);
+    // A picture that changes its size, as that of a phone that is turned, is another camera.
+    while (!signal.aborted && (await show(opened, signal)) === "resized");
+  } catch (error) {
+    fail(error, signal);
+  }
+}
+
+/**
+ * @param {import("../calibrate/camera.js").OpenCamera} opened @param {AbortSignal} signal
+ * @returns {Promise<"resized" | null>}
+ */
+async function show({ track, virtual }, signal) {
+  turnTo("opening", { waiting: "lookup" });
+  const img_size = /** @type {[number, number]} */ ([video.videoWidth, video.videoHeight]);
+  const key = { ...(await keyOf(track)), img_size };
+  const { calibration, origin, guidance } = await calibrationOf(key, parameters);
+  if (signal.aborted) return null;
+  for (const id of ["calibrate", "recalibrate"]) part(id, HTMLAnchorElement).href = guidance;
+  const name = `${isVirtual(key.camera) ? t("ar.virtual") : key.camera}, ${img_size.join(" × ")}`;
+  if (!calibration) {
+    turnTo("unknown", { name });
+    run.abort();
+    return null;
+  }
+  turnTo("opening", { waiting: "loading" });
+  const finder = await openDetector();
+  if (signal.aborted) return null;
+  let stop = 0;
+  moveOn = () => virtual?.follow(stopAt(board, calibration, stop++));
+  moveOn();
+  html("move").hidden = !virtual;
+  const shown = live = new Live({ video, layers, board, detector: finder, calibration, mode, balance: Number(balance.value) });
+  turnTo("live", { origin, name });
+  try {
+    return await shown.run(signal, tell);
+  } finally {
+    shown.dispose();
+    live = null;
+  }
+}
+
+/** @param {unknown} error @param {AbortSignal} signal of the run that it happened in */
+function fail(error, signal) {
+  if (signal.aborted) return;
+  run.abort();
+  if (error instanceof DetectorError) {
+    void detector?.then((broken) => broken.close(), () => {});
+    detector = null;
+  }
+  turnTo("failed", { error });
+}
+
+/** @param {string} name of a mode */
+function draw(name) {
+  mode = name;
+  for (const button of modes) button.setAttribute("aria-pressed", String(button.value === name));
+  html("balance-field").hidden = name !== "rectified";
+  told = -Infinity;
+  if (live) tell(live.mode(name), name);
+}
+
+async function listCameras() {
+  const choices = await cameras(parameters);
+  const proposed = propose(choices, parameters.get("camera"), camera.value);
+  camera.replaceChildren(...choices.map(({ id, label }) => new Option(label, id)));
+  camera.value = proposed;
+}
+
+function restart() {
+  run.abort();
+  turnTo("welcome");
+  void listCameras();
+}
+
+for (const button of modes) button.addEventListener("click", () => draw(button.value));
+balance.addEventListener("input", () => {
+  if (live) tell(live.balance(Number(balance.value)), mode);
+});
+document.addEventListener("keydown", (event) => {
+  if (said.phase !== "live" || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.target instanceof Element && event.target.closest("input, select")) return;
+  const named = Object.keys(MODES)[Number(event.key) - 1];
+  if (named) draw(named);
+  else if (event.key.toLowerCase() === "m") moveOn();
+});
+html("move").addEventListener("click", () => moveOn());
+html("start").addEventListener("click", () => start(camera.value));
+html("again").addEventListener("click", () => start(chosen));
+for (const button of document.querySelectorAll(".virtually")) button.addEventListener("click", () => start("virtual"));
+for (const button of document.querySelectorAll(".elsewhere")) button.addEventListener("click", restart);
+for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll("a.board"))) link.search = boardQuery(board).toString();
+navigator.mediaDevices?.addEventListener("devicechange", listCameras);
+onLanguage(() => {
+  write();
+  void listCameras();
+});
+showProblem(html("problem"), problem);
+await listCameras();
+openDetector().catch((error) => console.info("detector not loaded yet:", error.message));
+const returning = location.hash.includes("calibration=");
+if (parameters.has("virtual")) void start("virtual");
+else if (returning && camera.value) void start(camera.value);

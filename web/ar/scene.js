@@ -1,0 +1,79 @@
+// Draws triangles as a pinhole sees them. WebGL2, without dependencies.
+import { linked } from "../sdk/warp.js";
+import { projectionMatrix } from "../sdk/calibration.js";
+import { rotationMatrix } from "../virtual/pose.js";
+
+/** @typedef {import("../sdk/straight.js").Pinhole} Pinhole */
+
+const VERTEX = `#version 300 es
+uniform mat4 projection;
+uniform mat4 view;
+in vec3 place;
+in vec3 colour;
+out vec3 shade;
+void main() {
+  gl_Position = projection * view * vec4(place, 1.0);
+  shade = colour;
+}`;
+
+const FRAGMENT = `#version 300 es
+precision mediump float;
+in vec3 shade;
+out vec4 colour;
+void main() {
+  colour = vec4(shade, 1.0);
+}`;
+
+const NUMBERS = 6; // a vertex: place, colour
+
+export class Scene {
+  #gl;
+  #program;
+  #buffer;
+  #count;
+
+  /** @param {Float32Array} triangles see model.js; throws RectifierError where there is no WebGL2 */
+  constructor(triangles) {
+    this.canvas = document.createElement("canvas");
+    const { gl, program } = linked(this.canvas, { alpha: true, antialias: true }, VERTEX, FRAGMENT);
+    this.#gl = gl;
+    this.#program = program;
+    this.#count = triangles.length / NUMBERS;
+    this.#buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.#buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
+    for (const [name, offset] of /** @type {const} */ ([["place", 0], ["colour", 3]])) {
+      const at = gl.getAttribLocation(program, name);
+      gl.enableVertexAttribArray(at);
+      gl.vertexAttribPointer(at, 3, gl.FLOAT, false, 4 * NUMBERS, 4 * offset);
+    }
+    gl.enable(gl.DEPTH_TEST);
+  }
+
+  /** @param {Pinhole} pinhole whose picture it becomes @param {import("../virtual/pose.js").Pose | null} pose null: nothing is there */
+  draw(pinhole, pose) {
+    const gl = this.#gl;
+    const [width, height] = pinhole.img_size;
+    if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
+    gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (!pose) return;
+    const projection = projectionMatrix(pinhole, { near: 0.1, far: 500 });
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.#program, "projection"), false, projection);
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.#program, "view"), false, viewMatrix(pose));
+    gl.drawArrays(gl.TRIANGLES, 0, this.#count);
+  }
+
+  /** Frees what it holds on the GPU. */
+  dispose() {
+    this.#gl.deleteBuffer(this.#buffer);
+    this.#gl.deleteProgram(this.#program);
+    this.#gl.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+}
+
+/** OpenGL's cameras look along −z with y up. @param {import("../virtual/pose.js").Pose} pose @returns {number[]} column-major */
+function viewMatrix({ rvec, tvec: [x, y, z] }) {
+  const [a, b, c, d, e, f, g, h, i] = rotationMatrix(rvec);
+  return [a, -d, -g, 0, b, -e, -h, 0, c, -f, -i, 0, x, -y, -z, 1];
+}

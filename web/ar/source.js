@@ -1,0 +1,64 @@
+// Where the calibration of the camera that is open comes from.
+import { loadSettings } from "../settings.js";
+import { Calibration, lookup, returned } from "../sdk/calibdb.js";
+import { isVirtual, setupFrom } from "../virtual/camera.js";
+
+/**
+ * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey
+ *
+ * @typedef {object} Known
+ * @property {import("../sdk/straight.js").Calibration | null} calibration
+ * @property {"returned" | "known" | "truth" | ""} origin measured just now, looked up, or what the virtual camera is made from
+ * @property {string} guidance address where the camera can be calibrated, and that leads back here
+ */
+
+/**
+ * @param {CameraKey} key of the camera that is open
+ * @param {URLSearchParams} parameters of this page
+ * @returns {Promise<Known>} rejects as `lookup` and `loadSettings` do
+ */
+export async function calibrationOf(key, parameters) {
+  const guidance = guidanceFor(key, parameters);
+  const brought = await result(key, parameters);
+  if (brought) return { calibration: brought, origin: "returned", guidance };
+  if (isVirtual(key.camera)) return { calibration: truthOf(setupFrom(parameters)), origin: "truth", guidance };
+  const { calibration } = await lookup(key, { ...(await manner()), exact: true });
+  return { calibration, origin: calibration ? "known" : "", guidance };
+}
+
+/** What the capture page sent along in this page's address, which keeps it for a reload. @param {CameraKey} key @param {URLSearchParams} parameters */
+async function result(key, parameters) {
+  const asked = parameters.get("camera");
+  if (!location.hash.includes("calibration=") || (asked !== null && asked !== key.camera)) return null;
+  const kept = { state: null, replaceState() {} };
+  const calibration = await returned({ ...(await manner()), history: kept });
+  const fits = calibration && calibration.img_size.join() === key.img_size.join() && isVirtual(calibration.camera) === isVirtual(key.camera);
+  return fits ? calibration : null;
+}
+
+async function manner() {
+  const { api, token } = await loadSettings();
+  return { token, api: new URL(api, location.href) };
+}
+
+/** What the virtual camera is made from: a practice needs no database. @param {import("../virtual/camera.js").Setup} setup */
+function truthOf({ size, lens: { fx, fy, cx, cy, k1, k2, p1, p2, k3 } }) {
+  return new Calibration(/** @type {import("../sdk/calibdb.js").CalibrationData} */ ({
+    img_size: size, camera_matrix: [[fx, 0, cx], [0, fy, cy], [0, 0, 1]],
+    distortion_model: "rectilinear", distortion_coefficients: [k1, k2, p1, p2, k3],
+  }));
+}
+
+/**
+ * The capture page for this camera; what made the virtual one goes with it, both ways.
+ * @param {CameraKey} key @param {URLSearchParams} parameters
+ */
+function guidanceFor({ camera, platform, img_size, zoom }, parameters) {
+  const back = new URLSearchParams(parameters);
+  back.set("camera", camera);
+  if (isVirtual(camera)) back.set("virtual", "1");
+  const query = new URLSearchParams(back);
+  for (const [name, value] of Object.entries({ platform, img_size: img_size.join("x"), zoom: zoom || "" })) if (value) query.set(name, String(value));
+  query.set("return_to", new URL(`./?${back}`, location.href).href);
+  return new URL(`../calibrate/?${query}`, location.href).href;
+}
