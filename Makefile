@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan cost conformance checkov clean setup
+.PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan rehearsal cost conformance checkov clean setup
 
 run: setup
 	@exec $(PY) -m infra.local
@@ -115,29 +115,40 @@ lock: $(UV)
 	npm install --package-lock-only
 	node infra/tools/lock.mjs
 
-# Both layers for Lambda's arm64 in .build/layers. A Python 3.13 compiles them: PYTHON313=python3.13
-layers: $(UV) .venv/.made
+# Both layers for Lambda's arm64 in .build/layers
+LAYER = env -u PYTHONPATH $(MAKE) --silent UV=$(abspath $(UV)) COMPILE="node $(abspath infra/tools/compile.mjs)"
+
+layers: $(UV) .venv/.made node_modules/.made
 	@rm -rf .build/layers
-	@env -u PYTHONPATH $(MAKE) --silent -C layers/service build-ServiceLayer UV=$(abspath $(UV)) ARTIFACTS_DIR=$(abspath .build/layers/service)
-	@env -u PYTHONPATH $(MAKE) --silent -C layers/solver build-SolverLayer UV=$(abspath $(UV)) ARTIFACTS_DIR=$(abspath .build/layers/solver)
+	@$(LAYER) -C layers/service build-ServiceLayer ARTIFACTS_DIR=$(abspath .build/layers/service)
+	@$(LAYER) -C layers/solver build-SolverLayer ARTIFACTS_DIR=$(abspath .build/layers/solver)
 	@$(PY) -m infra.deploy.layers
 
+MINISTACK := .build/ministack/bin/hypercorn
+
+$(MINISTACK):
+	$(PYTHON) -m venv .build/ministack && .build/ministack/bin/pip install --quiet ministack==1.5.33 aws-sam-translator==1.115.0
+
+SAM := .build/sam/bin/sam
+
+$(SAM):
+	$(PYTHON) -m venv .build/sam && .build/sam/bin/pip install --quiet aws-sam-cli==1.170.0
+
 # make deploy STACK=calibdb AWS_REGION=us-east-1 ARGS="AlarmEmail=ops@example.org DomainName=… CertificateArn=…"
-deploy: setup $(UV)
+deploy: setup $(UV) $(SAM)
 	@$(PY) -m infra.deploy $(ARGS)
 
 # The same without doing anything, and without credentials
 deploy-plan: setup
 	@$(PY) -m infra.deploy --plan $(ARGS)
 
+# The deployment itself, all but its last question, into another program's AWS on this machine
+rehearsal: setup $(UV) $(SAM) $(MINISTACK)
+	@$(PY) -m infra.deploy.rehearsal
+
 # What a million lookups cost, and a calibration, by calls, durations and sizes measured here
 cost: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m infra.cost
-
-MINISTACK := .build/ministack/bin/hypercorn
-
-$(MINISTACK):
-	$(PYTHON) -m venv .build/ministack && .build/ministack/bin/pip install --quiet ministack==1.5.33
 
 # The storage tests against another implementation of AWS than moto
 conformance: setup $(MINISTACK)

@@ -11,7 +11,7 @@ import shlex
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import boto3
 
@@ -72,13 +72,25 @@ def plan(target: Target) -> list[str]:
     return lines
 
 
-def deploy(target: Target) -> None:
-    """Do every step; raises DeployError at the first that fails."""
+def deploy(target: Target, template: str | None = None, leave_out: Collection[str] = ()) -> None:
+    """Do every step; raises DeployError at the first that fails.
+
+    Parameters
+    ----------
+    target
+        Where to.
+    template
+        Another one than `template.yaml`.
+    leave_out
+        Kinds of steps that are not done.
+    """
+    source = (ROOT / "template.yaml").read_text(encoding="utf-8") if template is None else template
     TEMPLATE.parent.mkdir(parents=True, exist_ok=True)
-    TEMPLATE.write_text(packaged((ROOT / "template.yaml").read_text(encoding="utf-8")), encoding="utf-8")
+    TEMPLATE.write_text(packaged(source), encoding="utf-8")
     for number, step in enumerate(steps(target), 1):
-        print(f"{number}. {step.text}", flush=True)
-        _do(step, target)
+        if step.kind not in leave_out:
+            print(f"{number}. {step.text}", flush=True)
+            _do(step, target)
 
 
 def _do(step: Step, target: Target) -> None:
@@ -110,11 +122,11 @@ def _filled(command: tuple[str, ...], target: Target) -> list[str]:
     return [word.replace("{SiteUrl}", made["SiteUrl"]) for word in command]
 
 
-def _run(command: list[str]) -> str:
-    done = subprocess.run(command, cwd=ROOT, check=False, text=True)  # noqa: S603 - our own steps
+def _run(command: list[str]) -> None:
+    quiet = {**os.environ, "SAM_CLI_TELEMETRY": "0"}
+    done = subprocess.run(command, cwd=ROOT, env=quiet, check=False)  # noqa: S603 - our own steps
     if done.returncode:
         raise DeployError(f"{shlex.join(command)} failed")
-    return done.stdout or ""
 
 
 def _page_token(made: dict[str, str], region: str) -> str:

@@ -67,7 +67,7 @@ def problems(service: Built, solver: Built, functions: float) -> Iterator[str]:
             yield f"{name}: of another machine: {', '.join(layer.foreign)}"
         if layer.compiled < 1:
             share = f"{100 * layer.compiled:.0f} %"
-            yield f"{name}: {share} of its modules are compiled; set PYTHON313 to a Python 3.13"
+            yield f"{name}: {share} of its modules are compiled"
 
 
 def main() -> int:

@@ -9,6 +9,7 @@ from typing import Literal
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
+_SAM = ".build/sam/bin/sam"  # `make deploy` installs it
 Kind = Literal["run", "secrets", "upload", "invalidate", "smoke"]
 
 
@@ -44,10 +45,11 @@ class Step:
 def steps(target: Target) -> Iterator[Step]:
     """Yield the steps; each can be done again, so a deployment that broke off is started anew."""
     yield Step("run", "build both layers for arm64 and check their sizes", ("make", "layers"))
+    place = str(TEMPLATE.relative_to(ROOT))
     yield Step(
         "run",
         "check the template",
-        (".venv/bin/cfn-lint", "template.yaml"),
+        (_SAM, "validate", "--lint", "--template-file", place, "--region", target.region),
     )
     yield Step(
         "secrets",
@@ -83,7 +85,7 @@ def _command(target: Target, parameters: Mapping[str, str]) -> tuple[str, ...]:
     site = {"GuidanceUrl": f"{target.site}/calibrate/"} if target.site else {}
     overrides = [f"{name}={value}" for name, value in sorted({**site, **parameters}.items())]
     return (
-        "sam",
+        _SAM,
         "deploy",
         *("--template-file", str(TEMPLATE.relative_to(ROOT))),
         *("--stack-name", target.stack),

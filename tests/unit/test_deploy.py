@@ -9,10 +9,11 @@ from typing import Any
 
 import boto3
 import pytest
+from cfnlint.decode.cfn_yaml import loads
 from moto import mock_aws
 
 from calibdb.tokens import SessionIds, Ticket
-from infra.deploy import aws, layers, smoke, steps
+from infra.deploy import aws, layers, rehearsal, smoke, steps
 from infra.deploy.__main__ import main
 from infra.deploy.site import FOREVER, Upload, uploads
 from infra.local import LocalStack
@@ -182,6 +183,12 @@ def test_the_packaged_template_names_what_is_there() -> None:
     for place in places:
         there = (steps.TEMPLATE.parent / place).resolve().relative_to(ROOT).as_posix()
         assert there.startswith(("functions/", ".build/layers/")), there
+
+
+def test_a_rehearsal_leaves_out_what_it_says_and_nothing_else() -> None:
+    whole = (ROOT / "template.yaml").read_text()
+    left = loads(rehearsal.known(whole))["Resources"]
+    assert set(loads(whole)["Resources"]) - set(left) == {"Budget", "TraceSampling", "ThrottleAlarm"}
 
 
 def test_layers_that_do_not_fit_are_named() -> None:

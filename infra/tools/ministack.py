@@ -1,0 +1,53 @@
+"""ministack, an implementation of AWS by other people than moto's, on the loopback interface.
+
+It lives in an environment of its own, which the Makefile makes, and forgets everything when it ends.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+_SERVER = Path(__file__).resolve().parents[2] / ".build" / "ministack" / "bin" / "hypercorn"
+_PATIENCE = 30.0  # s
+
+
+@contextmanager
+def serving() -> Iterator[str]:
+    """Run the server within the block and yield its address; raises RuntimeError where it does not answer."""
+    port = _free_port()
+    environment = {**os.environ, "GATEWAY_PORT": str(port), "MINISTACK_PORT": str(port)}
+    environment.pop("PYTHONPATH", None)
+    command = [str(_SERVER), "--bind", f"127.0.0.1:{port}", "--log-level", "error", "ministack.app:app"]
+    with (_SERVER.parent / "ministack.log").open("w") as log:
+        server = subprocess.Popen(  # noqa: S603 - our own command
+            command, env=environment, cwd=_SERVER.parent, stdout=log, stderr=log
+        )
+        try:
+            _answers(port, server)
+            yield f"http://127.0.0.1:{port}"
+        finally:
+            server.terminate()
+            server.wait()
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def _answers(port: int, server: subprocess.Popen[bytes]) -> None:
+    end = time.monotonic() + _PATIENCE
+    while time.monotonic() < end and server.poll() is None:
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.1)
+    raise RuntimeError("ministack does not answer")
