@@ -1,5 +1,8 @@
 """Every page in every state: accessible, free of complaints, and pictured at a desk and in a hand."""
 
+from typing import Any
+
+import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
@@ -18,7 +21,14 @@ def test_pages_one_reads(page: Page, scheme: str) -> None:
     picture(page, f"landing{suffix}", full=True)
 
 
-def test_capture_in_all_its_states(page: Page) -> None:
+def published_corners(page: Page, api: httpx.Client) -> list[Any]:
+    """Return the first corner of each view of the calibration that the page shows."""
+    page.locator(".views li").first.wait_for()
+    answer = api.get(f"/calibrations/{page.url.split('id=')[1]}", params={"format": "photonvision"})
+    return [view["locationInImageSpace"][0] for view in answer.raise_for_status().json()["observations"]]
+
+
+def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=1280x720")
     page.locator("#wanted").wait_for()
     assert "C920" in (page.locator("#wanted").text_content() or "")
@@ -35,6 +45,17 @@ def test_capture_in_all_its_states(page: Page) -> None:
     assert page.evaluate("document.activeElement.id") == "verdict"
     assert "practice run" in (page.locator("#summary").text_content() or "")
     assert page.locator("#done .another").is_hidden()
+
+    # It goes on without one of its views, and keeps the others.
+    before = published_corners(page, api)
+    page.locator("#view-1-out").click()
+    page.locator("#go-on-without").click()
+    page.locator("#done[hidden]").wait_for(state="attached")
+    page.wait_for_selector("#done:not([hidden])")
+    after = published_corners(page, api)
+    assert after[0] == before[0], "the views that are left are not taken again"
+    assert before[1] not in after
+    assert len(after) >= 4
 
 
 def test_capture_by_keyboard(page: Page) -> None:

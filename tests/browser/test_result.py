@@ -65,6 +65,33 @@ def test_a_stored_calibration_is_shown_and_saved(page: Page, api: httpx.Client) 
     assert saved["camera_matrix"] == state["calibration"]["camera_matrix"]
 
 
+def test_what_it_is_without_a_view_is_shown_and_saved(page: Page, api: httpx.Client) -> None:
+    state = capture(api, Truth(), KEY, seed=9)
+    path = f"/calibrations/{state['calibration_id']}"
+    less = api.get(path, params={"without": "0"}).json()
+    page.goto(f"/result/?id={state['calibration_id']}")
+    page.locator("#view-0-out").click()
+    page.locator(".trial", has_text="without view 1").wait_for()
+    assert page.locator("#view-0-out:focus").text_content() == "Take back in"
+    assert json.loads(page.locator("#json").text_content() or "")["camera_matrix"] == less["camera_matrix"]
+    before, after = (each["uncertainty"]["rms"] for each in (state["calibration"], less))
+    assert after > before
+    said = page.locator("#without-status").text_content() or ""
+    assert f"{after:.2g} px off, with it {before:.2g} px" in said
+    picture(page, "result-without", full=True)
+    page.locator("#format").select_option("ros")
+    with page.expect_download() as download:
+        page.locator("#download").click()
+    saved = Path(download.value.path()).read_bytes()
+    assert saved == api.get(path, params={"without": "0", "format": "ros"}).content
+    for index in range(1, len(state["views"]) - 1):
+        page.locator(f"#view-{index}-out").click()
+        page.locator(f"#view-{index}-out", has_text="Take back in").wait_for()
+    page.locator("#all-again").click()
+    page.locator(".trial").wait_for(state="detached")
+    assert json.loads(page.locator("#json").text_content() or "")["id"] == state["calibration_id"]
+
+
 def test_every_format_is_saved_or_says_why_not(context: BrowserContext, api: httpx.Client) -> None:
     page = context.new_page()  # a refusal is an error in the console, and here one is meant to be
     state = capture(api, Truth(), KEY, seed=7)

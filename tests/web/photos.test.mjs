@@ -129,8 +129,9 @@ const request = { camera: "A", platform: "photographs", img_size: [1280, 720] };
 test("all views that help are used, and the error that they reach is what the session is after", async () => {
   const { api, sessions } = service({ reached: [3, 1, 0.5] });
   const judged = [];
-  const { state, wanted } = await calibrate(api, "t", request, views, (judgement) => judged.push(judgement));
+  const { state, wanted, numbers } = await calibrate(api, "t", request, views, (judgement) => judged.push(judgement));
   assert.equal(state.status, "converged");
+  assert.deepEqual([...numbers], [[0, 0], [1, 2], [2, 3]], "which of them the session calls by which index");
   assert.equal(wanted, null);
   assert.equal(sessions(), 2);
   assert.deepEqual(judged.filter(({ accepted }) => accepted).map(({ view, before, after }) => [view, before, after]), [[0, null, 3], [2, 3, 1], [3, 1, 0.5]]);

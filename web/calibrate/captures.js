@@ -68,10 +68,13 @@ export class Captures {
     await this.#cupboard.remove(about);
   }
 
-  /** Makes the views of one capture those of another, which has not sent them yet. @param {CaptureSession} session @param {Request} request */
-  async move(session, request) {
+  /**
+   * Makes the views of one capture those of another, which has not sent them yet.
+   * @param {CaptureSession} session @param {Request} request @param {number[]} [without] indices of views that are left behind
+   */
+  async move(session, request, without = []) {
     await this.forget(aboutOf(session.request));
-    await this.#save({ ...session.unsent(), about: aboutOf(request) });
+    await this.#save({ ...session.unsent(without), about: aboutOf(request) });
   }
 
   /** @param {import("./session.js").Kept} kept */

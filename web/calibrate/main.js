@@ -1,6 +1,7 @@
 // The capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows it.
 import { boardFrom, boardQuery } from "../board/geometry.js";
 import { showProblem } from "../board/problem.js";
+import { explain } from "../faults.js";
 import { language, onLanguage } from "../i18n.js";
 import { openPage } from "../page.js";
 import { cameraKey, platformHere } from "../sdk/calibdb.js";
@@ -13,12 +14,13 @@ import { CameraError, cameras, facts, open } from "./camera.js";
 import { Captures, aboutOf } from "./captures.js";
 import { claim, claimed } from "./claim.js";
 import { Detector, DetectorError } from "./detector.js";
+import { openDrawers } from "./drawers.js";
 import { Feedback } from "./feedback.js";
 import { Guide } from "./guide.js";
 import { openCupboard } from "./kept.js";
 import { loadPlan } from "./plan.js";
 import { address, atCapture, atResult, GO_ON, goTo } from "./place.js";
-import { findParts, render } from "./render.js";
+import { findParts, render, renderChoice } from "./render.js";
 import { Sizes } from "./sizes.js";
 import { initial, reduce } from "./state.js";
 import * as words from "./words.js";
@@ -77,7 +79,7 @@ function signal(event) {
   else if (event.type === "answer") feedback.give("refused");
   if (state.phase !== "capturing") return;
   const hint = words.instruction(state);
-  announcer.say([hint, words.remedy(state)].filter(Boolean).join(". "), words.notice(state.notice));
+  announcer.say([hint, words.remedy(state)].filter(Boolean).join(". "), words.warning(state), words.standing(state), words.notice(state.notice));
   feedback.say(hint, language(), performance.now());
 }
 
@@ -162,7 +164,8 @@ async function capture(choice, opened = null) {
 /** What only a capture that goes on will need. */
 async function prepareOutcome() {
   const { Outcome } = await import("./outcome.js");
-  outcome ??= new Outcome(parts.result, parts.video, { returnTo: parameters.get("return_to"), asked: state.wanted.camera, onAgain: () => capture(chosen) });
+  const onAgain = () => capture(chosen);
+  outcome ??= new Outcome(parts.result, parts.video, { returnTo: parameters.get("return_to"), asked: state.wanted.camera, onAgain, onWithout: goOnWithout });
 }
 
 /**
@@ -223,7 +226,7 @@ function told(error) {
   if (error instanceof DetectorError) return { code: error.code, detail };
   if (error instanceof OfflineError) return { code: "offline", detail };
   if (error instanceof SettingsError) return { code: "settings", detail };
-  if (error instanceof ApiError) return { code: "service", detail };
+  if (error instanceof ApiError) return { code: "service", detail: explain(error) };
   console.error(error);
   return { code: "unforeseen", detail };
 }
@@ -254,15 +257,21 @@ async function end(key) {
   restart();
 }
 
-/** Once more, with the model that the service suggests: the views that there are go with it. */
+/** Once more, with the model that the service suggests. */
 async function changeModel() {
   const model = state.session?.suggested_model;
-  if (!model || !session || !state.key) return;
+  if (!model) return;
   run?.abort();
-  const before = session;
   dispatch({ type: "model", model: /** @type {State["wanted"]["distortion_model"]} */ (model) });
   parameters.set("distortion_model", model);
-  await captures.move(before, requestFor(state.key));
+  await goOnWithout([]);
+}
+
+/** Once more with the views that there are, but for some. @param {number[]} indices */
+async function goOnWithout(indices) {
+  if (!session || !state.key) return;
+  run?.abort();
+  await captures.move(session, requestFor(state.key), indices);
   await capture(chosen);
 }
 
@@ -311,13 +320,8 @@ parts.start.addEventListener("click", () => {
 });
 parts.goOn.addEventListener("click", goOn);
 for (const button of parts.models) button.addEventListener("click", changeModel);
-document.addEventListener("keydown", ({ key }) => {
-  if (key !== "Escape") return;
-  for (const drawer of document.querySelectorAll("details[open]")) {
-    if (drawer.contains(document.activeElement)) drawer.querySelector("summary")?.focus();
-    drawer.removeAttribute("open");
-  }
-});
+parts.camera.addEventListener("change", () => renderChoice(parts));
+openDrawers(() => state.phase === "opening" && restart());
 for (const button of [parts.startVirtual, parts.failedVirtual]) button.addEventListener("click", () => capture("virtual"));
 for (const button of [parts.cancel, parts.other]) button.addEventListener("click", restart);
 parts.again.addEventListener("click", () => capture(chosen));

@@ -18,19 +18,22 @@ export class Outcome {
   #returnTo;
   #asked;
   #onAgain;
+  #onWithout;
   /** The capture whose outcome is shown; what arrives for an earlier one comes too late. */
   #shown = 0;
 
   /**
    * @param {HTMLElement} place @param {HTMLVideoElement} video whose last picture is straightened
-   * @param {{returnTo: string | null, asked: string | null, onAgain: () => void}} options asked: the camera that the page was opened for
+   * @param {{returnTo: string | null, asked: string | null, onAgain: () => void, onWithout: (indices: number[]) => void}} options
+   *   asked: the camera that the page was opened for; onWithout: go on, but without these views
    */
-  constructor(place, video, { returnTo, asked, onAgain }) {
+  constructor(place, video, { returnTo, asked, onAgain, onWithout }) {
     this.#view = new ResultView(place);
     this.#video = video;
     this.#returnTo = returnTo;
     this.#asked = asked;
     this.#onAgain = onAgain;
+    this.#onWithout = onWithout;
   }
 
   /** @param {State} state of a capture that is done */
@@ -44,7 +47,7 @@ export class Outcome {
     /** @type {import("../result/view.js").Result} */
     const result = {
       calibration, report: null, picture: still(this.#video, calibration.img_size), notes: advice,
-      origin: practice ? "practice" : "added", again: { label: () => t("capture.once_more"), action: this.#onAgain }, explain,
+      origin: practice ? "practice" : "added", again: { label: () => t("capture.once_more"), action: this.#onAgain }, goOn: this.#onWithout, explain,
     };
     this.#view.show(result);
     if (!id) return;

@@ -106,15 +106,15 @@ export class CaptureSession {
     return state;
   }
 
-  /** Begins anew, before the first view, where the camera has changed its ways. @param {SessionRequest["track"]} track */
-  renew(track) {
+  /** The camera has changed its ways: a session that is begun from now on says so. @param {SessionRequest["track"]} track */
+  track(track) {
     this.#request = { ...this.#request, track };
-    return this.start();
   }
 
-  /** What is kept, as if nothing of it had ever been sent. @returns {Kept} */
-  unsent() {
-    const views = this.#views.map((view) => ({ ...view, index: null, taken: false }));
+  /** What is kept, as if nothing of it had ever been sent. @param {number[]} [without] indices of views that are not @returns {Kept} */
+  unsent(without = []) {
+    const kept = this.#views.filter(({ index }) => index === null || !without.includes(index));
+    const views = kept.map((view) => ({ ...view, index: null, taken: false }));
     return { about: this.#about, camera: this.#request.camera, credential: "", views };
   }
 

@@ -152,7 +152,8 @@ function summarise() {
   ].join(" ");
 }
 
-async function start() {
+/** @param {Set<unknown>} [without] views that are left out this time */
+async function start(without = new Set()) {
   if (!measured) return;
   const { board, size, views } = measured;
   const mine = turn;
@@ -170,11 +171,11 @@ async function start() {
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value),
     };
     parts.status.textContent = t("photos.calibrating");
-    const usable = views.filter(({ points }) => points.length >= FEWEST_CORNERS);
+    const usable = views.filter((each) => each.points.length >= FEWEST_CORNERS && !without.has(each));
     const onPatience = (/** @type {object | null} */ patience) => {
       if (mine === turn) parts.status.textContent = t(patience ? "faults.patience" : "photos.calibrating");
     };
-    const { state } = await calibrate(new Api(address, { onPatience }), token, request, usable, (judgement) => {
+    const { state, numbers } = await calibrate(new Api(address, { onPatience }), token, request, usable, (judgement) => {
       if (mine !== turn) return;
       judgements.set(usable[judgement.view], judgement);
       show();
@@ -187,7 +188,8 @@ async function start() {
     }
     parts.status.textContent = t("photos.done", { count: [...judgements.values()].filter(({ accepted }) => accepted).length });
     const { calibration, report } = await load(id);
-    view.show({ calibration, report, origin: "imported", returnTo: query.get("return_to"), returnOrigins, explain });
+    const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map((index) => usable[numbers.get(index) ?? -1])]));
+    view.show({ calibration, report, origin: "imported", returnTo: query.get("return_to"), returnOrigins, goOn, explain });
     document.getElementById("verdict")?.focus();
   } catch (error) {
     if (mine !== turn) return;

@@ -156,7 +156,8 @@ function onPatience(patience) {
   parts.status.textContent = t(patience ? "faults.patience" : "photos.calibrating");
 }
 
-async function start() {
+/** @param {Set<Picture>} [without] pictures that are left out this time */
+async function start(without = new Set()) {
   const group = chosen();
   if (!group) return;
   parts.start.disabled = true;
@@ -165,7 +166,7 @@ async function start() {
   judgements.clear();
   try {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
-    const views = ranked(group.members.map((index) => pictures[index]), group.size, MOST);
+    const views = ranked(group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture)), group.size, MOST);
     const request = {
       camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,
@@ -175,7 +176,7 @@ async function start() {
       judgements.set(views[judgement.view], judgement);
       showPictures();
     });
-    await finish(outcome, views, returnOrigins);
+    await finish(outcome, views, returnOrigins, without);
   } catch (error) {
     parts.status.textContent = explain(error);
   } finally {
@@ -183,8 +184,8 @@ async function start() {
   }
 }
 
-/** @param {Outcome} outcome @param {Picture[]} views @param {string[] | undefined} returnOrigins */
-async function finish({ state, wanted }, views, returnOrigins) {
+/** @param {Outcome} outcome @param {Picture[]} views @param {string[] | undefined} returnOrigins @param {Set<Picture>} without */
+async function finish({ state, wanted, numbers }, views, returnOrigins, without) {
   const taken = views.filter((each) => judgements.get(each)?.accepted);
   const id = state.calibration_id;
   if (!id) {
@@ -196,7 +197,8 @@ async function finish({ state, wanted }, views, returnOrigins) {
   parts.status.textContent = t("photos.done", { count: taken.length });
   const { calibration, report } = await load(id);
   const picture = await canvasOf(taken[0]);
-  view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, explain });
+  const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map((index) => views[numbers.get(index) ?? -1])]));
+  view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, goOn, explain });
   document.getElementById("verdict")?.focus();
 }
 

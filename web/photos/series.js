@@ -15,6 +15,7 @@
  * @typedef {object} Outcome
  * @property {SessionState} state converged, or as far as these views lead
  * @property {Pose | null} wanted the photograph that would help most, where they do not lead far enough
+ * @property {Map<number, number>} numbers of the views, by the indices that the session gave them
  */
 
 /** Error up to which a calibration is worth storing, px at 1280 px width: beyond it the service's verdict is that it is poor. */
@@ -32,16 +33,18 @@ const MARGIN = 1.001; // the same views come to the same error but for the last 
 export async function calibrate(api, token, request, views, onJudgement) {
   const scale = request.img_size[0] / 1280;
   const first = await offer(api, token, { ...request, target_error: Math.max(LEAST, UNREACHABLE * scale) }, views, onJudgement);
-  if (first.state.status === "converged") return { state: first.state, wanted: null };
+  if (first.state.status === "converged") return { state: first.state, wanted: null, numbers: first.taken };
   const reached = first.state.uncertainty?.rms ?? Infinity;
-  if (first.taken.length === 0 || reached > WORTHWHILE * scale) {
+  if (first.taken.size === 0 || reached > WORTHWHILE * scale) {
     const wanted = await api.json("GET", "/session/pose", first.credential);
-    return { state: first.state, wanted };
+    return { state: first.state, wanted, numbers: first.taken };
   }
   await api.json("DELETE", "/session", first.credential);
-  const second = await offer(api, token, { ...request, target_error: MARGIN * reached }, first.taken.map((index) => views[index]), () => {});
-  if (second.state.status === "converged") return { state: second.state, wanted: null };
-  return { state: second.state, wanted: await api.json("GET", "/session/pose", second.credential) };
+  const used = [...first.taken.values()];
+  const second = await offer(api, token, { ...request, target_error: MARGIN * reached }, used.map((view) => views[view]), () => {});
+  const numbers = new Map([...second.taken].map(([index, view]) => [index, used[view]]));
+  if (second.state.status === "converged") return { state: second.state, wanted: null, numbers };
+  return { state: second.state, wanted: await api.json("GET", "/session/pose", second.credential), numbers };
 }
 
 /**
@@ -53,12 +56,13 @@ async function offer(api, token, request, views, onJudgement) {
   const { session_id: credential } = await api.json("POST", "/auth", token);
   /** @type {SessionState} */
   let state = await api.json("POST", "/session", credential, { body: request });
-  /** @type {number[]} in the order in which they were taken */
-  const taken = [];
+  /** @type {Map<number, number>} numbers of views by their indices, in the order in which they were taken */
+  const taken = new Map();
+  const waiting = new Set(views.keys());
   for (let more = true; more && state.status === "capturing";) {
     more = false;
-    for (const [view, { ids, points }] of views.entries()) {
-      if (taken.includes(view)) continue;
+    for (const view of [...waiting]) {
+      const { ids, points } = views[view];
       const { index } = await api.json("GET", "/session/pose", credential);
       const before = state.uncertainty?.rms ?? null;
       /** @type {ViewAnswer} */
@@ -66,7 +70,8 @@ async function offer(api, token, request, views, onJudgement) {
       state = answer;
       onJudgement({ view, accepted: answer.accepted, reason: answer.reason, before, after: answer.uncertainty?.rms ?? null });
       if (answer.accepted) {
-        taken.push(view);
+        taken.set(index, view);
+        waiting.delete(view);
         more = true;
       }
       if (state.status === "converged") break;

@@ -11,13 +11,19 @@ import { fileName } from "./numbers.js";
 /** What files end with, by what they are. @type {[type: RegExp, ending: string][]} */
 const ENDINGS = [[/yaml/, "yaml"], [/xml/, "xml"], [/json/, "json"], [/text\/plain/, "txt"]];
 
+/** @param {number[]} without indices of views @returns {Record<string, string>} */
+const leaving = (without) => (without.length ? { without: without.join() } : {});
+
 /** @param {string} id @param {Record<string, string>} [query] */
 const path = (id, query = {}) => `/calibrations/${encodeURIComponent(id)}${Object.keys(query).length ? `?${new URLSearchParams(query)}` : ""}`;
 
-/** @param {string} id @returns {Promise<{calibration: Calibration, report: Report | null}>} rejects as Api does */
-export async function load(id) {
+/**
+ * @param {string} id @param {number[]} [without] indices of views: what it would be had they not been taken
+ * @returns {Promise<{calibration: Calibration, report: Report | null}>} rejects as Api does: 422 where nothing is left to fit
+ */
+export async function load(id, without = []) {
   const { api, token } = await loadSettings();
-  const { report = null, ...calibration } = await new Api(api).json("GET", path(id), token);
+  const { report = null, ...calibration } = await new Api(api).json("GET", path(id, leaving(without)), token);
   return { calibration, report };
 }
 
@@ -30,12 +36,13 @@ export async function load(id) {
 
 /**
  * Hands a file to the browser.
- * @param {Calibration} calibration @param {string} format
+ * @param {Calibration} calibration @param {string} format @param {{id: string | null, without?: number[]}} [of] where it is stored, and which
+ *   of its views are left out
  * @returns {Promise<Saved>} rejects as Api does: 422 where the format cannot hold the calibration
  */
-export async function save(calibration, format) {
+export async function save(calibration, format, { id, without = [] } = calibration) {
   const { api, token } = await loadSettings();
-  const response = await new Api(api).send("GET", path(calibration.id ?? "", { format }), token, { accept: "*/*" });
+  const response = await new Api(api).send("GET", path(id ?? "", { format, ...leaving(without) }), token, { accept: "*/*" });
   const { headers } = response;
   const [, named] = /filename="?([^";]+)"?/.exec(headers.get("content-disposition") ?? "") ?? [];
   // Whole before it is offered: what breaks off is an error here, not half a file there.

@@ -19,10 +19,11 @@ const CORNERS = new Set(["corners-vnl"]); // what was measured, and no lens
 learn({ formats: words }); // wherever these are offered, their names are known
 
 /**
- * @param {{calibration: Calibration, explain: (error: unknown) => string}} result
+ * @param {{calibration: Calibration, explain: (error: unknown) => string, of?: {id: string | null, without?: number[]}}} result of: where
+ *   it is stored, and which of its views are left out
  * @param {string} [suffix] of the ids, where a page offers several
  */
-export function files({ calibration, explain }, suffix = "") {
+export function files({ calibration, explain, of = calibration }, suffix = "") {
   const [id, about] = [`format${suffix}`, `format-about${suffix}`];
   const select = el("select", { id, "aria-describedby": about }, ...FORMATS.map((format) => new Option(t(`formats.name_${format}`), format)));
   const purpose = el("p", { id: about, class: "muted" }, t(`formats.for_${select.value}`));
@@ -41,7 +42,7 @@ export function files({ calibration, explain }, suffix = "") {
     button.disabled = true;
     say(t("formats.writing"), false);
     try {
-      const saved = await save(calibration, select.value);
+      const saved = await save(calibration, select.value, of);
       say(CORNERS.has(select.value) ? t("formats.saved", { name: saved.name }) : became(saved), false);
     } catch (error) {
       // 422: no camera that the format knows comes near this one, or it holds what this calibration has not.

@@ -1,12 +1,15 @@
 // A result: what it is worth in plain words, the numbers, the pictures behind them, and what to do with it.
+import { ApiError } from "../calibrate/api.js";
 import { el } from "../dom.js";
 import { known, number, onLanguage, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
 import { returnAddress, withResult } from "./back.js";
 import { comparison } from "./compare.js";
-import { complaint, fieldOfView, intrinsics, levelOf } from "./numbers.js";
-import { coveragePlot, distortionPlot, errorPlot, magnification, residualPlot } from "./plots.js";
+import { fieldOfView, intrinsics, levelOf } from "./numbers.js";
+import { coveragePlot, distortionPlot, errorPlot } from "./plots.js";
+import { load } from "./source.js";
 import { files } from "./take.js";
+import { button, named, viewsPart } from "./views.js";
 
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration
@@ -21,7 +24,10 @@ import { files } from "./take.js";
  * @property {readonly string[]} [returnOrigins] to which results may be handed
  * @property {{code: string, text: string}[]} [notes] what else is to be said
  * @property {{label: () => string, action: () => void}} [again]
+ * @property {(without: number[]) => void} [goOn] with the views that are left, by whom they were taken; indices
  * @property {(error: unknown) => string} explain an error, in words for people
+ *
+ * @typedef {{without: number[], calibration: Calibration, report: Report | null}} Trial what it is without some views, by their indices
  */
 
 /** Shows one result in an element, and whatever is shown there next. */
@@ -29,6 +35,10 @@ export class ResultView {
   #root;
   /** @type {Result | null} */
   #result = null;
+  /** @type {Trial | null} */
+  #trial = null;
+  /** Trials so far: what arrives for an earlier one comes too late. */
+  #tried = 0;
   /** @type {(() => void)[]} */
   #held = [];
   #unlisten;
@@ -36,36 +46,84 @@ export class ResultView {
   /** @param {HTMLElement} root */
   constructor(root) {
     this.#root = root;
-    this.#unlisten = onLanguage(() => this.#result && this.show(this.#result));
+    this.#unlisten = onLanguage(() => this.#draw());
   }
 
   /** @param {Result} result */
   show(result) {
-    this.#release();
     this.#result = result;
-    const { calibration, report } = result;
+    this.#trial = null;
+    this.#tried += 1;
+    this.#draw();
+  }
+
+  #draw() {
+    const result = this.#result;
+    if (!result) return;
+    this.#release();
+    const trial = this.#trial;
+    const { calibration, report } = trial ?? result;
     const straight = result.picture ? comparison(calibration, result.picture) : null;
     if (straight) this.#held.push(straight.dispose);
     const focused = document.activeElement?.id === "verdict";
     this.#root.replaceChildren(...[
-      opening(result),
-      result.returnTo ? returning(result) : null,
+      opening({ ...result, calibration, report }, trial),
+      result.returnTo && !trial ? returning(result) : null,
       band("numbers", tables(calibration, report)),
       report && band("error", plot(errorPlot(calibration, report.error_map))),
       band("distortion", plot(distortionPlot(calibration))),
       report && band("coverage", plot(coveragePlot(calibration, report))),
-      report && band("views", views(calibration, report)),
+      result.report && band("views", viewsPart({ ...result, report: result.report }, trial, this.#choices(result))),
       straight && band("straight", straight.element),
-      band("take", files(result)),
+      band("take", files({ calibration, explain: result.explain, of: { id: result.calibration.id, without: trial?.without ?? [] } })),
       band("help", el("p", { id: "summary" }, helped(result))),
     ].filter((section) => section !== null));
     if (focused) document.getElementById("verdict")?.focus();
   }
 
+  /** @param {Result} result @returns {import("./views.js").Choices | null} */
+  #choices({ calibration, goOn }) {
+    const { id, camera, img_size, distortion_model, platform } = calibration;
+    if (!id) return null;
+    const photographs = ["photographs", "video"].includes(platform);
+    const query = new URLSearchParams({ camera, ...(photographs ? {} : { img_size: img_size.join("x"), distortion_model }) });
+    const page = new URL(photographs ? "../photos/" : "../calibrate/", import.meta.url);
+    return { choose: (without) => void this.#leaveOut(id, without), goOn, elsewhere: `${page.href}?${query}` };
+  }
+
+  /** Shows what it is without some views. @param {string} id @param {number[]} without */
+  async #leaveOut(id, without) {
+    const own = ++this.#tried;
+    const result = this.#result;
+    const status = document.getElementById("without-status");
+    try {
+      if (status && without.length) status.textContent = t("result.fitting_without");
+      const trial = without.length ? { without, ...await load(id, without) } : null;
+      if (own !== this.#tried) return;
+      this.#trial = trial;
+      this.#inPlace(() => this.#draw());
+    } catch (error) {
+      if (own !== this.#tried || !result || !status) return;
+      status.textContent = error instanceof ApiError && error.status === 422 ? t("result.without_impossible", { views: named(without) }) : result.explain(error);
+    }
+  }
+
+  /** Draws, with the focus and the place on the page where they were. @param {() => void} draw */
+  #inPlace(draw) {
+    const { id = "" } = document.activeElement ?? {};
+    const place = () => document.getElementById("result-views")?.getBoundingClientRect().top ?? 0;
+    const before = place();
+    draw();
+    scrollBy(0, place() - before);
+    // What was pressed may be gone with what it did.
+    (document.getElementById(id) ?? document.getElementById("all-again") ?? document.getElementById("leave-these"))?.focus({ preventScroll: true });
+  }
+
   /** Takes it all away. */
   clear() {
     this.#release();
-    this.#result = null;
+    this.#tried += 1;
+    [this.#result, this.#trial] = [null, null];
     this.#root.replaceChildren();
   }
 
@@ -86,21 +144,21 @@ function helped({ origin, calibration: { camera, platform, calibrations } }) {
   return t(`result.help_${kind}`, { count: calibrations });
 }
 
-/** The verdict, and why. @param {Result} result */
-function opening({ calibration, report, again, notes = [] }) {
+/** The verdict, and why. @param {Result} result @param {Trial | null} trial */
+function opening({ calibration, report, again, notes = [] }, trial) {
   const level = report?.verdict.level ?? levelOf(calibration);
   const { uncertainty: { rms, max }, img_size } = calibration;
   const values = { rms: number(rms, rms < 0.1 ? 2 : 1), max: number(max, max < 0.1 ? 2 : 1) };
   const reasons = [...(report?.verdict.reasons ?? []), ...notes];
   return el("header", { class: "opening" },
-    el("p", { class: "label" }, [
-      calibration.camera, ...(isVirtual(calibration.camera) ? [t("result.practice_camera")] : []), img_size.join(" × "), calibration.distortion_model,
-    ].join(" · ")),
+    ...(isVirtual(calibration.camera) ? [el("p", { class: "practice" }, t("result.practice"))] : []),
+    el("p", { class: "label" }, [calibration.camera, img_size.join(" × "), calibration.distortion_model].join(" · ")),
+    ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: named(trial.without) }))] : []),
     el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
     el("p", { class: "lead" }, t(`result.means_${level}`), " ", t("result.sentence", values)),
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map(({ code, text }) =>
       el("li", {}, known(`result.reason_${code}`) ? t(`result.reason_${code}`) : text)))] : []),
-    ...(again ? [el("div", { class: "actions" }, button(again.label(), again.action, { id: "once-more" }))] : []),
+    ...(again && !trial ? [el("div", { class: "actions" }, button(again.label(), again.action, { id: "once-more" }))] : []),
   );
 }
 
@@ -145,21 +203,3 @@ export function tables(calibration, report) {
         row(t("result.across"), degrees(horizontal), "", "°"), row(t("result.down"), degrees(vertical), "", "°"), row(t("result.diagonal"), degrees(diagonal), "", "°"))));
 }
 
-/** @param {Calibration} calibration @param {Report} report */
-function views(calibration, report) {
-  const factor = magnification(calibration, report);
-  return el("div", {}, el("p", { class: "muted" }, t("result.views_text", { factor })),
-    el("ol", { class: "views" }, ...report.views.map((view) => {
-      const what = complaint(view, report.views);
-      return el("li", {}, residualPlot(calibration, view, report.views, factor),
-        el("p", { class: "number" }, el("strong", {}, t("result.view", { index: view.index + 1 })), ` ${number(view.rms, 2)} px`),
-        ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []));
-    })));
-}
-
-/** @param {string} label @param {() => void} action @param {Record<string, string>} attributes */
-function button(label, action, attributes) {
-  const made = el("button", { type: "button", ...attributes }, label);
-  made.addEventListener("click", action);
-  return made;
-}

@@ -1,0 +1,92 @@
+// The views one by one: which of them to take again, and which to leave out to see what changes.
+import { el } from "../dom.js";
+import { language, number, rough, t } from "../i18n.js";
+import { complaint } from "./numbers.js";
+import { magnification, residualPlot } from "./plots.js";
+
+/**
+ * @typedef {import("./numbers.js").Calibration} Calibration
+ * @typedef {import("./numbers.js").Report} Report
+ * @typedef {import("./view.js").Result} Result
+ * @typedef {import("./view.js").Trial} Trial
+ *
+ * @typedef {object} Choices what a person can do with the views; null where nothing is to be fitted anew
+ * @property {(without: number[]) => void} choose indices of the views to leave out from now on
+ * @property {((without: number[]) => void) | undefined} goOn with the views that are left
+ * @property {string} elsewhere address where this camera is calibrated anew
+ */
+
+/** "5 and 6", counted as people do. @param {number[]} indices */
+export const named = (indices) =>
+  new Intl.ListFormat(language(), { type: "conjunction" }).format([...indices].sort((a, b) => a - b).map((index) => String(index + 1)));
+
+/** Views that are worth taking again. @param {Report} report @returns {number[]} indices */
+export const wanting = ({ views }) =>
+  views.filter((view) => ["left_out", "stands_out"].includes(complaint(view, views) ?? "")).map(({ index }) => index);
+
+/**
+ * @param {Result & {report: Report}} result @param {Trial | null} trial what it is without some views
+ * @param {Choices | null} choices
+ */
+export function viewsPart({ calibration, report }, trial, choices) {
+  const factor = magnification(calibration, report);
+  const left = trial?.without ?? [];
+  const bad = wanting(report).filter((index) => !left.includes(index));
+  return el("div", {}, el("p", { class: "muted" }, t("result.views_text", { factor })),
+    ...(bad.length ? [advice(bad, left, choices)] : []),
+    el("ol", { class: "views" }, ...report.views.map((original) => {
+      const out = left.includes(original.index);
+      // Of a view that is left out the other fit knows nothing.
+      const shown = out ? report : trial?.report ?? report;
+      const view = shown.views.find(({ index }) => index === original.index) ?? original;
+      const what = out ? null : complaint(view, shown.views);
+      return el("li", { class: out ? "out" : "" }, residualPlot(calibration, view, shown.views, factor),
+        el("p", { class: "number" }, el("strong", {}, t("result.view", { index: view.index + 1 })), ` ${number(view.rms, 2)} px`),
+        ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []),
+        ...(choices ? [toggle(view.index, left, choices)] : []));
+    })),
+    ...(choices ? [standing(calibration, trial, choices)] : []));
+}
+
+/** @param {number[]} bad @param {number[]} left @param {Choices | null} choices */
+function advice(bad, left, choices) {
+  const words = el("p", {}, t("result.worth", { count: bad.length, views: named(bad) }));
+  return choices
+    ? el("div", { class: "advice" }, words, button(t("result.leave_these", { count: bad.length }), () => choices.choose([...left, ...bad]), { id: "leave-these" }))
+    : words;
+}
+
+/** @param {number} index @param {number[]} left @param {Choices} choices */
+function toggle(index, left, choices) {
+  const out = left.includes(index);
+  const next = out ? left.filter((each) => each !== index) : [...left, index];
+  return button(t(out ? "result.take_back" : "result.leave_out"), () => choices.choose(next), {
+    id: `view-${index}-out`, class: "small", "aria-label": `${t(out ? "result.take_back" : "result.leave_out")}: ${t("result.view", { index: index + 1 })}`,
+  });
+}
+
+/** What changes, and what to do next. @param {Calibration} calibration @param {Trial | null} trial @param {Choices} choices */
+function standing(calibration, trial, choices) {
+  const status = el("p", { id: "without-status", role: "status" });
+  if (!trial) return el("div", { class: "without" }, status);
+  const { without, calibration: less } = trial;
+  const values = { count: without.length, views: named(without) };
+  status.textContent = t("result.without_now", {
+    ...values, before: rough(calibration.uncertainty.rms), after: rough(less.uncertainty.rms),
+    fx: number(less.camera_matrix[0][0], 2), was: number(calibration.camera_matrix[0][0], 2),
+  });
+  const { goOn } = choices;
+  return el("div", { class: "without some" }, status,
+    el("div", { class: "actions" },
+      goOn ? button(t("result.go_on_without", values), () => goOn(without), { class: "primary", id: "go-on-without" })
+        : el("a", { class: "button", href: choices.elsewhere }, t("result.calibrate_again")),
+      button(t("result.all_again"), () => choices.choose([]), { id: "all-again" })),
+    ...(goOn ? [el("p", { class: "muted" }, t("result.go_on_text"))] : []));
+}
+
+/** @param {string} label @param {() => void} action @param {Record<string, string>} [attributes] */
+export function button(label, action, attributes = {}) {
+  const made = el("button", { type: "button", ...attributes }, label);
+  made.addEventListener("click", action);
+  return made;
+}
