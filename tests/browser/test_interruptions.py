@@ -111,7 +111,9 @@ def test_a_stop_that_would_lose_views_is_asked_for_twice(page: Page) -> None:
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
     page.locator("#stop").click()
-    assert re.fullmatch(r"Stop and lose \d views?\?", page.locator("#stop").text_content() or "")
+    assert page.locator("#stop").text_content() == "Stop?"
+    said = page.locator("#notice").text_content() or ""
+    assert re.fullmatch(r"Press once more to stop: \d views? will be lost\.", said)
     assert page.locator("#controls").is_visible()
     picture(page, "capture-stop")
     page.locator("#stop", has_text=re.compile("^Stop$")).wait_for(timeout=10_000)

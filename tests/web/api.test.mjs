@@ -189,7 +189,8 @@ test("a capture begun without the service is sent when it is there, and may be s
   assert.deepEqual([calls[0].call, taken, back.taken, told, capture.lastIsTaken], ["POST /v1/auth", [1, 2], 2, 1, true]);
   const { credential, views } = capture.unsent();
   assert.deepEqual([credential, views.map(({ index, taken: sent }) => [index, sent])], ["", [[null, false], [null, false]]]);
-  await capture.renew({ focusMode: "manual" });
+  capture.track({ focusMode: "manual" });
+  await capture.start();
   assert.deepEqual(calls.at(-1).body.track, { focusMode: "manual" });
 });
 

@@ -22,7 +22,8 @@ test("the camera asked for is proposed, and the virtual one never in its place",
   assert.equal(propose([BUILT_IN, VIRTUAL], "C920", ""), "a");
   assert.equal(propose([VIRTUAL], "C920", ""), "");
   assert.equal(propose([VIRTUAL], VIRTUAL.label, ""), "virtual");
-  assert.equal(propose([VIRTUAL], null, ""), "virtual");
+  assert.equal(propose([VIRTUAL], null, ""), "", "nor in that of any");
+  assert.equal(propose([VIRTUAL], null, "virtual"), "virtual");
 });
 
 test("a camera that is not there is said not to be, as soon as names are known", () => {

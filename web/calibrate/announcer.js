@@ -6,9 +6,10 @@ export class Announcer {
   #place;
   #wait;
   #text = "";
-  /** What is said once, and not lost to what comes after it. */
-  #news = "";
-  #told = "";
+  /** What is said once, and not lost to what comes after it. @type {string[]} */
+  #news = [];
+  /** @type {string[]} */
+  #told = [];
   /** @type {ReturnType<typeof setTimeout> | null} */
   #timer = null;
 
@@ -18,12 +19,12 @@ export class Announcer {
     this.#wait = pause;
   }
 
-  /** @param {string} text what holds now @param {string} [news] what has just happened: said once, before it */
-  say(text, news = "") {
-    const isNew = news !== "" && news !== this.#told;
+  /** @param {string} text what holds now @param {string[]} news what has happened, of several kinds: each is said once, before it */
+  say(text, ...news) {
+    const fresh = news.filter((each, kind) => each !== "" && each !== this.#told[kind]);
     this.#told = news;
-    if (isNew) this.#news = news;
-    if (text === this.#text && !isNew) return;
+    if (fresh.length) this.#news = fresh;
+    if (text === this.#text && fresh.length === 0) return;
     this.#text = text;
     if (this.#timer !== null) return;
     this.#write();
@@ -31,11 +32,11 @@ export class Announcer {
 
   #write() {
     const said = this.#text;
-    this.#place.textContent = [this.#news, said].filter(Boolean).join(" ");
-    this.#news = "";
+    this.#place.textContent = [...this.#news, said].filter(Boolean).join(" ");
+    this.#news = [];
     this.#timer = setTimeout(() => {
       this.#timer = null;
-      if (this.#text !== said || this.#news) this.#write();
+      if (this.#text !== said || this.#news.length) this.#write();
     }, this.#wait);
   }
 }

@@ -52,14 +52,14 @@ export async function cameras(parameters) {
 
 /**
  * The camera to propose: what was chosen, else what was asked for, else a real one. The virtual one never stands in for a
- * real one that was asked for.
+ * real one.
  * @param {Choice[]} choices @param {string | null} asked label @param {string} chosen id, "" for none yet
  * @returns {string} id; "" for none
  */
 export function propose(choices, asked, chosen) {
   const found = choices.find(({ id }) => id === chosen && chosen !== "") ?? choices.find(({ label }) => label === asked);
   const real = choices.find(({ id }) => id !== "virtual");
-  return (found ?? real)?.id ?? (asked && !isVirtual(asked) ? "" : "virtual");
+  return (found ?? real)?.id ?? (isVirtual(asked ?? "") ? "virtual" : "");
 }
 
 /**

@@ -70,6 +70,10 @@ export class Detector {
    * @returns {Promise<Detection>}
    */
   detect(frame, { full = false, probe = null, patience = FRAME } = {}) {
+    if (this.closed) {
+      frame.close();
+      return Promise.reject(new DetectorError("The board detector was closed."));
+    }
     return this.#ask({ frame, full, probe }, [frame], patience);
   }
 

@@ -3,7 +3,8 @@ import { ApiError } from "./api.js";
 import { facts, lockFocus } from "./camera.js";
 import { DetectorError, grab } from "./detector.js";
 import { nextProbe } from "./diagnosis.js";
-import { decide, lenience } from "./hold.js";
+import { Pace, nextFrame } from "./frames.js";
+import { decide, isSettled, lenience } from "./hold.js";
 import { nextPlanned, trusted } from "./plan.js";
 import { isAway, isEnough, viewCount } from "./session.js";
 import { isOfSize } from "./state.js";
@@ -26,10 +27,8 @@ import { tint } from "./tint.js";
  */
 
 const STEADY = 3; // px between the hold's last frame and the one that is sent, at 1280 px width
-const FOCUSED = 0.6; // part of the board's corners from which the lens is taken to be focused on it
 const CRISP = 0.75; // of the sharpness that the hold's frames had: less is one blurred frame, and the next one will do
 const REMEMBERED = 12; // frames
-const SLOW = 60; // ms for a frame, median of the last ones: with more, a hand cannot be followed
 const RESTARTS = 3; // of the detector in one capture: a fourth would not help
 const RECONNECT = [1, 2, 3, 4, 5]; // s between attempts; the last one again and again
 
@@ -48,8 +47,7 @@ export class Guide {
   #looked = false;
   /** @type {number[]} of the last frames */
   #sharpness = [];
-  /** @type {number[]} ms, of the last frames */
-  #taken = [];
+  #pace = new Pace();
   /** The conversation with the service that is going on. */
   #talk = Promise.resolve();
 
@@ -93,7 +91,8 @@ export class Guide {
       const detection = await this.#look({ probe: nextProbe(this.#state.diagnosis, performance.now()) });
       if (this.#signal.aborted) return null;
       if (!detection) continue;
-      this.#pace(performance.now() - began);
+      // Where colouring the picture takes the time that looking at it needs, the target is drawn in a plainer way.
+      if (!this.#state.plain && this.#pace.isSlow(performance.now() - began)) this.#tell({ type: "slow" });
       if (!this.#looked) performance.mark("first detection");
       this.#looked = true;
       if (detection.signs?.sharpness) this.#sharpness = [...this.#sharpness, detection.signs.sharpness].slice(-REMEMBERED);
@@ -105,13 +104,6 @@ export class Guide {
       else if (action === "skip") void this.#nextPose({ skip: true });
     }
     return null;
-  }
-
-  /** Where colouring the picture takes the time that looking at it needs, the target is drawn in a plainer way. @param {number} taken ms */
-  #pace(taken) {
-    this.#taken = [...this.#taken, taken].slice(-2 * REMEMBERED);
-    if (this.#state.plain || this.#taken.length < 2 * REMEMBERED) return;
-    if ([...this.#taken].sort((a, b) => a - b)[REMEMBERED] > SLOW) this.#tell({ type: "slow" });
   }
 
   /** Nobody holds a board in a tab that is not seen. */
@@ -142,8 +134,7 @@ export class Guide {
   }
 
   #focus() {
-    const [columns, rows] = this.#state.board.squares;
-    if (this.#focused || this.#state.corners.ids.length < FOCUSED * (columns - 1) * (rows - 1)) return;
+    if (this.#focused || !isSettled(this.#state)) return;
     this.#focused = true;
     void this.#lock();
   }
@@ -155,11 +146,13 @@ export class Guide {
     const track = facts(this.#camera.track);
     if (this.#signal.aborted || JSON.stringify(track) === before) return;
     await this.#silence();
-    if (this.#state.phase !== "capturing" || this.#state.away || viewCount(this.#state) > 0) return;
-    await this.#exclusive(async () => {
-      this.#tell({ type: "session", session: await this.#session.renew(track) });
-      this.#tell({ type: "request", request: this.#session.request });
-    });
+    if (this.#signal.aborted) return;
+    this.#session.track(track);
+    const { phase, session, away } = this.#state;
+    if (phase !== "capturing" || (session && (away || viewCount(this.#state) > 0))) return;
+    this.#tell({ type: "request", request: this.#session.request });
+    if (!session) return; // it is begun once the service is there
+    await this.#exclusive(async () => this.#tell({ type: "session", session: await this.#session.start() }));
     if (this.#state.phase === "capturing") await this.#nextPose();
   }
 
@@ -320,18 +313,4 @@ export class Guide {
     else return;
     event.preventDefault();
   }
-}
-
-/** The next frame that the video shows. @param {HTMLVideoElement} video @returns {Promise<void>} */
-function nextFrame(video) {
-  return new Promise((resolve) => {
-    // A camera that stalls, or a hidden tab, must not stop the loop for good.
-    const timer = setTimeout(resolve, 500);
-    const done = () => {
-      clearTimeout(timer);
-      resolve();
-    };
-    if (video.requestVideoFrameCallback) video.requestVideoFrameCallback(done);
-    else requestAnimationFrame(done);
-  });
 }

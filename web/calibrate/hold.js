@@ -17,6 +17,8 @@ export const STUCK = 15_000; // ms without coming nearer to the target, then ano
 const ENDLESS = 45_000; // ms after which one is asked for in any case
 const FUTILE = 3_000; // ms after a refusal in the target's place: time to read why
 const USELESS = 1_000; // ms after one that nothing can be done about
+const SETTLED = 300; // ms for which the board is held before the camera's focus is: less than a view takes
+const IN_SIGHT = 0.6; // part of the board's corners from which the lens is taken to be focused on it
 const STRAINED = 3_000; // ms in which a steady hand would have been still: then less is asked of it,
 const LENIENCE = 4; // at most so many times the motion of a steady one
 
@@ -49,6 +51,11 @@ export function holdProgress(state) {
  */
 export function lenience({ posedAt }, time) {
   return Math.min(LENIENCE, Math.max(1, (time - posedAt) / STRAINED));
+}
+
+/** Is the board held before the camera, and seen sharply? What is out of focus must not be held there. @param {State} state */
+export function isSettled({ board: { squares: [columns, rows] }, corners, diagnosis, stillness }) {
+  return diagnosis.suspected === null && stillness.held >= SETTLED && corners.ids.length >= IN_SIGHT * (columns - 1) * (rows - 1);
 }
 
 /** Time to read why a view was refused, ms. @param {boolean} useless nothing can be done about it */

@@ -30,7 +30,7 @@ export function findParts() {
     wanted: html("wanted"), problem: html("problem"),
     interrupted: html("interrupted"), interruptedText: html("interrupted-text"), forget: element("forget", HTMLButtonElement),
     senses: { sound: element("sound", HTMLInputElement), vibration: element("vibration", HTMLInputElement), voice: element("voice", HTMLInputElement) },
-    resolution: element("resolution", HTMLSelectElement), goOn: element("go-on", HTMLButtonElement), practice: html("practice"),
+    resolution: element("resolution", HTMLSelectElement), resolutions: html("resolutions"), goOn: element("go-on", HTMLButtonElement), practice: html("practice"),
     models: [element("model", HTMLButtonElement), element("model-done", HTMLButtonElement)],
     another: html("another"), anothers: /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".another")),
     boardLinks: /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href="../board/"]')),
@@ -67,7 +67,7 @@ export function render(parts, state, before) {
   }
   if (state.key !== before?.key || state.request !== before?.request || state.cropped !== before?.cropped) renderCamera(parts, state);
   parts.loading.value = state.loading;
-  parts.stage.classList.toggle("plain", state.plain);
+  parts.stage.classList.toggle("plain", state.plain || (state.pose !== null && state.picture === null));
   if (phase === "opening") renderOpening(parts, state);
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);
@@ -96,13 +96,23 @@ function renderFailure({ failure, kept, failedVirtual }, state) {
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderCameras({ camera, wanted }, state) {
+function renderCameras(parts, state) {
+  const { camera, wanted } = parts;
   const proposed = propose(state.cameras, state.wanted.camera ?? state.interrupted?.camera ?? null, camera.value);
-  camera.replaceChildren(...state.cameras.map(({ id, label }) => new Option(label, id)));
+  camera.replaceChildren(...state.cameras.map((choice) => new Option(words.named(choice), choice.id)));
   if (proposed === "" && state.cameras.every(({ id }) => id !== "")) camera.prepend(new Option(t("capture.no_camera"), ""));
   camera.value = proposed;
+  renderChoice(parts);
   text(wanted, words.wanted(state));
   wanted.hidden = words.wanted(state) === "";
+}
+
+/** What can be done with the camera chosen: a made-up one has one size, and none cannot be opened. @param {Parts} parts */
+export function renderChoice({ camera, resolutions, start, startVirtual }) {
+  resolutions.hidden = camera.value === "virtual";
+  const none = camera.selectedOptions[0]?.text === t("capture.no_camera");
+  start.classList.toggle("primary", !none);
+  startVirtual.classList.toggle("primary", none);
 }
 
 /** @param {Parts} parts @param {State} state */
@@ -152,9 +162,7 @@ function renderProgress(parts, state) {
   text(parts.counts, words.counts(state));
   // Not while busy: a button that is disabled under the finger loses the keyboard's focus.
   const none = viewCount(state) === 0;
-  // Read by the time the first view is taken; after the last one it is said again.
-  text(parts.another, words.another(state));
-  parts.another.hidden = !none || words.another(state) === "";
+  show(parts.another, words.warning(state));
   if (none && document.activeElement === parts.undo) parts.instruction.focus();
   parts.undo.disabled = none;
 }

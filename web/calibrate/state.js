@@ -62,6 +62,7 @@ import { viewCount } from "./session.js";
  * @property {boolean} sending it is back, and is sent them
  * @property {boolean} stalled the detector has stopped, and is started again
  * @property {boolean} plain this device is too slow to colour the picture
+ * @property {number} begunWith views that there were when the capture was begun, or taken up again
  * @property {boolean} kept is what was captured kept on this device?
  * @property {import("./instruction.js").Instruction} instruction
  * @property {number | null} stopAsked ms, when a stop was asked for that would lose views
@@ -112,7 +113,7 @@ export function initial(board, wanted) {
     waiting: "camera", loading: 0, session: null, progress: 0, pose: null, aim: null, picture: null, posedAt: 0,
     nearest: { time: 0, distance: Infinity }, corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0,
     stillness: MOVING, diagnosis: HEALTHY, answered: null, futile: null, busy: false, notice: null, noticedAt: 0, patience: 0,
-    away: false, stored: 0, sending: false, stalled: false, plain: false, kept: true, instruction: SILENT, stopAsked: null, failure: null,
+    away: false, stored: 0, sending: false, stalled: false, plain: false, begunWith: 0, kept: true, instruction: SILENT, stopAsked: null, failure: null,
   };
 }
 
@@ -140,11 +141,11 @@ export function reduce(state, event) {
       return { ...state, wanted: { ...state.wanted, distortion_model: event.model } };
     case "offline":
       return notify(
-        { ...state, phase: "capturing", session: null, away: true, stored: event.stored, patience: 0 },
+        { ...state, phase: "capturing", session: null, away: true, stored: event.stored, begunWith: event.stored, patience: 0 },
         event.stored ? { key: "capture.offline_kept", kind: "plain", values: { count: event.stored } } : { key: "capture.went_away", kind: "plain" },
         event.time);
     case "session":
-      return { ...inSession(state, event.session), stored: event.stored ?? 0 };
+      return begun(state, { ...inSession(state, event.session), stored: event.stored ?? 0 });
     case "pose":
       return posed(state, event);
     case "frame":
@@ -211,7 +212,7 @@ function returned({ taken, refused }) {
 /** Views are lost at the second press only. @param {State} state @param {number} time @returns {State} */
 function stopped(state, time) {
   if (state.phase !== "capturing" || viewCount(state) === 0 || state.stopAsked !== null) return afresh(state);
-  return notify({ ...state, stopAsked: time }, { key: "capture.press_again", kind: "plain" }, time);
+  return notify({ ...state, stopAsked: time }, { key: "capture.press_again", kind: "plain", values: { count: viewCount(state) } }, time);
 }
 
 /** @param {State} state @param {SessionState} session @returns {State} */
@@ -227,14 +228,21 @@ function inSession(state, session) {
   };
 }
 
+/** @param {State} before @param {State} state @returns {State} */
+const begun = (before, state) => (before.phase === "capturing" ? state : { ...state, begunWith: viewCount(state) });
+
 /** @param {State} state @param {{pose: Pose, picture: string | null, time: number}} event @returns {State} */
 function posed(state, { pose, picture, time }) {
-  return {
+  /** @type {State} */
+  const next = {
     ...state, pose, picture, posedAt: time, futile: null, busy: false,
     nearest: { time, distance: Infinity },
     aim: observedOutline(state.board, { ids: pose.ids, points: pose.corners }),
     overlap: overlap(state.outline, pose, state.key),
   };
+  // What was said was about another target: nobody should go on holding still for it.
+  if (!state.outline) return next;
+  return { ...next, instruction: instruct({ ...next, instruction: SILENT }, requiredHold(next) === HOLD, time) };
 }
 
 /** @param {State} state @param {{detection: Detection, time: number}} event @returns {State} */

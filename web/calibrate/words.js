@@ -6,7 +6,10 @@ import { isEnough, viewCount, wantedAway } from "./session.js";
 /** @typedef {import("./state.js").State} State */
 
 /** Troubles name what to do about them: `capture.do_<code>`. @param {State} state */
-export function remedy({ instruction: { code } }) {
+export function remedy(state) {
+  const { code } = state.instruction;
+  // Who has shown it once has a board.
+  if (code === "show" && viewCount(state) > 0) return "";
   return known(`capture.do_${code}`) ? t(`capture.do_${code}`) : "";
 }
 
@@ -46,7 +49,7 @@ export const interrupted = ({ interrupted }) =>
 
 /** @param {State} state */
 export function stopping(state) {
-  return state.stopAsked === null ? t("capture.stop") : t("capture.stop_losing", { count: viewCount(state) });
+  return state.stopAsked === null ? t("capture.stop") : t("capture.stop_really");
 }
 
 /** @param {State} state */
@@ -59,7 +62,7 @@ export function counts(state) {
     aside > 0 && t("capture.set_aside", { count: aside }),
     away && t("capture.kept_of", { count: stored, wanted: wantedAway(state) }),
     !away && stored > 0 && t("capture.waiting_views", { count: stored }),
-    session?.uncertainty && `± ${rounded(session.uncertainty.rms)} px`,
+    session?.uncertainty && `± ${rounded(session.uncertainty.rms)} px, ${t("capture.goal", { value: rounded(session.target_error) })}`,
   ].filter(Boolean).join(" · ");
 }
 
@@ -86,13 +89,19 @@ const described = (camera, size) => (size ? t("capture.camera_at", { camera, siz
 
 /** What the page was opened for, and whether it is there. @param {State} state */
 export function wanted({ wanted: { camera, img_size }, cameras }) {
-  if (!camera) return "";
   const real = cameras.filter(({ id }) => id !== "virtual");
+  if (!camera) return cameras.length > real.length && real.length === 0 ? t("capture.none_at_all") : "";
   const absent = !cameras.some(({ label }) => label === camera) && real.every(({ named }) => named);
   const asked = t("capture.asked_for", { camera: described(camera, img_size) });
   if (!absent) return asked;
   return `${asked} ${real.length ? t("capture.not_among") : t("capture.none_here")}`;
 }
+
+/** A camera by the name that people choose it by. @param {import("./camera.js").Choice} choice */
+export const named = ({ id, label }) => (id === "virtual" ? t("capture.virtual_name") : label);
+
+/** The same, until a view was taken after it was read; again when that one is taken back. @param {State} state */
+export const warning = (state) => (viewCount(state) > state.begunWith ? "" : another(state));
 
 /** That it is another camera which was opened; "" where it is the one. @param {State} state */
 export function another({ wanted: { camera, img_size }, key }) {
