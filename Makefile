@@ -8,6 +8,8 @@ export CALIBDB_DATA ?= $(abspath ../shared/data)
 
 .PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan rehearsal cost conformance checkov clean setup
 
+AUDIT := .build/audit/bin/pip-audit
+
 run: setup
 	@exec $(PY) -m infra.local
 
@@ -22,6 +24,8 @@ lint: setup
 	$(PY) -m mypy
 	.venv/bin/cfn-lint template.yaml
 	npx --no-install tsc -p web
+	@test -x $(AUDIT) || ($(PYTHON) -m venv .build/audit && .build/audit/bin/pip install --quiet pip-audit==2.10.1) || true
+	@$(PY) -m infra.tools.audit
 
 unit: setup
 	node --test tests/web/

@@ -1,0 +1,114 @@
+"""`python -m infra.tools.audit`: whether anything that the lock files name is known to be vulnerable.
+
+pip-audit and npm ask services that are not to be had everywhere. Where they do not answer, that is said, and
+nothing else depends on it; what they do say has to be heeded.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+PIP_AUDIT = ROOT / ".build" / "audit" / "bin" / "pip-audit"
+LOCKS = ("requirements.lock", "layers/service/requirements.lock", "layers/solver/requirements.lock")
+_PATIENCE = 60.0  # s
+_SHORT = 10.0  # s: does the service answer at all?
+_PIN = re.compile(r"(?m)^([A-Za-z0-9][\w.-]*==[^\s;\\]+)")
+
+
+@dataclass(frozen=True)
+class Audit:
+    """What one tool found: how many packages it could judge, and what is wrong with which."""
+
+    judged: int
+    vulnerable: tuple[str, ...] = ()
+
+    @classmethod
+    def of_pip(cls, answer: Any) -> Audit:
+        """Read pip-audit's JSON; what it could not judge has a `skip_reason` instead of `vulns`."""
+        judged = [package for package in answer["dependencies"] if "vulns" in package]
+        return cls(
+            len(judged),
+            tuple(
+                f"{package['name']} {package['version']}: {vulnerability['id']}"
+                for package in judged
+                for vulnerability in package["vulns"]
+            ),
+        )
+
+    @classmethod
+    def of_npm(cls, answer: Any) -> Audit:
+        """Read npm's JSON, which has no `metadata` where nobody answered it."""
+        if "metadata" not in answer:
+            return cls(0)
+        found = answer.get("vulnerabilities", {}).values()
+        severe = (f"{v['name']}: {v['severity']}" for v in found if v["severity"] in ("high", "critical"))
+        return cls(answer["metadata"]["dependencies"]["total"], tuple(severe))
+
+
+def pins(*locks: Path) -> list[str]:
+    """Return `name==version` of everything the lock files name."""
+    return sorted({pin for lock in locks for pin in _PIN.findall(lock.read_text(encoding="utf-8"))})
+
+
+def python(packages: list[str]) -> Audit:
+    """Ask about Python's packages; about one first, for each that is not answered takes its time."""
+    with tempfile.NamedTemporaryFile("w", suffix=".txt") as asked:
+        for part, patience in ((packages[:1], _SHORT), (packages, _PATIENCE)):
+            asked.seek(0)
+            asked.truncate()
+            asked.write("\n".join(part))
+            asked.flush()
+            command = [str(PIP_AUDIT), "--no-deps", "--disable-pip", "--progress-spinner=off", "-f", "json"]
+            audit = Audit.of_pip(_answer([*command, "--timeout", "5", "-r", asked.name], patience))
+            if not audit.judged:
+                break
+    return audit
+
+
+def npm() -> Audit:
+    """Ask about npm's packages."""
+    return Audit.of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"], _PATIENCE))
+
+
+def _answer(command: list[str], patience: float) -> Any:
+    try:
+        done = subprocess.run(  # noqa: S603 - our own commands
+            command, cwd=ROOT, capture_output=True, text=True, timeout=patience, check=False
+        )
+        return json.loads(done.stdout)
+    except (OSError, subprocess.TimeoutExpired, ValueError):
+        return {"dependencies": []}
+
+
+def report(name: str, audit: Audit) -> str:
+    """Return the line that says what came of it."""
+    if not audit.judged:
+        return f"{name}: not audited, the service that knows of vulnerabilities does not answer here"
+    return "\n".join([f"{name}: {audit.judged} packages audited", *audit.vulnerable])
+
+
+def main() -> int:
+    """Print what is known; return 1 where something is vulnerable."""
+    asked: dict[str, Callable[[], Audit]] = {
+        "Python": lambda: python(pins(*(ROOT / lock for lock in LOCKS))),
+        "npm": npm,
+    }
+    with ThreadPoolExecutor() as pool:
+        audits = dict(zip(asked, pool.map(lambda ask: ask(), asked.values()), strict=True))
+    for name, audit in audits.items():
+        print(report(name, audit))
+    return 1 if any(audit.vulnerable for audit in audits.values()) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,51 @@
+"""What is vulnerable fails; where nobody knows, that is said and nothing fails."""
+
+from pathlib import Path
+
+import pytest
+
+from infra.tools import audit
+from infra.tools.audit import Audit, pins, report
+
+ROOT = Path(__file__).parents[3]
+# As pip-audit 2.10 and npm 10 write it.
+PIP = {
+    "dependencies": [
+        {"name": "fine", "version": "1.0", "vulns": []},
+        {"name": "old", "version": "0.1", "vulns": [{"id": "PYSEC-2024-1", "fix_versions": ["0.2"]}]},
+        {"name": "unknown", "skip_reason": "Dependency not found on PyPI and could not be audited"},
+    ]
+}
+NPM = {
+    "vulnerabilities": {
+        "bad": {"name": "bad", "severity": "critical"},
+        "meh": {"name": "meh", "severity": "low"},
+    },
+    "metadata": {"dependencies": {"total": 90}},
+}
+REFUSED = {"message": "405 Method Not Allowed", "error": {"summary": "", "detail": ""}}
+
+
+def test_what_the_tools_say_is_heeded() -> None:
+    assert Audit.of_pip(PIP) == Audit(2, ("old 0.1: PYSEC-2024-1",))
+    assert Audit.of_npm(NPM) == Audit(90, ("bad: critical",))
+    assert report("npm", Audit.of_npm(NPM)).splitlines()[1:] == ["bad: critical"]
+
+
+def test_where_nobody_answers_nothing_is_called_fine() -> None:
+    nobody = Audit.of_pip({"dependencies": PIP["dependencies"][2:]})
+    assert nobody == Audit.of_npm(REFUSED) == Audit(0)
+    assert "not audited" in report("npm", nobody)
+
+
+def test_only_what_is_vulnerable_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(audit, "PIP_AUDIT", Path("/nowhere/pip-audit"))  # as where it could not be installed
+    for found, status in ((Audit(0), 0), (Audit(90), 0), (Audit(90, ("bad: high",)), 1)):
+        monkeypatch.setattr(audit, "npm", lambda found=found: found)
+        assert audit.main() == status
+
+
+def test_every_package_of_the_locks_is_asked_about() -> None:
+    asked = pins(*(ROOT / lock for lock in audit.LOCKS))
+    assert {pin.partition("==")[0] for pin in asked} >= {"botocore", "numpy", "pytest"}
+    assert len({pin.partition("==")[0] for pin in asked}) == len(asked), "one version each"
