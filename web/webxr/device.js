@@ -1,6 +1,7 @@
 // A webcam as a WebXR device: its video behind the layer, its intrinsics in the projection, its pose that of the tracker.
 import { projectionMatrix } from "../sdk/calibration.js";
 import { XRDevice } from "../vendor/webxr/polyfill.js";
+import { Stage } from "./stage.js";
 
 /**
  * @typedef {import("../sdk/straight.js").Pinhole} Pinhole
@@ -9,18 +10,23 @@ import { XRDevice } from "../vendor/webxr/polyfill.js";
  * @property {HTMLVideoElement} video playing the camera
  * @property {() => Pinhole | null} pinhole what is known of the camera; null: nothing
  * @property {() => Float32Array | null} [pose] camera → world, column-major, the camera looking along −z; null: at the origin
+ * @property {() => Straight | null} [straight] what straightens the picture, which is shown in the video's place then; null: nothing yet
  * @property {HTMLElement} [place] where immersive sessions are shown: the page's body unless told
+ *
+ * @typedef {Pinhole & {canvas: HTMLCanvasElement | OffscreenCanvas, draw: (picture: HTMLVideoElement) => void}} Straight a Rectifier of the SDK
  *
  * @typedef {object} Session
  * @property {boolean} immersive
  * @property {Set<string>} features
  * @property {any} layer
- * @property {(() => void) | null} leave takes away what is shown
+ * @property {HTMLElement | null} overlay what of the page stays over it
+ * @property {Stage | null} stage where it is shown
+ * @property {AbortController} over ends what listens for it
  */
 
 const FIELD_OF_VIEW = 60; // degrees from left to right, where nothing is known: webcams have 50 to 78
-const SPACES = ["viewer", "local"];
-const FEATURES = [...SPACES, "dom-overlay", "camera-access"];
+const SPACES = ["viewer", "local", "local-floor"]; // the floor is where the polyfill thinks it, 1.6 m below
+const FEATURES = [...SPACES, "dom-overlay"];
 const IDENTITY = Float32Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
 
 export class WebcamDevice extends XRDevice {
@@ -51,10 +57,27 @@ export class WebcamDevice extends XRDevice {
   /** @param {string} mode @param {Set<string>} features @returns {Promise<number>} its id */
   async requestSession(mode, features) {
     if (!this.isSessionSupported(mode)) throw new DOMException(`${mode} is not supported`, "NotSupportedError");
+    const running = [...this.#sessions.values()].some(({ immersive }) => immersive);
+    if (mode !== "inline" && running) throw new DOMException("there is an immersive session already", "InvalidStateError");
     const id = ++this.#last;
-    this.#sessions.set(id, { immersive: mode !== "inline", features, layer: null, leave: null });
-    if (mode !== "inline") this.dispatchEvent("@@webxr-polyfill/vr-present-start", id);
+    const over = new AbortController();
+    this.#sessions.set(id, { immersive: mode !== "inline", features, layer: null, overlay: null, stage: null, over });
+    if (mode === "inline") return id;
+    this.dispatchEvent("@@webxr-polyfill/vr-present-start", id);
+    // The way out that browsers give, too: the page's own buttons are covered.
+    addEventListener("keydown", ({ key }) => key === "Escape" && this.endSession(id), { signal: over.signal });
     return id;
+  }
+
+  /** @param {number} id @returns {string[]} what the session was given */
+  featuresOf(id) {
+    return [...(this.#sessions.get(id)?.features ?? [])];
+  }
+
+  /** What of the page stays over the session. @param {number} id @param {HTMLElement} root */
+  setOverlay(id, root) {
+    const session = this.#sessions.get(id);
+    if (session) session.overlay = root;
   }
 
   /** @param {number} id @param {string} type */
@@ -82,10 +105,11 @@ export class WebcamDevice extends XRDevice {
   /** @param {number} id @param {any} layer */
   onBaseLayerSet(id, layer) {
     const session = this.#sessions.get(id);
-    if (!session) return;
-    session.leave?.();
+    if (!session || session.layer === layer) return; // told anew with every change of the render state
+    session.stage?.leave();
     session.layer = layer;
-    session.leave = session.immersive ? this.#show(layer.context.canvas) : null;
+    const { video, place = document.body } = this.#setup;
+    session.stage = session.immersive ? new Stage(place, video, layer.context.canvas, session.overlay) : null;
   }
 
   /** @param {number} id @param {{depthNear: number, depthFar: number, inlineVerticalFieldOfView: number | null}} state */
@@ -93,8 +117,8 @@ export class WebcamDevice extends XRDevice {
     const session = this.#sessions.get(id);
     if (!session?.layer) return;
     const { drawingBufferWidth: width, drawingBufferHeight: height } = session.layer.context;
-    const viewport = /** @type {[number, number]} */ ([width, height]);
-    const pinhole = session.immersive ? this.#setup.pinhole() ?? this.#guess() : inline(viewport, angle ?? Math.PI / 2);
+    const viewport = session.stage?.size ?? [width, height];
+    const pinhole = session.stage ? this.#shown(session.stage) : inline(viewport, angle ?? Math.PI / 2);
     const matrix = Float32Array.from(projectionMatrix(pinhole, { near, far, viewport, fit: "cover" }));
     for (const eye of session.immersive ? ["left", "right"] : ["none"]) this.#projections[eye] = matrix;
   }
@@ -105,7 +129,8 @@ export class WebcamDevice extends XRDevice {
   async endSession(id) {
     const session = this.#sessions.get(id);
     if (!session) return;
-    session.leave?.();
+    session.stage?.leave();
+    session.over.abort();
     this.#sessions.delete(id);
     if (session.immersive) this.dispatchEvent("@@webxr-polyfill/vr-present-end", id);
   }
@@ -141,31 +166,14 @@ export class WebcamDevice extends XRDevice {
 
   onWindowResize() {}
 
-  /** The video and the layer over it, on all of the window. @param {HTMLCanvasElement} canvas @returns {() => void} puts all back */
-  #show(canvas) {
-    const { video, place = document.body } = this.#setup;
-    const stage = document.createElement("div");
-    const full = { position: "fixed", inset: "0", width: "100%", height: "100%", objectFit: "cover", margin: "0" };
-    Object.assign(stage.style, full, { zIndex: "2147483647", background: "black" });
-    const homes = [video, canvas].map((element) => {
-      const { parentNode, nextSibling } = element;
-      const style = element.getAttribute("style");
-      Object.assign(element.style, full);
-      stage.append(element);
-      return () => {
-        if (style === null) element.removeAttribute("style");
-        else element.style.cssText = style;
-        if (parentNode) parentNode.insertBefore(element, nextSibling?.parentNode === parentNode ? nextSibling : null);
-        else element.remove();
-      };
-    });
-    place.append(stage);
-    void video.play(); // moving it has paused it
-    return () => {
-      for (const home of homes) home();
-      stage.remove();
-      void video.play();
-    };
+  /** What the picture behind the layer is of, which is drawn where it must be. @param {Stage} stage @returns {Pinhole} */
+  #shown(stage) {
+    const { video, pinhole, straight } = this.#setup;
+    const straightened = straight?.();
+    stage.cover(straightened?.canvas);
+    if (!straightened) return pinhole() ?? this.#guess();
+    if (video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA) straightened.draw(video);
+    return straightened;
   }
 
   /** @returns {Pinhole} */

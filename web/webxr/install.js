@@ -6,16 +6,7 @@
 import { SESSION, classes } from "../vendor/webxr/polyfill.js";
 import { WebcamDevice } from "./device.js";
 
-/** Is there nothing that can show augmented reality? */
-export async function isNeeded() {
-  const { xr } = /** @type {any} */ (navigator);
-  try {
-    return !(await xr?.isSessionSupported("immersive-ar"));
-  } catch (error) {
-    if (error instanceof DOMException) return true; // forbidden by a policy
-    throw error;
-  }
-}
+export { isNeeded } from "./support.js";
 
 /**
  * Puts the webcam in the place of `navigator.xr`, the polyfill's classes in that of the browser's. Once a page.
@@ -24,7 +15,9 @@ export async function isNeeded() {
  */
 export function install(setup) {
   const device = new WebcamDevice(setup);
-  const system = new Webcams(Promise.resolve(device));
+  const system = new Webcams(device);
+  // The browser's other classes do not know these: a page that finds XRWebGLBinding would hand our session to it.
+  for (const name of Object.getOwnPropertyNames(globalThis)) if (/^XR[A-Z]/.test(name)) Reflect.deleteProperty(globalThis, name);
   Object.assign(globalThis, classes);
   // Every context will do. Browsers that have the function would look for a headset, some without end.
   for (const { prototype } of [WebGLRenderingContext, WebGL2RenderingContext]) {
@@ -35,12 +28,28 @@ export function install(setup) {
 }
 
 class Webcams extends classes.XRSystem {
-  /** @param {string} mode @param {object} [init] @returns {Promise<object>} */
+  #device;
+
+  /** @param {WebcamDevice} device */
+  constructor(device) {
+    super(Promise.resolve(device));
+    this.#device = device;
+  }
+
+  /** @param {string} mode @param {{domOverlay?: {root: HTMLElement}}} [init] @returns {Promise<object>} */
   async requestSession(mode, init) {
     await this.isSessionSupported(mode); // the polyfill insists on having been asked
     const session = await super.requestSession(mode, init);
+    const { id, viewSpaces } = session[SESSION];
     // The polyfill gives everything immersive two eyes; a phone in augmented reality has one, and so has a webcam.
-    if (mode !== "inline") session[SESSION].viewSpaces.length = 1;
+    if (mode !== "inline") viewSpaces.length = 1;
+    const enabledFeatures = this.#device.featuresOf(id);
+    Object.assign(session, { enabledFeatures });
+    const root = init?.domOverlay?.root;
+    if (root && enabledFeatures.includes("dom-overlay")) {
+      this.#device.setOverlay(id, root);
+      Object.assign(session, { domOverlayState: { type: "screen" } });
+    }
     return session;
   }
 }

@@ -1,0 +1,79 @@
+// WebXR that knows the camera of a video. Three lines of a page:
+//
+//     import { useCamera } from "https://<host>/webxr/camera.js";
+//     await useCamera(video, { token });
+//     const session = await navigator.xr.requestSession("immersive-ar");
+//
+// Its views say cameraMatrix, distortionCoefficients and distortionModel (extension.js). Where the browser has no augmented
+// reality of its own, the session shows the video and projects as its camera does.
+import { watch, lookup } from "../sdk/lookup.js";
+import { extend } from "./extension.js";
+import { isNeeded } from "./support.js";
+
+/**
+ * @typedef {import("../sdk/lookup.js").Answer} Answer
+ * @typedef {import("../sdk/calibration.js").Calibration} Calibration
+ * @typedef {import("../sdk/rectifier.js").Rectifier} Rectifier
+ *
+ * @typedef {object} More
+ * @property {boolean} [rectify] show the picture straightened, so that a scene lies on it to its corners
+ * @property {() => Float32Array | null} [pose] see device.js
+ * @property {HTMLElement} [place]
+ * @property {(answer: Answer) => void} [onAnswer] told what is known of the camera, and again whenever its picture changes
+ * @property {(error: unknown) => void} [onError] told what went wrong with a lookup; the views stay as they were
+ *
+ * @typedef {import("../sdk/lookup.js").Options & More} Options
+ */
+
+/**
+ * Extends WebXR, puts the video in the place of a device where there is none, and looks the video's camera up.
+ * @param {HTMLVideoElement} video showing a camera that the user has permitted
+ * @param {Options} options
+ * @returns {Promise<() => void>} ends the watch for changes of the picture; rejects with a TypeError where the video shows no camera
+ */
+export async function useCamera(video, { rectify = false, pose, place, onAnswer, onError = console.warn, ...options }) {
+  const track = video.srcObject instanceof MediaStream ? video.srcObject.getVideoTracks()[0] : undefined;
+  if (!track) throw new TypeError("the video shows no camera: give it a stream of getUserMedia() first");
+  /** @type {Calibration | null} */
+  let known = null;
+  // A phone was turned just now: what is known is of another picture, until that is answered.
+  const current = () => (known?.img_size[0] === video.videoWidth && known.img_size[1] === video.videoHeight ? known : null);
+  const straightened = rectify ? await straightening(onError) : undefined;
+  if (await isNeeded()) {
+    const { install } = await import("./install.js");
+    install({ video, pinhole: current, pose, place, straight: straightened && (() => straightened(current())) });
+  }
+  // Nothing but what is known of this very picture: a view's matrix is in its pixels.
+  const wish = { ...options, exact: true };
+  const again = extend(async (_, model, size) => {
+    if (size) return null; // raw camera access shows another picture than the video, and the browser knows that one
+    return (await lookup(track, { ...wish, onNeedCalibration: undefined, model })).calibration;
+  }, { model: options.model, onError });
+  return watch(track, wish, (answer) => {
+    if (answer instanceof Error) return onError(answer);
+    known = answer.calibration;
+    void again();
+    onAnswer?.(answer);
+  });
+}
+
+/** @param {(error: unknown) => void} onError @returns {Promise<(known: Calibration | null) => Rectifier | null>} one for each calibration */
+async function straightening(onError) {
+  const { Rectifier } = await import("../sdk/rectifier.js");
+  /** @type {Calibration | null} */
+  let of = null;
+  /** @type {Rectifier | null} */
+  let rectifier = null;
+  return (known) => {
+    if (known === of) return rectifier;
+    of = known;
+    rectifier?.dispose();
+    rectifier = null;
+    try {
+      rectifier = known && new Rectifier(known);
+    } catch (error) {
+      onError(error); // no WebGL2: the picture is shown as it is
+    }
+    return rectifier;
+  };
+}

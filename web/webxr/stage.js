@@ -1,0 +1,64 @@
+// Where an immersive session is shown: the camera's picture, what is drawn over it and the page's own words, on all of the window.
+
+const FULL = { position: "fixed", inset: "0", width: "100%", height: "100%", margin: "0" };
+const PICTURE = { ...FULL, objectFit: "cover" };
+const LAYER = { ...FULL, maxWidth: "none", objectFit: "fill" }; // as a framebuffer of the window's, whatever its size
+const TOP = "2147483647";
+
+export class Stage {
+  #element = document.createElement("div");
+  #video;
+  #layer;
+  #homes;
+  /** @type {HTMLCanvasElement | undefined} */
+  #cover;
+
+  /** @param {HTMLElement} place @param {HTMLVideoElement} video @param {HTMLCanvasElement} layer @param {HTMLElement | null} [overlay] the page's part that stays */
+  constructor(place, video, layer, overlay = null) {
+    this.#video = video;
+    this.#layer = layer;
+    // The overlay may be all of the page; the stage is under it then.
+    const under = overlay?.contains(place);
+    Object.assign(this.#element.style, FULL, { zIndex: under ? "-1" : TOP, background: "black" });
+    this.#homes = [this.#borrow(video, PICTURE), this.#borrow(layer, LAYER)];
+    if (overlay && !under) this.#homes.push(this.#borrow(overlay, { ...FULL, background: "none" }));
+    place.append(this.#element);
+    void video.play(); // moving it has paused it
+  }
+
+  /** What of the window it is on, px of CSS. @returns {[number, number]} */
+  get size() {
+    return [this.#element.clientWidth, this.#element.clientHeight];
+  }
+
+  /** Shows another picture in the video's place. @param {HTMLCanvasElement | OffscreenCanvas} [canvas] undefined: the video's again */
+  cover(canvas) {
+    if (canvas === this.#cover) return;
+    this.#cover?.remove();
+    this.#cover = canvas instanceof HTMLCanvasElement ? canvas : undefined;
+    if (!this.#cover) return;
+    Object.assign(this.#cover.style, PICTURE);
+    this.#element.insertBefore(this.#cover, this.#layer);
+  }
+
+  /** Puts everything back where it was. */
+  leave() {
+    for (const home of this.#homes.reverse()) home(); // the last first: the place of one may be beside another
+    this.#element.remove();
+    void this.#video.play();
+  }
+
+  /** @param {HTMLElement} element @param {Partial<CSSStyleDeclaration>} shown @returns {() => void} puts it back */
+  #borrow(element, shown) {
+    const { parentNode, nextSibling } = element;
+    const style = element.getAttribute("style");
+    Object.assign(element.style, shown);
+    this.#element.append(element);
+    return () => {
+      if (style === null) element.removeAttribute("style");
+      else element.style.cssText = style;
+      if (parentNode) parentNode.insertBefore(element, nextSibling?.parentNode === parentNode ? nextSibling : null);
+      else element.remove();
+    };
+  }
+}
