@@ -48,4 +48,3 @@ def test_only_what_is_vulnerable_fails(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_package_of_the_locks_is_asked_about() -> None:
     asked = pins(*(ROOT / lock for lock in audit.LOCKS))
     assert {pin.partition("==")[0] for pin in asked} >= {"botocore", "numpy", "pytest"}
-    assert len({pin.partition("==")[0] for pin in asked}) == len(asked), "one version each"
