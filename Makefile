@@ -13,9 +13,13 @@ AUDIT := .build/audit/bin/pip-audit
 run: setup
 	@exec $(PY) -m infra.local
 
-# Unit and service tests share no files and mostly take one core: beside each other they take half the time.
+# Tests share nothing and mostly take one core or wait: two at a time take half the time.
+PYTEST := $(PY) -m pytest
+TWO := -n 2 --dist worksteal
+
 test: lint
-	@$(MAKE) --no-print-directory -j2 --output-sync=target unit service
+	node --test tests/web/
+	$(PYTEST) $(TWO) tests/unit tests/service
 	@$(MAKE) --no-print-directory browser
 
 lint: setup
@@ -29,21 +33,22 @@ lint: setup
 
 unit: setup
 	node --test tests/web/
-	$(PY) -m pytest tests/unit
+	$(PYTEST) $(TWO) tests/unit
 
 service: setup
-	$(PY) -m pytest tests/service
+	$(PYTEST) $(TWO) tests/service
 
+# What measures time has the machine to itself.
 browser: setup
 	@bash infra/tools/browsers.sh
-	$(PY) -m pytest tests/browser
+	$(PYTEST) $(TWO) -m "not alone" tests/browser
+	$(PYTEST) -m alone tests/browser
+
+# All of the browsers' tests, those too that take long and are left out of `make test`.
+thorough: export THOROUGH := 1
+thorough: browser
 
 # Every page in every state, to be looked at: tests/browser/output/
-# All of the browsers' tests, those too that take long and are left out of `make test`.
-thorough: setup
-	@bash infra/tools/browsers.sh
-	THOROUGH=1 $(PY) -m pytest tests/browser
-
 screenshots: setup
 	@bash infra/tools/browsers.sh
 	$(PY) -m pytest tests/browser/screenshots.py

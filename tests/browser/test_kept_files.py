@@ -92,6 +92,7 @@ def test_a_new_version_takes_over_whole(visitor: BrowserContext) -> None:
     assert f"/board/board.css?sha256={digest}" in found
 
 
+@pytest.mark.alone
 def test_the_first_board_is_found_within_three_seconds_of_a_second_visit(visitor: BrowserContext) -> None:
     page = visitor.new_page()
     page.goto("/calibrate/")

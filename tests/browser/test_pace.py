@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Page, Playwright
 
 from .pace import best_pace, camera, first_detection
 
 
+@pytest.mark.alone
 def test_fifteen_frames_a_second_while_the_page_stays_responsive(
     playwright: Playwright, stack: str, tmp_path: Path
 ) -> None:
@@ -17,6 +19,7 @@ def test_fifteen_frames_a_second_while_the_page_stays_responsive(
     assert pace.longest < 50
 
 
+@pytest.mark.alone
 def test_the_board_is_looked_for_within_three_seconds(page: Page) -> None:
     seconds = first_detection(page)
     print(f"first detection {seconds:.2f} s after navigation")

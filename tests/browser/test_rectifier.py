@@ -197,6 +197,7 @@ def read(path: Path) -> bytes:
         return b""  # it has ended
 
 
+@pytest.mark.alone
 def test_no_frame_is_dropped_at_half_size(page: Page) -> None:
     page.goto("/board/")
     tries = []
