@@ -1,18 +1,9 @@
 """Camera calibration from views of a ChArUco board: pure geometry, no clock, no network, no storage."""
 
-from . import (
-    agreement,
-    capture,
-    choice,
-    consensus,
-    guidance,
-    heldout,
-    models,
-    overlay,
-    report,
-    score,
-    verdict,
-)
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING
+
 from .board import Board
 from .calibration import Calibration
 from .camera import Camera
@@ -20,6 +11,21 @@ from .errors import CalibrationError
 from .fit import fit
 from .uncertainty import Uncertainty
 from .view import View
+
+if TYPE_CHECKING:
+    from . import (
+        agreement,
+        capture,
+        choice,
+        consensus,
+        guidance,
+        heldout,
+        models,
+        overlay,
+        report,
+        score,
+        verdict,
+    )
 
 __version__ = "0.1.0"
 
@@ -43,3 +49,10 @@ __all__ = [
     "score",
     "verdict",
 ]
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Import a module when it is first asked for: a function that starts waits for no other's."""
+    if name in __all__:
+        return import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
