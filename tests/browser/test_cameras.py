@@ -74,7 +74,7 @@ def test_of_a_consensus_there_are_no_corners_and_the_page_says_so(
     select.wait_for()
     select.select_option("corners-vnl")
     page.locator("button[id^=download-model-]").click()
-    page.locator(".saved.problem", has_text="no keypoints").wait_for()
+    page.locator(".saved.problem", has_text="no corners of its own").wait_for()
     picture(page, "camera-refused", ["hand"], full=True)
 
 

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { returnAddress, withResult } from "../../web/result/back.js";
-import { complaint, covered, digitsFor, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/result/numbers.js";
+import { complaint, covered, digitsFor, digitsOf, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/result/numbers.js";
 import { ticks } from "../../web/result/svg.js";
 
 const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
@@ -14,6 +14,10 @@ test("values are given with the digits that their standard deviations carry", ()
   assert.equal(rows[0].std, report.std.fx);
   assert.ok(rows[4].value === calibration.distortion_coefficients[0] && rows[4].std === report.std.distortion[0]);
   assert.ok(intrinsics(calibration, null).every(({ std }) => std === null));
+});
+
+test("a coefficient is never written as nought that is none", () => {
+  assert.deepEqual([-0.28, 0.00066, -0.0000021, 3e-12, 0].map(digitsOf), [5, 5, 7, 8, 5]);
 });
 
 test("the field of view counts the distortion in, also beyond a half circle", () => {

@@ -42,6 +42,7 @@ function item({ key, camera: name, platform, sizes }) {
 function showList() {
   list.replaceChildren(...found.map(item));
   more.hidden = next === null;
+  part("legend", HTMLElement).hidden = !found.some(({ sizes }) => sizes.some(({ reliable }) => reliable));
   status.textContent = found.length ? "" : t(input.value.trim() ? "cameras.none" : "cameras.empty");
 }
 

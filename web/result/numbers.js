@@ -41,6 +41,11 @@ export function digitsFor(std) {
   return std > 0 ? Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(std)))) : 2;
 }
 
+const USUAL = 5; // digits of a coefficient
+
+/** Digits after the point of a coefficient of which nobody says how sure it is: two of its own at least. @param {number} value */
+export const digitsOf = (value) => (value === 0 ? USUAL : Math.min(8, Math.max(USUAL, 1 - Math.floor(Math.log10(Math.abs(value))))));
+
 /** Focal lengths, centre, coefficients. @param {Calibration} calibration @param {Report | null} report @returns {Row[]} */
 export function intrinsics({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion_coefficients, distortion_model }, report) {
   const names = COEFFICIENTS[distortion_model] ?? [];
@@ -49,7 +54,7 @@ export function intrinsics({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion
   const std = report?.std;
   return [
     row("fx", fx, std?.fx, 2, "px"), row("fy", fy, std?.fy, 2, "px"), row("cx", cx, std?.cx, 2, "px"), row("cy", cy, std?.cy, 2, "px"),
-    ...distortion_coefficients.map((value, index) => row(names[index] ?? `d${index}`, value, std?.distortion[index], 5, "")),
+    ...distortion_coefficients.map((value, index) => row(names[index] ?? `d${index}`, value, std?.distortion[index], digitsOf(value), "")),
   ];
 }
 

@@ -47,7 +47,7 @@ export function files({ calibration, explain, of = calibration }, suffix = "") {
     } catch (error) {
       // 422: no camera that the format knows comes near this one, or it holds what this calibration has not.
       const impossible = error instanceof ApiError && error.status === 422;
-      say(impossible ? t("formats.impossible", { detail: reason(error) }) : explain(error), true);
+      say(impossible ? reason(select.value, error) : explain(error), true);
     } finally {
       button.disabled = false;
     }
@@ -62,8 +62,12 @@ export function files({ calibration, explain, of = calibration }, suffix = "") {
       el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: `json${suffix}` }, json))));
 }
 
-/** What the service has against the format, without which field it is about. @param {ApiError} error */
-const reason = ({ message }) => /\bformat: (.+)$/.exec(message)?.[1] ?? message;
+/** Why there is no such file; of the service's own words, which are English, only the number. @param {string} format @param {ApiError} error */
+function reason(format, { message }) {
+  if (CORNERS.has(format)) return t("formats.impossible_corners");
+  const [, far] = /([\d.]+) px/.exec(message) ?? [];
+  return far ? t("formats.impossible_far", { error: number(Number(far), 0) }) : t("formats.impossible_lens");
+}
 
 /** What the file says beside what the calibration says. @param {Saved} saved */
 export function became({ name, error, coverage }) {

@@ -147,15 +147,16 @@ function helped({ origin, calibration: { camera, platform, calibrations } }) {
 /** The verdict, and why. @param {Result} result @param {Trial | null} trial */
 function opening({ calibration, report, again, notes = [] }, trial) {
   const level = report?.verdict.level ?? levelOf(calibration);
+  const practice = isVirtual(calibration.camera);
   const { uncertainty: { rms, max }, img_size } = calibration;
   const values = { rms: number(rms, rms < 0.1 ? 2 : 1), max: number(max, max < 0.1 ? 2 : 1) };
   const reasons = [...(report?.verdict.reasons ?? []), ...notes];
   return el("header", { class: "opening" },
-    ...(isVirtual(calibration.camera) ? [el("p", { class: "practice" }, t("result.practice"))] : []),
+    ...(practice ? [el("p", { class: "practice" }, t("result.practice"))] : []),
     el("p", { class: "label" }, [calibration.camera, img_size.join(" × "), calibration.distortion_model].join(" · ")),
     ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: named(trial.without) }))] : []),
     el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
-    el("p", { class: "lead" }, t(`result.means_${level}`), " ", t("result.sentence", values)),
+    el("p", { class: "lead" }, ...(practice ? [] : [t(`result.means_${level}`), " "]), t("result.sentence", values)),
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map(({ code, text }) =>
       el("li", {}, known(`result.reason_${code}`) ? t(`result.reason_${code}`) : text)))] : []),
     ...(again && !trial ? [el("div", { class: "actions" }, button(again.label(), again.action, { id: "once-more" }))] : []),
@@ -198,7 +199,7 @@ export function tables(calibration, report) {
       el("tbody", {}, ...intrinsics(calibration, report).map(({ name, value, std, digits, unit }) =>
         row(name, number(value, digits), std ? `± ${number(std, digits)}` : "", unit)))),
     el("table", {}, el("caption", {}, t("result.quality")),
-      el("tbody", {}, ...px("result.reprojection", calibration.avg_reprojection_error), ...px("result.held_out", report?.held_out),
+      el("tbody", {}, ...px("result.reprojection", calibration.avg_reprojection_error), ...px("result.held_out", report?.held_out ?? calibration.held_out_error), ...px("result.spread", calibration.spread),
         ...px("result.uncertainty", calibration.uncertainty.rms),
         row(t("result.across"), degrees(horizontal), "", "°"), row(t("result.down"), degrees(vertical), "", "°"), row(t("result.diagonal"), degrees(diagonal), "", "°"))));
 }

@@ -41,7 +41,9 @@ export default {
     close: "Saved as {name}: it differs from this calibration by less than any camera shows.",
     near: "Saved as {name}. This format cannot hold the lens exactly: points in it lie up to {error} px away.",
     partly: "It describes {share} % of the picture; the rest is beyond this format.",
-    impossible: "There is no such file of this calibration: {detail}",
+    impossible_corners: "There is no such file: this calibration stands for several, and has no corners of its own.",
+    impossible_lens: "There is no such file: no lens that this format knows comes near this one.",
+    impossible_far: "There is no such file: the nearest lens that this format knows is {error} px off.",
   },
   de: {
     name_calibdb: "calibDB, WPIcal (JSON)",
@@ -82,7 +84,9 @@ export default {
     close: "Als {name} gespeichert: der Unterschied zu dieser Kalibrierung ist kleiner, als eine Kamera zeigt.",
     near: "Als {name} gespeichert. Dieses Format kann das Objektiv nicht genau fassen: Punkte liegen darin bis zu {error} px daneben.",
     partly: "Sie beschreibt {share} % des Bildes; der Rest ist diesem Format nicht möglich.",
-    impossible: "Diese Datei gibt es von dieser Kalibrierung nicht: {detail}",
+    impossible_corners: "Diese Datei gibt es nicht: diese Kalibrierung steht für mehrere und hat keine eigenen Ecken.",
+    impossible_lens: "Diese Datei gibt es nicht: kein Objektiv, das dieses Format kennt, kommt diesem nahe.",
+    impossible_far: "Diese Datei gibt es nicht: das nächste Objektiv, das dieses Format kennt, liegt {error} px daneben.",
   },
   uk: {
     name_calibdb: "calibDB, WPIcal (JSON)",
@@ -123,6 +127,8 @@ export default {
     close: "Збережено як {name}: різниця з цим калібруванням менша, ніж видно на будь-якій камері.",
     near: "Збережено як {name}. Цей формат не може точно описати об’єктив: точки в ньому зміщені щонайбільше на {error} px.",
     partly: "Він описує {share} % кадру; решта для цього формату недосяжна.",
-    impossible: "Такого файлу цього калібрування немає: {detail}",
+    impossible_corners: "Такого файлу немає: це калібрування узагальнює кілька й не має власних кутів.",
+    impossible_lens: "Такого файлу немає: жоден об’єктив, відомий цьому формату, не близький до цього.",
+    impossible_far: "Такого файлу немає: найближчий об’єктив, відомий цьому формату, відхиляється на {error} px.",
   },
 };
