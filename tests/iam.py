@@ -30,6 +30,7 @@ class Needed:
     keys: frozenset[str] = frozenset()  # DynamoDB's leading keys
     attributes: frozenset[str] | None = None  # that a write touches; None where it names none
     returned: str | None = None  # ReturnValues
+    prefix: str | None = None  # of what is listed
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,9 @@ class Grant:
             elif (kind, name) == ("StringEqualsIfExists", "dynamodb:ReturnValues"):
                 if needed.returned is not None and needed.returned not in allowed:
                     return False
+            elif (kind, name) == ("StringLike", "s3:prefix"):
+                if not any(fnmatch.fnmatchcase(needed.prefix or "", a) for a in allowed):
+                    return False
             else:
                 raise AssertionError(f"a condition that is not known here: {kind} {name}")
         return True
@@ -69,12 +73,9 @@ def listed(value: Any) -> tuple[Any, ...]:
     return tuple(value) if isinstance(value, list) else (value,)
 
 
-def grants() -> dict[str, tuple[Grant, ...]]:
-    """What the template grants each function."""
-    document = parse(ROOT / "template.yaml")
-    resolve = Resolver(
-        {n: p.get("Default", "") for n, p in document["Parameters"].items()}, document["Resources"]
-    )
+def grants(kind: str = "AWS::Serverless::Function") -> dict[str, tuple[Grant, ...]]:
+    """What the template grants each resource of this type."""
+    document, resolve = template()
     return {
         name: tuple(
             Grant(
@@ -87,8 +88,49 @@ def grants() -> dict[str, tuple[Grant, ...]]:
             for s in policy["Statement"]
         )
         for name, resource in document["Resources"].items()
-        if resource["Type"] == "AWS::Serverless::Function"
+        if resource["Type"] == kind
     }
+
+
+def template() -> tuple[Mapping[str, Any], Resolver]:
+    document = parse(ROOT / "template.yaml")
+    defaults = {n: p.get("Default", "") for n, p in document["Parameters"].items()}
+    return document, Resolver(defaults, document["Resources"])
+
+
+def needs_of_machine(name: str) -> Iterator[Needed]:
+    """What a state machine needs for its definition, which nothing here can run.
+
+    Sources: AWS Step Functions developer guide, "IAM policies for using Distributed Map states" and "AWS
+    Lambda". A distributed map starts the machine itself anew for each batch, and follows what it started.
+    """
+    document, resolve = template()
+    machine = document["Resources"][name]["Properties"]
+    named = {k: resolve(v) for k, v in machine["DefinitionSubstitutions"].items()}
+    own = f"{ACCOUNT}:{{}}:{resolve(machine['Name'])}"
+    for state in _states(machine["Definition"]):
+        asked = {k: str(v).strip("${}") for k, v in state.get("Parameters", {}).items()}
+        if "ItemReader" in state:
+            listed_there = state["ItemReader"]["Parameters"]
+            bucket = named[listed_there["Bucket"].strip("${}")]
+            yield Needed("s3:ListBucket", f"arn:aws:s3:::{bucket}", prefix=listed_there["Prefix"])
+        if state.get("ItemProcessor", {}).get("ProcessorConfig", {}).get("Mode") == "DISTRIBUTED":
+            yield Needed("states:StartExecution", f"arn:aws:states:{REGION}:{own.format('stateMachine')}")
+            children = f"arn:aws:states:{REGION}:{own.format('execution')}"
+            for action in ("DescribeExecution", "StopExecution"):
+                yield Needed(f"states:{action}", f"{children}:0123abcd")
+            yield Needed("states:RedriveExecution", f"{children}/EveryCalibration:0123abcd")
+        if state["Type"] == "Task":
+            assert state["Resource"] == "arn:aws:states:::lambda:invoke", state
+            function = named[asked["FunctionName"]]
+            yield Needed("lambda:InvokeFunction", f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{function}")
+
+
+def _states(definition: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    for state in definition["States"].values():
+        yield state
+        if "ItemProcessor" in state:
+            yield from _states(state["ItemProcessor"])
 
 
 def needs(service: str, operation: str, asked: Mapping[str, Any]) -> Iterator[Needed]:

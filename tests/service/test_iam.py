@@ -20,7 +20,7 @@ from calibdb.store.table import Condition, Item
 from calibdb.tokens import ApiToken, secret_hash
 from infra.local import LocalStack
 from tests.client import CAMERA, Client, Truth, until
-from tests.iam import Grant, Needed, Recorder, grants, running
+from tests.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
 from tests.published import PLATFORM, asked, calibration, held, mode_of, store
 
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
@@ -155,6 +155,28 @@ def test_no_grant_without_a_call(recorded: set[tuple[str, Needed]]) -> None:
         and not any(one.action == action and grant.allows(one) for asker, one in recorded if asker == who)
     }
     assert unused == set()
+
+
+def test_the_state_machine_may_do_what_its_definition_says_and_no_more() -> None:
+    ((name, given),) = grants("AWS::Serverless::StateMachine").items()
+    asked = set(needs_of_machine(name))
+    assert {one for one in asked if not any(grant.allows(one) for grant in given)} == set()
+    unused = {
+        (grant.sid, action)
+        for grant in given
+        for action in grant.actions
+        if not any(one.action == action and grant.allows(one) for one in asked)
+    }
+    assert unused == set()
+    for other in (
+        Needed("s3:ListBucket", "arn:aws:s3:::calibdb-keypointbucket", prefix="sessions/"),
+        Needed("s3:GetObject", "arn:aws:s3:::calibdb-keypointbucket/calibrations/x"),
+        Needed(
+            "lambda:InvokeFunction", "arn:aws:lambda:us-east-1:123456789012:function:calibdb-SubmitFunction"
+        ),
+        Needed("states:StopExecution", "arn:aws:states:us-east-1:123456789012:execution:calibdb-backfill2:x"),
+    ):
+        assert not any(grant.allows(other) for grant in given), other
 
 
 @pytest.mark.parametrize(
