@@ -1,12 +1,11 @@
-// What stands on the board: its own grid once more, a mark on each of the four outermost corners, and a house. Triangles
+// What stands on the board: its own grid once more, a cross on each of the four outermost corners, and a house. Triangles
 // in the board's frame (x right, y down, z away from who looks at it; unit: one square), shaded once and for all.
 
 /** @typedef {[number, number, number]} Point */
 /** @typedef {[red: number, green: number, blue: number]} Colour 0…1 */
 
 const LINE = 0.05; // squares, width
-const MARK = 0.13; // squares, radius
-const SIDES = 16; // of a mark
+const MARK = 0.3; // squares, half the length of a cross
 /** @type {Colour} */
 const GRID = [1, 0.69, 0];
 /** @type {Colour} */
@@ -15,9 +14,9 @@ const MARKS = [0, 0.88, 1];
 const WALLS = [0.45, 0.85, 1];
 /** @type {Colour} */
 const ROOF = [1, 0.42, 0.2];
-/** Where the light comes from: above the board, over the left shoulder. */
-const LIGHT = unit([-0.45, -0.65, -0.75]);
-const AMBIENT = 0.35;
+/** Where the light comes from: in front of the board, from below on the left, where one stands who looks at it. */
+const LIGHT = unit([-0.5, 0.45, -0.75]);
+const AMBIENT = 0.4;
 
 /**
  * @param {import("../board/geometry.js").Board} board
@@ -30,26 +29,20 @@ export function model({ squares: [columns, rows] }) {
 /** @param {number} columns @param {number} rows */
 function grid(columns, rows) {
   const numbers = [];
-  for (let x = 0; x <= columns; x++) numbers.push(...strip(x - LINE / 2, -LINE / 2, x + LINE / 2, rows + LINE / 2));
-  for (let y = 0; y <= rows; y++) numbers.push(...strip(-LINE / 2, y - LINE / 2, columns + LINE / 2, y + LINE / 2));
+  for (let x = 0; x <= columns; x++) numbers.push(...across([x, rows / 2], LINE / 2, (rows + LINE) / 2, 0, GRID));
+  for (let y = 0; y <= rows; y++) numbers.push(...across([columns / 2, y], (columns + LINE) / 2, LINE / 2, 0, GRID));
   return numbers;
 }
 
-/** @param {number} left @param {number} top @param {number} right @param {number} bottom */
-const strip = (left, top, right, bottom) => quadrilateral([[left, top, 0], [right, top, 0], [right, bottom, 0], [left, bottom, 0]], GRID);
-
-/** @param {number} columns @param {number} rows */
+/** A hair above the lines. @param {number} columns @param {number} rows */
 function marks(columns, rows) {
   const corners = [[1, 1], [columns - 1, 1], [columns - 1, rows - 1], [1, rows - 1]];
-  return corners.flatMap(([x, y]) => {
-    /** @param {number} side @returns {Point} a hair above the lines */
-    const at = (side) => {
-      const angle = (2 * Math.PI * side) / SIDES;
-      return [x + MARK * Math.cos(angle), y + MARK * Math.sin(angle), -0.002];
-    };
-    return Array.from({ length: SIDES }, (_, side) => triangle([[x, y, -0.002], at(side), at(side + 1)], MARKS)).flat();
-  });
+  return corners.flatMap((corner) => [...across(corner, MARK, LINE / 2, -0.002, MARKS), ...across(corner, LINE / 2, MARK, -0.002, MARKS)]);
 }
+
+/** A rectangle about a middle. @param {number[]} middle @param {number} right half its width @param {number} down half its height @param {number} z @param {Colour} colour */
+const across = ([x, y], right, down, z, colour) =>
+  quadrilateral([[x - right, y - down, z], [x + right, y - down, z], [x + right, y + down, z], [x - right, y + down, z]], colour);
 
 /** In the middle of the board, a quarter of it wide. @param {number} columns @param {number} rows */
 function house(columns, rows) {

@@ -3,7 +3,7 @@ import { rotationMatrix } from "../virtual/pose.js";
 
 /** Turned by degrees; its middle at so many times the distance from the axis; so far away, in squares for a lens of 0.8 widths. */
 const STOPS = [
-  { turn: [-25, 12, 3], aside: [0, -0.02], distance: 6.2 },
+  { turn: [-25, 12, 3], aside: [0.02, -0.01], distance: 6.8 },
   { turn: [-35, -20, 0], aside: [-0.25, -0.1], distance: 6 },
   { turn: [-40, 25, 10], aside: [0.15, 0], distance: 10 },
   { turn: [0, 0, 0], aside: [0, 0], distance: 5.3 },
