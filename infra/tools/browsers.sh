@@ -4,7 +4,7 @@ set -euo pipefail
 missing=()
 command -v chromium >/dev/null || missing+=(chromium)
 command -v firefox-esr >/dev/null || missing+=(firefox-esr)
-command -v xvfb-run >/dev/null || missing+=(xvfb xauth libgl1-mesa-dri)
+{ command -v xvfb-run && command -v xauth; } >/dev/null || missing+=(xvfb xauth libgl1-mesa-dri)
 [ ${#missing[@]} -eq 0 ] && exit 0
 
 run=()

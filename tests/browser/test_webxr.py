@@ -1,10 +1,5 @@
 """WebXR that knows its camera: the browser's own, and on a webcam where that cannot augment reality."""
 
-import json
-import subprocess
-import time
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import httpx
@@ -12,14 +7,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .captures import capture
-from .conftest import TOKEN, executable
-from .truth import Truth
-
-CONSENSUS_WITHIN = 15.0  # seconds
-LABEL = "WebXR Test Camera (1234:0a0b)"
-KEY = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [1280, 720], "zoom": 0}
-SHARED = Path(__file__).with_name("webxr.js").read_text()
+from .firefox import in_firefox
+from .webxr import LABEL, TRUTH, calibrated, script
 
 NATIVE = """
   const { extend } = await import("/webxr/extension.js");
@@ -91,45 +80,6 @@ MATRIX = [500, 0, 0, 0, 505, 0, 325, 178, 1]
 COEFFICIENTS = [-0.25, 0.0625, 0, 0, 0]
 
 
-def script(body: str, **constants: object) -> str:
-    """A function to run in a page."""
-    given = "".join(f"const {name} = {json.dumps(value)};" for name, value in constants.items())
-    return f"async () => {{ {given} {SHARED} {body} }}"
-
-
-@pytest.fixture(scope="module")
-def api_of_all(stack: str) -> Iterator[httpx.Client]:
-    headers = {"authorization": f"Bearer {TOKEN}"}
-    with httpx.Client(base_url=f"{stack}/v1", headers=headers, timeout=60) as client:
-        yield client
-
-
-@pytest.fixture(scope="module")
-def reliable(api_of_all: httpx.Client) -> httpx.Client:
-    """The API of a calibDB that knows the camera of `KEY`."""
-    for seed in range(5):
-        capture(api_of_all, Truth(), KEY, seed)
-    deadline = time.monotonic() + CONSENSUS_WITHIN
-    while (answer := api_of_all.post("/lookup", json=KEY)).status_code != 200 and time.monotonic() < deadline:
-        time.sleep(0.1)
-    assert answer.status_code == 200, answer.text
-    return api_of_all
-
-
-def in_firefox(address: str, function: str) -> Any:
-    run = subprocess.run(
-        [
-            executable("xvfb-run"), "-a",
-            "node", str(Path(__file__).with_name("firefox_evaluate.mjs")), executable("firefox-esr"), address,
-        ],
-        input=function, capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
-    assert run.returncode == 0, run.stderr
-    outcome = json.loads(run.stdout)
-    assert outcome["complaints"] == []
-    return outcome["result"]
-
-
 def check_nothing(said: dict[str, Any]) -> None:
     assert (said["matrix"], said["coefficients"], said["model"]) == (None, None, None)
 
@@ -170,7 +120,8 @@ def check_immersive(seen: dict[str, Any]) -> None:
     assert (seen["over"], seen["back"]) == (True, True)
 
 
-def test_the_browsers_own_inline_session(context: BrowserContext, reliable: httpx.Client) -> None:
+def test_the_browsers_own_inline_session(context: BrowserContext, api: httpx.Client) -> None:
+    calibrated(api)
     page = context.new_page()  # which may complain: an unknown camera is a 404
     page.goto("/board/")
     seen = page.evaluate(script(NATIVE, label=LABEL))
@@ -179,14 +130,10 @@ def test_the_browsers_own_inline_session(context: BrowserContext, reliable: http
         check_nothing(nothing)
         assert nothing["views"] == 1, "and frames come"
     assert seen["refused"] == "TypeError"
-    answers = {
-        model: reliable.post("/lookup", json=KEY | {"distortion_model": model}).json()
-        for model in ("rectilinear", "fisheye")
-    }
-    check_answered(seen["first"], answers["rectilinear"])
-    check_answered(seen["second"], answers["fisheye"])
-    assert abs(seen["first"]["matrix"][0] / Truth().fx - 1) < 0.005
-    assert seen["first"]["coefficients"][0] == pytest.approx(Truth().k1, abs=0.02)
+    check_answered(seen["first"], calibrated(api))
+    check_answered(seen["second"], calibrated(api, "fisheye"))
+    assert abs(seen["first"]["matrix"][0] / TRUTH.fx - 1) < 0.005
+    assert seen["first"]["coefficients"][0] == pytest.approx(TRUTH.k1, abs=0.02)
 
 
 def test_augmented_reality_on_a_webcam(page: Page) -> None:

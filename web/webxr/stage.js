@@ -20,8 +20,8 @@ export class Stage {
     // The overlay may be all of the page; the stage is under it then.
     const under = overlay?.contains(place);
     Object.assign(this.#element.style, FULL, { zIndex: under ? "-1" : TOP, background: "black" });
-    this.#homes = [this.#borrow(video, PICTURE), this.#borrow(layer, LAYER)];
-    if (overlay && !under) this.#homes.push(this.#borrow(overlay, { ...FULL, background: "none" }));
+    this.#homes = [this.#dressed(video, PICTURE), this.#dressed(layer, LAYER)];
+    if (overlay && !under) this.#homes.push(this.#over(overlay));
     place.append(this.#element);
     void video.play(); // moving it has paused it
   }
@@ -48,17 +48,32 @@ export class Stage {
     void this.#video.play();
   }
 
-  /** @param {HTMLElement} element @param {Partial<CSSStyleDeclaration>} shown @returns {() => void} puts it back */
-  #borrow(element, shown) {
-    const { parentNode, nextSibling } = element;
-    const style = element.getAttribute("style");
-    Object.assign(element.style, shown);
-    this.#element.append(element);
+  /** @param {HTMLElement} element @param {Partial<CSSStyleDeclaration>} style @returns {() => void} puts it back */
+  #dressed(element, style) {
+    const worn = element.getAttribute("style") ?? "";
+    Object.assign(element.style, style);
+    const home = moved(element, this.#element);
     return () => {
-      if (style === null) element.removeAttribute("style");
-      else element.style.cssText = style;
-      if (parentNode) parentNode.insertBefore(element, nextSibling?.parentNode === parentNode ? nextSibling : null);
-      else element.remove();
+      element.style.cssText = worn;
+      home();
     };
   }
+
+  /** In a frame of its own: what it wears is the page's. @param {HTMLElement} overlay */
+  #over(overlay) {
+    const frame = document.createElement("div");
+    Object.assign(frame.style, FULL);
+    this.#element.append(frame);
+    return moved(overlay, frame);
+  }
+}
+
+/** @param {HTMLElement} element @param {HTMLElement} place @returns {() => void} puts it back */
+function moved(element, place) {
+  const { parentNode, nextSibling } = element;
+  place.append(element);
+  return () => {
+    if (parentNode) parentNode.insertBefore(element, nextSibling?.parentNode === parentNode ? nextSibling : null);
+    else element.remove();
+  };
 }

@@ -1,0 +1,114 @@
+"""An application of three.js, written for phones, on a webcam: unchanged, and in the right place."""
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+import httpx
+import numpy as np
+import numpy.typing as npt
+import pytest
+from playwright.sync_api import Page, Route
+
+from .conftest import OUTPUT, ROOT
+from .webxr import LABEL, calibrated, script
+
+Array = npt.NDArray[np.float64]
+
+THREE = ROOT / "node_modules/three"
+FOLDERS = ("build", "examples/jsm/webxr")
+FILES = {file.name: file for folder in FOLDERS for file in THREE.glob(f"{folder}/*.js")}
+APPLICATION = Path(__file__).with_name("webxr_three.js").read_text()
+#: camera frame, x right, y down, z forward; the second is near a corner of the picture
+POINTS = np.array([[0.0, 0.0, 4.0], [-2.2, 0.85, 4.0], [1.2, -0.6, 3.0]])
+WINDOW = (1440, 900)
+BLUE, GREEN, RED = range(3)  # as OpenCV reads pictures
+
+RUN = """
+  // The page's owner knows of calibDB.
+  const { useCamera } = await import("/webxr/camera.js");
+  const { video } = await webcam([1280, 720], label, (context) => {
+    context.fillStyle = "#00ff00";
+    for (const [x, y] of marks) {
+      context.beginPath();
+      context.arc(x + 0.5, y + 0.5, 12, 0, 7);
+      context.fill();
+    }
+    context.fillStyle = "#000000";
+  });
+  await new Promise((onAnswer) => useCamera(video, { token: "cdb_dev_local", rectify, onAnswer }));
+  const renderer = await application(points);
+  const button = document.getElementById("ARButton");
+  while (button.textContent !== "START AR") await new Promise(requestAnimationFrame);
+  const begun = new Promise((done) => renderer.xr.addEventListener("sessionstart", done));
+  window.over = new Promise((done) => renderer.xr.addEventListener("sessionend", done));
+  button.click();
+  await begun;
+  for (let frame = 0; frame < 10; frame++) {
+    await new Promise((done) => renderer.xr.getSession().requestAnimationFrame(done));
+  }
+"""
+
+
+def serve(route: Route) -> None:
+    route.fulfill(path=FILES[route.request.url.rsplit("/", 1)[1]], content_type="text/javascript")
+
+
+def middles(picture: npt.NDArray[np.uint8], channel: int) -> Array:
+    """Centres of the blobs of one colour, (n, 2) px from the window's corner, from left to right."""
+    others = [each for each in range(3) if each != channel]
+    pure = np.clip(picture[..., channel].astype(int) - picture[..., others].max(axis=2), 0, 255)
+    count, labels = cv2.connectedComponents((pure > 40).astype(np.uint8))
+    found = []
+    for n in range(1, count):
+        v, u = np.nonzero(labels == n)
+        found.append(np.average(np.stack([u, v], axis=1) + 0.5, axis=0, weights=pure[v, u]))
+    return np.array(sorted(found, key=lambda place: place[0]))
+
+
+@pytest.fixture
+def known(api: httpx.Client) -> dict[str, Any]:
+    return calibrated(api)
+
+
+def shown(page: Page, marks: Array, *, rectify: bool) -> tuple[Array, Array]:
+    """Run the application over a picture with green `marks`; give where these and its red balls are, px."""
+    page.route("**/three/*.js", serve)
+    page.goto("/board/")
+    constants = {"label": LABEL, "points": POINTS.tolist(), "marks": marks.tolist(), "rectify": rectify}
+    page.evaluate(script(f"{APPLICATION} {RUN}", **constants))
+    taken = page.screenshot(path=OUTPUT / f"webxr_three_{rectify}.png")
+    picture = np.asarray(cv2.imdecode(np.frombuffer(taken, np.uint8), cv2.IMREAD_COLOR), dtype=np.uint8)
+    page.locator("svg:visible").last.click()  # the application's own cross
+    page.evaluate("over")
+    assert page.locator("video").evaluate("(video) => video.parentNode === document.body")
+    return middles(picture, GREEN), middles(picture, RED)
+
+
+def test_a_scene_is_where_a_pinhole_sees_it(page: Page, known: dict[str, Any]) -> None:
+    seen = POINTS @ np.array(known["camera_matrix"]).T
+    pixels = seen[:, :2] / seen[:, 2:]
+    marks, balls = shown(page, pixels, rectify=False)
+    # The picture covers the window, in the middle.
+    scale = max(WINDOW[0] / 1280, WINDOW[1] / 720)
+    expected = (pixels + 0.5 - (640, 360)) * scale + (WINDOW[0] / 2, WINDOW[1] / 2)
+    expected = expected[expected[:, 0].argsort()]
+    for name, found in (("marks", marks), ("balls", balls)):
+        off = np.linalg.norm(found - expected, axis=1)
+        print(f"{name}: {off.round(3)} px off")
+        assert off.max() < 1
+
+
+def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, Any]) -> None:
+    matrix, distortion = (np.array(known[name]) for name in ("camera_matrix", "distortion_coefficients"))
+    seen = (
+        cv2.projectPoints(POINTS, np.zeros(3), np.zeros(3), matrix, distortion)[0]
+        .reshape(-1, 2)
+        .astype(float)
+    )
+    bent = np.linalg.norm(seen - (POINTS @ matrix.T)[:, :2] / POINTS[:, 2:], axis=1)
+    marks, balls = shown(page, seen, rectify=True)
+    off = np.linalg.norm(marks - balls, axis=1)
+    print(f"distortion moves the points by {bent.round(1)} px; {off.round(3)} px off")
+    assert bent.max() > 30
+    assert off.max() < 1

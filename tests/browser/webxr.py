@@ -1,0 +1,38 @@
+"""A camera that the service knows, and functions that look at sessions of WebXR in a page."""
+
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+from .captures import capture
+from .truth import Truth
+
+CONSENSUS_WITHIN = 15.0  # seconds
+LABEL = "WebXR Test Camera (1234:0a0b)"
+KEY = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [1280, 720], "zoom": 0}
+TRUTH = Truth()
+SHARED = Path(__file__).with_name("webxr.js").read_text()
+
+
+def script(body: str, **constants: object) -> str:
+    """A function to run in a page."""
+    given = "".join(f"const {name} = {json.dumps(value)};" for name, value in constants.items())
+    return f"async () => {{ {given} {SHARED} {body} }}"
+
+
+def calibrated(api: httpx.Client, model: str = "rectilinear") -> dict[str, Any]:
+    """What a lookup answers of the camera, which is calibrated five times before the first."""
+    wanted = KEY | {"distortion_model": model, "redirect": False}
+    answer = api.post("/lookup", json=wanted)
+    if answer.status_code != 200:
+        for seed in range(5):
+            capture(api, TRUTH, KEY, seed)
+    deadline = time.monotonic() + CONSENSUS_WITHIN
+    while (answer := api.post("/lookup", json=wanted)).status_code != 200 and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert answer.status_code == 200, answer.text
+    known: dict[str, Any] = answer.json()
+    return known
