@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops openapi plan lock layers deploy deploy-plan rehearsal cost conformance checkov clean setup
+.PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops bundle openapi plan lock layers deploy deploy-plan rehearsal cost conformance checkov clean setup
 
 AUDIT := .build/audit/bin/pip-audit
 
@@ -85,6 +85,10 @@ fuzz: setup
 # make ops ARGS="token create --origin https://page.example"
 ops: .venv/.made
 	@$(PY) -m infra.ops $(ARGS)
+
+# What is reliable of the cameras that most people have, for web applications to carry. FILE= MOST= for others than these
+bundle: .venv/.made
+	@$(PY) -m infra.ops bundle $(or $(FILE),.build/cameras.json) --most $(or $(MOST),500)
 
 openapi: .venv/.made
 	$(PY) -m infra.tools.openapi

@@ -58,6 +58,12 @@ def parser() -> argparse.ArgumentParser:
     load = commands.add_parser("load", help="take in what `dump` wrote")
     load.add_argument("folder", type=Path)
 
+    bundling = commands.add_parser(
+        "bundle", help="write what is reliable of the cameras that most people have, for web applications"
+    )
+    bundling.add_argument("file", type=Path)
+    bundling.add_argument("--most", type=int, default=500, metavar="CAMERAS", help="at most so many (500)")
+
     taking = commands.add_parser(
         "import", help="take in a calibration file: with keypoints as a calibration, else as a first guess"
     )

@@ -6,6 +6,7 @@ import argparse
 
 from infra.ops import cameras, tokens, withdrawal
 from infra.ops.backfill import backfill
+from infra.ops.bundle import bundle
 from infra.ops.desk import Desk, OpsError
 from infra.ops.load import load
 from infra.ops.reindex import reindex
@@ -39,6 +40,8 @@ def run(asked: argparse.Namespace, desk: Desk) -> None:
 
             calibrations, votes = dump(desk, asked.folder)
             desk.say(f"{calibrations} calibrations and {votes} votes written to {asked.folder}")
+        case "bundle", _:
+            _bundle(asked, desk)
         case "load", _:
             calibrations, votes = load(desk, asked.folder)
             desk.say(f"{calibrations} calibrations and {votes} votes taken in")
@@ -82,6 +85,16 @@ def _forget(asked: argparse.Namespace, desk: Desk) -> None:
         raise OpsError("nothing came from there")
     done = withdrawal.forget(desk, who)
     desk.say(f"removed {done.calibrations} calibrations, {done.sessions} sessions, {done.votes} votes")
+
+
+def _bundle(asked: argparse.Namespace, desk: Desk) -> None:
+    done = bundle(desk, asked.file, asked.most)
+    for camera, size in done.cameras.items():
+        desk.say(f"{size:6} bytes  {camera}")
+    desk.say(
+        f"{len(done.cameras)} cameras, {done.calibrations} calibrations, {done.labels} labels written to "
+        f"{asked.file}: {done.size} bytes, {done.compressed} compressed"
+    )
 
 
 def _backfill(asked: argparse.Namespace, desk: Desk) -> None:

@@ -226,3 +226,23 @@ def test_rows_that_disagree_are_no_guess(
     ):
         assert main(arguments) == 1
         assert complaint in capsys.readouterr().err
+
+
+def test_the_operator_hears_what_a_camera_takes_in_a_bundle(
+    data_dir: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DATA_DIR", str(data_dir))
+    file = tmp_path / "new/cameras.json"
+    assert main(["bundle", str(file), "--most", "1"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert re.fullmatch(r" +\d+ bytes  Test camera \(c3-[\w-]+\)", said[0]), said
+    data = json.loads(file.read_text())
+    assert (data["format"], data["version"], data["labels"]) == ("calibdb-bundle", 1, {"Test camera": 0})
+    [camera] = data["cameras"]
+    assert camera["camera"] == "Test camera"
+    assert said[-1].startswith(f"1 cameras, {len(camera['rows'])} calibrations, 1 labels written to {file}")
+    rows = {
+        row["distortion_model"]: row
+        for row in (dict(zip(data["columns"], r, strict=True)) for r in camera["rows"])
+    }
+    assert (rows["rectilinear"]["img_size"], rows["rectilinear"]["calibrations"]) == ([1280, 720], 5)

@@ -20,6 +20,7 @@ const FITS = {
   contain: ([w, h], [vw, vh]) => { const s = vw / vh > w / h ? vh / h : vw / w; return [s, s]; },
   fill: ([w, h], [vw, vh]) => [vw / w, vh / h],
   none: () => [1, 1],
+  "scale-down": (size, viewport) => (size[0] > viewport[0] || size[1] > viewport[1] ? FITS.contain(size, viewport) : [1, 1]),
 };
 
 for (const [fit, scale] of Object.entries(FITS)) {

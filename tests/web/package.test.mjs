@@ -21,13 +21,25 @@ async function size(contents, external = []) {
 
 test("below 8 KB compressed, below 14 KB with rectifier and distorter, and less for those who want less", async (t) => {
   const all = "export * from './calibdb.js';";
-  const [without, complete, matrix, lens] = await Promise.all([
+  const [without, complete, matrix, lens, lookup, offline] = await Promise.all([
     size(all, ["./rectifier.js", "./distorter.js"]), size(`${all} export * from './rectifier.js'; export * from './distorter.js';`),
     size("export { projectionMatrix } from './calibdb.js';"), size("export { lensOf } from './calibdb.js';"),
+    size("export { lookup } from './calibdb.js';", ["./rectifier.js", "./distorter.js"]), size("export { Bundle } from './bundle.js';"),
   ]);
-  t.diagnostic(`${without} bytes, ${complete} with rectifier and distorter, ${lens} for lensOf, ${matrix} for projectionMatrix`);
+  t.diagnostic(`${without} bytes, ${complete} with rectifier and distorter, ${lens} for lensOf, ${matrix} for projectionMatrix, ${lookup} for lookup; ${offline} for Bundle`);
   assert.ok(without < 8192 && complete < 14336, `${without}, ${complete}`);
-  assert.ok(lens < 0.5 * without && matrix < 0.1 * without, `${lens}, ${matrix}: tree-shakeable`);
+  assert.ok(lens < 0.5 * without && matrix < 0.1 * without && lookup < 0.92 * without, `${lens}, ${matrix}, ${lookup}: tree-shakeable`);
+  assert.ok(offline < 1536, `${offline}`);
+});
+
+test("who looks up alone carries nothing else", async () => {
+  const { metafile } = await build({
+    stdin: { contents: "export { lookup } from './calibdb.js';", resolveDir: sdk }, bundle: true, minify: true, write: false, format: "esm",
+    metafile: true, external: ["./rectifier.js", "./distorter.js"], logLevel: "silent",
+  });
+  const [{ inputs }] = Object.values(metafile.outputs);
+  const carried = Object.entries(inputs).filter(([, { bytesInOutput }]) => bytesInOutput > 0).map(([path]) => path.split("/").at(-1));
+  assert.deepEqual(carried.sort(), ["calibration.js", "key.js", "lookup.js", "projection.js", "request.js"]);
 });
 
 test("packed, it installs into an empty project, with types", { timeout: 60_000 }, () => {
@@ -41,13 +53,16 @@ test("packed, it installs into an empty project, with types", { timeout: 60_000 
     run("npm", "install", "--offline", "--no-audit", "--no-fund", `./${filename}`);
     const { dependencies } = JSON.parse(readFileSync(join(folder, "node_modules/calibdb/package.json"), "utf8"));
     assert.equal(dependencies, undefined);
-    writeFileSync(join(folder, "use.mjs"), "import { lookup, projectionMatrix } from 'calibdb'; import { lensOf } from 'calibdb/projection'; console.log(typeof lookup, typeof lensOf);");
-    assert.equal(run("node", "use.mjs").trim(), "function function");
+    writeFileSync(join(folder, "use.mjs"), "import { lookup, projectionMatrix } from 'calibdb'; import { lensOf } from 'calibdb/projection'; import { Bundle } from 'calibdb/bundle'; import { applyCalibration } from 'calibdb/adapters/three'; console.log(typeof lookup, typeof lensOf, typeof Bundle, typeof applyCalibration);");
+    assert.equal(run("node", "use.mjs").trim(), "function function function function");
     const use = (/** @type {string} */ model) => `import { lookup, type Calibration } from "calibdb";
       const { calibration } = await lookup({ camera: "x", platform: "y", img_size: [640, 480], zoom: 0 }, { token: "t", model: ${model} });
       export const known: Calibration | null = calibration;
       export const at: [number, number] | null | undefined = calibration?.project([0, 0, 1]);`;
-    writeFileSync(join(folder, "use.ts"), use('"fisheye"'));
+    const offline = `import { Bundle } from "calibdb/bundle"; import { applyCalibration } from "calibdb/adapters/babylon";
+      export const found = async (text: string) => lookup({ camera: "x", platform: "y", img_size: [640, 480], zoom: 0 }, { bundle: new Bundle(JSON.parse(text)) });
+      export type Eye = Parameters<typeof applyCalibration>[0];`;
+    writeFileSync(join(folder, "use.ts"), use('"fisheye"') + offline);
     writeFileSync(join(folder, "misuse.ts"), use("5"));
     const check = (/** @type {string} */ file) => run(`${root}node_modules/.bin/tsc`, file, "--ignoreConfig", "--noEmit", "--strict", "--target", "es2023", "--module", "esnext", "--moduleResolution", "bundler");
     check("use.ts");

@@ -83,6 +83,9 @@ test("it stops when it is told to, on the line and between attempts", async () =
   const { asked, options: { pause: _, ...options } } = service(json(503, {}));
   await assert.rejects(lookup(KEY, { ...options, signal: AbortSignal.timeout(20) }), { name: "TimeoutError" });
   assert.equal(asked.length, 1);
+  const cache = storage();
+  await lookup(KEY, { ...service(json(200, KNOWN)).options, cache });
+  await assert.rejects(lookup(KEY, { ...options, cache, signal: AbortSignal.abort() }), { name: "AbortError" }, "nor is what was kept told");
 });
 
 test("a camera is asked for once a tab; what is not known is asked for again", async () => {
@@ -113,6 +116,8 @@ test("a wish that what is known does not fulfil leads to the guidance page", asy
   const adapted = { img_size: [640, 360], zoom: 0, camera_matrix: [[500, 0, 319.75], [0, 500, 179.75], [0, 0, 1]], distortion_coefficients: [0, 0, 0, 0, 0] };
   const scaled = await lookup(KEY, { ...service(json(200, { ...other, adapted })).options, exact: true });
   assert.deepEqual([scaled.calibration.img_size, scaled.calibration.camera_matrix[0][0]], [[640, 360], 500], "verified for this size");
+  const shown = (await lookup(KEY, service(json(200, { ...other, adapted })).options)).calibration;
+  assert.deepEqual([shown.img_size, shown.exact_size], [[640, 360], true], "and then whoever asks for less gets it, too");
   const reasons = [0.25, 0.1, 1].map(async (maxError) => (await lookup(KEY, { ...service(json(200, KNOWN)).options, maxError })).reason);
   assert.deepEqual(await Promise.all(reasons), ["too_uncertain", "too_uncertain", null]);
   const apart = await lookup(KEY, { ...service(json(200, { ...KNOWN, spread: 2 })).options, maxError: 1 });

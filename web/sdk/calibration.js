@@ -31,12 +31,13 @@ import { lensOf } from "./projection.js";
  * @property {{rms: number, max: number}} uncertainty predicted projection error over the image, px
  * @property {number} calibration_time unix seconds
  *
- * @typedef {"cover" | "contain" | "fill" | "none"} Fit CSS `object-fit`, centred
+ * @typedef {"cover" | "contain" | "fill" | "none" | "scale-down"} Fit CSS `object-fit`, centred
  *
  * @typedef {object} Frustum
  * @property {number} [near] @property {number} [far] in the scene's unit; Infinity is a number too
  * @property {readonly [number, number]} [viewport] what is drawn into, px of any kind; the picture's size unless told
  * @property {Fit} [fit] how the picture lies in it; "cover" unless told
+ * @property {readonly [number, number]} [depth] what `near` and `far` become; [-1, 1] as in WebGL unless told, [0, 1] in WebGPU
  *
  * @typedef {object} OpenCV
  * @property {[number, number]} imageSize
@@ -124,13 +125,15 @@ export class Calibration {
  * @param {Frustum} [frustum]
  * @returns {number[]} 16 numbers
  */
-export function projectionMatrix(pinhole, { near = 0.1, far = 1000, viewport = pinhole.img_size, fit = "cover" } = {}) {
+export function projectionMatrix(pinhole, { near = 0.1, far = 1000, viewport = pinhole.img_size, fit = "cover", depth = [-1, 1] } = {}) {
   const { img_size: size, camera_matrix: [[fx, , cx], [, fy, cy]] } = pinhole;
   const [sx, sy] = scales(size, viewport, fit);
   // Along each axis, in pixels counted from the viewport's edge, where those of the picture are counted from its first centre.
   const x = (viewport[0] + sx * (2 * cx + 1 - size[0])) / viewport[0] - 1;
   const y = (viewport[1] + sy * (2 * cy + 1 - size[1])) / viewport[1] - 1;
-  const [a, b] = far === Infinity ? [-1, -2 * near] : [(near + far) / (near - far), (2 * near * far) / (near - far)];
+  const ratio = near / far;
+  const a = (depth[1] - depth[0] * ratio) / (ratio - 1);
+  const b = near * (a + depth[0]);
   return [(2 * sx * fx) / viewport[0], 0, 0, 0, 0, (2 * sy * fy) / viewport[1], 0, 0, -x, y, a, -1, 0, 0, b, 0];
 }
 
@@ -139,6 +142,6 @@ function scales(size, viewport, fit) {
   const [x, y] = [viewport[0] / size[0], viewport[1] / size[1]];
   if (fit === "fill") return [x, y];
   if (fit === "none") return [1, 1];
-  const scale = fit === "contain" ? Math.min(x, y) : Math.max(x, y);
+  const scale = fit === "cover" ? Math.max(x, y) : Math.min(x, y, fit === "contain" ? Infinity : 1);
   return [scale, scale];
 }

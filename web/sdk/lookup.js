@@ -19,13 +19,16 @@ import { address, ask, refusal } from "./request.js";
  * @property {number} [maxError] px: largest uncertainty, and largest difference between the calibrations that agree
  * @property {(answer: Answer) => void} [onNeedCalibration] told when nothing is known
  * @property {Pick<Storage, "getItem" | "setItem"> | null} [cache] the tab's `sessionStorage` unless told, in a worker the worker's memory; null: none
- * @property {Pick<Offline, "find">} [bundle] calibrations that came with the application, asked first; see bundle.js
+ * @property {Offline} [bundle] calibrations that came with the application, asked first; see bundle.js
  *
  * @typedef {object} Offline
  * @property {(key: CameraKey, model: string) => CalibrationData | null} find
  *
- * @typedef {Wish & import("./request.js").Manner} Options
+ * @typedef {import("./request.js").Manner} Manner
+ * @typedef {Wish & (Manner | Omit<Manner, "token"> & {bundle: Offline})} Options without a token only the bundle is asked
  */
+
+/** @typedef {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null}} Found */
 
 /** @type {Map<string, string>} */
 const memory = new Map();
@@ -43,11 +46,16 @@ const remembered = {
 export async function lookup(source, options) {
   const { model = "rectilinear", exact = false, maxError = Infinity, onNeedCalibration, cache = tabs(), bundle, ...manner } = options;
   const key = await keyOf(source);
+  manner.signal?.throwIfAborted();
+  const guidance = () => guidanceUrl(key, model, manner.api);
   const name = `calibdb ${JSON.stringify([address(manner.api).href, key, model])}`;
   const known = bundle?.find(key, model) ?? JSON.parse(cache?.getItem(name) ?? "null");
-  const answer = known ? { calibration: known, guidanceUrl: null, reason: null } : await asked(key, model, manner);
+  /** @type {Found} */
+  let answer = { calibration: known, guidanceUrl: null, reason: null };
+  if (!known && bundle && !("token" in manner)) answer = { ...answer, guidanceUrl: guidance(), reason: "unknown_camera" };
+  else if (!known) answer = await asked(key, model, /** @type {Manner} */ (manner));
   if (answer.calibration && !known) keep(cache, name, answer.calibration);
-  const enough = judged(answer, { exact, maxError }, () => guidanceUrl(key, model, manner.api));
+  const enough = judged(answer, { exact, maxError }, guidance);
   if (!enough.calibration) onNeedCalibration?.(enough);
   return enough;
 }
@@ -101,8 +109,8 @@ export function guidanceUrl(key, model, api) {
 }
 
 /**
- * @param {CameraKey} key @param {string} model @param {import("./request.js").Manner} manner
- * @returns {Promise<{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null}>}
+ * @param {CameraKey} key @param {string} model @param {Manner} manner
+ * @returns {Promise<Found>}
  */
 async function asked(key, model, manner) {
   // A redirect's Location is hidden from fetch(): ask for it in words.
@@ -116,14 +124,14 @@ async function asked(key, model, manner) {
 }
 
 /**
- * @param {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null}} answer
- * @param {{exact: boolean, maxError: number}} wish @param {() => string} guidance
+ * As it is for the size asked for, where that could be verified, and if it is good enough.
+ * @param {Found} answer @param {{exact: boolean, maxError: number}} wish @param {() => string} guidance
  * @returns {Answer}
  */
 function judged({ calibration: known, guidanceUrl, reason }, { exact, maxError }, guidance) {
   if (!known) return { calibration: null, guidanceUrl, reason };
   const { adapted } = known;
-  const data = exact && !known.exact_size && adapted ? { ...known, ...adapted, exact_size: true } : known;
+  const data = adapted && !known.exact_size ? { ...known, ...adapted, exact_size: true } : known;
   if (exact && !data.exact_size) return { calibration: null, guidanceUrl: guidance(), reason: "other_size" };
   if (Math.max(data.uncertainty?.rms ?? 0, data.spread ?? 0) > maxError) {
     return { calibration: null, guidanceUrl: guidance(), reason: "too_uncertain" };

@@ -1,0 +1,190 @@
+"""The reliable calibrations of the cameras that most people have, as one file for web applications to carry.
+
+Its reader compares labels and nothing else. Which label means which camera is found here, by the rules of a
+lookup, for every label under which the camera was calibrated.
+"""
+
+from __future__ import annotations
+
+import functools
+import gzip
+import json
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from calibdb.answer import answer
+from calibdb.camera_key import current, identify, public_label
+from calibdb.camera_key.system import system_of
+from calibdb.resolution import hopeless, resolve
+from calibdb.schema import Calibration, ConsensusDocument
+from calibdb.schema.fields import ImgSize
+from calibdb.selection import choose
+from infra.ops.desk import Desk
+
+#: what computers call themselves, one of each system: on each of them a camera can be plugged in
+COMPUTERS = {
+    "linux": "X11; Linux x86_64",
+    "windows": "Windows NT 10.0; Win64; x64",
+    "macos": "Macintosh; Intel Mac OS X 10_15_7",
+    "chromeos": "X11; CrOS x86_64 14541.0.0",
+}
+#: sizes that applications ask for: what is known of them is worked out beforehand
+USUAL: tuple[ImgSize, ...] = (
+    *((320, 180), (320, 240), (480, 270), (640, 360), (640, 480), (800, 450), (800, 600), (854, 480)),
+    *((960, 540), (960, 720), (1024, 576), (1024, 768), (1280, 720), (1280, 960), (1600, 900)),
+    *((1600, 1200), (1920, 1080), (2560, 1440), (3840, 2160)),
+)
+COLUMNS = (
+    *("img_size", "zoom", "distortion_model", "intrinsics", "distortion_coefficients"),
+    *("avg_reprojection_error", "uncertainty", "spread", "held_out_error", "calibrations", "contributors"),
+    *("basis", "calibration_time", "id", "relation", "at"),
+)
+_DIGITS = 9  # a thousandth of a pixel is the seventh
+
+
+@dataclass(frozen=True)
+class Bundled:
+    """What was written."""
+
+    cameras: dict[str, int]  # bytes of each, by its label
+    calibrations: int
+    labels: int
+    size: int  # bytes
+    compressed: int
+
+
+def bundle(desk: Desk, path: Path, most: int) -> Bundled:
+    """Write the `most` cameras with the most contributors; their order is the same for the same database."""
+    read = functools.cache(desk.store.cameras.known)
+    names = _labels(desk)
+    reliable = {key: [c for c in read(key).consensuses if c.reliable] for key in names}
+    popular = sorted((key for key, found in reliable.items() if found), key=lambda k: (_rank(reliable[k]), k))
+    chosen = popular[:most]
+    labels: dict[str, int] = {}
+    places: defaultdict[str, dict[str, int]] = defaultdict(dict)
+    meant = _meanings(desk, read, {key: (names[key], reliable[key]) for key in chosen})
+    for label, by_place in sorted(meant.items()):
+        everywhere = {by_place.get(place) for place in COMPUTERS}
+        if len(everywhere) == 1 and (key := everywhere.pop()):
+            labels[label] = chosen.index(key)
+        for place, key in sorted(by_place.items()):
+            if label not in labels or place not in COMPUTERS:
+                places[place][label] = chosen.index(key)
+    cameras = [_camera(read(key).consensuses) for key in chosen]
+    document = {
+        "format": "calibdb-bundle",
+        "version": 1,
+        "created": desk.now,
+        "columns": COLUMNS,
+        "cameras": cameras,
+        "labels": labels,
+        "places": places,
+    }
+    content = _json(document)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(content)
+    return Bundled(
+        cameras={f"{c['camera']} ({key})": len(_json(c)) for key, c in zip(chosen, cameras, strict=True)},
+        calibrations=sum(len(c["rows"]) for c in cameras),
+        labels=len(labels.keys() | {label for found in places.values() for label in found}),
+        size=len(content),
+        compressed=len(gzip.compress(content)),
+    )
+
+
+def _labels(desk: Desk) -> dict[str, set[tuple[str, str]]]:
+    """Return labels and platforms with which each camera was calibrated; a label also without its USB id."""
+    found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
+    for document, withdrawn in desk.store.calibrations.everything():
+        if not withdrawn:
+            key = current(document.camera_key, document.camera, document.platform)
+            label = public_label(document.camera)
+            found[key] |= {
+                (label, document.platform),
+                (label.rpartition(" (")[0] or label, document.platform),
+            }
+    return found
+
+
+def _meanings(
+    desk: Desk,
+    read: Any,
+    cameras: dict[str, tuple[set[tuple[str, str]], list[ConsensusDocument]]],
+) -> dict[str, dict[str, str]]:
+    """Return by label, and by where it is said, the camera that a lookup finds; none where it finds two."""
+    private = desk.settings.thresholds.min_contributors == 1
+    meant: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+
+    def found(label: str, platform: str, c: ConsensusDocument) -> str | None:
+        identity = identify(label, platform)
+        if hopeless(identity, private=private, resize_mode=None):
+            return None
+        resolved = resolve(read, identity, c.img_size, c.zoom, c.distortion_model, private=private)
+        return resolved.key if resolved.choice.found else None
+
+    for key, (names, reliable) in cameras.items():
+        for label, own in names:
+            system = system_of(own)
+            here = {system.text: own} if system.is_one_device else {}
+            for place, platform in (COMPUTERS | here).items():
+                if all(found(label, platform, c) == key for c in reliable):
+                    meant[label][place].add(key)
+    return {
+        label: {place: keys.pop() for place, keys in places.items() if len(keys) == 1}
+        for label, places in meant.items()
+    }
+
+
+def _rows(known: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
+    for c in known:
+        if not c.reliable or c.calibration is None:
+            continue
+        exact = answer(c.calibration, known, c.img_size)
+        at = {}
+        for size in sorted({*USUAL, *(other.img_size for other in known)}):
+            if choose(known, size, c.zoom, c.distortion_model).found is not c or size == c.img_size:
+                continue
+            told = answer(c.calibration, known, size)
+            carried = _intrinsics(told.adapted.camera_matrix) if told.adapted else []
+            if carried or told.relation != exact.relation:
+                at[f"{size[0]}x{size[1]}"] = [told.relation, *carried]
+        yield _row(c.calibration, exact.relation, at)
+
+
+def _row(c: Calibration, relation: str | None, at: dict[str, Any]) -> list[Any]:
+    values = {
+        **dict(c),
+        "intrinsics": _intrinsics(c.camera_matrix),
+        "distortion_coefficients": _rounded(c.distortion_coefficients),
+        "uncertainty": _rounded((c.uncertainty.rms, c.uncertainty.max)),
+        "relation": relation,
+        "at": at,
+    }
+    return [values[column] for column in COLUMNS]
+
+
+def _camera(known: Sequence[ConsensusDocument]) -> dict[str, Any]:
+    newest = max(
+        (c.calibration for c in known if c.reliable and c.calibration), key=lambda c: c.calibration_time
+    )
+    return {"camera": newest.camera, "platform": newest.platform, "rows": list(_rows(known))}
+
+
+def _json(value: object) -> bytes:
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":")).encode()
+
+
+def _intrinsics(matrix: Sequence[Sequence[float]]) -> list[float]:
+    (fx, _, cx), (_, fy, cy), _ = matrix
+    return _rounded((fx, fy, cx, cy))
+
+
+def _rounded(values: Sequence[float]) -> list[float]:
+    return [float(f"{value:.{_DIGITS}g}") for value in values]
+
+
+def _rank(reliable: Sequence[ConsensusDocument]) -> tuple[int, int]:
+    return min((-c.calibration.contributors, -c.total) for c in reliable if c.calibration)

@@ -1,0 +1,189 @@
+"""The offline file answers as a lookup does, or not at all: asked of both, for every label that was seen."""
+
+import csv
+import itertools
+import json
+import shutil
+import subprocess
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+from calibdb import standing
+from calibdb.settings import Settings, Thresholds
+from calibdb.store import Store
+from infra.local import LocalStack
+from infra.ops.bundle import Bundled, bundle
+from infra.ops.desk import Desk
+from tests.client import Client
+from tests.data import ROOT, data_dir
+from tests.known import LINUX, calibration, consensus, fit
+from tests.service.test_lookup import put
+
+PLATFORMS = {
+    "Linux": LINUX,
+    "Firefox": "X11; Linux x86_64; rv:140.0",
+    "Windows": "Windows NT 10.0; Win64; x64",
+    "macOS": "Macintosh; Intel Mac OS X 10_15_7",
+    "ChromeOS": "X11; CrOS x86_64 14541.0.0",
+    "Android": "Linux; Android 14; Pixel 8",
+    "K": "Linux; Android 10; K",
+    "iOS": "iPhone; CPU iPhone OS 17_5 like Mac OS X",
+}
+SIZES = ((1280, 720), (640, 480), (960, 540), (1920, 1080), (720, 1280), (1000, 700))
+FISHEYE = fit((1280, 720), 700.0, distortion=(-0.01, 0.02, 0.0, 0.0), model="fisheye")
+PROGRAM = """
+import { readFileSync } from "node:fs";
+import { Bundle } from "./web/sdk/bundle.js";
+const { data, requests } = JSON.parse(readFileSync(0, "utf8"));
+const bundle = new Bundle(data);
+console.log(JSON.stringify(requests.map(({ distortion_model: model, ...key }) => bundle.find(key, model))));
+"""
+Asked = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Both:
+    """What was asked, what the service answers (None: a miss), what the file does, and how large it is."""
+
+    asked: list[Asked]
+    told: list[Any]
+    found: list[Any]
+    written: Bundled
+    public: bool
+
+
+def labels() -> list[tuple[str, str]]:
+    """Label and platform of everything that was seen."""
+    with (data_dir() / "labels.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["label"]]
+    systems = ((row["platform"].partition("(")[0].partition("/")[0], row["label"]) for row in rows)
+    return [(label, PLATFORMS.get(system, LINUX)) for system, label in systems]
+
+
+def fill(stack: LocalStack) -> None:
+    """Every camera whose label says which it is, at several sizes, some with another model or a zoom."""
+    store = Store.of(Settings.from_environment(stack.environment))
+    seen: set[str] = set()
+    for number, (label, platform) in enumerate(labels()):
+        document = calibration(label, platform, number=number)
+        store.calibrations.publish(document)
+        key = document.camera_key
+        if key in seen:
+            continue
+        seen.add(key)
+        whose = {"camera": label, "platform": platform}
+        f = 800.0 + 7 * number
+        put(store, consensus(fit((1280, 720), f, uncertainty=0.1), **whose))
+        if number % 4 == 1:
+            put(store, consensus(fit((640, 360), f / 2, uncertainty=0.1), **whose))
+            put(store, consensus(fit((640, 480), f / 1.4), **whose, zoom=100.0))
+        if number % 4 == 2:
+            put(store, consensus(FISHEYE, **whose))
+        if number % 6 == 0:
+            put(store, consensus(fit((640, 480), f / 1.5), **whose, reason="too_few", calibrations=3))
+        standing.bring_up_to_date(store, key, Thresholds(min_contributors=1, contributor_period=0))
+
+
+def requests() -> list[Asked]:
+    """Every label here and elsewhere, without its USB id, too; where it was seen, in all sorts of ways."""
+    found: list[Asked] = []
+    elsewhere = itertools.cycle(PLATFORMS.values())
+    for number, (label, own) in enumerate(labels()):
+        bare = label.rpartition(" (")[0] or label
+        found += [
+            {"camera": name, "platform": platform, "img_size": [1280, 720]}
+            for name, platform in ((label, next(elsewhere)), (bare, own), (bare, next(elsewhere)))
+        ]
+        asked = {"camera": label, "platform": own, "img_size": [1280, 720]}
+        ways: list[Asked] = [{"img_size": list(size)} for size in SIZES]
+        ways += [{"zoom": 100}, {"distortion_model": "fisheye"}, {"resize_mode": "crop-and-scale"}]
+        found += [asked | ways[(number + step) % len(ways)] for step in (0, 2, 4, 5)]
+    found.append({"camera": "constructor", "platform": LINUX, "img_size": [1280, 720]})
+    return [{"zoom": 0, "distortion_model": "rectilinear"} | each for each in found]
+
+
+def offline(data: Any, asked: list[Asked]) -> list[Any]:
+    node = shutil.which("node")
+    assert node is not None
+    done = subprocess.run(
+        [node, "--input-type=module", "-e", PROGRAM],
+        input=json.dumps({"data": data, "requests": asked}),
+        capture_output=True,
+        check=True,
+        cwd=ROOT,
+        text=True,
+    )
+    answers: list[Any] = json.loads(done.stdout)
+    return answers
+
+
+@pytest.fixture(scope="module")
+def filled(stack: LocalStack) -> LocalStack:
+    fill(stack)
+    return stack
+
+
+@pytest.fixture(scope="module", params=["1", "3"], ids=["at home", "in public"])
+def both(
+    request: pytest.FixtureRequest, filled: LocalStack, tmp_path_factory: pytest.TempPathFactory
+) -> Both:
+    """Ask both, as many contributors being needed as the parameter says."""
+    path = tmp_path_factory.mktemp("bundle") / "cameras.json"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MIN_CONTRIBUTORS", request.param)
+        environment = filled.environment | {"MIN_CONTRIBUTORS": request.param}
+        written = bundle(Desk.of(environment, secret_known=True), path, most=500)
+        asked, client = requests(), Client(filled)
+        answers = [client.lookup(**each, redirect=False) for each in asked]
+    assert {answer.status for answer in answers} == {200, 404}
+    told = [answer.json if answer.status == 200 else None for answer in answers]
+    return Both(asked, told, offline(json.loads(path.read_text()), asked), written, request.param == "3")
+
+
+def test_it_never_answers_what_the_service_would_not(both: Both) -> None:
+    answers = zip(both.asked, both.told, both.found, strict=True)
+    assert [asked for asked, told, found in answers if found is not None and told is None] == []
+
+
+def test_its_answers_are_the_services(both: Both) -> None:
+    compared = 0
+    for asked, told, found in zip(both.asked, both.told, both.found, strict=True):
+        if found is not None:
+            compared += 1
+            if asked["img_size"] == [
+                1000,
+                700,
+            ]:  # what becomes of it there is worked out for usual sizes only
+                assert found["adapted"] is None
+                told |= {"relation": found["relation"], "adapted": None}
+            assert same(found, told), (asked, told, found)
+    assert compared > 200
+
+
+def same(one: Any, other: Any) -> bool:
+    """Compare what was rounded."""
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, (int, float)) and isinstance(other, (int, float)):
+        return one == pytest.approx(other, rel=1e-8, abs=1e-12)
+    return bool(one == other)
+
+
+def test_it_knows_what_the_service_does_under_names_that_were_seen(both: Both) -> None:
+    known = [found is not None for told, found in zip(both.told, both.found, strict=True) if told is not None]
+    # At home an iPhone's "Back Camera" is the one that is meant; in public nobody's, so no file has it.
+    assert sum(known) / len(known) > (0.9 if both.public else 0.6), f"{sum(known)} of {len(known)}"
+    exact = [found["exact_size"] for found in both.found if found]
+    assert 0.1 < exact.count(False) / len(exact) < 0.9, "both are asked for"
+    assert any(found["adapted"] for found in both.found if found)
+
+
+def test_a_camera_takes_little_room(both: Both) -> None:
+    cameras = len(both.written.cameras)
+    assert cameras > 20
+    assert both.written.compressed / cameras < 200, "bytes"
+    assert both.written.size / cameras < 1000

@@ -1,0 +1,98 @@
+// Calibrations that come with an application: looked up as the service does it, without asking anybody.
+//
+//     import { Bundle } from "https://<host>/sdk/bundle.js";
+//     const bundle = new Bundle(await (await fetch("cameras.json")).json());
+//     const { calibration } = await lookup(track, { bundle });
+//
+// `make bundle` writes the file. Which label means which camera it has found by the service's own rules, label by label:
+// here they are only compared, so what it does not name, it does not know.
+
+/**
+ * @typedef {import("./key.js").CameraKey} CameraKey
+ * @typedef {import("./calibration.js").CalibrationData} CalibrationData
+ *
+ * @typedef {object} BundledCamera
+ * @property {string} camera label @property {string} platform
+ * @property {any[][]} rows its calibrations, one value a column
+ *
+ * @typedef {object} BundleData as docs/formats.md has it
+ * @property {string} format
+ * @property {number} version
+ * @property {string[]} columns
+ * @property {BundledCamera[]} cameras
+ * @property {Record<string, number>} labels number of the camera that goes by it on every computer
+ * @property {Record<string, Record<string, number>>} places the same of labels that mean a camera on one system only
+ */
+
+const CROPPED = "crop-and-scale";
+const SAME_ASPECT = 0.01; // log of the ratio
+/** What computers say of themselves; whatever says anything else is none that is known here. @type {[string, RegExp][]} */
+const COMPUTERS = [
+  ["linux", /^(?:X11|Wayland); (?:Ubuntu; |Fedora; )?Linux \w+(?:; rv:[\d.]+)?$/],
+  ["windows", /^Windows NT [\d.]+(?:; (?:Win64|WOW64|x64|ARM64|rv:[\d.]+))*$/],
+  ["macos", /^Macintosh; Intel Mac OS X [\d._]+(?:; rv:[\d.]+)?$/],
+  ["chromeos", /^X11; CrOS \w+ [\d.]+$/],
+];
+const PHONE = /^Linux; Android [\d.]+; ([^;]+)$/;
+
+export class Bundle {
+  #data;
+
+  /** @param {BundleData} data the file's content; throws a TypeError where it is something else */
+  constructor(data) {
+    if (data?.format !== "calibdb-bundle" || data.version !== 1) throw new TypeError("this is no bundle of calibrations that is understood here");
+    this.#data = data;
+  }
+
+  /**
+   * What a lookup of the service would answer, where that is certain. As there, the closest size is marked, and nothing is told
+   * of another zoom.
+   * @param {CameraKey} key @param {string} model
+   * @returns {CalibrationData | null} null: ask the service
+   */
+  find({ camera, platform, img_size: asked, zoom, resize_mode: mode }, model) {
+    const { labels, places, cameras, columns } = this.#data;
+    const computer = COMPUTERS.find(([, pattern]) => pattern.test(platform))?.[0];
+    const place = computer ?? `android; ${PHONE.exec(platform)?.[1].toLowerCase()}`;
+    const number = (computer ? own(labels, camera) : undefined) ?? own(own(places, place) ?? {}, camera);
+    if (number === undefined || mode === CROPPED) return null;
+    const { rows, ...whose } = cameras[number];
+    /** @type {Record<string, any>[]} */
+    const known = rows.map((row) => Object.fromEntries(row.map((value, index) => [columns[index], value])));
+    const here = known.filter((row) => row.zoom === zoom).sort((a, b) => further(a.img_size, b.img_size, asked));
+    // A model that the closest size lacks may be computed by the service.
+    const found = here.find((row) => same(row.img_size, here[0].img_size) && row.distortion_model === model);
+    return found ? told(found, whose, asked) : null;
+  }
+}
+
+/**
+ * A row as the service answers it.
+ * @param {Record<string, any>} row @param {{camera: string, platform: string}} whose @param {readonly [number, number]} asked
+ * @returns {CalibrationData}
+ */
+function told({ intrinsics, uncertainty: [rms, max], at, ...row }, whose, asked) {
+  const { zoom, distortion_coefficients } = /** @type {Record<string, any>} */ (row);
+  const matrix = (/** @type {number[]} */ [fx, fy, cx, cy]) => [[fx, 0, cx], [0, fy, cy], [0, 0, 1]];
+  const [relation, ...carried] = own(at, asked.join("x")) ?? [row.relation];
+  const adapted = carried.length ? { img_size: asked, zoom, camera_matrix: matrix(carried), distortion_coefficients, interpolated: false } : null;
+  return /** @type {any} */ ({
+    ...row, ...whose, camera_matrix: matrix(intrinsics), uncertainty: { rms, max }, reliable: true, exact_size: same(row.img_size, asked),
+    relation, adapted,
+  });
+}
+
+/** @template T @param {Record<string, T>} table @param {string} name @returns {T | undefined} */
+const own = (table, name) => (Object.hasOwn(table, name) ? table[name] : undefined);
+
+/** @param {readonly number[]} a @param {readonly number[]} b */
+const same = (a, b) => a[0] === b[0] && a[1] === b[1];
+
+/** Which of two sizes is further from the one asked for: by aspect, then by area. @param {number[]} a @param {number[]} b @param {readonly number[]} asked */
+function further(a, b, [w, h]) {
+  const [x, y] = [a, b].map((size) => {
+    const aspect = Math.abs(Math.log((size[0] * h) / (size[1] * w)));
+    return [same(size, [w, h]) ? 0 : 1, aspect < SAME_ASPECT ? 0 : aspect, Math.abs(Math.log((size[0] * size[1]) / (w * h)))];
+  });
+  return x[0] - y[0] || x[1] - y[1] || x[2] - y[2];
+}
