@@ -3,7 +3,7 @@
 import pytest
 import yaml
 
-from infra.cost import MOST, PRICES, Use, measured, price, read_units, write_units
+from infra.cost import MOST, PRICES, Use, at_the_edge, measured, price, read_units, write_units
 
 
 def test_a_lookup_and_a_calibration_are_affordable() -> None:
@@ -37,6 +37,15 @@ def test_every_use_has_its_price() -> None:
         (Use(puts=1000, gets=1000), 0.0054),
         (Use(kept=10**9), 0.023 * 36),
         (Use(sent=10**9), 0.09),
+        (Use(memory=1000.0), 0.005 * 1.0 * 1000 * 13.3334e-6),
         (Use(waits=[("dynamodb", 0.5)] * 1000), 0.005 * 500 * 13.3334e-6),
     ):
         assert sum(price(use, prices).values()) == pytest.approx(usd)
+
+
+def test_cloudfront_is_paid_by_request_and_by_what_it_sends() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    parts = price(Use(requests=10**6, sent=10**9), prices)
+    asked, known = at_the_edge(parts, 1e9, prices)
+    assert known == pytest.approx(1.0 + 0.085)
+    assert asked == pytest.approx(sum(parts.values()) + known - 0.09)
