@@ -7,60 +7,22 @@ import time
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, Route
 
-from .pictures import picture
-from .truth import Truth
-
-VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
-#: not reached in the time that a test takes
-ENDLESS = f"{VIRTUAL}&target_error=0.05"
-TURN = """() => {
-  const canvas = document.querySelector(".virtual-camera");
-  [canvas.width, canvas.height] = [canvas.height, canvas.width];
-}"""
-UNPLUG = "document.getElementById('video').srcObject.getVideoTracks()[0].dispatchEvent(new Event('ended'))"
-WORKERS = """
-  window.workers = [];
-  window.Worker = class extends Worker {
-    constructor(url, options) { super(url, options); window.workers.push([String(url), this]); }
-  };
-"""
-KILL = (
-    "window.workers.filter(([url]) => url.includes('detector')).forEach(([, worker]) => worker.terminate())"
+from .interruptions import (
+    ENDLESS,
+    FOCUS,
+    FULL,
+    HIDE,
+    KILL,
+    TURN,
+    UNPLUG,
+    VIRTUAL,
+    WORKERS,
+    sent_views,
+    sessions,
+    views,
+    wait_for_views,
 )
-FULL = """
-  IDBObjectStore.prototype.put = () => { throw new DOMException("no room", "QuotaExceededError"); };
-"""
-HIDE = """(hidden) => {
-  Object.defineProperty(document, "hidden", { configurable: true, get: () => hidden });
-  document.dispatchEvent(new Event("visibilitychange"));
-}"""
-
-
-def sessions(page: Page) -> list[Request]:
-    """Sessions begun by a page, as they are begun."""
-    begun: list[Request] = []
-    page.on(
-        "request",
-        lambda request: (
-            begun.append(request)
-            if request.method == "POST" and request.url.endswith("/v1/session")
-            else None
-        ),
-    )
-    return begun
-
-
-def views(page: Page) -> int:
-    return int((page.locator("#counts").text_content() or "0").split()[0])
-
-
-def wait_for_views(page: Page, count: int, seconds: float = 60.0) -> None:
-    # The policy of the pages refuses a function that is made of a string, such as a test could wait for.
-    for _ in range(int(10 * seconds)):
-        if views(page) >= count:
-            return
-        page.wait_for_timeout(100)
-    raise AssertionError(f"{views(page)} views in {seconds:.0f} s, not {count}")
+from .pictures import picture
 
 
 @pytest.mark.thorough
@@ -283,10 +245,13 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(contex
 
 def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: BrowserContext) -> None:
     page = context.new_page()
-    begun = sessions(page)
+    page.add_init_script(FOCUS)
+    begun, sent = sessions(page), sent_views(page)
     page.goto(ENDLESS)
     wait_for_views(page, 2)
-    expired = begun[0].headers["authorization"]
+    focus = [json.loads(request.post_data or "")["track"].get("focusDistance") for request in begun]
+    assert focus == [None, 0.4], "before the first view it is begun anew with the focus that is held"
+    expired = begun[-1].headers["authorization"]
     problem = (
         '{"type": "https://calibdb.example/problems/session-expired", "status": 403, "detail": "expired"}'
     )
@@ -297,13 +262,16 @@ def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: Browser
         return route.fulfill(status=403, body=problem, content_type="application/problem+json")
 
     page.route("**/v1/session**", refuse)
-    before = views(page)
+    before, captured = views(page), sent[:2]
     with page.expect_request(
         lambda request: request.method == "POST" and request.url.endswith("/v1/session")
     ):
         page.locator("#skip").click()
+    page.locator("#notice", has_text="The session had run out: a new one has your views").wait_for()
     wait_for_views(page, before)
-    assert len(begun) == 2
+    assert len(begun) == 3
+    assert json.loads(begun[-1].post_data or "")["track"]["focusDistance"] == 0.4
+    assert [view in sent[2:] for view in captured] == [True, True], "they are sent again"
     assert page.locator("#failed").is_hidden()
 
 
@@ -335,16 +303,17 @@ def test_a_full_storage_is_said_and_ends_nothing(page: Page) -> None:
     page.locator("#done:not([hidden])").wait_for()
 
 
-@pytest.mark.thorough
-def test_a_hidden_tab_waits(page: Page) -> None:
+@pytest.mark.parametrize("seconds", [2, pytest.param(60, marks=pytest.mark.thorough)])
+def test_a_hidden_tab_waits(page: Page, seconds: int) -> None:
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
     page.evaluate(HIDE, True)
-    page.wait_for_timeout(1_500)
+    page.wait_for_timeout(1_500)  # what was on its way arrives
     sent: list[str] = []
     page.on("request", lambda request: sent.append(request.url))
     before = views(page)
-    page.wait_for_timeout(4_000)
+    page.wait_for_timeout(1_000 * seconds)
     assert sent == []
     page.evaluate(HIDE, False)
+    page.locator("#notice", has_text="Nothing was taken while this page was hidden").wait_for()
     wait_for_views(page, before + 1)

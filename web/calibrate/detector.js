@@ -17,6 +17,7 @@ import { reach } from "../network.js";
 
 const SILENCE = 20_000; // ms; a worker that a content policy stops never answers and never fails
 const FRAME = 4_000; // ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
+const LAST = 1_000; // ms for the frames that are still there when it is closed
 const OPENCV = new URL("../vendor/opencv/", import.meta.url);
 
 /** Codes name texts: `capture.fault_<code>`. */
@@ -85,10 +86,19 @@ export class Detector {
   /** Has it been closed? */
   closed = false;
 
+  /** The worker ends when it has let go of its frames, or does not answer: a frame that dies with it keeps the camera's memory. */
   close() {
+    if (this.closed) return;
     this.closed = true;
-    this.#worker.terminate();
     this.#fail("The board detector was closed.");
+    const end = () => this.#worker.terminate();
+    const timer = setTimeout(end, LAST);
+    this.#worker.onmessage = ({ data }) => {
+      if (!data.closed) return;
+      clearTimeout(timer);
+      end();
+    };
+    this.#worker.postMessage({ close: true });
   }
 
   /** @param {object} message @param {Transferable[]} transfer @param {number} patience ms @returns {Promise<any>} */

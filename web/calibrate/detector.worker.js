@@ -253,6 +253,7 @@ async function answer(request) {
 }
 
 self.onmessage = async ({ data }) => {
+  if ("close" in data) return self.postMessage({ closed: true });
   try {
     self.postMessage({ id: data.id, result: await answer(data) });
   } catch (error) {

@@ -109,7 +109,10 @@ export class Guide {
   /** Nobody holds a board in a tab that is not seen. */
   #isHidden() {
     const hidden = document.hidden;
-    if (this.#hidden && !hidden) this.#tell({ type: "shown", time: performance.now() });
+    if (this.#hidden && !hidden) {
+      this.#tell({ type: "shown", time: performance.now() });
+      this.#tell({ type: "told", notice: { key: "capture.was_hidden", kind: "plain" }, time: performance.now() });
+    }
     this.#hidden = hidden;
     return hidden;
   }
@@ -238,15 +241,23 @@ export class Guide {
   /** @param {() => Promise<void>} action */
   async #converse(action) {
     this.#tell({ type: "busy" });
+    const { restored } = this.#session;
     try {
       await action();
       this.#tell({ type: "idle" });
+      if (this.#session.restored > restored) await this.#begunAnew();
     } catch (error) {
       if (this.#signal.aborted) return;
       if (isAway(error)) this.#goAway();
       else if (error instanceof ApiError && error.status === 409) await this.#agree();
       else this.#page.fail(error, this.#signal);
     }
+  }
+
+  /** How many of its views the new session took, it alone knows. */
+  async #begunAnew() {
+    this.#tell({ type: "session", session: (await this.#session.resume()).state });
+    this.#tell({ type: "told", notice: { key: "capture.begun_anew", kind: "plain" }, time: performance.now() });
   }
 
   /** The service is of another mind about the session, after a lost answer: what it says holds. */

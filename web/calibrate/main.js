@@ -1,20 +1,19 @@
 // The capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows it.
 import { boardFrom, boardQuery } from "../board/geometry.js";
 import { showProblem } from "../board/problem.js";
-import { explain } from "../faults.js";
 import { language, onLanguage } from "../i18n.js";
 import { openPage } from "../page.js";
 import { cameraKey, platformHere } from "../sdk/calibdb.js";
-import { SettingsError } from "../settings.js";
 import { isVirtual } from "../virtual/camera.js";
 import captureWords from "../words/capture.js";
 import { Announcer } from "./announcer.js";
-import { ApiError, OfflineError } from "./api.js";
+import { targetError, wantedFrom } from "./asked.js";
 import { CameraError, cameras, facts, open } from "./camera.js";
 import { Captures, aboutOf } from "./captures.js";
 import { claim, claimed } from "./claim.js";
 import { Detector, DetectorError } from "./detector.js";
 import { openDrawers } from "./drawers.js";
+import { failureOf } from "./failure.js";
 import { Feedback } from "./feedback.js";
 import { Guide } from "./guide.js";
 import { openCupboard } from "./kept.js";
@@ -84,17 +83,6 @@ function signal(event) {
 }
 
 const page = { parts, state: () => state, dispatch, fail, openDetector };
-
-/** @param {URLSearchParams} query @returns {State["wanted"]} */
-function wantedFrom(query) {
-  const [, width, height] = /^(\d{1,5})[x×,](\d{1,5})$/.exec(query.get("img_size") ?? "") ?? [];
-  const model = query.get("distortion_model");
-  return {
-    camera: query.get("camera"),
-    img_size: width ? [Number(width), Number(height)] : null,
-    distortion_model: model === "fisheye" || model === "rational" || model === "omnidirectional" ? model : "rectilinear",
-  };
-}
 
 /** OpenCV is loaded once; a detector that failed is made anew. @returns {Promise<Detector>} */
 function openDetector() {
@@ -198,7 +186,7 @@ async function relayout() {
 
 /** @param {import("../sdk/calibdb.js").CameraKey} key @returns {Request} what is sent of a capture, but its views */
 function requestFor(key) {
-  return { ...key, board: state.board, distortion_model: state.wanted.distortion_model, ...targetError() };
+  return { ...key, board: state.board, distortion_model: state.wanted.distortion_model, ...targetError(parameters) };
 }
 
 /** @param {Request} request @param {AbortSignal} signal */
@@ -213,24 +201,6 @@ async function converse(request, signal) {
   return session;
 }
 
-/** What the session is to reach, where the address says so, px. */
-function targetError() {
-  const value = Number(parameters.get("target_error"));
-  return value > 0 ? { target_error: value } : {};
-}
-
-/** @param {unknown} error @returns {{code: string, detail: string}} */
-function told(error) {
-  const detail = error instanceof Error ? error.message : String(error);
-  if (error instanceof CameraError) return { code: error.code, detail: error.detail };
-  if (error instanceof DetectorError) return { code: error.code, detail };
-  if (error instanceof OfflineError) return { code: "offline", detail };
-  if (error instanceof SettingsError) return { code: "settings", detail };
-  if (error instanceof ApiError) return { code: "service", detail: explain(error) };
-  console.error(error);
-  return { code: "unforeseen", detail };
-}
-
 /** @param {unknown} error @param {AbortSignal} signal of the run that it happened in */
 function fail(error, signal) {
   if (signal.aborted) return;
@@ -239,7 +209,7 @@ function fail(error, signal) {
     void detector?.then((broken) => broken.close(), () => {});
     detector = null;
   }
-  dispatch({ type: "failed", ...told(error) });
+  dispatch({ type: "failed", ...failureOf(error) });
 }
 
 /** To the first sheet, where what was interrupted is offered again. */
@@ -338,6 +308,8 @@ onLanguage(() => {
   void listCameras();
 });
 navigator.mediaDevices?.addEventListener("devicechange", listCameras);
+// A phone may have taken the camera away meanwhile.
+document.addEventListener("visibilitychange", () => document.hidden || void listCameras());
 showProblem(parts.problem, problem);
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
 await listInterrupted();

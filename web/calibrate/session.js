@@ -57,6 +57,8 @@ export class CaptureSession {
   #request;
   #about;
   #credential = "";
+  /** How often it was begun anew, with its views, since the one before was there no more. */
+  restored = 0;
   /** @type {View[]} in the order in which they were captured */
   #views = [];
   #save;
@@ -231,6 +233,7 @@ export class CaptureSession {
     }
     for (const view of this.#views) [view.index, view.taken] = [null, false];
     await this.start();
+    this.restored += 1;
     this.#changed();
     for (const view of this.#views.filter((each) => each !== own)) {
       const { index } = await this.#call("GET", "/session/pose");

@@ -128,6 +128,8 @@ export default {
   },
   away_now: "Ohne Verbindung: Machen Sie weiter, Ansichten werden hier aufgehoben.",
   away_enough: "Ohne Verbindung: Es sind genug Ansichten aufgehoben; sie werden gesendet, sobald calibDB wieder da ist.",
+  begun_anew: "Die Sitzung war abgelaufen: Eine neue hat Ihre Ansichten.",
+  was_hidden: "Solange diese Seite verborgen war, wurde nichts aufgenommen. Machen Sie weiter.",
   not_kept: "Dieser Browser hat keinen Platz, Ansichten aufzuheben: Schließen Sie die Seite nicht.",
   resized: "Das Bild hat jetzt eine andere Größe: Das ist eine eigene Kalibrierung. Zurückdrehen setzt die erste fort.",
   legacy_taken: "Die Tafel hat die ältere Anordnung und wird nun so genommen.",

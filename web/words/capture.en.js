@@ -133,6 +133,8 @@ export default {
   },
   away_now: "Without connection: go on, views are kept here.",
   away_enough: "Without connection: enough views are kept here, and are sent once calibDB is back.",
+  begun_anew: "The session had run out: a new one has your views.",
+  was_hidden: "Nothing was taken while this page was hidden. Go on.",
   not_kept: "This browser has no room to keep views: do not close the page.",
   resized: "The picture has another size now: that is a calibration of its own. Turn back to go on with the first.",
   legacy_taken: "The board has the older layout, and is now taken as such.",

@@ -1,0 +1,106 @@
+"""What a person does beside the capture, and what the first minute says to whom it does not go well."""
+
+import re
+
+import pytest
+from playwright.sync_api import BrowserContext, Page
+
+from .interruptions import ENDLESS, UNPLUG, views
+from .pictures import picture
+from .scenes import CAMERA
+
+# One device that is there or not, and what was asked of it.
+PLUGGED = f"""{CAMERA}
+  window.there = true;
+  const give = navigator.mediaDevices.getUserMedia;
+  navigator.mediaDevices.getUserMedia = (constraints) => {{
+    window.asked = constraints.video;
+    return window.refusal ? Promise.reject(new DOMException("", window.refusal)) : give();
+  }};
+  navigator.mediaDevices.enumerateDevices = async () =>
+    window.there ? [{{ kind: "videoinput", deviceId: "c920", label: "HD Pro Webcam C920 (046d:082d)" }}] : [];
+"""
+PLUG = """(there) => {
+  window.there = there;
+  navigator.mediaDevices.dispatchEvent(new Event("devicechange"));
+}"""
+
+
+def test_language_keys_and_drawers_in_the_middle_of_a_capture(page: Page) -> None:
+    page.goto(f"{ENDLESS}&camera=Another+one")
+    page.locator("#undo:enabled").wait_for()
+    assert page.locator("#another").is_hidden(), "read by now"
+    page.reload()
+    page.locator("#another", has_text="Asked for: Another one. Opened: calibDB virtual camera").wait_for()
+    assert "Asked for: Another one" in (page.locator("#said").text_content() or ""), "it is read out too"
+
+    page.locator("#language").select_option("de")
+    assert page.locator("#stop").text_content() == "Aufhören"
+    assert "Ansicht" in (page.locator("#counts").text_content() or "")
+    page.locator("#said", has_text=re.compile("[Kk]ante|halten|drehen|Nach |heran|weg")).wait_for()
+    page.locator("#language").select_option("en")
+
+    drawer = page.locator("#senses")
+    drawer.locator("summary").click()
+    page.keyboard.press("Escape")
+    assert drawer.get_attribute("open") is None
+    assert page.evaluate("document.activeElement.parentElement.id") == "senses", "the focus stays there"
+    drawer.locator("summary").click()
+    page.locator("#stage").click()
+    assert drawer.get_attribute("open") is None
+    page.keyboard.press("Escape")
+    assert page.locator("#controls").is_visible(), "no key ends a capture by accident"
+
+    assert views(page) >= 1
+    page.keyboard.press("u")
+    page.locator("#notice", has_text="The last view was taken back.").wait_for()
+
+
+def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: Page) -> None:
+    page.add_init_script(PLUGGED)
+    page.goto("/calibrate/")
+    page.locator("#resolution").select_option("1920 × 1080")
+    page.locator("#start").click()
+    page.locator("#notice", has_text="The camera gives 1280 × 720: that is calibrated.").wait_for()
+    asked = page.evaluate("window.asked")
+    assert (asked["width"], asked["height"]) == ({"ideal": 1920}, {"ideal": 1080})
+    assert asked["resizeMode"] == "none"
+    page.evaluate(PLUG, False)
+    page.evaluate(UNPLUG)
+    page.locator("#failure", has_text="The camera was unplugged. Plug it in again").wait_for()
+    page.evaluate(PLUG, True)
+    page.locator("#controls:not([hidden])").wait_for()
+
+
+@pytest.mark.parametrize(
+    ("refusal", "said"),
+    [
+        ("NotAllowedError", "The camera was not allowed. Allow it in the address bar, then try again."),
+        ("NotReadableError", "Another program is using the camera. Close it, then try again."),
+        ("NotFoundError", "No camera was found. Plug one in, or try the virtual camera."),
+    ],
+)
+def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page, refusal: str, said: str) -> None:
+    page.add_init_script(PLUGGED + f"window.refusal = '{refusal}';")
+    page.goto("/calibrate/")
+    page.locator("#start").click()
+    page.locator("#failure", has_text=said).wait_for()
+    assert page.locator("#failed-virtual").is_visible() == (refusal == "NotFoundError")
+    page.evaluate("window.refusal = ''")
+    page.locator("#again").click()
+    page.locator("#controls:not([hidden])").wait_for()
+
+
+def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> None:
+    page = context.new_page()
+    page.goto("/calibrate/")
+    page.locator("#wanted", has_text="No camera was found. Plug one in, or try the virtual one").wait_for()
+    assert page.locator("#start-virtual.primary").is_visible()
+    picture(page, "capture-no-camera")
+    assert page.locator("#resolutions").is_visible()
+    page.locator("#camera").select_option("virtual")
+    assert page.locator("#resolutions").is_hidden(), "it has one size"
+    page.locator("#start").click()
+    page.locator("#opening:not([hidden]), #controls:not([hidden])").wait_for()
+    page.locator("#practice").wait_for(state="attached")
+    page.locator("#facts", has_text="calibDB virtual camera").wait_for()
