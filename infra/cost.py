@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -17,10 +18,12 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from botocore.awsrequest import AWSPreparedRequest
 
 from infra import load
-from infra.local import LocalStack
+from infra.local import LocalStack, intercept
 from infra.local.stack import DEVELOPMENT_TOKEN
+from infra.local.storage import Answer
 
 PRICES = Path(__file__).with_name("prices.yaml")
 MOST = {"a million lookups": 2.0, "a finished calibration": 0.0006}  # USD
@@ -39,8 +42,8 @@ class Use:
     ----------
     requests, sent
         Through the gateway; bytes of their answers.
-    invocations, gb_seconds
-        Of all functions, by the processor time that they take here: how busy this machine is does not count.
+    invocations, seconds, gb_seconds
+        Of all functions; the processor's time that they take here, without storage, and what Lambda bills for it.
     memory
         Of all invocations together, GB.
     reads, writes
@@ -54,6 +57,7 @@ class Use:
     requests: int = 0
     sent: int = 0
     invocations: int = 0
+    seconds: float = 0.0
     gb_seconds: float = 0.0
     memory: float = 0.0
     reads: float = 0.0
@@ -106,13 +110,21 @@ def write_units(item: int, *, together: bool) -> float:
     return max(1, math.ceil(item / 1024)) * (2.0 if together else 1.0)
 
 
+class _Storage(threading.local):
+    """Processor seconds that storage took in this thread."""
+
+    seconds = 0.0
+
+
 class Meter:
     """Counts what a stack's functions use."""
 
     def __init__(self, stack: LocalStack) -> None:
         self._stack = stack
         self.use = Use()
+        self.waiting = 0  # calls of functions by functions that have not been answered yet
         self._gb = 0.0
+        self._storage = _Storage()
 
     @contextmanager
     def running(self) -> Iterator[Use]:
@@ -128,9 +140,12 @@ class Meter:
             client.meta.events.register("after-call.*", self._answered, unique_id="meter-after")
         functions = dict(self._stack.functions)
         self._stack.functions.update({name: self._timed(f) for name, f in functions.items()})
+        services = intercept._interceptor.services
+        intercept._interceptor.services = {name: self._around(name, s) for name, s in services.items()}
         try:
             yield self.use
         finally:
+            intercept._interceptor.services = services
             self._stack.functions.update(functions)
             for client in used:
                 client.meta.events.unregister("provide-client-params.*", unique_id="meter")
@@ -152,18 +167,36 @@ class Meter:
 
         def timed(*arguments: Any) -> Any:
             self._gb = memory / 1024
-            begun = time.thread_time()
+            begun = time.thread_time() - self._storage.seconds
             try:
                 return function(*arguments)
             finally:
+                self.waiting -= "requestContext" not in arguments[0]
                 # Lambda gives a part of a processor with a part of its memory, and bills whole milliseconds.
-                taken = (time.thread_time() - begun) / min(1, memory / _WHOLE_PROCESSOR)
+                alone = time.thread_time() - self._storage.seconds - begun
+                self.use.seconds += alone
+                taken = alone / min(1, memory / _WHOLE_PROCESSOR)
                 self.use.gb_seconds += math.ceil(taken * 1e3) / 1e3 * memory / 1024
                 self.use.memory += memory / 1024
                 self.use.invocations += 1
 
         timed.spec = function.spec  # type: ignore[attr-defined]  # as a Function has it
         return timed
+
+    def _around(self, name: str, service: intercept.Service) -> intercept.Service:
+        """Storage runs in this process; its part in the time of a function is not the function's."""
+
+        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
+            if name == "lambda":
+                self.waiting += 1
+                return service(operation, request)
+            begun = time.thread_time()
+            try:
+                return service(operation, request)
+            finally:
+                self._storage.seconds += time.thread_time() - begun
+
+        return handle
 
     def _asked(self, params: Mapping[str, Any], model: Any, **_: object) -> None:
         service, use = model.service_model.service_name, self.use
@@ -205,10 +238,8 @@ def finished(meter: Meter, seed: int) -> None:
 
 def settled(meter: Meter) -> None:
     """Wait until the functions that were asked for later have done their part."""
-    before = -1
-    while before != meter.use.invocations:
-        before = meter.use.invocations
-        time.sleep(2)
+    while meter.waiting:
+        time.sleep(0.05)
 
 
 def measured(lookups: int = 200) -> dict[str, Use]:

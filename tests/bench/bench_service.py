@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from calibdb import schema
+from infra.cost import Meter
 from infra.local import LocalStack
 from tests.bench.table import Row, p50
 from tests.client import Client, Truth
@@ -27,6 +28,11 @@ def rows() -> Iterator[Row]:
                 raise RuntimeError(f"five calibrations were not enough: {first.json}")
             time.sleep(0.1)
         yield Row("lookup handler, embedded store", p50(client.lookup, repeat=200), 5, "ms")
+        with Meter(stack).running() as use:
+            for _ in range(200):
+                client.lookup()
+        alone = 1e3 * use.seconds / use.invocations
+        yield Row("lookup handler without the store", alone, None, "ms", "processor time")
         yield submit(client)
         yield from computed_on_the_fly(stack, client)
     for function, budget in (("lookup", 400), ("submit", 1000)):
