@@ -43,7 +43,7 @@ class Use:
     requests, sent
         Through the gateway; bytes of their answers.
     invocations, seconds, gb_seconds
-        Of all functions; the processor's time that they take here, without storage, and what Lambda bills for it.
+        Of all functions; the processor's time that they take here without storage, and what is billed for it.
     memory
         Of all invocations together, GB.
     reads, writes
