@@ -80,6 +80,22 @@ def faulty(
 
 
 @contextmanager
+def watched() -> Iterator[list[str]]:
+    """Nothing goes wrong; yields the operations that storage is asked for."""
+    met: list[str] = []
+
+    def around(service: Service) -> Service:
+        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
+            met.append(operation)
+            return service(operation, request)
+
+        return handle
+
+    with replaced({name: around(s) for name, s in intercept._interceptor.services.items()}):
+        yield met
+
+
+@contextmanager
 def stale() -> Iterator[list[str]]:
     """Reads that may be eventually consistent answer as they first did within the block."""
     first: dict[tuple[str, bytes], Answer] = {}

@@ -8,6 +8,7 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.tokens import ApiToken, SessionIds, Ticket, secret_hash
 from infra.local import LocalStack
+from tests import faults
 from tests.client import CAMERA, TOKEN, Client
 
 VIEW = {"index": 0, "ids": [0], "points": [[1, 1]]}
@@ -47,6 +48,23 @@ def test_missing(client: Client, method: str, path: str, body: object, query: st
 )
 def test_wrong_token(client: Client, method: str, path: str, body: object, query: str, token: str) -> None:
     assert client.call(method, path, body, token=token, query=query).status == 403
+
+
+@pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN)
+def test_nothing_tells_an_unknown_token_from_a_wrong_secret(
+    store: Store, client: Client, method: str, path: str, body: object, query: str
+) -> None:
+    """Neither the answer nor what is asked of storage, by which its time is spent."""
+    token_id = f"rare{len(path)}{method.lower()}"
+    store.tokens.create(ApiToken(token_id, secret_hash("s3cret")))
+    met = []
+    for token in ("cdb_nobody_s3creT", f"cdb_{token_id}_s3creT"):
+        with faults.watched() as asked:
+            answer = client.call(method, path, body, token=token, query=query)
+        met.append((answer.status, answer.body, sorted(answer.headers), list(asked)))
+    assert met[0] == met[1]
+    assert met[0][0] == 403
+    assert met[0][-1] == ["GetItem"]
 
 
 @pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN)
