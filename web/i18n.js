@@ -20,6 +20,7 @@
 export const LANGUAGES = { en: "English", de: "Deutsch", uk: "Українська" };
 const CHOICE = { en: "Language", de: "Sprache", uk: "Мова" };
 const KEPT = "calibdb.language";
+const UNIT = /(\d) (?=(?:px|mm|%|s)(?![\p{L}\d]))/gu; // no line ends between a number and its unit
 
 /** @type {Map<string, Room>} */
 const rooms = new Map();
@@ -80,7 +81,8 @@ export function say(key, values, spoken) {
   const text = rooms.get(key.slice(0, dot))?.[spoken]?.[key.slice(dot + 1)];
   if (text === undefined) return key;
   const form = typeof text === "string" ? text : text[new Intl.PluralRules(spoken).select(Number(values.count))] ?? text.other ?? key;
-  return form.replace(/\{(\w+)\}/g, (braces, name) => (name in values ? String(values[name]) : braces));
+  const whole = form.replace(/\{(\w+)\}/g, (braces, name) => (name in values ? String(values[name]) : braces));
+  return whole.replace(UNIT, "$1\u00a0");
 }
 
 /** Whether there is such a text. @param {string} key */

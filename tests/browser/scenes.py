@@ -14,6 +14,8 @@ CAMERA = """
     return stream;
   };
 """
+# The browser asks whether the page may have the camera, and nobody answers.
+UNANSWERED = "navigator.mediaDevices.getUserMedia = () => new Promise(() => {});"
 
 
 def no_network(page: Page) -> None:

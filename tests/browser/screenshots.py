@@ -14,9 +14,10 @@ from playwright.sync_api import BrowserContext, FilePayload, Page
 from tests.data import data_dir
 
 from .conftest import OUTPUT
+from .interruptions import TURN
 from .pictures import SIZES, picture
-from .scenes import CAMERA, no_network, unreadable
-from .specimens import answer, camera, cameras, result
+from .scenes import CAMERA, UNANSWERED, no_network, unreadable
+from .specimens import CAMERAS, answer, camera, cameras, result
 from .truth import Truth
 
 READ = {
@@ -147,6 +148,48 @@ def test_what_the_capture_says_of_what_happens(page: Page) -> None:
     page.goto("/calibrate/")
     page.locator("#interrupted:not([hidden])").wait_for()
     picture(page, "shot-capture-interrupted", SIZES)
+
+
+def test_the_camera_is_not_there_yet(page: Page) -> None:
+    page.add_init_script(UNANSWERED)
+    page.goto("/calibrate/")
+    page.locator("#start").click()
+    page.locator("#opening:not([hidden])", has_text="allow it").wait_for()
+    picture(page, "shot-capture-opening", SIZES)
+
+
+def test_another_camera_than_was_asked_for(page: Page) -> None:
+    page.goto(f"{HELD}&camera=HD+Pro+Webcam+C920+(046d:082d)")
+    page.locator("#another:not([hidden])").wait_for()
+    picture(page, "shot-capture-another", SIZES)
+
+
+def test_a_device_that_is_turned(page: Page) -> None:
+    page.goto(HELD)
+    page.locator("#undo:enabled").wait_for()
+    page.evaluate(TURN)
+    page.locator("#notice", has_text="a calibration of its own").wait_for()
+    picture(page, "shot-capture-resized", SIZES)
+
+
+def test_a_result_without_some_views(page: Page) -> None:
+    specimens(page)
+    less = result()
+    less["report"]["views"] = [view for view in less["report"]["views"] if view["index"] not in {4, 5}]
+    answer(page, "**/v1/calibrations/*?without=*", lambda: less | {"id": None})
+    page.goto("/result/?id=x")
+    page.locator("#leave-these").click()
+    page.locator(".trial").wait_for()
+    picture(page, "shot-result-without", SIZES, full=True)
+    page.locator("#result-views").scroll_into_view_if_needed()
+    picture(page, "shot-result-without-views", SIZES)
+
+
+def test_a_practice_is_said_to_be_one(page: Page) -> None:
+    answer(page, "**/v1/calibrations/x", lambda: result() | {"camera": CAMERAS[-1][0]})
+    page.goto("/result/?id=x")
+    page.locator(".practice").wait_for()
+    picture(page, "shot-result-practice", SIZES)
 
 
 def test_without_the_network(context: BrowserContext) -> None:

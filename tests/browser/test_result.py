@@ -76,8 +76,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(page: Page, api: httpx.Cli
     assert json.loads(page.locator("#json").text_content() or "")["camera_matrix"] == less["camera_matrix"]
     before, after = (each["uncertainty"]["rms"] for each in (state["calibration"], less))
     assert after > before
-    said = page.locator("#without-status").text_content() or ""
-    assert f"{after:.2g} px off, with it {before:.2g} px" in said
+    page.locator("#without-status", has_text=f"{after:.2g} px off, with it {before:.2g} px").wait_for()
     picture(page, "result-without", full=True)
     page.locator("#format").select_option("ros")
     with page.expect_download() as download:

@@ -83,6 +83,11 @@ test("values and plural forms are put in", () => {
   assert.equal(say("trial.none", {}, "en"), "trial.none");
 });
 
+test("no line ends between a number and its unit", () => {
+  learn({ units: { en: { a: "{n} px off, 94 % of 3 views, 5 same" }, de: { a: "" }, uk: { a: "" } } });
+  assert.equal(say("units.a", { n: 0.4 }, "en"), "0.4\u00a0px off, 94\u00a0% of 3 views, 5 same");
+});
+
 test("numbers have the signs and digits of people", () => {
   setLanguage("de");
   assert.equal(number(-0.25, 3), "−0,250");

@@ -145,14 +145,15 @@ function helped({ origin, calibration: { camera, platform, calibrations } }) {
 }
 
 /** The verdict, and why. @param {Result} result @param {Trial | null} trial */
-function opening({ calibration, report, again, notes = [] }, trial) {
+function opening({ calibration, report, origin, again, notes = [] }, trial) {
   const level = report?.verdict.level ?? levelOf(calibration);
   const practice = isVirtual(calibration.camera);
   const { uncertainty: { rms, max }, img_size } = calibration;
   const values = { rms: number(rms, rms < 0.1 ? 2 : 1), max: number(max, max < 0.1 ? 2 : 1) };
   const reasons = [...(report?.verdict.reasons ?? []), ...notes];
   return el("header", { class: "opening" },
-    ...(practice ? [el("p", { class: "practice" }, t("result.practice"))] : []),
+    // Where it was captured the page itself has said so.
+    ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
     el("p", { class: "label" }, [calibration.camera, img_size.join(" × "), calibration.distortion_model].join(" · ")),
     ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: named(trial.without) }))] : []),
     el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),

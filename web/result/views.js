@@ -41,9 +41,10 @@ export function viewsPart({ calibration, report }, trial, choices) {
       const view = shown.views.find(({ index }) => index === original.index) ?? original;
       const what = out ? null : complaint(view, shown.views);
       return el("li", { class: out ? "out" : "" }, residualPlot(calibration, view, shown.views, factor),
-        el("p", { class: "number" }, el("strong", {}, t("result.view", { index: view.index + 1 })), ` ${number(view.rms, 2)} px`),
-        ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []),
-        ...(choices ? [toggle(view.index, left, choices)] : []));
+        el("div", { class: "which" },
+          el("p", { class: "number" }, el("strong", {}, t("result.view", { index: view.index + 1 })), ` ${number(view.rms, 2)}\u00a0px`),
+          ...(choices ? [toggle(view.index, left, choices)] : [])),
+        ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []));
     })),
     ...(choices ? [standing(calibration, trial, choices)] : []));
 }
