@@ -163,14 +163,15 @@ def pool(
         calibration_time=newest.time,
         calibrations=len(agreed.members),
         contributors=agreed.contributors,
-        spread=finite(agreed.spread),
-        held_out_error=finite(agreed.held_out_error),
+        spread=within(agreed.spread, mode.img_size),
+        held_out_error=within(agreed.held_out_error, mode.img_size),
     )
     confirmable = precision.confirmable(calibration) and (
         agreed.reason == "few_contributors"
         or (agreed.reason == "too_few" and consistent(members, mode, model, rule))
     )
-    errors = {name: e for name, error in agreed.member_errors.items() if (e := finite(error)) is not None}
+    sizes = ((name, within(error, mode.img_size)) for name, error in agreed.member_errors.items())
+    errors = {name: error for name, error in sizes if error is not None}
     return (
         stored(found=agreed.reason, confirmable=confirmable, calibration=calibration),
         GroupsDocument(pooled=pooled, groups=agreed.groups, errors=errors),
@@ -242,6 +243,6 @@ def digest(*parts: object) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-def finite(number: float | None) -> float | None:
-    """Return the number, None where there is none or it is infinite: JSON knows no such thing."""
-    return number if number is not None and math.isfinite(number) else None
+def within(px: float, img_size: tuple[int, int]) -> float | None:
+    """Return a length, None where it is no number or larger than the image: then nothing is explained."""
+    return px if px <= math.hypot(*img_size) else None

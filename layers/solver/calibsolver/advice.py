@@ -8,6 +8,7 @@ from .calibration import Calibration
 from .choice import suggest_model
 from .errors import CalibrationError
 from .view import View
+from .words import times
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ def disagreement(off: float | None, better: str | None) -> tuple[Advice, ...]:
     """Say that the last view was `off` times as far off as predicted, and which model is better."""
     said = []
     if off is not None:
-        text = f"The last view lies {off:.1f} times as far off as was predicted; more views will tell."
+        text = f"The last view lies {times(off)} as far off as was predicted; more views will tell."
         said.append(Advice("prediction_disagrees", text))
     if better is not None:
         text = f"This lens bends more than the model can; {better} explains it better."

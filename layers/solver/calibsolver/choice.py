@@ -11,6 +11,7 @@ from .errors import CalibrationError
 from .fit import MIN_POINTS, fit
 from .heldout import HeldOut, held_out
 from .view import View
+from .words import off
 
 PLAIN = ("rectilinear", "fisheye", "omnidirectional", "rational")
 """From what every tool understands to what has most coefficients; others follow."""
@@ -67,7 +68,7 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     best = min(scores, key=lambda name: scores[name].rms)
     chosen = next(name for name in sorted(scores, key=simplicity) if close(scores[name], scores[best]))
     errors = {name: scores[name].rms if name in scores else None for name in models.NAMES}
-    return Choice(chosen, errors, tuple(reasons(chosen, best, scores, refused)))
+    return Choice(chosen, errors, tuple(reasons(chosen, best, scores, refused, img_size)))
 
 
 def simplicity(name: str) -> tuple[int, int]:
@@ -98,17 +99,23 @@ def close(one: HeldOut, best: HeldOut) -> bool:
 
 
 def reasons(
-    chosen: str, best: str, scores: Mapping[str, HeldOut], refused: Mapping[str, CalibrationError]
+    chosen: str,
+    best: str,
+    scores: Mapping[str, HeldOut],
+    refused: Mapping[str, CalibrationError],
+    img_size: tuple[int, int],
 ) -> list[str]:
     """Say why, model by model."""
-    found = [f"{chosen} explains views left out of its fit to {scores[chosen].rms:.2f} px"]
+    width = img_size[0]
+    found = [f"views left out of the fit of {chosen} are {off(scores[chosen].rms, width, 2)}"]
     for name, result in scores.items():
         if name == chosen:
             continue
+        told = off(result.rms, width, 2)
         if simplicity(name) < simplicity(chosen):
-            found.append(f"{name} is simpler but explains them to {result.rms:.2f} px only")
+            found.append(f"{name} is simpler, but with it they are {told}")
         elif name == best and result.rms < scores[chosen].rms:
-            found.append(f"{name} explains them to {result.rms:.2f} px: not enough for a less simple model")
+            found.append(f"with {name} they are {told}: not enough for a less simple model")
         else:
-            found.append(f"{name} is no better: {result.rms:.2f} px")
+            found.append(f"{name} is no better: {told}")
     return found + [f"{name} does not fit: {error}" for name, error in refused.items()]

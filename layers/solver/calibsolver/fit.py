@@ -296,7 +296,9 @@ class _Fit:
         plausible.demand(self.problem, state, good, self.robust)
         state = self.left_out_posed(state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
-        square = np.where(mask, state.square, 0.0)
+        # No point is farther off than the image is large: of a view that no pose explains the model says
+        # anything.
+        square = np.minimum(np.where(mask, state.square, 0.0), float(np.hypot(*img_size)) ** 2)
         rms = float(np.sqrt(square.sum() / mask.sum()))
         sigma = self.sigma(state, good)
         s = self.information(state, good)

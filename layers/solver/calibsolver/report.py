@@ -33,14 +33,15 @@ def describe(
     Returns
     -------
     ``verdict`` (level, reasons), ``std`` (standard deviations of the intrinsics), ``error_map`` (predicted
-    projection error over the image, px, null where the model has no ray), ``held_out`` (px), ``views``: per
-    view its ``index``, ``rms``, ``points`` (px), ``residuals`` (measured minus predicted, px), ``rvec``,
+    projection error over the image, px, null where the model has no ray), ``held_out`` (px; null where there
+    is none, or more than the image is wide), ``views``: per view its ``index``, ``rms``, ``points`` (px),
+    ``residuals`` (measured minus predicted, px), ``rvec``,
     ``tvec`` (board -> camera), ``cut`` (numbers of the points left out), ``reason`` (why the whole view was
     left out, or null).
     """
     verdict = assess(calibration, views, held_out)
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
-    grid = (20, 15)
+    grid, width = (20, 15), calibration.camera.img_size[0]
     vectors = residual_vectors(calibration, views)
     return {
         "verdict": {
@@ -55,7 +56,7 @@ def describe(
             "grid": list(grid),
             "px": _nested(calibration.projection_std(grid), _digits),
         },
-        "held_out": None if held_out is None else round(held_out, 4),
+        "held_out": None if held_out is None or held_out > width else round(held_out, 4),
         "views": [
             {
                 "index": i if indices is None else indices[i],

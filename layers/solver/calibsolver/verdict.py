@@ -13,6 +13,7 @@ from .normal import Poses, project
 from .observations import Observations
 from .uncertainty import pixel_grid
 from .view import View
+from .words import off
 
 Level = Literal["good", "fair", "poor"]
 Code = Literal[
@@ -97,12 +98,13 @@ def assess(calibration: Calibration, views: Sequence[View], held_out: float | No
     note(_below(seen, COVERED), "edges_not_covered", text)
 
     error = calibration.uncertainty().rms
-    text = f"projections are expected to be {error:.1f} px off: more views would help"
+    width = calibration.camera.img_size[0]
+    text = f"projections are expected to be {off(error, width)}: more views would help"
     note(_above(error / scale, UNCERTAIN), "uncertain", text)
 
     train = calibration.avg_reprojection_error
     if held_out is not None and held_out - train > NOTICED * scale:
-        text = f"views left out of the fit are explained to {held_out:.2f} px, those in it to {train:.2f} px"
+        text = f"views left out of the fit are {off(held_out, width, 2)}, those in it {off(train, width, 2)}"
         note(_above(held_out / max(train, 1e-12), OVER_FITTED), "over_fitted", text)
 
     share, common = systematic(calibration, views)

@@ -1,6 +1,7 @@
 """The verdict and the figures behind it."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -71,6 +72,25 @@ def test_over_fitting_is_what_held_out_views_show() -> None:
     train = calibration.avg_reprojection_error
     assert codes(calibration, views, 2 * train) == {"over_fitted"}
     assert assess(calibration, views, 5 * train).level == "poor"
+
+
+def test_where_nothing_is_explained_words_stand_for_numbers() -> None:
+    """Two views of eight under other corners' names: what a model says of them may be any number."""
+    rng = np.random.default_rng(10)
+    camera = synthetic.rectilinear_cameras()[10]
+    views = specimens.views(camera, rng, count=8)
+    for i in range(2):
+        views[i] = View(views[i].object_points, rng.permutation(views[i].image_points))
+    calibration = fit(views, camera.img_size)
+    diagonal = np.hypot(*camera.img_size)
+    assert set(calibration.cut_views) == {0, 1}
+    assert calibration.avg_reprojection_error < diagonal
+    assert calibration.view_errors.max() <= diagonal
+    described = describe(calibration, views, held_out=3.1e10)
+    assert described["held_out"] is None
+    texts = [reason["text"] for reason in described["verdict"]["reasons"]]
+    assert any("off by more than the image is wide" in text for text in texts)
+    assert not any(len(number) > 4 for text in texts for number in re.findall(r"\d+", text))
 
 
 def test_description_is_json_and_says_what_the_fit_says() -> None:

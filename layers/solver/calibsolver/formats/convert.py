@@ -10,6 +10,7 @@ from ..fit import fit
 from ..models import Model
 from ..observations import Observations
 from ..view import View
+from ..words import off
 from .base import Conversion, Shape, Subject
 
 ITERATIONS = 50
@@ -53,10 +54,11 @@ def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
     near = [conversion for rms, conversion in found if rms <= enough]
     widest = max(conversion.coverage for conversion in near)
     held = next(conversion for conversion in near if conversion.coverage > widest - LOST)
-    if held.error > FARTHEST * subject.camera.img_size[0]:
+    width = subject.camera.img_size[0]
+    if held.error > FARTHEST * width:
         raise CalibrationError(
             "not_representable",
-            f"the closest camera that this format can hold is {held.error:.0f} px off somewhere in the image",
+            f"the closest camera this format can hold is {off(held.error, width, 0)} somewhere in the image",
         )
     return held
 
