@@ -48,6 +48,39 @@ NATIVE = """
   const native = /native code/.test(XRSession.toString());
   return { native, nothing: [stranger.none, strange, still, none], first, second, refused };
 """
+RAW = """
+  // As Chrome on Android has it, where raw camera access was granted; the projection is the browser's own.
+  Object.defineProperty(XRView.prototype, "camera", { value: { width: 640, height: 360 } });
+  const { extend } = await import("/webxr/extension.js");
+  const asked = [];
+  extend(async (session, model, size) => void asked.push(size));
+  const session = await navigator.xr.requestSession("inline");
+  await layered(session);
+  session.updateRenderState({ inlineVerticalFieldOfView: 1.25 });
+  const space = await session.requestReferenceSpace("viewer");
+  const view = await until(session, space, () => true);
+  void session.end();
+  return { view, asked };
+"""
+CHANGING = """
+  const { useCamera } = await import("/webxr/camera.js");
+  const { video, track, resize } = await webcam([1280, 720], label);
+  const answers = [];
+  const onAnswer = ({ calibration, reason }) => answers.push(reason ?? calibration.img_size);
+  const stop = await useCamera(video, { token: "cdb_dev_local", onAnswer });
+  const session = await navigator.xr.requestSession("immersive-ar", { optionalFeatures: ["local-floor"] });
+  await layered(session);
+  const space = await session.requestReferenceSpace("local-floor");
+  const seen = [await until(session, space, (view) => view.distortionModel)];
+  for (const [size, known] of [[[720, 1280], false], [[1280, 720], true]]) {
+    resize(...size);
+    track.dispatchEvent(new Event("configurationchange"));
+    seen.push(await until(session, space, (view) => (view.distortionModel !== null) === known));
+  }
+  stop();
+  await session.end();
+  return { seen, answers };
+"""
 IMMERSIVE = """
   const { extend } = await import("/webxr/extension.js");
   const { install, isNeeded } = await import("/webxr/install.js");
@@ -143,3 +176,28 @@ def test_augmented_reality_on_a_webcam(page: Page) -> None:
 
 def test_augmented_reality_on_a_webcam_in_firefox(stack: str) -> None:
     check_immersive(in_firefox(f"{stack}/board/", script(IMMERSIVE)))
+
+
+def test_raw_camera_access_gives_what_the_browser_knows(page: Page) -> None:
+    page.goto("/board/")
+    seen = page.evaluate(script(RAW))
+    focal = 180 / np.tan(1.25 / 2)
+    assert seen["view"]["matrix"] == pytest.approx([focal, 0, 0, 0, focal, 0, 319.5, 179.5, 1], abs=1e-4)
+    assert (seen["view"]["coefficients"], seen["view"]["model"]) == (None, None)
+    assert seen["asked"] == [[640, 360]]
+
+
+def test_a_camera_that_is_turned_is_asked_for_again(context: BrowserContext, api: httpx.Client) -> None:
+    known = calibrated(api)
+    page = context.new_page()  # which may complain: what is unknown upright is a 404
+    page.goto("/board/")
+    found = page.evaluate(script(CHANGING, label=LABEL))
+    first, turned, again = found["seen"]
+    check_answered(first, known)
+    check_nothing(turned)
+    check_answered(again, known)
+    assert [each if isinstance(each, str) else tuple(each) for each in found["answers"]] == [
+        (1280, 720),
+        "other_size",
+        (1280, 720),
+    ]
