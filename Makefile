@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops bundle openapi plan lock layers deploy deploy-plan rehearsal cost conformance checkov clean setup
+.PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops bundle openapi plan lock layers deploy deploy-plan rehearsal cost conformance checkov verify load clean setup
 
 AUDIT := .build/audit/bin/pip-audit
 
@@ -78,6 +78,10 @@ bench-keys: setup
 bench-load: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench.crowd
 
+# Captures from many clients at once, of any stack: ARGS="http://127.0.0.1:8000 --sessions 20"; --help says more
+load: .venv/.made
+	@$(PY) -m infra.load $(ARGS)
+
 # Requests made of the OpenAPI document, and values of every schema, as many as CASES
 fuzz: setup
 	@CASES=$(or $(CASES),5000) $(PY) -m pytest tests/service/test_openapi_fuzz.py tests/unit/service/test_schema_fuzz.py
@@ -110,7 +114,7 @@ node_modules/.made: package-lock.json
 	npm ci --silent
 	@touch $@
 
-web/vendor/api.d.ts: node_modules/.made infra/tools/vendor.mjs web/openapi.json
+web/vendor/api.d.ts: node_modules/.made infra/tools/vendor.mjs infra/tools/engines.mjs web/openapi.json
 	node infra/tools/vendor.mjs
 	@touch $@
 
@@ -175,6 +179,9 @@ $(CHECKOV):
 # Is the deployment as careful as others' rules have it? infra/checkov.yaml argues with those it does not follow.
 checkov: $(CHECKOV)
 	$(CHECKOV) --config-file infra/checkov.yaml --skip-download -f template.yaml
+
+# All that other people's programs say of the deployment, each in an environment of its own
+verify: checkov conformance rehearsal
 
 clean:
 	rm -rf .venv .build node_modules web/vendor
