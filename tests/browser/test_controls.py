@@ -20,6 +20,11 @@ PLUGGED = f"""{CAMERA}
   navigator.mediaDevices.enumerateDevices = async () =>
     window.there ? [{{ kind: "videoinput", deviceId: "c920", label: "HD Pro Webcam C920 (046d:082d)" }}] : [];
 """
+# What speaks by itself to who listens to the page.
+LIVE = """() => [
+  ...document.querySelectorAll("[aria-live]:not([aria-live=off]), [role=alert], [role=status]"),
+  ...document.querySelectorAll("output:not([aria-live])"),
+].filter((each) => each.checkVisibility()).map(({ id }) => id)"""
 PLUG = """(there) => {
   window.there = there;
   navigator.mediaDevices.dispatchEvent(new Event("devicechange"));
@@ -33,6 +38,8 @@ def test_language_keys_and_drawers_in_the_middle_of_a_capture(page: Page) -> Non
     page.reload()
     page.locator("#another", has_text="Asked for: Another one. Opened: calibDB virtual camera").wait_for()
     assert "Asked for: Another one" in (page.locator("#said").text_content() or ""), "it is read out too"
+
+    assert page.evaluate(LIVE) == ["said"], "one voice at a time"
 
     page.locator("#language").select_option("de")
     assert page.locator("#stop").text_content() == "Aufhören"

@@ -122,6 +122,15 @@ test("instructions say what is missing, and stand for 400 ms", () => {
   assert.equal(there.instruction.code, "hold");
 });
 
+test("what was said of one target does not stand for the next", () => {
+  const held = capturing(frames(frame(THERE), 600));
+  assert.equal(held.instruction.code, "hold");
+  const next = reduce(held, { type: "pose", pose: target(ELSEWHERE, 1), picture: "blob:2", time: 650 });
+  assert.equal(next.instruction.code, "tilt_right");
+  const unseen = reduce(capturing(frames(NOTHING, 500)), { type: "pose", pose: target(ELSEWHERE, 1), picture: "blob:2", time: 650 });
+  assert.equal(unseen.instruction.code, "show", "without a board in sight there is nothing new to say");
+});
+
 test("in a mirrored preview left is right", () => {
   assert.deepEqual(["left", "up_right", "tilt_left", "turn_clockwise", "tilt_top", "closer"].map(asMirrored),
     ["right", "up_left", "tilt_right", "turn_counterclockwise", "tilt_top", "closer"]);

@@ -13,8 +13,8 @@ test("a steady hand is held since its first frame", () => {
   assert.deepEqual([held, frames], [250, 5]);
 });
 
-test("a jump begins a new hold", () => {
-  const { held, frames } = watch([100, 100, 100, 104, 104]);
+test("a jump begins a new hold, once it lasts", () => {
+  const { held, frames } = watch([100, 100, 100, 104, 104, 104, 104]);
   assert.deepEqual([held, frames], [50, 1]);
 });
 
@@ -31,9 +31,20 @@ test("the limit scales with the width of the image", () => {
   assert.equal(watch([100, 101.5, 100], 640).frames, 0);
 });
 
+test("a smeared frame is passed over in a hold, not before one, and not for long", () => {
+  const held = watch([100, 100, 100]);
+  const nothing = { ids: [], points: [] };
+  const passed = observe(held, nothing, 150, 1280);
+  assert.equal(passed, held, "the very same: nothing was learnt");
+  assert.equal(observe(passed, at(100), 200, 1280).held, 200);
+  assert.equal(observe(passed, at(108), 200, 1280), held);
+  assert.equal(observe(passed, at(108), 250, 1280).held, 0, "that is movement");
+  assert.equal(observe(watch([100]), nothing, 50, 1280).anchor, nothing);
+});
+
 test("too few common corners are no evidence of stillness", () => {
   const few = { ids: [0, 1, 7, 8], points: [[0, 0], [1, 0], [2, 0], [3, 0]] };
   assert.equal(motion(at(0), few), Infinity);
-  assert.equal(observe(watch([100, 100]), few, 100, 1280).held, 0);
-  assert.equal(observe(watch([100, 100]), { ids: [], points: [] }, 100, 1280).held, 0);
+  assert.equal(observe(watch([100, 100]), few, 200, 1280).held, 0);
+  assert.equal(observe(watch([100, 100]), { ids: [], points: [] }, 200, 1280).held, 0);
 });

@@ -249,17 +249,21 @@ function posed(state, { pose, picture, time }) {
 function seen(state, { detection, time }) {
   const { ids, points, markers, size } = detection;
   if (!isOfSize(size, state.key)) return reduce(state, { type: "failed", code: "resized" });
-  const corners = { ids, points };
-  const outline = observedOutline(state.board, corners);
-  const moved = motion(state.corners, corners);
+  const found = { ids, points };
+  const moved = motion(state.corners, found);
+  const stillness = observe(state.stillness, found, time, size[0], lenience(state, time));
+  // A frame that is smeared in the middle of a hold is passed over, or the ring would start again and again.
+  const passed = stillness === state.stillness;
+  const corners = passed ? state.corners : found;
+  const outline = passed ? state.outline : observedOutline(state.board, corners);
   /** @type {State} */
   const next = {
     ...state,
     corners,
-    markers,
+    markers: passed ? state.markers : markers,
     outline,
     overlap: overlap(outline, state.pose, state.key),
-    stillness: observe(state.stillness, corners, time, size[0], lenience(state, time)),
+    stillness,
     diagnosis: diagnose(state.diagnosis, detection, moved, time),
     notice: time - state.noticedAt > NOTICE ? null : state.notice,
     stopAsked: state.stopAsked !== null && time - state.stopAsked > STOP ? null : state.stopAsked,

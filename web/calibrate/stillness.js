@@ -2,6 +2,7 @@
 
 const MOTION = 2; // px a frame at 1280 px image width, mean over the corners: the published rule
 const DRIFT = 6; // px away from where the hold began: slow movement is movement
+const GAP = 150; // ms for which frames may be smeared, or show nothing, before the hold is over
 const COMMON = 4; // corners that must be seen in both frames to compare them
 
 /**
@@ -12,24 +13,26 @@ const COMMON = 4; // corners that must be seen in both frames to compare them
  * @property {Corners | null} last
  * @property {number} since ms, when the hold began
  * @property {number} held ms
+ * @property {number} seen ms, when it was seen to be still last
  * @property {number} frames in the hold, the first not counted
  */
 
 /** @type {Stillness} */
-export const MOVING = { anchor: null, last: null, since: 0, held: 0, frames: 0 };
+export const MOVING = { anchor: null, last: null, since: 0, held: 0, seen: -Infinity, frames: 0 };
 
 /**
  * @param {Stillness} before @param {Corners} corners @param {number} time ms @param {number} width of the image, px
  * @param {number} [lenience] how many times a steady hand's motion counts as still
- * @returns {Stillness}
+ * @returns {Stillness} `before` itself where this frame says nothing: cameras smear one of ten in a hand that is still
  */
 export function observe(before, corners, time, width, lenience = 1) {
   const scale = (lenience * width) / 1280;
   const still = before.anchor && before.last
     && motion(before.last, corners) < MOTION * scale
     && motion(before.anchor, corners) < DRIFT * scale;
-  if (still) return { ...before, last: corners, held: time - before.since, frames: before.frames + 1 };
-  return { anchor: corners, last: corners, since: time, held: 0, frames: 0 };
+  if (still) return { ...before, last: corners, held: time - before.since, seen: time, frames: before.frames + 1 };
+  if (before.held > 0 && time - before.seen < GAP) return before;
+  return { anchor: corners, last: corners, since: time, held: 0, seen: time, frames: 0 };
 }
 
 /** Mean distance of the corners seen in both, px; infinite where too few are. @param {Corners} a @param {Corners} b */

@@ -1,0 +1,84 @@
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
+import { decide, lenience } from "../../web/calibrate/hold.js";
+import { nextPlanned } from "../../web/calibrate/plan.js";
+import { isEnough } from "../../web/calibrate/session.js";
+import { initial, reduce } from "../../web/calibrate/state.js";
+import { motion } from "../../web/calibrate/stillness.js";
+import { Hand } from "../../web/virtual/hand.js";
+import { project } from "../../web/virtual/lens.js";
+import { matched } from "../../web/virtual/match.js";
+import { seeded, transform } from "../../web/virtual/pose.js";
+
+const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
+const [WIDTH, HEIGHT] = [1280, 720];
+const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
+const KEY = { camera: "Test", platform: "X11", img_size: [WIDTH, HEIGHT], zoom: 0 };
+const FRAME = 1000 / 30; // ms
+const LIMIT = 180_000; // ms
+const NOISE = 0.1; // px
+
+/** What the detector would find: corners in the picture; nothing where it is smeared. */
+function seen(pose, blur, random) {
+  const ids = [];
+  const points = [];
+  if (blur === 0) {
+    corners(DEFAULT_BOARD).forEach(([x, y], id) => {
+      const [u, v] = project(LENS, transform(pose, [x, y, 0]));
+      if (u < 4 || v < 4 || u > WIDTH - 5 || v > HEIGHT - 5) return;
+      ids.push(id);
+      points.push([u + NOISE * (random() - 0.5), v + NOISE * (random() - 0.5)]);
+    });
+  }
+  return { ids, points, markers: ids.length, size: [WIDTH, HEIGHT], elapsed: 15, memory: 1 };
+}
+
+/** A whole capture by the page's own targets, frame by frame, as the guide runs it. */
+function capture(kind, seed) {
+  const random = seeded(seed);
+  const start = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
+  const hand = new Hand(kind, { error: 1, seed, pivot: [4.5, 3, 0], focal: LENS.fx, start });
+  let state = initial(DEFAULT_BOARD, { camera: null, img_size: null, distortion_model: "rectilinear" });
+  const tell = (event) => (state = reduce(state, event));
+  let [planned, skipped, time] = [0, 0, 0];
+  const next = () => {
+    const found = nextPlanned(PLAN, planned, DEFAULT_BOARD, KEY.img_size, null);
+    planned = found.next;
+    tell({ type: "pose", pose: found.pose, picture: null, time });
+    hand.follow(matched(DEFAULT_BOARD, LENS, found.pose), time);
+  };
+  tell({ type: "open" });
+  tell({ type: "opened", key: KEY, mirrored: false, cropped: false });
+  tell({ type: "offline", stored: 0, time });
+  next();
+  for (; time < LIMIT && !isEnough(state); time += FRAME) {
+    const detection = seen(hand.pose(time), hand.blur(), random);
+    tell({ type: "frame", detection, time });
+    const action = decide(state, time);
+    if (action === "skip") {
+      skipped += 1;
+      next();
+    }
+    if (action !== "submit") continue;
+    const view = seen(hand.pose(time + FRAME), 0, random);
+    if (motion(state.corners, view) > 3 * lenience(state, time)) continue;
+    tell({ type: "stored", corners: view, stored: state.stored + 1, time });
+    if (!isEnough(state)) next();
+  }
+  return { views: state.stored, seconds: time / 1000, skipped };
+}
+
+// Eight views without the service, each a way to the target and a hold of 0.7 s.
+const WITHIN = { still: 12, person: 20, shaky: 70, slow: 75, wrong: 30 }; // s
+
+for (const [kind, limit] of Object.entries(WITHIN)) {
+  test(`a ${kind} hand comes to the end by itself`, () => {
+    for (const seed of [1, 2, 3]) {
+      const { views, seconds, skipped } = capture(kind, seed);
+      assert.equal(views, 8, `${views} views in ${seconds} s`);
+      assert.ok(seconds < limit, `seed ${seed}: ${seconds.toFixed(1)} s, ${skipped} given up`);
+    }
+  });
+}
