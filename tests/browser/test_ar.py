@@ -3,18 +3,45 @@
 from __future__ import annotations
 
 import base64
+import json
 from pathlib import Path
 from typing import Any
+from urllib.parse import parse_qs, urlsplit
 
 import cv2
+import httpx
 import numpy as np
 import numpy.typing as npt
-from playwright.sync_api import Page
+import pytest
+from playwright.sync_api import BrowserContext, Page, Request
 
+from .captures import capture
 from .firefox import in_firefox
+from .pictures import picture
+from .specimens import answer, result
+from .truth import Truth
 
 Array = npt.NDArray[np.float64]
 
+TRUTH = Truth(k1=-0.2)
+#: a webcam that looks into the dark
+WEBCAM = """
+  const label = "Overlay Test Camera (1234:0a12)";
+  navigator.mediaDevices.enumerateDevices = async () => [{ kind: "videoinput", deviceId: "c920", label }];
+  navigator.mediaDevices.getUserMedia = async () => {
+    const canvas = Object.assign(document.createElement("canvas"), { width: 1280, height: 720 });
+    canvas.className = "virtual-camera";
+    canvas.setAttribute("aria-hidden", "true");
+    document.body.append(canvas);
+    const context = canvas.getContext("2d", { alpha: false });
+    setInterval(() => context.fillRect(0, 0, 1280, 720), 50);
+    const stream = canvas.captureStream(30);
+    const [track] = stream.getVideoTracks();
+    Object.defineProperty(track, "label", { value: label });
+    track.getSettings = () => ({ width: 1280, height: 720, deviceId: "c920" });
+    return stream;
+  };
+"""
 ADDRESS = "/ar/?virtual=1&k1=-0.3&error=0"
 READ = Path(__file__).with_name("ar.js").read_text()
 DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
@@ -113,3 +140,83 @@ def test_overlays_fit_once_the_lens_is_known(page: Page) -> None:
 
 def test_overlays_fit_in_firefox(stack: str) -> None:
     check(in_firefox(f"{stack}{ADDRESS}", READ))
+
+
+@pytest.fixture
+def sent(page: Page) -> list[Request]:
+    """All that the page sends besides asking for files."""
+    requests: list[Request] = []
+    page.on("request", lambda request: None if request.method == "GET" else requests.append(request))
+    return requests
+
+
+def test_a_practice_needs_no_database(page: Page, sent: list[Request]) -> None:
+    page.goto("/ar/")
+    page.locator("#camera option").first.wait_for(state="attached")
+    picture(page, "ar-before")
+    page.locator("#welcome .virtually").click()
+    page.locator("#rms:not(:empty)").wait_for()
+    assert "its own truth, made up" in (page.locator("#facts").text_content() or "")
+    for key, name in (("1", "matrix"), ("2", "rectified"), ("3", "distorted")):
+        page.keyboard.press(key)
+        page.locator(f"#stage[data-shown={name}]").wait_for()
+        picture(page, f"ar-{name}")
+    page.keyboard.press("m")
+    page.locator("#outermost", has_text="outermost corner").wait_for()
+    page.get_by_role("button", name="Stop").click()
+    page.locator("#welcome-title:focus").wait_for()
+    assert sent == []
+    assert page.locator(".virtual-camera:not(video)").count() == 0, "the camera is let go"
+
+
+def test_what_was_just_measured_is_taken(page: Page, api: httpx.Client, sent: list[Request]) -> None:
+    address = f"/ar/?{TRUTH.query(error=0)}"
+    page.goto(address)
+    page.locator("#rms:not(:empty)").wait_for()
+    there = urlsplit(page.locator("#recalibrate").evaluate("link => link.href"))
+    assert there.path == "/calibrate/"
+    query = {name: values[0] for name, values in parse_qs(there.query).items()}
+    assert float(query["k1"]) == TRUTH.k1
+    key = {"camera": query["camera"], "platform": query["platform"], "img_size": [1280, 720]}
+    state = capture(api, TRUTH, key, seed=3)
+    page.goto("/board/")
+    page.goto(f"{query['return_to']}#calibration={state['calibration_id']}")
+    page.locator("#facts", has_text="measured just now").wait_for()
+    page.keyboard.press("3")
+    page.locator("#stage[data-shown=distorted]").wait_for()
+    page.locator("#rms:not(:empty)").wait_for()
+    off = float((page.locator("#rms").text_content() or "").split()[0])
+    assert 0 < off < 0.3
+    assert sent == []
+
+
+def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserContext) -> None:
+    page = context.new_page()  # "not found" is an error in the console
+    sent: list[Request] = []
+    page.on("request", lambda request: sent.append(request))
+    page.add_init_script(WEBCAM)
+    page.goto("/ar/?lang=de")
+    page.locator("#start").click()
+    page.locator("#unknown:not([hidden])").wait_for()
+    assert "Overlay Test Camera (1234:0a12), 1280 × 720" in (
+        page.locator("#unknown-text").text_content() or ""
+    )
+    there = parse_qs(urlsplit(page.locator("#calibrate").evaluate("link => link.href")).query)
+    assert there["camera"] == ["Overlay Test Camera (1234:0a12)"]
+    assert urlsplit(there["return_to"][0]).path == "/ar/"
+    picture(page, "ar-unknown")
+    [request] = [request for request in sent if request.method != "GET"]
+    assert set(json.loads(request.post_data or "")) <= {
+        "camera", "platform", "img_size", "zoom", "distortion_model", "redirect",
+    }  # fmt: skip
+
+
+def test_a_known_camera_waits_for_the_board(page: Page) -> None:
+    page.add_init_script(WEBCAM)
+    answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True, "exact_size": True})
+    page.goto("/ar/?lang=uk")
+    page.locator("#start").click()
+    page.locator("#instruction:not(:empty)").wait_for()
+    assert "з calibDB" in (page.locator("#facts").text_content() or "")
+    assert page.locator("#move").is_hidden()
+    picture(page, "ar-waiting")

@@ -8,6 +8,7 @@ import { explain } from "../faults.js";
 import { onLanguage, rough, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { keyOf } from "../sdk/key.js";
+import { RectifierError } from "../sdk/warp.js";
 import { isVirtual } from "../virtual/name.js";
 import words from "../words/ar.js";
 import { Live } from "./live.js";
@@ -31,7 +32,10 @@ const [stage, layers, rms, outermost] = [html("stage"), html("layers"), html("rm
 const modes = /** @type {HTMLButtonElement[]} */ ([...html("modes").children]);
 
 /** What the texts are about; written anew in another language. */
-const said = { phase: "welcome", waiting: "camera", origin: "", name: "", error: /** @type {unknown} */ (null), off: /** @type {Misalignment} */ (null) };
+const said = {
+  phase: "welcome", waiting: "camera", origin: "", label: "", size: "",
+  error: /** @type {unknown} */ (null), off: /** @type {Misalignment} */ (null),
+};
 /** One camera's run; a new one makes all that is still on its way for the old one meaningless. */
 let run = new AbortController();
 /** @type {Promise<Detector> | null} */
@@ -56,12 +60,13 @@ function turnTo(phase, more = {}) {
 }
 
 function write() {
-  const { phase, waiting, name, origin, error } = said;
+  const { phase, waiting, label, size, origin, error } = said;
+  const name = `${isVirtual(label) ? t("ar.virtual") : label}, ${size}`;
   html("opening-text").textContent = t(waiting === "lookup" ? "ar.looking_up" : `capture.opening_${waiting}`);
   html("unknown-text").textContent = phase === "unknown" ? t("ar.unknown_text", { camera: name }) : "";
   html("failure").textContent = phase === "failed" ? complaint(error) : "";
   html("facts").textContent = phase === "live" ? `${name} · ${t(`ar.origin_${origin}`)}` : "";
-  html("recalibrate").hidden = phase !== "live" || origin !== "truth";
+  html("recalibrate").hidden = phase !== "live" || origin === "returned";
   writeOff();
 }
 
@@ -77,6 +82,7 @@ function writeOff() {
 function complaint(error) {
   if (error instanceof CameraError) return t(`capture.fault_${error.code}`, { detail: error.detail });
   if (error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
+  if (error instanceof RectifierError) return t("ar.no_webgl");
   return explain(error);
 }
 
@@ -135,9 +141,9 @@ async function show({ track, virtual }, signal) {
   const { calibration, origin, guidance } = await calibrationOf(key, parameters);
   if (signal.aborted) return null;
   for (const id of ["calibrate", "recalibrate"]) part(id, HTMLAnchorElement).href = guidance;
-  const name = `${isVirtual(key.camera) ? t("ar.virtual") : key.camera}, ${img_size.join(" × ")}`;
+  Object.assign(said, { label: key.camera, size: img_size.join(" × "), origin });
   if (!calibration) {
-    turnTo("unknown", { name });
+    turnTo("unknown");
     run.abort();
     return null;
   }
@@ -149,7 +155,7 @@ async function show({ track, virtual }, signal) {
   moveOn();
   html("move").hidden = !virtual;
   const shown = live = new Live({ video, layers, board, detector: finder, calibration, mode, balance: Number(balance.value) });
-  turnTo("live", { origin, name });
+  turnTo("live");
   try {
     return await shown.run(signal, tell);
   } finally {

@@ -42,7 +42,7 @@ async function manner() {
 }
 
 /** What the virtual camera is made from: a practice needs no database. @param {import("../virtual/camera.js").Setup} setup */
-function truthOf({ size, lens: { fx, fy, cx, cy, k1, k2, p1, p2, k3 } }) {
+export function truthOf({ size, lens: { fx, fy, cx, cy, k1, k2, p1, p2, k3 } }) {
   return new Calibration(/** @type {import("../sdk/calibdb.js").CalibrationData} */ ({
     img_size: size, camera_matrix: [[fx, 0, cx], [0, fy, cy], [0, 0, 1]],
     distortion_model: "rectilinear", distortion_coefficients: [k1, k2, p1, p2, k3],
