@@ -112,6 +112,7 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
     votes = functools.cache(lambda: store.votes.read(cast))
     sources = frozenset(c.source for c in counted)
     answer: Answer = {}
+    overtaken = False
     for model in models:
         known = stored.get(model)
         if known is not None and known.basis == basis:
@@ -125,11 +126,13 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
         found = count(document, votes() if cast else [], sources, thresholds)
         document = with_votes(document, found, basis, thresholds)
         if not store.consensuses.put(document, groups, known.basis if known else None):
-            return None
+            overtaken = True
+            break
         answer[model] = document
+    # Overtaken, too: who was quicker may have looked before the first of these was written.
     if any(known is not stored.get(model) for model, known in answer.items()):
         standing.bring_up_to_date(store, mode.camera_key, thresholds)
-    return answer
+    return None if overtaken else answer
 
 
 def pool(

@@ -115,7 +115,7 @@ class Calibrations:
 
     def modes(self, camera_key: str) -> list[Mode]:
         """Return the sizes and zooms at which the camera was calibrated."""
-        items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
+        items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True)
         parsed = (parse_calibration_sk(str(item["sk"])) for item in items if "withdrawn" not in item)
         return sorted(
             {Mode(camera_key, found[0], found[1]) for found in parsed if found},

@@ -64,13 +64,19 @@ class Cameras:
             tuple(key for key, well_known in others.items() if well_known),
         )
 
-    def stand(self, camera_key: str, names: Iterable[str], *, well_known: bool) -> None:
-        """Write down under the keys `names` whether the camera counts beside others of the name."""
+    def stand(self, camera_key: str, names: Iterable[str], *, well_known: bool) -> bool:
+        """Write down under the keys `names` whether the camera counts beside others of the name.
+
+        False where it was written there already.
+        """
+        written = False
         for name in sorted(names):
             item: Item = {"pk": camera_pk(name), "sk": SAME_AS + camera_key}
             stored = self._table.get(str(item["pk"]), str(item["sk"]))
             if stored is not None and ("well_known" in stored) != well_known:
                 self._table.put(item | ({"well_known": 1} if well_known else {}), _PRESENT)
+                written = True
+        return written
 
     def name(self, camera_key: str) -> str | None:
         """Return the normalised label of a camera, None when none is known under this key."""

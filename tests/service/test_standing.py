@@ -1,0 +1,66 @@
+"""Which USB ids are well known under a name: computations of two sizes at once leave what is true."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import pytest
+
+from calibdb import standing
+from calibdb.camera_key import camera_key, identify
+from calibdb.settings import Settings, Thresholds
+from calibdb.store import Store
+from infra.local import LocalStack
+from tests.known import LINUX, calibration, consensus, fit
+from tests.service.test_lookup import put
+
+RULES = Thresholds(min_contributors=3, contributor_period=0)
+
+
+@pytest.fixture(scope="module")
+def store(stack: LocalStack) -> Store:
+    return Store.of(Settings.from_environment(stack.environment))
+
+
+def well_known(store: Store, label: str) -> bool:
+    identity = identify(label, LINUX)
+    marks = {identity.key in store.cameras.known(name).well_known for name in identity.name_keys}
+    assert len(marks) == 1
+    return marks.pop()
+
+
+@pytest.mark.parametrize("reliable", [True, False])
+def test_who_has_seen_less_and_writes_last_looks_again(
+    store: Store, monkeypatch: pytest.MonkeyPatch, reliable: bool
+) -> None:
+    """One size's computation has read everything; before it writes, another size's comes and goes."""
+    label = f"Overtaken X9 (1111:00{reliable:02d})"
+    key = camera_key(label, LINUX)
+    small = fit((640, 360), 475.0)
+    store.calibrations.publish(calibration(label))
+    store.calibrations.publish(calibration(label, number=1, of=small))
+    stored = consensus(small, camera=label)
+    if not reliable:
+        put(store, stored)
+    else:
+        standing.bring_up_to_date(store, key, RULES)
+    stand = stand_of(store)
+    overtaken: list[bool] = []
+
+    def slow(camera: str, names: Iterable[str], *, well_known: bool) -> bool:
+        if not overtaken:
+            overtaken.append(well_known)
+            if reliable:
+                put(store, stored)
+            else:
+                assert store.consensuses.drop(stored)
+            standing.bring_up_to_date(store, key, RULES)
+        return stand(camera, names, well_known=well_known)
+
+    monkeypatch.setattr(store.cameras, "stand", slow)
+    standing.bring_up_to_date(store, key, RULES)
+    assert overtaken == [not reliable], "it had seen what was there before"
+    assert well_known(store, label) is reliable
+
+
+def stand_of(store: Store) -> Any:
+    return type(store.cameras).stand.__get__(store.cameras)
