@@ -86,6 +86,10 @@ load: .venv/.made
 fuzz: setup
 	@CASES=$(or $(CASES),5000) $(PY) -m pytest tests/service/test_openapi_fuzz.py tests/unit/service/test_schema_fuzz.py
 
+# kill -9 while captures end, at as many moments as KILLS
+kills: setup
+	@CALIBDB_KILLS=$(or $(KILLS),54) $(PY) -m pytest -s tests/service/test_killed_while_finishing.py
+
 # make ops ARGS="token create --origin https://page.example"
 ops: .venv/.made
 	@$(PY) -m infra.ops $(ARGS)
