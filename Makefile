@@ -6,7 +6,7 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
 
-.PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz ops bundle openapi plan lock layers deploy deploy-plan rehearsal cost conformance checkov verify load clean setup
+.PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz kills ops bundle openapi plan lock layers deploy deploy-plan rehearsal cost conformance checkov verify load clean setup
 
 AUDIT := .build/audit/bin/pip-audit
 
