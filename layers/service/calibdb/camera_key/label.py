@@ -23,7 +23,7 @@ _REPEATED = re.compile(r"^(.+?): (.+)$")
 _ANDROID = re.compile(r"^camera2 (?=[01], facing )")
 
 # Apple's phones are called what their owners like, in any grammar: of such labels only known words are kept.
-_APPLE = re.compile(r"iphone|ipad|ipod", re.IGNORECASE)
+_APPLE = re.compile(r"iphone|ipad|ipod|desk view|schreibtischansicht", re.IGNORECASE)
 _APPLE_WORDS = re.compile(
     r"(?:iphone|ipad|ipod)|[0-9]+(?:\.[0-9]+)?mm|f/[0-9]+(?:\.[0-9]+)?|"
     r"(?<![a-z0-9])(?:apple|[1-9][0-9]?e?|xs|xr|x|se|pro|max|plus|mini|air|ultra|wide|dual|triple|"
