@@ -10,6 +10,25 @@ from playwright.sync_api import Page
 
 from .pictures import SIZES, picture
 
+FOUND = """async (dictionaries) => {
+  const { Detector } = await import("/calibrate/detector.js");
+  const { raster } = await import("/board/drawing.js");
+  const found = {};
+  for (const dictionary of dictionaries) {
+    const board = { squares: [9, 6], marker_ratio: 0.65, dictionary, legacy: false };
+    const { width, height, data } = raster(board, 100, 60);
+    const context = new OffscreenCanvas(width, height).getContext("2d");
+    const picture = context.createImageData(width, height);
+    data.forEach((grey, pixel) => picture.data.set([grey, grey, grey, 255], 4 * pixel));
+    context.putImageData(picture, 0, 0);
+    const detector = await Detector.open(board);
+    const { ids, points } = await detector.detect(context.canvas.transferToImageBitmap(), { full: true });
+    detector.close();
+    found[dictionary] = ids.map((id, at) => [id, ...points[at]]);
+  }
+  return found;
+}"""
+
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_the_board_is_shown(page: Page, scheme: str) -> None:
@@ -102,6 +121,16 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
     page.locator("#reset").click()
     page.locator("#description", has_text="9 × 6").wait_for()
     assert page.url.endswith("/board/")
+
+
+def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Page) -> None:
+    page.goto("/board/")
+    offered = page.locator("#dictionary option").all_text_contents()
+    kinds = [name for name in offered if name.endswith("_1000") or "APRILTAG" in name]
+    assert len(kinds) == 8
+    corners = [(8 * y + x, 159.5 + 100 * x, 159.5 + 100 * y) for y in range(5) for x in range(8)]
+    for name, found in page.evaluate(FOUND, kinds).items():
+        assert np.abs(np.array(found) - corners).max() < 0.05, name
 
 
 def test_another_device_is_shown_the_way_by_a_qr_code(page: Page) -> None:

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { UnreadableError } from "../../web/photos/files.js";
 import { cameraName, readExif, unturned } from "../../web/photos/exif.js";
 import { groups } from "../../web/photos/group.js";
-import { ranked } from "../../web/photos/rank.js";
+import { byGain, ranked } from "../../web/photos/rank.js";
 import { calibrate } from "../../web/photos/series.js";
 
 /** A TIFF block with what a camera writes. */
@@ -136,6 +136,11 @@ test("all views that help are used, and the error that they reach is what the se
   assert.equal(sessions(), 2);
   assert.deepEqual(judged.filter(({ accepted }) => accepted).map(({ view, before, after }) => [view, before, after]), [[0, null, 3], [2, 3, 1], [3, 1, 0.5]]);
   assert.ok(judged.some(({ view, accepted }) => view === 1 && !accepted));
+});
+
+test("what was used is shown first, in the order in which the error fell", () => {
+  const judgements = { a: undefined, b: { accepted: true, after: 0.3 }, c: { accepted: false, after: null }, d: { accepted: true, after: 2 }, e: { accepted: true, after: null } };
+  assert.deepEqual(byGain(["a", "b", "c", "d", "e"], (name) => judgements[name]), ["e", "d", "b", "a", "c"]);
 });
 
 test("views that do not lead far enough are not stored; what would help is asked for", async () => {

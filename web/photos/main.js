@@ -21,7 +21,7 @@ import result from "../words/result.js";
 import { card, thumbnail } from "./card.js";
 import { UnreadableError, shots } from "./files.js";
 import { groups } from "./group.js";
-import { ranked } from "./rank.js";
+import { byGain, ranked } from "./rank.js";
 import { calibrate } from "./series.js";
 
 /**
@@ -48,6 +48,8 @@ const view = new ResultView(part("result", HTMLElement));
 let pictures = [];
 /** @type {Map<Picture, Judgement>} */
 const judgements = new Map();
+/** Is the last judgement in? */
+let judged = false;
 /** @type {Map<Picture, File>} to look at one again */
 const origins = new Map();
 /** @type {Promise<Detector> | null} */
@@ -70,9 +72,11 @@ const openDetector = () => (detector ??= Detector.open(board).catch((error) => {
 /** The series chosen. */
 const chosen = () => groups(pictures).find(({ id }) => id === parts.series.value) ?? groups(pictures)[0] ?? null;
 
+/** Those first that were used, by what they added; while they are judged each stays where it is. */
 function showPictures() {
-  const members = new Set(chosen()?.members);
-  parts.pictures.replaceChildren(...pictures.map((picture, index) => card(picture, members.has(index), judgements.get(picture))));
+  const members = new Set((chosen()?.members ?? []).map((index) => pictures[index]));
+  const shown = judged ? byGain(pictures, (picture) => judgements.get(picture)) : pictures;
+  parts.pictures.replaceChildren(...shown.map((picture) => card(picture, members.has(picture), judgements.get(picture))));
 }
 
 function showSeries() {
@@ -100,6 +104,7 @@ async function look(files) {
   view.clear();
   parts.wanted.replaceChildren();
   judgements.clear();
+  judged = false;
   parts.progress.hidden = false;
   /** @type {UnreadableError[]} */
   const unreadable = [];
@@ -164,6 +169,7 @@ async function start(without = new Set()) {
   view.clear();
   parts.wanted.replaceChildren();
   judgements.clear();
+  judged = false;
   try {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
     const views = ranked(group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture)), group.size, MOST);
@@ -186,6 +192,8 @@ async function start(without = new Set()) {
 
 /** @param {Outcome} outcome @param {Picture[]} views @param {string[] | undefined} returnOrigins @param {Set<Picture>} without */
 async function finish({ state, wanted, numbers }, views, returnOrigins, without) {
+  judged = true;
+  showPictures();
   const taken = views.filter((each) => judgements.get(each)?.accepted);
   const id = state.calibration_id;
   if (!id) {
@@ -261,6 +269,7 @@ for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
 }
 parts.series.addEventListener("change", () => {
   judgements.clear();
+  judged = false;
   proposeKey();
   showPictures();
 });
@@ -272,6 +281,7 @@ part("clear", HTMLButtonElement).addEventListener("click", () => {
   run.abort();
   pictures = [];
   judgements.clear();
+  judged = false;
   origins.clear();
   view.clear();
   parts.wanted.replaceChildren();

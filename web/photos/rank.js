@@ -51,3 +51,15 @@ function novelty({ outline }, chosen, width) {
 function apart(a, b) {
   return Math.sqrt(a.reduce((sum, [x, y], index) => sum + (x - b[index][0]) ** 2 + (y - b[index][1]) ** 2, 0) / a.length);
 }
+
+/**
+ * Those first that were taken, in the order in which the error fell with them, best first; then the others as they came.
+ * @template P @param {P[]} pictures @param {(picture: P) => {accepted: boolean, after: number | null} | undefined} judgementOf
+ */
+export function byGain(pictures, judgementOf) {
+  const place = (/** @type {P} */ picture) => {
+    const judgement = judgementOf(picture);
+    return judgement?.accepted ? -(judgement.after ?? Infinity) : 1;
+  };
+  return [...pictures].sort((a, b) => (place(a) === place(b) ? 0 : place(a) - place(b)));
+}
