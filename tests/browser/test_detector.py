@@ -1,9 +1,9 @@
 """The detector in its Worker: right, steady in memory, and quick enough to follow a hand."""
 
 import numpy as np
+import pytest
 from playwright.sync_api import Page
 
-FRAMES = 300
 WATCH = """async (frames) => {
   const { DEFAULT_BOARD, corners } = await import("/board/geometry.js");
   const { Painter } = await import("/virtual/painter.js");
@@ -34,9 +34,10 @@ WATCH = """async (frames) => {
 }"""
 
 
-def test_detector_is_exact_and_keeps_its_memory(page: Page) -> None:
+@pytest.mark.parametrize("frames", [300, pytest.param(2_000, marks=pytest.mark.thorough)])
+def test_detector_is_exact_and_keeps_its_memory(page: Page, frames: int) -> None:
     page.goto("/board/")
-    seen = page.evaluate(WATCH, FRAMES)
+    seen = page.evaluate(WATCH, frames)
     assert seen["full"]["ids"] == list(range(40))
     errors = np.linalg.norm(np.array(seen["full"]["points"]) - np.array(seen["truth"]), axis=1)
     rms = np.sqrt((errors**2).mean())

@@ -176,6 +176,11 @@ test("without the service, views are kept and counted, and the target is the pag
   const stored = reduce(planned, { type: "stored", corners: frame(ELSEWHERE), stored: 2, time: 2000 });
   assert.deepEqual([stored.stored, stored.pose, stored.notice.key], [2, null, "capture.view_stored"]);
   const views = [{ index: 0, points: 40, rms: 0.1 }, { index: 1, points: 40, rms: 0.1 }];
+  const far = { ...stored, session: { ...SESSION, progress: 0.6 }, progress: 0.6 };
+  const keep = (state, count) => reduce(state, { type: "stored", corners: frame(ELSEWHERE), stored: count, time: 2000 });
+  const grown = [3, 4, 5, 6, 7, 8].reduce((all, count) => [...all, keep(all.at(-1), count)], [far]).map(({ progress }) => progress);
+  assert.ok(grown.every((each, at) => at === 0 || each > grown[at - 1]), `progress only grows: ${grown}`);
+  assert.ok(Math.abs(grown.at(-1) - 0.95) < 1e-9, "the service alone says that it is the end");
   const trying = reduce(stored, { type: "patience", attempt: 2 });
   const back = reduce(trying, { type: "back", session: { ...SESSION, views, progress: 0.5 }, taken: 2, refused: 0, time: 3000 });
   assert.deepEqual([back.away, back.stored, back.progress, back.notice.key], [false, 0, 0.5, "capture.came_back"]);

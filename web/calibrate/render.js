@@ -4,7 +4,7 @@ import { isVirtual } from "../virtual/camera.js";
 import { propose } from "./camera.js";
 import { holdProgress } from "./hold.js";
 import { renderSeen, renderTarget } from "./marks.js";
-import { viewCount, wantedAway } from "./session.js";
+import { viewCount } from "./session.js";
 import * as words from "./words.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -157,7 +157,7 @@ function show(where, words) {
 
 /** @param {Parts} parts @param {State} state */
 function renderProgress(parts, state) {
-  parts.progress.value = state.away ? Math.min(1, state.stored / wantedAway(state)) : state.progress;
+  parts.progress.value = state.progress;
   for (const button of parts.models) show(button, words.withModel(state));
   text(parts.counts, words.counts(state));
   // Not while busy: a button that is disabled under the finger loses the keyboard's focus.

@@ -6,7 +6,7 @@ import { HOLD, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
 import { jaccard } from "./jaccard.js";
 import { difference } from "./target.js";
 import { HINTS, SILENT, asMirrored, instruct } from "./instruction.js";
-import { viewCount } from "./session.js";
+import { viewCount, wantedAway } from "./session.js";
 
 /**
  * @typedef {Required<import("../vendor/api.js").Board>} Board
@@ -102,6 +102,7 @@ import { viewCount } from "./session.js";
 
 const NOTICE = 4_000; // ms a notice stays
 const STOP = 5_000; // ms in which a stop must be asked for once more
+const UNSURE = 0.95; // of the way at most, until the service has said that it is there
 const NEARER = 0.05; // of the distance to the target that counts as coming nearer
 /** What the service refuses views for, as far as the page has words for it. */
 const REFUSALS = new Set(["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]);
@@ -141,7 +142,10 @@ export function reduce(state, event) {
       return { ...state, wanted: { ...state.wanted, distortion_model: event.model } };
     case "offline":
       return notify(
-        { ...state, phase: "capturing", session: null, away: true, stored: event.stored, begunWith: event.stored, patience: 0 },
+        {
+          ...state, phase: "capturing", session: null, away: true, stored: event.stored, begunWith: event.stored, patience: 0,
+          progress: UNSURE * Math.min(1, event.stored / wantedAway({ session: null })),
+        },
         event.stored ? { key: "capture.offline_kept", kind: "plain", values: { count: event.stored } } : { key: "capture.went_away", kind: "plain" },
         event.time);
     case "session":
@@ -158,7 +162,7 @@ export function reduce(state, event) {
       return answered(state, event);
     case "stored":
       return notify(
-        { ...state, answered: event.corners, stored: event.stored, pose: null, picture: null, busy: false },
+        { ...state, answered: event.corners, stored: event.stored, progress: further(state), pose: null, picture: null, busy: false },
         { key: "capture.view_stored", kind: "good" }, event.time);
     case "undone":
       return undone(state, event);
@@ -202,6 +206,9 @@ function afresh({ board, wanted, cameras, loading, interrupted, plain }) {
 
 /** @param {State} state @param {Notice} notice @param {number} time @returns {State} */
 const notify = (state, notice, time) => ({ ...state, notice, noticedAt: time });
+
+/** One more view that is kept brings it that much nearer to its end, as far as can be told without the service. @param {State} state */
+const further = (state) => state.progress + Math.max(0, UNSURE - state.progress) / Math.max(1, wantedAway(state) - state.stored);
 
 /** What became of the views that were kept. @param {{taken: number, refused: number}} event @returns {Notice} */
 function returned({ taken, refused }) {
@@ -307,7 +314,8 @@ function verdict(state, answer, reason) {
 
 /** @param {State} state @param {{session: SessionState | null, stored: number, time: number}} event @returns {State} */
 function undone(state, { session, stored, time }) {
-  const next = session ? { ...inSession(state, session), progress: session.progress } : state;
+  const left = viewCount({ session: state.session, stored }) / Math.max(1, viewCount(state));
+  const next = session ? { ...inSession(state, session), progress: session.progress } : { ...state, progress: state.progress * left };
   return notify({ ...next, stored, busy: false, answered: null }, { key: "capture.view_undone", kind: "good" }, time);
 }
 
