@@ -1,11 +1,11 @@
 // What a page of the stack makes of an asynchronous function that is read from standard input; prints it as JSON.
 // Without a screen Firefox has no WebGL: run under xvfb-run.
 //     xvfb-run -a node firefox_evaluate.mjs <executable> <address of the page>
-import { readFileSync } from "node:fs";
+import { text } from "node:stream/consumers";
 import puppeteer from "puppeteer-core";
 
 const [, , executablePath, address] = process.argv;
-const source = readFileSync(0, "utf8");
+const source = await text(process.stdin);
 const browser = await puppeteer.launch({ browser: "firefox", executablePath, headless: false });
 const complaints = [];
 try {

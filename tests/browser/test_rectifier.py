@@ -1,6 +1,7 @@
 """Straightening and distorting on the GPU: right for every model, quick enough, and nothing left behind."""
 
 import base64
+import json
 import os
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from calibsolver import Camera
 from tests.data import data_dir
 
 from .conftest import CHROMIUM, executable
+from .firefox import in_firefox
 
 LENSES = {
     "rectilinear": (900.0, [-0.28, 0.09, 0.001, -0.0005, -0.01]),
@@ -23,15 +25,24 @@ LENSES = {
     "omnidirectional": (900.0, [1.2, -0.1, 0.02, 0.0006, -0.0003]),
 }
 SIZE = (1280, 720)
-WARPED = """async ([kind, calibration, options, file]) => {
+LARGEST = (2564, 1444)  # of a scene's picture
+BALANCED = {"balance": 0.3, "zoom": 1.1, "scale": 0.5}
+WARPED = """async ([asked, png]) => {
   const { Calibration } = await import("/sdk/calibdb.js");
-  const warp = await new Calibration(calibration)[kind](options);
-  warp.draw(await createImageBitmap(await (await fetch(file)).blob()));
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [warp.canvas.width, warp.canvas.height];
-  canvas.getContext("2d").drawImage(warp.canvas, 0, 0);
-  const made = { matrix: warp.camera_matrix, size: warp.img_size, png: canvas.toDataURL("image/png") };
-  warp.dispose();
+  const { widePinhole } = await import("/sdk/straight.js");
+  const bytes = Uint8Array.from(atob(png), (letter) => letter.charCodeAt(0));
+  const blob = new Blob([bytes], { type: "image/png" });
+  const made = [];
+  for (const [kind, calibration, options] of asked) {
+    const warp = await new Calibration(calibration)[kind](options);
+    const { img_size: size } = kind === "distorter" ? widePinhole(calibration) : calibration;
+    warp.draw(await createImageBitmap(blob, 0, 0, ...size));
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [warp.canvas.width, warp.canvas.height];
+    canvas.getContext("2d").drawImage(warp.canvas, 0, 0);
+    made.push({ matrix: warp.camera_matrix, size: warp.img_size, png: canvas.toDataURL("image/png") });
+    warp.dispose();
+  }
   return made;
 }"""
 MADE_AND_GONE = """async ([calibration, count]) => {
@@ -100,20 +111,24 @@ def camera(model: str) -> Camera:
     return Camera(model=model, matrix=matrix, distortion=distortion, img_size=SIZE)
 
 
-def blurred(size: tuple[int, int]) -> npt.NDArray[np.uint8]:
+@pytest.fixture(scope="module")
+def picture() -> npt.NDArray[np.uint8]:
     """A photograph so soft that OpenCV's fractions, whole 1/32 px, do not show."""
     photograph = sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))[0]
     grey = cv2.imread(str(photograph), cv2.IMREAD_GRAYSCALE)
-    return np.asarray(cv2.GaussianBlur(cv2.resize(grey, size), (0, 0), 3.0), dtype=np.uint8)
+    return np.asarray(cv2.GaussianBlur(cv2.resize(grey, LARGEST), (0, 0), 3.0), dtype=np.uint8)
 
 
-def warped(page: Page, kind: str, model: str, picture: npt.NDArray[np.uint8], **options: float) -> Any:
-    png = cv2.imencode(".png", picture)[1].tobytes()
-    page.route("**/photograph", lambda route: route.fulfill(body=png, content_type="image/png"))
-    page.goto("/board/")
-    made = page.evaluate(WARPED, [kind, calibration(model), options, "/photograph"])
+def asking(asked: list[tuple[str, str]], picture: npt.NDArray[np.uint8]) -> list[Any]:
+    """Say what is to be drawn of the picture, of its upper left part as large as it is taken."""
+    options: dict[str, dict[str, float]] = {"rectifier": BALANCED, "distorter": {}}
+    png = base64.b64encode(cv2.imencode(".png", picture)[1].tobytes()).decode()
+    return [[(kind, calibration(model), options[kind]) for kind, model in asked], png]
+
+
+def decoded(made: dict[str, Any]) -> npt.NDArray[np.uint8]:
     data = np.frombuffer(base64.b64decode(made["png"].split(",")[1]), np.uint8)
-    return made, cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
+    return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED), dtype=np.uint8)
 
 
 def compare(ours: Any, picture: npt.NDArray[np.uint8], q: npt.NDArray[np.float64]) -> float:
@@ -126,33 +141,48 @@ def compare(ours: Any, picture: npt.NDArray[np.uint8], q: npt.NDArray[np.float64
     return float(np.abs(ours[..., 0].astype(int) - theirs)[inside].max())
 
 
-@pytest.mark.parametrize("model", LENSES)
-def test_every_model_is_straightened_as_opencv_would(page: Page, model: str) -> None:
-    picture = blurred(SIZE)
-    made, ours = warped(page, "rectifier", model, picture, balance=0.3, zoom=1.1, scale=0.5)
+def check_straightened(made: dict[str, Any], model: str, picture: npt.NDArray[np.uint8]) -> None:
+    ours = decoded(made)
     assert made["size"] == [640, 360] == [ours.shape[1], ours.shape[0]]
     u, v = np.meshgrid(np.arange(640.0), np.arange(360.0))
     rays = np.stack([u.ravel(), v.ravel(), np.ones(u.size)], axis=1) @ np.linalg.inv(made["matrix"]).T
-    assert compare(ours, picture, camera(model).project(rays)) <= 1
+    assert compare(ours, picture[: SIZE[1], : SIZE[0]], camera(model).project(rays)) <= 1
 
 
-@pytest.mark.parametrize("model", LENSES)
-def test_a_scene_is_distorted_as_the_lens_does(page: Page, model: str) -> None:
-    page.goto("/board/")
-    wide = page.evaluate(
-        "async (known) => (await import('/sdk/straight.js')).widePinhole(known)", calibration(model)
-    )
-    picture = blurred(tuple(wide["img_size"]))
-    made, ours = warped(page, "distorter", model, picture)
-    assert made["size"] == wide["img_size"]
+def check_distorted(made: dict[str, Any], model: str, picture: npt.NDArray[np.uint8]) -> None:
+    ours = decoded(made)
+    width, height = made["size"]
+    assert width <= picture.shape[1]
+    assert height <= picture.shape[0]
     u, v = np.meshgrid(np.arange(1280.0), np.arange(720.0))
     rays = camera(model).unproject(np.stack([u.ravel(), v.ravel()], axis=1))
     seen = (rays[:, 2:] > 0) & np.isfinite(rays).all(axis=1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         q = np.where(seen, (rays / rays[:, 2:]) @ np.array(made["matrix"]).T, -1e6)[:, :2]
-    assert compare(ours, picture, q) <= 1
+    assert compare(ours, picture[:height, :width], q) <= 1
     outside = (q[:, 0] < -1) | (q[:, 1] < -1)
     assert (ours[..., 3].ravel()[outside] == 0).all(), "the video is seen there"
+
+
+CHECKS = {"rectifier": check_straightened, "distorter": check_distorted}
+
+
+@pytest.mark.parametrize("kind", CHECKS)
+@pytest.mark.parametrize("model", LENSES)
+def test_every_model_is_warped_as_opencv_would(
+    page: Page, picture: npt.NDArray[np.uint8], model: str, kind: str
+) -> None:
+    page.goto("/board/")
+    [made] = page.evaluate(WARPED, asking([(kind, model)], picture))
+    CHECKS[kind](made, model, picture)
+
+
+def test_every_model_is_warped_as_opencv_would_in_firefox(stack: str, picture: npt.NDArray[np.uint8]) -> None:
+    asked = [(kind, model) for kind in CHECKS for model in LENSES]
+    made = in_firefox(f"{stack}/board/", f"() => ({WARPED})({json.dumps(asking(asked, picture))})")
+    assert len(made) == 8
+    for (kind, model), each in zip(asked, made, strict=True):
+        CHECKS[kind](each, model, picture)
 
 
 def memory(pid: int) -> int:
