@@ -92,7 +92,8 @@ export function known(key) {
 
 /** A measured number as it is written in the language spoken now, not grouped. @param {number} value @param {number} digits after the point */
 export function number(value, digits) {
-  const written = value.toLocaleString(language(), { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
+  const rounded = Number(value.toFixed(digits)) || 0; // nought has no sign
+  const written = rounded.toLocaleString(language(), { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
   return written.replace("-", "−");
 }
 

@@ -91,6 +91,7 @@ test("no line ends between a number and its unit", () => {
 test("numbers have the signs and digits of people", () => {
   setLanguage("de");
   assert.equal(number(-0.25, 3), "−0,250");
+  assert.equal(number(-0.00001, 4), "0,0000");
   setLanguage("en");
   assert.deepEqual([0.0123, 0.31, 3.14159, 31.4, 314].map(rough), ["0.012", "0.31", "3.1", "31", "314"]);
 });
