@@ -18,6 +18,8 @@ WEB = Path(__file__).parents[2] / "web"
 # Fetched when a page needs them, not with the first visit: 12 MB, or a script not everybody reads.
 LATE = ("vendor/opencv/", "vendor/font/geologica-cyrillic")
 KINDS = {".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm"}
+# For who writes applications: of no use without a network, and 3 MB.
+APART = ("examples/", "vendor/engines/")
 # Not for pages, or another with every server.
 OTHERS = {"openapi.json", "tsconfig.json", "config.json", "shell.json", "sw.js"}
 
@@ -37,7 +39,11 @@ def shell(folder: Path = WEB) -> Shell:
         for path in sorted(folder.rglob("*"))
         if path.is_file() and path.suffix in KINDS
     }
-    files = {name: digest for name, digest in files.items() if name not in OTHERS}
+    files = {
+        name: digest
+        for name, digest in files.items()
+        if name not in OTHERS and not name.startswith(APART)
+    }
     version = hashlib.sha256(json.dumps(files).encode()).hexdigest()[:16]
     return {"version": version, "files": files, "late": [name for name in files if name.startswith(LATE)]}
 

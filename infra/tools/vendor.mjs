@@ -6,6 +6,7 @@ import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "no
 import { fileURLToPath } from "node:url";
 import { buildSync } from "esbuild";
 import { compile } from "json-schema-to-typescript";
+import { vendorEngines } from "./engines.mjs";
 
 const root = fileURLToPath(new URL("../..", import.meta.url));
 const vendor = `${root}web/vendor/`;
@@ -133,6 +134,7 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   vendorFont();
   vendorQr();
   vendorWebXR();
+  await vendorEngines(vendor);
   const api = JSON.parse(readFileSync(`${root}web/openapi.json`, "utf8"));
   vendorFormats(api);
   await vendorTypes(api);

@@ -4,10 +4,7 @@ import json
 import os
 import re
 import subprocess
-import threading
 from collections.abc import Iterator
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
@@ -17,6 +14,7 @@ from playwright.sync_api import Page, Playwright
 
 from .captures import capture
 from .conftest import CHROMIUM, ROOT, executable
+from .elsewhere import serving
 from .truth import Truth
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
@@ -32,13 +30,6 @@ IN_WORKER = """(key) => new Promise((resolve, reject) => {
   worker.onerror = (event) => reject(event.message);
   worker.postMessage(key);
 })"""
-
-
-class Quiet(SimpleHTTPRequestHandler):
-    """Keeps its requests to itself."""
-
-    def log_message(self, *_: object) -> None:
-        """Print nothing."""
 
 
 @pytest.fixture
@@ -63,13 +54,8 @@ def project(tmp_path: Path, stack: str) -> Iterator[str]:
         f'<!doctype html><link rel="icon" href="data:,">{importmap}'
         + example[1].replace("http://127.0.0.1:8000", stack)
     )
-    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(tmp_path)))
-    thread = threading.Thread(target=server.serve_forever)
-    thread.start()
-    yield f"http://127.0.0.1:{server.server_address[1]}/"
-    server.shutdown()
-    thread.join()
-    server.server_close()
+    with serving(tmp_path) as address:
+        yield address
 
 
 def test_the_packages_example_runs(playwright: Playwright, project: str, stack: str) -> None:
@@ -115,3 +101,41 @@ def test_the_result_comes_back_to_the_application(page: Page, api: httpx.Client,
     assert found["pixel"] == pytest.approx([matrix[0][2], matrix[1][2]])
     assert found["id"] == state["calibration_id"]
     assert found["href"] == back
+
+
+REFITTED = """async (key) => {
+  const { lookup } = await import("/sdk/calibdb.js");
+  const { cameraParameters } = await import("/sdk/adapters/artoolkit.js");
+  const options = { token: "cdb_dev_local", cache: null };
+  const ask = (model) => lookup(key, { ...options, model });
+  const answers = await Promise.all(["rectilinear", "fisheye"].map(ask));
+  const [stored, refitted] = answers.map(({ calibration }) => calibration);
+  const { url, error } = await cameraParameters(stored, options);
+  const bytes = (await (await fetch(url)).arrayBuffer()).byteLength;
+  URL.revokeObjectURL(url);
+  const rays = [[0, 0, 1], [0.3, 0.1, 1], [-0.4, 0.25, 1], [0.5, -0.28, 1]];
+  const apart = rays.map((ray) => {
+    const [[u, v], [x, y]] = [stored, refitted].map((each) => each.project(ray));
+    return Math.hypot(u - x, v - y);
+  });
+  return {
+    models: answers.map(({ calibration }) => calibration.distortion_model),
+    module: refitted.toOpenCV().module, coefficients: refitted.distortion_coefficients.length,
+    reliable: refitted.reliable, apart, bytes, error,
+  };
+}"""
+
+
+def test_another_model_is_fitted_when_it_is_asked_for(page: Page, api: httpx.Client) -> None:
+    """Keypoints are kept, so a camera that was calibrated as rectilinear is answered as a fisheye, too."""
+    key = KEY | {"camera": "SDK Test Camera (1234:0008)"}
+    for seed in range(5):
+        state = capture(api, Truth(k1=-0.1), key, seed)
+        assert state["distortion_model"] == "rectilinear"
+    page.goto("/board/")
+    found = page.evaluate(REFITTED, key | {"zoom": 0})
+    assert found["models"] == ["rectilinear", "fisheye"]
+    assert (found["module"], found["coefficients"], found["reliable"]) == ("fisheye", 4, True)
+    # The same lens in other words: where the two differ at all, as much as they may be wrong.
+    assert max(found["apart"]) < 1, found
+    assert (found["bytes"], found["error"] < 1) == (176, True)

@@ -1,0 +1,90 @@
+"""The examples of other engines: what they draw lies on the camera's picture, under the site's own policy."""
+
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import pytest
+from playwright.sync_api import Page
+
+from .pictures import picture
+from .truth import Truth
+
+Array = npt.NDArray[np.float64]
+TRUTH = Truth(k1=-0.2)
+SQUARES = (9, 6)
+DEPTH = 1.6 * SQUARES[0] * TRUTH.fx / TRUTH.size[0]  # of the board, squares
+MARKS = np.array([(-4.5, -3), (4.5, -3), (4.5, 3), (-4.5, 3)])
+CORNERS = np.array([(x - 4.5, y - 3.0) for y in range(1, 6) for x in range(1, 9)])
+AMBER = np.array([0, 176, 255])  # as OpenCV has it: blue first
+STRAIGHT = """async (lens) => {
+  const { rectifiedMatrix } = await import("/sdk/straight.js");
+  return rectifiedMatrix(lens, 0);
+}"""
+RATIOS = ("16 / 9", "4 / 3", "2 / 1")  # the last two cut the picture, at its sides and above and below
+RESIZED = """async (ratio) => {
+  document.querySelector("#stage").style.aspectRatio = ratio;
+  for (let frame = 0; frame < 5; frame++) await new Promise(requestAnimationFrame);
+}"""
+DETECTOR = cv2.aruco.CharucoDetector(
+    cv2.aruco.CharucoBoard(SQUARES, 1.0, 0.65, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50))
+)
+
+
+def shown(page: Page) -> npt.NDArray[np.uint8]:
+    """Return the stage as it is seen."""
+    data = np.frombuffer(page.locator("#stage").screenshot(), np.uint8)
+    return np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR), dtype=np.uint8)
+
+
+def amber(image: npt.NDArray[np.uint8]) -> Array:
+    """Return the middles of the marks, (n, 2) px from the picture's corner."""
+    mask = (np.abs(image.astype(int) - AMBER).max(axis=2) < 60).astype(np.uint8)
+    mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((5, 5)))  # the box's lines cross them
+    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    hulls = [cv2.moments(cv2.convexHull(o)) for o in outlines if cv2.contourArea(o) > 30]
+    return np.array([(m["m10"] / m["m00"] + 0.5, m["m01"] / m["m00"] + 0.5) for m in hulls])
+
+
+def complete(page: Page) -> tuple[npt.NDArray[np.uint8], Array, Array]:
+    """Wait for picture and scene; return both, the marks, and the board's corners, px."""
+    for _ in range(100):
+        image = shown(page)
+        marks = amber(image)
+        corners, ids, _, _ = DETECTOR.detectBoard(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
+        if len(marks) and ids is not None and len(ids) > 12:
+            return image, marks, corners.reshape(-1, 2) + 0.5
+        page.wait_for_timeout(100)
+    raise AssertionError("no picture with a scene over it")
+
+
+def expected(matrix: Any, plane: Array, depth: float, viewport: tuple[int, int]) -> Array:
+    """Return where a pinhole's points lie in a viewport that its picture covers, px from the corner."""
+    (fx, _, cx), (_, fy, cy), _ = matrix
+    size = np.array(TRUTH.size)
+    scale = max(np.array(viewport) / size)
+    pixels = plane / depth * (fx, fy) + (cx, cy)
+    return np.asarray((pixels + 0.5 - size / 2) * scale + np.array(viewport) / 2)
+
+
+def distance(found: Array, wanted: Array) -> float:
+    """Return how far the farthest of `found` is from the next of `wanted`, px."""
+    return float(np.linalg.norm(found[:, None] - wanted[None], axis=2).min(axis=1).max())
+
+
+@pytest.mark.parametrize("engine", ["three", "babylon", "aframe"])
+def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
+    page.goto(f"/examples/{engine}/?{TRUTH.query(error=0)}")
+    lens = {"img_size": TRUTH.size, "camera_matrix": TRUTH.matrix.tolist(), "distortion_model": "rectilinear"}
+    matrix = page.evaluate(STRAIGHT, lens | {"distortion_coefficients": TRUTH.distortion.tolist()})
+    for ratio in RATIOS:
+        page.evaluate(RESIZED, ratio)
+        image, marks, seen = complete(page)
+        viewport = (image.shape[1], image.shape[0])
+        wanted = expected(matrix, MARKS, DEPTH, viewport)
+        assert len(marks) == len(MARKS), ratio
+        assert distance(marks, wanted) < 1, (ratio, marks, wanted)
+        assert distance(seen, expected(matrix, CORNERS, DEPTH, viewport)) < 1, "the picture lies there, too"
+    page.evaluate(RESIZED, "")
+    picture(page, f"example-{engine}", full=True)

@@ -1,0 +1,15 @@
+// The camera's own camera_para.dat, for AR.js.
+import { cameraParameters } from "../../sdk/adapters/artoolkit.js";
+import { part } from "../../dom.js";
+import { number, t } from "../../i18n.js";
+import { loadSettings } from "../../settings.js";
+import { whenOpen } from "../picture.js";
+
+whenOpen(async ({ calibration }) => {
+  const { api, token } = await loadSettings();
+  const { url, error } = await cameraParameters(calibration, { token, api: new URL(api, location.href) });
+  const link = part("file", HTMLAnchorElement);
+  [link.href, link.download] = [url, "camera_para.dat"];
+  part("error", HTMLElement).textContent = error < 0.1 ? t("examples.exact") : t("examples.inexact", { error: number(error, 1) });
+  part("ready", HTMLElement).hidden = false;
+});
