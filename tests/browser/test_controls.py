@@ -82,7 +82,7 @@ def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: 
 @pytest.mark.parametrize(
     ("refusal", "said"),
     [
-        ("NotAllowedError", "The camera was not allowed. Allow it in the address bar, then try again."),
+        ("NotAllowedError", "The camera was not allowed. Allow it in the address bar, or in"),
         ("NotReadableError", "Another program is using the camera. Close it, then try again."),
         ("NotFoundError", "No camera was found. Plug one in, or try the virtual camera."),
     ],

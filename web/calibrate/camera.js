@@ -33,10 +33,11 @@ export class CameraError extends Error {
 /** What getUserMedia's refusals mean. @type {Record<string, string>} */
 const REFUSALS = {
   NotAllowedError: "not_allowed",
+  SecurityError: "not_allowed",
   NotFoundError: "not_found",
   NotReadableError: "in_use",
   OverconstrainedError: "too_strict",
-  AbortError: "interrupted",
+  AbortError: "interrupted", // Firefox's word for a camera that is in use
 };
 
 /** @param {URLSearchParams} parameters @returns {Promise<Choice[]>} */
