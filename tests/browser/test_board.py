@@ -45,7 +45,7 @@ def test_the_board_as_a_file(page: Page) -> None:
     assert download.value.suggested_filename == "calibdb-board-a4.pdf"
     content = Path(download.value.path()).read_bytes()
     assert content.startswith(b"%PDF-1.4")
-    assert b"100 mm when printed" in content
+    assert b"100\xa0mm when printed" in content
 
 
 def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:

@@ -76,7 +76,9 @@ def test_what_it_is_without_a_view_is_shown_and_saved(page: Page, api: httpx.Cli
     assert json.loads(page.locator("#json").text_content() or "")["camera_matrix"] == less["camera_matrix"]
     before, after = (each["uncertainty"]["rms"] for each in (state["calibration"], less))
     assert after > before
-    page.locator("#without-status", has_text=f"{after:.2g} px off, with it {before:.2g} px").wait_for()
+    said = page.locator("#without-status").text_content() or ""
+    errors = [float(value) for value in re.findall(r"([\d.]+)\spx(?: off|\.)", said)[:2]]
+    assert errors == pytest.approx([after, before], rel=0.05)
     picture(page, "result-without", full=True)
     page.locator("#format").select_option("ros")
     with page.expect_download() as download:
