@@ -5,7 +5,7 @@ import re
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .interruptions import ENDLESS, UNPLUG, views
+from .interruptions import ENDLESS, UNPLUG, views, wait_for_views
 from .pictures import picture
 from .scenes import CAMERA
 
@@ -25,6 +25,21 @@ LIVE = """() => [
   ...document.querySelectorAll("[aria-live]:not([aria-live=off]), [role=alert], [role=status]"),
   ...document.querySelectorAll("output:not([aria-live])"),
 ].filter((each) => each.checkVisibility()).map(({ id }) => id)"""
+# What is heard, felt and said, written down.
+SENSES = """
+  Object.assign(window, { notes: 0, felt: 0, spoken: [] });
+  const create = AudioContext.prototype.createOscillator;
+  AudioContext.prototype.createOscillator = function () { window.notes += 1; return create.call(this); };
+  navigator.vibrate = (ms) => { window.felt = ms; return true; };
+  speechSynthesis.speak = ({ lang, text }) => window.spoken.push([lang, text]);
+"""
+# Where the progress and the buttons lie over each other, or the page is wider than its window.
+CRAMPED = """() => {
+  const [a, b] = ["#counts", "#controls .actions"]
+    .map((each) => document.querySelector(each).getBoundingClientRect());
+  const over = a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+  return over || document.documentElement.scrollWidth > document.documentElement.clientWidth;
+}"""
 PLUG = """(there) => {
   window.there = there;
   navigator.mediaDevices.dispatchEvent(new Event("devicechange"));
@@ -45,7 +60,11 @@ def test_language_keys_and_drawers_in_the_middle_of_a_capture(page: Page) -> Non
     assert page.locator("#stop").text_content() == "Aufhören"
     assert "Ansicht" in (page.locator("#counts").text_content() or "")
     page.locator("#said", has_text=re.compile("[Kk]ante|halten|drehen|Nach |heran|weg")).wait_for()
-    page.locator("#language").select_option("en")
+    for language in ("de", "uk", "en"):
+        page.locator("#language").select_option(language)
+        for width, height in ((390, 844), (820, 1180), (844, 390), (1440, 900)):
+            page.set_viewport_size({"width": width, "height": height})
+            assert not page.evaluate(CRAMPED), f"{language} at {width} x {height}"
 
     drawer = page.locator("#senses")
     drawer.locator("summary").click()
@@ -111,3 +130,24 @@ def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> 
     page.locator("#opening:not([hidden]), #controls:not([hidden])").wait_for()
     page.locator("#practice").wait_for(state="attached")
     page.locator("#facts", has_text="calibDB virtual camera").wait_for()
+
+
+def test_a_view_is_heard_and_felt_and_hints_are_spoken_once_that_is_wanted(page: Page) -> None:
+    page.add_init_script(SENSES)
+    page.goto(f"{ENDLESS}&lang=de")
+    page.locator("#controls:not([hidden])").wait_for()
+    page.locator("#senses summary").click()  # nothing sounds before a page was touched
+    assert page.evaluate("window.spoken") == [], "that is asked for"
+    page.locator("#voice").check()
+    before = views(page)
+    wait_for_views(page, before + 1)
+    assert page.evaluate("window.notes") >= 2
+    assert page.evaluate("window.felt") == 60
+    spoken = page.evaluate("window.spoken")
+    assert {language for language, _ in spoken} == {"de"}
+    assert any(re.search("[Kk]ante|halten|[Dd]rehen|Nach |heran|weg", text) for _, text in spoken), spoken
+    for sense in ("sound", "vibration", "voice"):
+        page.locator(f"#{sense}").uncheck()
+    page.evaluate("() => { window.notes = 0; window.felt = 0; window.spoken.length = 0; }")
+    wait_for_views(page, views(page) + 1)
+    assert page.evaluate("[window.notes, window.felt, window.spoken.length]") == [0, 0, 0]
