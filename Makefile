@@ -28,7 +28,7 @@ lint: setup
 	$(PY) -m mypy
 	.venv/bin/cfn-lint template.yaml
 	npx --no-install tsc -p web
-	@test -x $(AUDIT) || ($(PYTHON) -m venv .build/audit && .build/audit/bin/pip install --quiet --retries 0 --timeout 10 pip-audit==2.10.1) || true
+	@test -x $(AUDIT) || ($(PYTHON) -m venv .build/audit && .build/audit/bin/pip install --quiet --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
 	@$(PY) -m infra.tools.audit
 
 unit: setup
