@@ -26,7 +26,7 @@ _POLICY = {
 _WORKER_POLICY = _POLICY | {"script-src": "'self' 'unsafe-eval' 'wasm-unsafe-eval'"}
 _WORKER_SUFFIX = ".worker.js"
 # What pages of other origins load: a module is always asked for with CORS, whoever asks.
-SHARED = ("/sdk/", "/openapi.json")
+SHARED = ("/sdk/", "/webxr/", "/vendor/webxr/", "/openapi.json")
 _FOR_EVERYONE = {"access-control-allow-origin": "*", "cross-origin-resource-policy": "cross-origin"}
 
 # What the machine's own tables may lack or call otherwise; a browser is particular about these.
