@@ -187,8 +187,12 @@ function draw(name) {
 async function listCameras() {
   const choices = await cameras(parameters);
   const proposed = propose(choices, parameters.get("camera"), camera.value);
-  camera.replaceChildren(...choices.map(({ id, label }) => new Option(label, id)));
+  camera.replaceChildren(...choices.map(({ id, label }) => new Option(id === "virtual" ? t("capture.virtual_name") : label, id)));
+  const none = proposed === "" && choices.every(({ id }) => id !== "");
+  if (none) camera.prepend(new Option(t("capture.no_camera"), ""));
   camera.value = proposed;
+  html("start").classList.toggle("primary", !none);
+  for (const button of html("welcome").querySelectorAll(".virtually")) button.classList.toggle("primary", none);
 }
 
 function restart() {
