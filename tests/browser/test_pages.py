@@ -18,6 +18,9 @@ def test_pages_one_reads(page: Page, scheme: str) -> None:
     suffix = "" if scheme == "light" else "-dark"
     page.goto("/")
     page.locator("#lens polyline").first.wait_for(state="attached")
+    if scheme == "light":
+        for link in page.locator("main a[href]").evaluate_all("links => links.map((link) => link.href)"):
+            assert page.request.head(link).ok, link
     picture(page, f"landing{suffix}", full=True)
 
 
