@@ -26,7 +26,7 @@ import words from "../words/examples.js";
 const WANTED = /** @type {[number, number]} */ ([1280, 720]);
 
 /**
- * Waits for the visitor, then opens the camera; with `?virtual=1` in the address, the virtual one at once.
+ * Waits for the visitor, then opens the camera; with `?virtual=1` in the address, on pages that offer it, the virtual one at once.
  * @param {(picture: Picture) => void | Promise<void>} draw
  */
 export function whenOpen(draw) {
@@ -46,7 +46,7 @@ export function whenOpen(draw) {
     }
   };
   start.addEventListener("click", () => void go(""));
-  if (parameters.has("virtual")) void go("virtual");
+  if (parameters.has("virtual") && document.getElementById("virtually")) void go("virtual");
 }
 
 /** @param {string} id of a camera @param {URLSearchParams} parameters @returns {Promise<Picture | null>} null: it is not calibrated yet */

@@ -8,6 +8,7 @@ whenOpen(({ pinhole, calibration, stage, viewport }) => {
   const canvas = document.createElement("canvas");
   stage.append(canvas);
   const engine = new Engine(canvas, true, { alpha: true, premultipliedAlpha: true }, true);
+  engine.canvasTabIndex = -1; // there is nothing to operate
   const scene = new Scene(engine);
   scene.clearColor = new Color4(0, 0, 0, 0);
   const camera = new FreeCamera("camera", Vector3.Zero(), scene); // at the origin, looking along z

@@ -1,6 +1,7 @@
 // `camera_para.dat` for AR.js and whatever else has ARToolKit in it.
 //
 //     const { url } = await cameraParameters(calibration, { token });
+//     // its page's policy must let it: script-src 'unsafe-eval' 'wasm-unsafe-eval'; connect-src blob:
 //     new THREEx.ArToolkitContext({ cameraParametersUrl: url, canvasWidth: width, canvasHeight: height, … });
 //     // once it is there: what it draws with is ARToolKit's own matrix, half a pixel off; ours is
 //     applyCalibration(camera, calibration, { viewport }); // of ./three.js
