@@ -28,6 +28,8 @@ READ = {
     "cameras": ("/cameras/", "#found li"),
     "camera": ("/cameras/?key=c2.specimen", "#camera-name"),
     "result": ("/result/?id=x", "#verdict"),
+    "ar": ("/ar/", "h1:not(:empty)"),
+    "example": ("/examples/three/", "h1:not(:empty)"),
 }
 HELD = f"/calibrate/?{Truth().query(seed=3)}&target_error=0.05&error=0"
 
