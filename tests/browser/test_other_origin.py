@@ -1,10 +1,7 @@
 """The README's example as it stands, on a page of another origin, with the browser's own made-up camera."""
 
 import re
-import threading
 from collections.abc import Iterator
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
@@ -12,15 +9,9 @@ import pytest
 from playwright.sync_api import Playwright
 
 from .conftest import CHROMIUM, ROOT, executable
+from .elsewhere import serving
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
-
-
-class Quiet(SimpleHTTPRequestHandler):
-    """Keeps its requests to itself."""
-
-    def log_message(self, *_: object) -> None:
-        """Print nothing."""
 
 
 @pytest.fixture
@@ -30,13 +21,8 @@ def elsewhere(tmp_path: Path, stack: str) -> Iterator[str]:
     assert example is not None
     page = example[1].replace("http://127.0.0.1:8000", stack)
     (tmp_path / "index.html").write_text(f'<!doctype html><link rel="icon" href="data:,">{page}')
-    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(tmp_path)))
-    thread = threading.Thread(target=server.serve_forever)
-    thread.start()
-    yield f"http://127.0.0.1:{server.server_address[1]}/"
-    server.shutdown()
-    thread.join()
-    server.server_close()
+    with serving(tmp_path) as address:
+        yield address
 
 
 def test_the_readmes_example_runs_on_another_origin(

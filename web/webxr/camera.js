@@ -25,8 +25,11 @@ import { isNeeded } from "./support.js";
  * @typedef {import("../sdk/lookup.js").Options & More} Options
  */
 
+let installed = false;
+
 /**
- * Extends WebXR, puts the video in the place of a device where there is none, and looks the video's camera up.
+ * Extends WebXR, puts the video in the place of a device where there is none, and looks the video's camera up. A second call
+ * is for another camera, or another way to show it: sessions that begin after it are of that.
  * @param {HTMLVideoElement} video showing a camera that the user has permitted
  * @param {Options} options
  * @returns {Promise<() => void>} ends the watch for changes of the picture; rejects with a TypeError where the video shows no camera
@@ -39,7 +42,8 @@ export async function useCamera(video, { rectify = false, pose, place, onAnswer,
   // A phone was turned just now: what is known is of another picture, until that is answered.
   const current = () => (known?.img_size[0] === video.videoWidth && known.img_size[1] === video.videoHeight ? known : null);
   const straightened = rectify ? await straightening(onError) : undefined;
-  if (await isNeeded()) {
+  if (installed || (await isNeeded())) {
+    installed = true;
     const { install } = await import("./install.js");
     install({ video, pinhole: current, pose, place, straight: straightened && (() => straightened(current())) });
   }
@@ -57,7 +61,10 @@ export async function useCamera(video, { rectify = false, pose, place, onAnswer,
   });
 }
 
-/** @param {(error: unknown) => void} onError @returns {Promise<(known: Calibration | null) => Rectifier | null>} one for each calibration */
+/**
+ * @param {(error: unknown) => void} onError
+ * @returns {Promise<(known: Calibration | null) => Rectifier | null>} one for each calibration
+ */
 async function straightening(onError) {
   const { Rectifier } = await import("../sdk/rectifier.js");
   /** @type {Calibration | null} */

@@ -10,10 +10,10 @@ import { Stage } from "./stage.js";
  * @property {HTMLVideoElement} video playing the camera
  * @property {() => Pinhole | null} pinhole what is known of the camera; null: nothing
  * @property {() => Float32Array | null} [pose] camera → world, column-major, the camera looking along −z; null: at the origin
- * @property {() => Straight | null} [straight] what straightens the picture, which is shown in the video's place then; null: nothing yet
+ * @property {() => Straight | null} [straight] what straightens the picture, and is shown in its place; null: nothing yet
  * @property {HTMLElement} [place] where immersive sessions are shown: the page's body unless told
  *
- * @typedef {Pinhole & {canvas: HTMLCanvasElement | OffscreenCanvas, draw: (picture: HTMLVideoElement) => void}} Straight a Rectifier of the SDK
+ * @typedef {Pinhole & {canvas: HTMLCanvasElement | OffscreenCanvas, draw: (video: HTMLVideoElement) => void}} Straight a Rectifier
  *
  * @typedef {object} Session
  * @property {boolean} immersive

@@ -47,7 +47,7 @@ const UNKNOWN = { cameraMatrix: null, distortionCoefficients: null, distortionMo
 /**
  * Adds the attributes to XRView, and `distortionModel` to XRRenderState. A second call changes the provider.
  * @param {Provider} provider @param {Options} [options]
- * @returns {(session?: object) => Promise<void>} asks the provider again, for all running sessions unless told: the camera's picture has changed
+ * @returns {(session?: object) => Promise<void>} asks the provider again, for all running sessions unless told: the camera has changed
  */
 export function extend(provider, { global = globalThis, model = "rectilinear", onError = console.warn } = {}) {
   const { XRView, XRFrame, XRSession, XRRenderState } = global;
@@ -182,7 +182,10 @@ function sameSize(size, { width, height }) {
 
 const WRAPPED = Symbol("what stood here before calibDB");
 
-/** Remembers what it stands for, so that a second call does not wrap it twice. @param {any} before @param {(this: any, ...parameters: any[]) => any} after */
+/**
+ * Remembers what it stands for, so that a second call does not wrap it twice.
+ * @param {any} before @param {(this: any, ...parameters: any[]) => any} after
+ */
 function wrapping(before, after) {
   return Object.assign(after, { [WRAPPED]: before });
 }

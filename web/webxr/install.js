@@ -9,7 +9,8 @@ import { WebcamDevice } from "./device.js";
 export { isNeeded } from "./support.js";
 
 /**
- * Puts the webcam in the place of `navigator.xr`, the polyfill's classes in that of the browser's. Once a page.
+ * Puts the webcam in the place of `navigator.xr`, the polyfill's classes in that of the browser's. What is installed
+ * later serves the sessions that begin later.
  * @param {import("./device.js").Setup} setup
  * @returns {WebcamDevice}
  */

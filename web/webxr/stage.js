@@ -13,7 +13,10 @@ export class Stage {
   /** @type {HTMLCanvasElement | undefined} */
   #cover;
 
-  /** @param {HTMLElement} place @param {HTMLVideoElement} video @param {HTMLCanvasElement} layer @param {HTMLElement | null} [overlay] the page's part that stays */
+  /**
+   * @param {HTMLElement} place @param {HTMLVideoElement} video @param {HTMLCanvasElement} layer
+   * @param {HTMLElement | null} [overlay] what of the page stays over it
+   */
   constructor(place, video, layer, overlay = null) {
     this.#video = video;
     this.#layer = layer;
@@ -23,7 +26,7 @@ export class Stage {
     this.#homes = [this.#dressed(video, PICTURE), this.#dressed(layer, LAYER)];
     if (overlay && !under) this.#homes.push(this.#over(overlay));
     place.append(this.#element);
-    void video.play(); // moving it has paused it
+    this.#play();
   }
 
   /** What of the window it is on, px of CSS. @returns {[number, number]} */
@@ -45,7 +48,12 @@ export class Stage {
   leave() {
     for (const home of this.#homes.reverse()) home(); // the last first: the place of one may be beside another
     this.#element.remove();
-    void this.#video.play();
+    this.#play();
+  }
+
+  /** Moving it has paused it; whoever stops it before it plays may. */
+  #play() {
+    this.#video.play().catch(() => {});
   }
 
   /** @param {HTMLElement} element @param {Partial<CSSStyleDeclaration>} style @returns {() => void} puts it back */
