@@ -87,6 +87,18 @@ def test_capture(page: Page) -> None:
     picture(page, "shot-capture-done", SIZES)
 
 
+def test_overlays(page: Page) -> None:
+    page.goto("/ar/")
+    page.locator("#camera option").first.wait_for(state="attached")
+    picture(page, "shot-ar-before", SIZES)
+    page.goto("/ar/?virtual=1&k1=-0.3&error=0")
+    page.locator("#rms:not(:empty)").wait_for()
+    for key, name in (("1", "matrix"), ("2", "rectified"), ("3", "distorted")):
+        page.keyboard.press(key)
+        page.locator(f"#stage[data-shown={name}]").wait_for()
+        picture(page, f"shot-ar-{name}", SIZES)
+
+
 @pytest.mark.parametrize("language", ["de", "uk"])
 def test_capture_in_other_languages(page: Page, language: str) -> None:
     page.goto(f"/calibrate/?lang={language}")

@@ -1,5 +1,6 @@
 // What stands on the board: its own grid once more, a cross on each of the four outermost corners, and a house. Triangles
 // in the board's frame (x right, y down, z away from who looks at it; unit: one square), shaded once and for all.
+import { unit } from "./pose.js";
 
 /** @typedef {[number, number, number]} Point */
 /** @typedef {[red: number, green: number, blue: number]} Colour 0…1 */
@@ -74,9 +75,3 @@ const quadrilateral = ([a, b, c, d], colour) => [...triangle([a, b, c], colour),
 
 /** @param {Point[]} corners @param {Colour} colour */
 const triangle = (corners, colour) => corners.flatMap((corner) => [...corner, ...colour]);
-
-/** @param {number[]} vector */
-function unit(vector) {
-  const length = Math.hypot(...vector);
-  return vector.map((value) => value / length);
-}

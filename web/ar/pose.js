@@ -59,8 +59,8 @@ function decomposed([a, b, tx, d, e, ty, g, h, tz]) {
   };
 }
 
-/** @param {number[]} vector */
-function unit(vector) {
+/** Of length 1. @param {number[]} vector */
+export function unit(vector) {
   const length = Math.hypot(...vector);
   return vector.map((value) => value / length);
 }
