@@ -11,6 +11,8 @@ from calibsolver.consensus import Consensus, Member, Rule, pool
 from tests import specimens, synthetic
 
 RULE = Rule(min_contributors=3)
+MOVED = 0.5
+"""px over the image, by which no lie may move a reliable answer."""
 KINDS = ("focal", "shift", "each", "junk")
 """One wrong focal length; it and a wrong principal point and decentering; each its own; no camera at all."""
 
@@ -33,7 +35,7 @@ class Trial:
     @property
     def wrong(self) -> bool:
         """Whether a reliable answer moved by more than half a pixel over the image."""
-        return self.reliable and self.moved > 0.5
+        return self.reliable and self.moved > MOVED
 
 
 def trial(rng: np.random.Generator, kind: str, total: int, variation: float = 0.0, views: int = 5) -> Trial:

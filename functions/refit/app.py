@@ -44,7 +44,7 @@ from calibsolver.score import score
 ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
 ATTEMPTS = 5  # of one that others keep overtaking
 
-METHOD = 2  # of pooling and counting: what another one computed is computed anew
+METHOD = 3  # of pooling and counting: what another one computed is computed anew
 
 Answer = dict[str, ConsensusDocument | None]
 

@@ -43,20 +43,22 @@ def computed_on_the_fly(stack: LocalStack, client: Client) -> Iterator[Row]:
     """A model that is not stored, of a camera with ten calibrations: pooled while the caller waits."""
     at_rest, camera = store(stack), "Camera of ten calibrations"
     for n in range(10):
-        at_rest.calibrations.publish(calibration(camera, n))
+        at_rest.calibrations.publish(calibration(camera, n, views=8))
     mode = mode_of(calibration(camera, 0))
     at_rest.refit.now(asked(mode))
-    for model in schema.DISTORTION_MODELS[1:]:
-        times = []
+    for model in schema.DISTORTION_MODELS:
+        times, worked = [], []
         for _ in range(5):
             (known,) = (c for c in at_rest.consensuses.at(mode) if c.distortion_model == model)
             at_rest.consensuses.drop(known)
-            start = time.perf_counter()
+            start, begun = time.perf_counter(), time.process_time()
             answer = client.lookup(camera=camera, platform=PLATFORM, distortion_model=model)
             times.append((time.perf_counter() - start) * 1e3)
+            worked.append((time.process_time() - begun) * 1e3)
             if answer.status != 200:
                 raise RuntimeError(f"{model}: {answer.body!r}")
-        yield Row(f"lookup that has {model} computed", statistics.median(times), 500, "ms", "10 calibrations")
+        note = f"10 calibrations of 8 views; {statistics.median(worked):.0f} ms of the processor"
+        yield Row(f"lookup that has {model} computed", statistics.median(times), 500, "ms", note)
 
 
 def submit(client: Client) -> Row:

@@ -185,6 +185,32 @@ def gather(
     return sorted(int(i) for i in inner)
 
 
+def sway(calibrations: Sequence[Calibration], contributors: Sequence[str]) -> tuple[float, float]:
+    """How far what calibrations agree on hangs on two contributors, px rms over the image.
+
+    Every contributor weighs the same. Returned are the distance by which the middle moves without those two
+    that move it most, and by how much the tightest majority shows that specimens differ: its spread beyond
+    the noise, 0 where noise explains it; infinite where there are no more than two.
+    """
+    names, who = np.unique(np.asarray(contributors), return_inverse=True)
+    if len(names) < 3:
+        return np.inf, 0.0
+    weights = 1 / np.bincount(who)[who]
+    x = fields(calibrations, int(np.argmin(compare(calibrations).sum(axis=1))))
+    each = np.stack([np.average(x[who == c], axis=0) for c in range(len(names))])
+    from_middle = each - each.mean(axis=0)
+    # Without a and b the middle of n lies at -(a + b) / (n - 2) from that of all.
+    square = np.sum(from_middle**2, axis=1)
+    pairs = square[:, None] + square + 2 * from_middle @ from_middle.T
+    np.fill_diagonal(pairs, 0.0)
+    inner = _tightest(x, weights)
+    middle = np.average(x[inner], axis=0, weights=weights[inner])
+    spread2 = float(np.sum((x[inner] - middle) ** 2)) / max(len(inner) - 1, 1)
+    noise2 = float(np.mean(predicted(calibrations)[inner]))
+    core = spread2 - noise2 if spread2 > CLEARLY * noise2 else 0.0
+    return float(np.sqrt(max(pairs.max(), 0.0))) / (len(names) - 2), float(np.sqrt(core))
+
+
 def _larger_side(x: Array, harmless: float, weights: Array) -> IntArray | None:
     """Find the larger of two heaps that the rows fall into: its indices; None where there is one heap.
 

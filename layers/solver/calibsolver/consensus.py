@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from . import models
-from .agreement import compare, groups
+from .agreement import compare, groups, sway
 from .arrays import Array
 from .calibration import Calibration
 from .camera import Camera
@@ -22,6 +22,12 @@ Doubt = Literal["too_few", "disagree", "few_contributors"]
 
 FOLDS = 5
 """Parts of a group that are left out in turn."""
+
+
+SWAY, SWAY_OF_SPREAD = 0.0004, 3.5
+"""Where contributors are told apart, no two of them may together move the answer by more than this share of
+the image's width, half a pixel of 1,280; or, where specimens differ, by so many times what the tightest
+majority of them do beyond their noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,8 +182,14 @@ def doubt(
         return "disagree"
     if not spread_within(group, img_size, rule):
         return "disagree"
-    contributors = len({member.contributor for member, _ in group})
-    return "few_contributors" if contributors < rule.min_contributors else None
+    contributors = [member.contributor for member, _ in group]
+    if len(set(contributors)) < rule.min_contributors:
+        return "few_contributors"
+    if rule.min_contributors > 1:
+        by_two, core = sway([c for _, c in group], contributors)
+        if by_two > max(SWAY * img_size[0], SWAY_OF_SPREAD * core):
+            return "disagree"
+    return None
 
 
 def weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:

@@ -22,6 +22,16 @@ def test_two_fifths_who_lie_do_not_move_the_answer(kind: str) -> None:
     assert all(t.reliable for t in trials if t.total >= 10)
 
 
+@pytest.mark.parametrize("number", [810, 938])
+def test_what_hangs_on_two_contributors_is_no_answer(number: int) -> None:
+    """Lies just where noise might excuse them: of a thousand cameras the two that moved by over half a pixel."""
+    rng = np.random.default_rng((7, number))
+    found = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)))
+    assert found.moved > attacks.MOVED
+    assert found.attacked is not None
+    assert (found.clean.reliable or found.clean.total < 5, found.attacked.reason) == (True, "disagree")
+
+
 def test_liars_alone_are_never_the_answer() -> None:
     """Two contributors with most of the calibrations: too few contributors, however well they agree."""
     rng = np.random.default_rng(1)
