@@ -24,7 +24,7 @@ def test_two_fifths_who_lie_do_not_move_the_answer(kind: str) -> None:
 
 @pytest.mark.parametrize("number", [810, 938])
 def test_what_hangs_on_two_contributors_is_no_answer(number: int) -> None:
-    """Lies just where noise might excuse them: of a thousand cameras the two that moved by over half a pixel."""
+    """Lies where noise might excuse them: the two of 1,000 cameras that moved by over half a pixel."""
     rng = np.random.default_rng((7, number))
     found = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)))
     assert found.moved > attacks.MOVED
