@@ -40,9 +40,7 @@ def shell(folder: Path = WEB) -> Shell:
         if path.is_file() and path.suffix in KINDS
     }
     files = {
-        name: digest
-        for name, digest in files.items()
-        if name not in OTHERS and not name.startswith(APART)
+        name: digest for name, digest in files.items() if name not in OTHERS and not name.startswith(APART)
     }
     version = hashlib.sha256(json.dumps(files).encode()).hexdigest()[:16]
     return {"version": version, "files": files, "late": [name for name in files if name.startswith(LATE)]}
