@@ -57,7 +57,6 @@ screenshots: setup
 bench: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench
 
-# Does the key of a camera suffice? Writes docs/camera-keys.md.
 # SEEDS=10 ONLY=methods,conditions,bound
 bench-guidance: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench.guidance
@@ -71,6 +70,7 @@ bench-consensus: setup
 bench-uncertainty: setup
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) -m tests.bench.uncertainty
 
+# Does the key of a camera suffice? Writes docs/camera-keys.md.
 bench-keys: setup
 	@$(PY) -m tests.bench.keys
 
