@@ -57,6 +57,12 @@ test("what has happened is said once, what is to be done whenever it changes", a
   announcer.say("Move up", "");
   await new Promise((done) => setTimeout(done, 20));
   assert.equal(place.textContent, "View 2 taken. Move up", "news are not lost to what comes after them");
+  announcer.say("Turn it", "", "");
+  announcer.say("Turn it", "", "Another camera.");
+  announcer.say("Turn it", "View 3 taken.", "Another camera.");
+  announcer.say("Closer", "View 3 taken.", "Another camera.");
+  await new Promise((done) => setTimeout(done, 20));
+  assert.equal(place.textContent, "View 3 taken. Another camera. Closer", "nor to what is new of another kind");
 });
 
 test("a model that would fit better is offered, unless it is the one", () => {

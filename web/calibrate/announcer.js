@@ -6,7 +6,7 @@ export class Announcer {
   #place;
   #wait;
   #text = "";
-  /** What is said once, and not lost to what comes after it. @type {string[]} */
+  /** What is said once, by kind, and not lost to what comes after it. @type {string[]} */
   #news = [];
   /** @type {string[]} */
   #told = [];
@@ -21,10 +21,12 @@ export class Announcer {
 
   /** @param {string} text what holds now @param {string[]} news what has happened, of several kinds: each is said once, before it */
   say(text, ...news) {
-    const fresh = news.filter((each, kind) => each !== "" && each !== this.#told[kind]);
+    const isFresh = news.map((each, kind) => each !== "" && each !== this.#told[kind]);
     this.#told = news;
-    if (fresh.length) this.#news = fresh;
-    if (text === this.#text && fresh.length === 0) return;
+    news.forEach((each, kind) => {
+      if (isFresh[kind]) this.#news[kind] = each;
+    });
+    if (text === this.#text && !isFresh.includes(true)) return;
     this.#text = text;
     if (this.#timer !== null) return;
     this.#write();
@@ -36,7 +38,7 @@ export class Announcer {
     this.#news = [];
     this.#timer = setTimeout(() => {
       this.#timer = null;
-      if (this.#text !== said || this.#news.length) this.#write();
+      if (this.#text !== said || this.#news.some(Boolean)) this.#write();
     }, this.#wait);
   }
 }
