@@ -2,6 +2,7 @@
 // picture: what is left between the two is the calibration's, not the computer's being late.
 import { corners as boardCorners } from "../board/geometry.js";
 import { grab } from "../calibrate/detector.js";
+import { nextFrame } from "../calibrate/frames.js";
 import { misalignment } from "./misalignment.js";
 import { model } from "./model.js";
 import { MODES } from "./modes.js";
@@ -21,8 +22,6 @@ import { Scene } from "./scene.js";
  * @property {string} mode of `MODES`
  * @property {number} balance how much of the edge the straightened picture keeps, 0…1
  */
-
-const STALLED = 500; // ms; a camera that stalls, or a hidden tab, must not stop the loop for good
 
 export class Live {
   #setup;
@@ -118,13 +117,4 @@ function paper([width, height]) {
   const context = canvas.getContext("2d", { alpha: false });
   if (!context) throw new Error("this browser has no 2D canvas");
   return context;
-}
-
-/** The next frame that the video shows. @param {HTMLVideoElement} video @returns {Promise<void>} */
-function nextFrame(video) {
-  return new Promise((resolve) => {
-    setTimeout(resolve, STALLED);
-    if (video.requestVideoFrameCallback) video.requestVideoFrameCallback(() => resolve());
-    else requestAnimationFrame(() => resolve());
-  });
 }

@@ -160,7 +160,7 @@ async function show({ track, virtual }, signal) {
     return await shown.run(signal, tell);
   } finally {
     shown.dispose();
-    live = null;
+    if (live === shown) live = null; // the next run may have begun already
   }
 }
 
