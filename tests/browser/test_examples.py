@@ -6,9 +6,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import BrowserContext, Page
 
 from .pictures import picture
+from .test_ar import WEBCAM
 from .truth import Truth
 
 Array = npt.NDArray[np.float64]
@@ -27,6 +28,16 @@ RESIZED = """async (ratio) => {
   document.querySelector("#stage").style.aspectRatio = ratio;
   for (let frame = 0; frame < 5; frame++) await new Promise(requestAnimationFrame);
 }"""
+#: keeps what the page was given in sight
+GIVEN = f"""{WEBCAM}
+  window.given = [];
+  const give = navigator.mediaDevices.getUserMedia;
+  navigator.mediaDevices.getUserMedia = async () => {{
+    const stream = await give();
+    window.given.push(...stream.getTracks());
+    return stream;
+  }};
+"""
 DETECTOR = cv2.aruco.CharucoDetector(
     cv2.aruco.CharucoBoard(SQUARES, 1.0, 0.65, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50))
 )
@@ -88,3 +99,17 @@ def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
         assert distance(seen, expected(matrix, CORNERS, DEPTH, viewport)) < 1, "the picture lies there, too"
     page.evaluate(RESIZED, "")
     picture(page, f"example-{engine}", full=True)
+
+
+def test_a_camera_that_is_of_no_use_is_let_go(context: BrowserContext) -> None:
+    page = context.new_page()  # "not found" is an error in the console
+    page.add_init_script(GIVEN)
+    page.route("**/v1/lookup", lambda route: route.fulfill(status=403, json={"detail": "no"}), times=1)
+    page.goto("/examples/three/")
+    page.locator("#start").dblclick()
+    page.locator("#problem:not(:empty)").wait_for()
+    assert page.evaluate("window.given.map((track) => track.readyState)") == ["ended"], "opened but once"
+    page.locator("#start").click()
+    page.locator("#problem a", has_text="Calibrate").wait_for()
+    assert page.evaluate("window.given.map((track) => track.readyState)") == ["ended", "ended"]
+    assert page.locator("#stage").is_hidden()

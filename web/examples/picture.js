@@ -33,7 +33,10 @@ export function whenOpen(draw) {
   openPage({ examples: words });
   const parameters = new URLSearchParams(location.search);
   const start = part("start", HTMLButtonElement);
+  let opening = false;
   const go = async (/** @type {string} */ id) => {
+    if (opening) return;
+    opening = true;
     say("");
     try {
       const picture = await begin(id, parameters);
@@ -43,6 +46,8 @@ export function whenOpen(draw) {
       await draw(picture);
     } catch (error) {
       say(error instanceof CameraError ? t(`capture.fault_${error.code}`, { detail: error.detail }) : explain(error));
+    } finally {
+      opening = false;
     }
   };
   start.addEventListener("click", () => void go(""));
@@ -51,20 +56,34 @@ export function whenOpen(draw) {
 
 /** @param {string} id of a camera @param {URLSearchParams} parameters @returns {Promise<Picture | null>} null: it is not calibrated yet */
 async function begin(id, parameters) {
+  const camera = await open(id, { parameters, size: WANTED, place: part("virtual", HTMLElement), board: DEFAULT_BOARD });
+  /** @type {Picture | null} */
+  let picture = null;
+  try {
+    picture = await shown(camera, parameters);
+  } finally {
+    if (!picture) camera.close();
+  }
+  return picture;
+}
+
+/**
+ * @param {import("../calibrate/camera.js").OpenCamera} camera @param {URLSearchParams} parameters
+ * @returns {Promise<Picture | null>} null: it is not calibrated yet
+ */
+async function shown({ track, stream, virtual }, parameters) {
   const stage = part("stage", HTMLElement);
-  const { track, stream } = await open(id, { parameters, size: WANTED, place: part("virtual", HTMLElement), board: DEFAULT_BOARD });
   const video = document.createElement("video");
   Object.assign(video, { srcObject: stream, muted: true, playsInline: true });
   await video.play();
 
   // This is all that an application needs. Of the virtual camera, which is made of numbers, nobody need be asked.
   const { api, token } = await loadSettings();
-  const { calibration, guidanceUrl } = id === "virtual"
+  const { calibration, guidanceUrl } = virtual
     ? { calibration: truthOf(setupFrom(parameters)), guidanceUrl: null }
     : await lookup(track, { token, api: new URL(api, location.href), exact: true });
   if (!calibration) {
     say(t("examples.unknown"), el("a", { href: guidanceUrl ?? "../../calibrate/" }, t("examples.calibrate")));
-    track.stop();
     return null;
   }
   const rectifier = await calibration.rectifier({ balance: 0 });
