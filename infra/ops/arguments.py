@@ -62,7 +62,7 @@ def parser() -> argparse.ArgumentParser:
         "bundle", help="write what is reliable of the cameras that most people have, for web applications"
     )
     bundling.add_argument("file", type=Path)
-    bundling.add_argument("--most", type=int, default=500, metavar="CAMERAS", help="at most so many (500)")
+    bundling.add_argument("--most", type=_count, default=500, metavar="CAMERAS", help="at most so many (500)")
 
     taking = commands.add_parser(
         "import", help="take in a calibration file: with keypoints as a calibration, else as a first guess"
@@ -101,6 +101,12 @@ def _hours(text: str) -> float:
     if not 0 <= hours <= 24 * 366:
         raise argparse.ArgumentTypeError("from 0 to a year of hours")
     return hours
+
+
+def _count(text: str) -> int:
+    if not (text.isdecimal() and int(text) > 0):
+        raise argparse.ArgumentTypeError("a whole number from 1")
+    return int(text)
 
 
 def _size(text: str) -> tuple[int, int]:

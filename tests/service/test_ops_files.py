@@ -264,3 +264,7 @@ def test_the_operator_hears_what_a_camera_takes_in_a_bundle(
         for row in (dict(zip(data["columns"], r, strict=True)) for r in camera["rows"])
     }
     assert (rows["rectilinear"]["img_size"], rows["rectilinear"]["calibrations"]) == ([1280, 720], 5)
+    for most in ("0", "-1", "many"):
+        with pytest.raises(SystemExit):
+            main(["bundle", str(file), f"--most={most}"])
+    assert json.loads(file.read_text()) == data
