@@ -252,7 +252,8 @@ async function answer(request) {
   }
 }
 
-self.onmessage = async ({ data }) => {
+/** @param {{close: true} | OpenRequest | DetectRequest} data */
+async function reply(data) {
   if ("close" in data) return self.postMessage({ closed: true });
   try {
     self.postMessage({ id: data.id, result: await answer(data) });
@@ -261,4 +262,10 @@ self.onmessage = async ({ data }) => {
     const message = error instanceof Error ? error.message : `OpenCV failed (${String(error)})`;
     self.postMessage({ id: data.id, error: message, code: error instanceof LoadError ? error.code : undefined });
   }
+}
+
+/** One after the other: frames are read into the same memory, and the end comes when the last one was let go of. */
+let last = Promise.resolve();
+self.onmessage = ({ data }) => {
+  last = last.then(() => reply(data));
 };
