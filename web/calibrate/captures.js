@@ -26,6 +26,8 @@ export class Captures {
   #onUnkept;
   /** @type {Map<string, CaptureSession>} */
   #sessions = new Map();
+  /** Moved here, and not taken up yet: the device may have no room to keep them. @type {Map<string, import("./session.js").Kept>} */
+  #moved = new Map();
 
   /**
    * @param {import("./kept.js").Cupboard} cupboard
@@ -47,10 +49,11 @@ export class Captures {
     const { api: base, token } = await settings(run);
     const api = new Api(base, { ...run, patience: ANSWER });
     const about = aboutOf(request);
-    const kept = await this.#cupboard.load(about);
+    const kept = this.#moved.get(about) ?? await this.#cupboard.load(about);
     const same = this.#sessions.get(about);
     const session = same ?? new CaptureSession(api, token, request, { about, kept, save: (now) => this.#save(now) });
     this.#sessions.set(about, session);
+    this.#moved.delete(about);
     try {
       const state = session.size > 0 || same ? (await session.resume(api)).state : await session.start();
       if (state.status === "converged") this.#sessions.delete(about);
@@ -65,6 +68,7 @@ export class Captures {
   /** @param {string} about */
   async forget(about) {
     this.#sessions.delete(about);
+    this.#moved.delete(about);
     await this.#cupboard.remove(about);
   }
 
@@ -73,8 +77,10 @@ export class Captures {
    * @param {CaptureSession} session @param {Request} request @param {number[]} [without] indices of views that are left behind
    */
   async move(session, request, without = []) {
+    const kept = { ...session.unsent(without), about: aboutOf(request) };
     await this.forget(aboutOf(session.request));
-    await this.#save({ ...session.unsent(without), about: aboutOf(request) });
+    this.#moved.set(kept.about, kept);
+    await this.#save(kept);
   }
 
   /** @param {import("./session.js").Kept} kept */

@@ -1,0 +1,48 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Captures, aboutOf } from "../../web/calibrate/captures.js";
+
+const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
+const view = (id) => ({ ids: [id], points: [[id, id]] });
+const answer = (status, body) => new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
+
+/** A service that takes every view; gives what it was sent, session by session. */
+function serve(t) {
+  const sent = [];
+  const state = () => ({ status: "capturing", accepted: true, views: sent.at(-1).map((_, index) => ({ index })) });
+  t.mock.method(globalThis, "fetch", async (address, { method = "GET", body } = {}) => {
+    const call = `${method} ${new URL(address).pathname.split("/").slice(-2).join("/")}`;
+    if (call.endsWith("config.json")) return answer(200, { api: "https://calibdb.example/v1", token: "t" });
+    if (call === "POST v1/auth") return answer(201, { session_id: `s${sent.push([])}` });
+    if (call === "GET session/pose") return answer(200, { index: sent.at(-1).length });
+    if (call === "POST session/views") sent.at(-1).push(JSON.parse(body).ids[0]);
+    return answer(200, state());
+  });
+  globalThis.localStorage ??= { getItem: () => null, setItem() {} };
+  return sent;
+}
+
+for (const room of [true, false]) {
+  test(`a capture goes on with the views that are left, ${room ? "kept on the device" : "where nothing can be kept, too"}`, async (t) => {
+    const sent = serve(t);
+    const kept = new Map();
+    const unkept = [];
+    const cupboard = {
+      load: async (about) => kept.get(about) ?? null,
+      save: async (each) => room && Boolean(kept.set(each.about, each)),
+      remove: async (about) => void kept.delete(about),
+    };
+    const captures = new Captures(cupboard, { address: () => "?", onUnkept: () => unkept.push(1) });
+    const run = { signal: new AbortController().signal, onPatience() {} };
+    const { session } = await captures.open(REQUEST, run);
+    for (const id of [1, 2, 3]) await session.submit(id - 1, view(id));
+    const fisheye = { ...REQUEST, distortion_model: "fisheye" };
+    await captures.move(session, fisheye, [1]);
+    assert.deepEqual([kept.has(aboutOf(REQUEST)), kept.has(aboutOf(fisheye)), unkept.length > 0], [false, room, !room]);
+    await captures.open(fisheye, run);
+    assert.deepEqual(sent, [[1, 2, 3], [1, 3]]);
+    await captures.forget(aboutOf(fisheye));
+    await captures.open(fisheye, run);
+    assert.deepEqual(sent, [[1, 2, 3], [1, 3], []], "what was taken up is not taken up twice");
+  });
+}
