@@ -7,7 +7,7 @@ from pathlib import Path
 
 import cv2
 import pytest
-from playwright.sync_api import BrowserContext, Page, Request
+from playwright.sync_api import BrowserContext, Page, Request, Route
 
 from tests.data import data_dir
 
@@ -63,9 +63,18 @@ def test_too_little_is_not_stored_but_what_would_help_is_drawn(page: Page) -> No
     page.locator("#wanted figure").wait_for()
     assert "Not enough yet" in (page.locator("#status").text_content() or "")
     picture(page, "photos-more", ["hand"], full=True)
+
+    held: list[Route] = []
+    page.route("**/v1/auth", lambda route: held.append(route))
+    with page.expect_request("**/v1/auth"):
+        page.locator("#start").click()
     page.locator("#clear").click()
     assert page.locator("#pictures li").count() == 0
     assert page.locator("#form").is_hidden()
+    held[0].continue_()
+    page.locator("#start:enabled").wait_for(state="attached")
+    assert page.locator("#status").text_content() == "", "what is computed of them comes too late"
+    assert page.locator("#wanted figure").count() == 0
 
 
 def test_another_board_is_not_taken_for_this_one(context: BrowserContext) -> None:

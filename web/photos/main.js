@@ -56,6 +56,8 @@ const origins = new Map();
 let detector = null;
 /** The search that is going on. */
 let run = new AbortController();
+/** Calibrations so far: what is computed for an earlier one, or for pictures chosen before, comes too late. */
+let turn = 0;
 
 /** @param {unknown} error */
 function explain(error) {
@@ -68,6 +70,15 @@ const openDetector = () => (detector ??= Detector.open(board).catch((error) => {
   detector = null;
   throw error;
 }));
+
+/** What was found out about the pictures chosen holds no more. @returns {number} the turn that begins */
+function discard() {
+  view.clear();
+  parts.wanted.replaceChildren();
+  judgements.clear();
+  judged = false;
+  return ++turn;
+}
 
 /** The series chosen. */
 const chosen = () => groups(pictures).find(({ id }) => id === parts.series.value) ?? groups(pictures)[0] ?? null;
@@ -101,10 +112,7 @@ function proposeKey() {
 async function look(files) {
   run.abort();
   const { signal } = run = new AbortController();
-  view.clear();
-  parts.wanted.replaceChildren();
-  judgements.clear();
-  judged = false;
+  discard();
   parts.progress.hidden = false;
   /** @type {UnreadableError[]} */
   const unreadable = [];
@@ -156,35 +164,32 @@ async function find(finder, { name, picture, camera, focal, kind }) {
   return { name, camera, focal, kind, size, ids, points, outline: observedOutline(board, { ids, points }), thumbnail: small };
 }
 
-/** A minute of trying again: it is said that the network is away, and when it is back. @param {object | null} patience */
-function onPatience(patience) {
-  parts.status.textContent = t(patience ? "faults.patience" : "photos.calibrating");
-}
-
 /** @param {Set<Picture>} [without] pictures that are left out this time */
 async function start(without = new Set()) {
   const group = chosen();
   if (!group) return;
   parts.start.disabled = true;
-  view.clear();
-  parts.wanted.replaceChildren();
-  judgements.clear();
-  judged = false;
+  const mine = discard();
   try {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
+    if (mine !== turn) return;
     const views = ranked(group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture)), group.size, MOST);
     const request = {
       camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,
     };
     parts.status.textContent = t("photos.calibrating");
+    const onPatience = (/** @type {object | null} */ patience) => {
+      if (mine === turn) parts.status.textContent = t(patience ? "faults.patience" : "photos.calibrating");
+    };
     const outcome = await calibrate(new Api(address, { onPatience }), token, request, views, (judgement) => {
+      if (mine !== turn) return;
       judgements.set(views[judgement.view], judgement);
       showPictures();
     });
-    await finish(outcome, views, returnOrigins, without);
+    if (mine === turn) await finish(outcome, views, returnOrigins, without);
   } catch (error) {
-    parts.status.textContent = explain(error);
+    if (mine === turn) parts.status.textContent = explain(error);
   } finally {
     parts.start.disabled = false;
   }
@@ -192,6 +197,7 @@ async function start(without = new Set()) {
 
 /** @param {Outcome} outcome @param {Picture[]} views @param {string[] | undefined} returnOrigins @param {Set<Picture>} without */
 async function finish({ state, wanted, numbers }, views, returnOrigins, without) {
+  const mine = turn;
   judged = true;
   showPictures();
   const taken = views.filter((each) => judgements.get(each)?.accepted);
@@ -205,6 +211,7 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   parts.status.textContent = t("photos.done", { count: taken.length });
   const { calibration, report } = await load(id);
   const picture = await canvasOf(taken[0]);
+  if (mine !== turn) return;
   const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map((index) => views[numbers.get(index) ?? -1])]));
   view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, goOn, explain });
   document.getElementById("verdict")?.focus();
@@ -268,8 +275,8 @@ for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
   });
 }
 parts.series.addEventListener("change", () => {
-  judgements.clear();
-  judged = false;
+  discard();
+  parts.status.textContent = "";
   proposeKey();
   showPictures();
 });
@@ -279,12 +286,9 @@ parts.form.addEventListener("submit", (event) => {
 });
 part("clear", HTMLButtonElement).addEventListener("click", () => {
   run.abort();
+  discard();
   pictures = [];
-  judgements.clear();
-  judged = false;
   origins.clear();
-  view.clear();
-  parts.wanted.replaceChildren();
   parts.status.textContent = "";
   showSeries();
   showPictures();
