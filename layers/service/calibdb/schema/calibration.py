@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field, JsonValue
+from pydantic import Field
 
-from calibdb.schema.fields import DistortionModel, ImgSize, Open, Row
+from calibdb.schema.fields import DistortionModel, ImgSize, Members, Open, Row
 
 Basis = Literal["consensus", "checked"]
 Relation = Literal["scale", "crop", "scale+crop", "neither"]
@@ -130,7 +130,7 @@ class LookupAnswer(Calibration):
 class ReportedCalibration(Calibration):
     """One stored calibration, and what its session found out about it."""
 
-    report: dict[str, JsonValue] | None = Field(
+    report: Members | None = Field(
         None,
         description="Verdict with reasons, standard deviations, error over the image, residuals.",
     )

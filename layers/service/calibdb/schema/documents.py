@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field, JsonValue
+from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, FitRecord, Uncertainty
-from calibdb.schema.fields import DistortionModel, Guidance, ImgSize, Open, Pixel
+from calibdb.schema.fields import DistortionModel, Guidance, ImgSize, Members, Open, Pixel
 from calibdb.schema.lookup import Reason
 from calibdb.schema.session import Advice, SetAside, Track
 
@@ -43,7 +43,7 @@ class Finish(Open):
     contributor: str
     source: str | None = None  # where the contributor is, hashed; of ends before there was one, none
     solver: str
-    report: dict[str, JsonValue] | None = None  # how good the result is, in detail
+    report: Members | None = None  # how good the result is, in detail
 
 
 class CaptureDocument(Open):
@@ -70,9 +70,9 @@ class SessionDocument(CaptureDocument):
     started: int  # unix seconds
     next_index: int = 0
     views: tuple[ViewDocument, ...] = ()
-    target: dict[str, JsonValue] | None = None
-    skipped: tuple[dict[str, JsonValue], ...] = ()  # targets not wanted since the last view
-    unreached: tuple[dict[str, JsonValue], ...] = ()  # targets given up before earlier views
+    target: Members | None = None
+    skipped: tuple[Members, ...] = ()  # targets not wanted since the last view
+    unreached: tuple[Members, ...] = ()  # targets given up before earlier views
     doubted: tuple[ViewDocument, ...] = ()  # outliers, kept as witnesses: it may be the others that are wrong
     prior: FitRecord | None = None  # what others measured of this camera: where the first estimate begins
     estimate: EstimateDocument = EstimateDocument()
@@ -86,7 +86,7 @@ class CalibrationDocument(CaptureDocument):
     views: tuple[ViewDocument, ...]
     set_aside: tuple[ViewDocument, ...] = ()  # captured too, and found not to belong to the others
     fits: dict[DistortionModel, FitRecord]
-    report: dict[str, JsonValue] | None = None  # `calibsolver.report.describe` of the fit
+    report: Members | None = None  # `calibsolver.report.describe` of the fit
     solver: str
     contributor: str
     source: str | None = None

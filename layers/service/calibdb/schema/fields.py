@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, get_args
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    JsonValue,
+    StringConstraints,
+)
 from pydantic_core import PydanticCustomError
 
 from calibdb.camera_key.visible import visible
@@ -26,6 +35,22 @@ class Open(BaseModel):
     """An answer or a stored document: fields that a later version added are passed over."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
+
+
+def _finite(value: JsonValue) -> JsonValue:
+    if isinstance(value, dict):
+        return {name: _finite(inner) for name, inner in value.items()}
+    if isinstance(value, list):
+        return [_finite(inner) for inner in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _finite_members(members: dict[str, JsonValue]) -> dict[str, JsonValue]:
+    return {name: _finite(value) for name, value in members.items()}
+
+
+# What another room says, kept as it is. JSON has no infinity: it is unknown, here as when it is written.
+Members = Annotated[dict[str, JsonValue], AfterValidator(_finite_members)]
 
 
 def _canonical(zoom: float) -> float:
