@@ -158,7 +158,8 @@ def test_anything(model: type[BaseModel]) -> None:
 
 def test_what_is_kept_as_it_is_holds_no_infinity() -> None:
     content = """{"camera_key": "a", "camera": "a", "platform": "b", "img_size": [16, 16], "zoom": 0,
-        "distortion_model": "rectilinear", "board": {}, "guidance": "projection-uncertainty", "track": {},
-        "started": 0, "target_error": 1, "session": "s", "target": {"x": Infinity, "y": [1, NaN, {"z": -Infinity}]}}"""
+        "distortion_model": "rectilinear", "board": {}, "guidance": "projection-uncertainty",
+        "track": {}, "started": 0, "target_error": 1, "session": "s",
+        "target": {"x": Infinity, "y": [1, NaN, {"z": -Infinity}]}}"""
     document = schema.documents.SessionDocument.model_validate_json(content)
     assert document.target == {"x": None, "y": [1, None, {"z": None}]}
