@@ -6,7 +6,7 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .pictures import picture
+from .pictures import picture, violations
 from .truth import Truth
 
 VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
@@ -52,6 +52,9 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     # It goes on without one of its views, and keeps the others.
     before = published_corners(page, api)
     page.locator("#view-1-out").click()
+    page.locator(".trial").wait_for()
+    page.locator(".views").scroll_into_view_if_needed()
+    assert violations(page) == [], "what is scrolled to is as legible as what is seen first"
     page.locator("#go-on-without").click()
     page.locator("#done[hidden]").wait_for(state="attached")
     page.wait_for_selector("#done:not([hidden])")
