@@ -156,7 +156,7 @@ def test_a_practice_needs_no_database(page: Page, sent: list[Request]) -> None:
     picture(page, "ar-before")
     page.locator("#welcome .virtually").click()
     page.locator("#rms:not(:empty)").wait_for()
-    assert "its own truth, made up" in (page.locator("#facts").text_content() or "")
+    assert "exact, the camera is made up" in (page.locator("#facts").text_content() or "")
     for key, name in (("1", "matrix"), ("2", "rectified"), ("3", "distorted")):
         page.keyboard.press(key)
         page.locator(f"#stage[data-shown={name}]").wait_for()

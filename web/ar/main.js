@@ -179,7 +179,7 @@ function fail(error, signal) {
 function draw(name) {
   mode = name;
   for (const button of modes) button.setAttribute("aria-pressed", String(button.value === name));
-  html("balance-field").hidden = name !== "rectified";
+  balance.disabled = name !== "rectified";
   told = -Infinity;
   if (live) tell(live.mode(name), name);
 }
