@@ -74,7 +74,8 @@ function link(words, href) {
 function json(value) {
   const made = document.createElement("pre");
   made.tabIndex = 0;
-  made.textContent = JSON.stringify(value, null, 2);
+  // A list of numbers is one line: a number a line hides what it is about.
+  made.textContent = JSON.stringify(value, null, 2).replace(/\[[\d\s.,e+-]+\]/g, (list) => list.replace(/\s+/g, " "));
   return made;
 }
 

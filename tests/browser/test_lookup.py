@@ -34,7 +34,7 @@ def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack:
     wanted = page.locator("#wanted")
     wanted.wait_for()
     assert key["camera"] in (wanted.text_content() or "")
-    assert "1280 × 720" in (wanted.text_content() or "")
+    assert "1280\u00a0×\u00a0720" in (wanted.text_content() or "")
 
     # A browser that navigates to the lookup is taken there.
     query = {

@@ -27,17 +27,17 @@ test("the camera asked for is proposed, and the virtual one never in its place",
 });
 
 test("a camera that is not there is said not to be, as soon as names are known", () => {
-  assert.equal(words.wanted(state), "Asked for: C920 at 1280 × 720. It is not among the cameras found here.");
-  assert.equal(words.wanted({ ...state, cameras: [C920, VIRTUAL] }), "Asked for: C920 at 1280 × 720.");
+  assert.equal(words.wanted(state), "Asked for: C920 at 1280\u00a0×\u00a0720. It is not among the cameras found here.");
+  assert.equal(words.wanted({ ...state, cameras: [C920, VIRTUAL] }), "Asked for: C920 at 1280\u00a0×\u00a0720.");
   const nameless = { id: "", label: "Camera 1", named: false };
-  assert.equal(words.wanted({ ...state, cameras: [nameless, VIRTUAL] }), "Asked for: C920 at 1280 × 720.");
+  assert.equal(words.wanted({ ...state, cameras: [nameless, VIRTUAL] }), "Asked for: C920 at 1280\u00a0×\u00a0720.");
   assert.match(words.wanted({ ...state, cameras: [VIRTUAL] }), /No camera was found here/);
 });
 
 test("another camera, or another size, than was asked for is said to be opened", () => {
   assert.equal(words.another({ ...state, key }), "");
-  assert.match(words.another({ ...state, key: { ...key, camera: "Integrated Camera" } }), /C920 at 1280 × 720. Opened: Integrated Camera/);
-  assert.match(words.another({ ...state, key: { ...key, img_size: [640, 480] } }), /Opened: C920 at 640 × 480/);
+  assert.match(words.another({ ...state, key: { ...key, camera: "Integrated Camera" } }), /C920 at 1280\u00a0×\u00a0720. Opened: Integrated Camera/);
+  assert.match(words.another({ ...state, key: { ...key, img_size: [640, 480] } }), /Opened: C920 at 640\u00a0×\u00a0480/);
   assert.equal(words.another({ ...state, key, wanted: { ...wanted, camera: null } }), "");
 });
 

@@ -85,7 +85,7 @@ function advice({ session }) {
 }
 
 /** @param {string} camera @param {[number, number] | null} size */
-const described = (camera, size) => (size ? t("capture.camera_at", { camera, size: size.join(" × ") }) : camera);
+const described = (camera, size) => (size ? t("capture.camera_at", { camera, size: size.join(" × ") }) : camera);
 
 /** What the page was opened for, and whether it is there. @param {State} state */
 export function wanted({ wanted: { camera, img_size }, cameras }) {

@@ -38,7 +38,7 @@ export function ticks(length, most) {
  */
 export function imagePlot([width, height], label, { plain = false, name = "" } = {}) {
   const left = plain ? 1 : LEFT;
-  const unit = (WIDTH - left - EDGE) / width;
+  const unit = (WIDTH - left - (plain ? 1 : EDGE)) / width;
   const x = (/** @type {number} */ u) => left + (u + 0.5) * unit;
   const y = (/** @type {number} */ v) => EDGE + (v + 0.5) * unit;
   const [right, bottom] = [x(width - 0.5), y(height - 0.5)];

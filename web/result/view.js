@@ -154,7 +154,7 @@ function opening({ calibration, report, origin, again, notes = [] }, trial) {
   return el("header", { class: "opening" },
     // Where it was captured the page itself has said so.
     ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
-    el("p", { class: "label" }, [calibration.camera, img_size.join(" × "), calibration.distortion_model].join(" · ")),
+    el("p", { class: "label" }, [calibration.camera, img_size.join(" × "), calibration.distortion_model].join(" · ")),
     ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: named(trial.without) }))] : []),
     el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
     el("p", { class: "lead" }, ...(practice ? [] : [t(`result.means_${level}`), " "]), t("result.sentence", values)),
@@ -194,9 +194,8 @@ export function tables(calibration, report) {
   const row = (name, value, more, unit) => el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, value), el("td", { class: "std" }, more), el("td", { class: "unit" }, unit));
   const px = (/** @type {string} */ name, /** @type {number | null | undefined} */ value) =>
     (typeof value === "number" ? [row(t(name), number(value, 3), "", "px rms")] : []);
-  const [w, h] = calibration.img_size;
   return el("div", { class: "columns" },
-    el("table", {}, el("caption", {}, t("result.intrinsics", { size: `${w} × ${h}`, model: calibration.distortion_model })),
+    el("table", {}, el("caption", {}, t("result.intrinsics", { model: calibration.distortion_model })),
       el("tbody", {}, ...intrinsics(calibration, report).map(({ name, value, std, digits, unit }) =>
         row(name, number(value, digits), std ? `± ${number(std, digits)}` : "", unit)))),
     el("table", {}, el("caption", {}, t("result.quality")),

@@ -6,7 +6,7 @@ export default {
     title: "Cameras · calibDB",
     description: "The cameras that calibDB knows, and how far their calibrations agree.",
     heading: "Cameras",
-    lead: "Every camera that somebody has calibrated, at every resolution, and how far those who did agree.",
+    lead: "Every camera that somebody has calibrated, at every resolution, and how well the results agree.",
     query: "Name of the camera, or a part of it",
     search: "Search",
     searching: "Searching.",
