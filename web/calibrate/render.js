@@ -64,6 +64,7 @@ export function render(parts, state, before) {
   if (state.interrupted !== before?.interrupted) {
     parts.interrupted.hidden = state.interrupted === null;
     text(parts.interruptedText, words.interrupted(state));
+    renderChoice(parts);
   }
   if (state.key !== before?.key || state.request !== before?.request || state.cropped !== before?.cropped) renderCamera(parts, state);
   parts.loading.value = state.loading;
@@ -107,12 +108,12 @@ function renderCameras(parts, state) {
   wanted.hidden = words.wanted(state) === "";
 }
 
-/** What can be done with the camera chosen: a made-up one has one size, and none cannot be opened. @param {Parts} parts */
-export function renderChoice({ camera, resolutions, start, startVirtual }) {
+/** What can be done with the camera chosen: a made-up one has one size, none cannot be opened, and what was interrupted comes first. @param {Parts} parts */
+export function renderChoice({ camera, resolutions, start, startVirtual, interrupted }) {
   resolutions.hidden = camera.value === "virtual";
   const none = camera.selectedOptions[0]?.text === t("capture.no_camera");
-  start.classList.toggle("primary", !none);
-  startVirtual.classList.toggle("primary", none);
+  start.classList.toggle("primary", !none && interrupted.hidden === true);
+  startVirtual.classList.toggle("primary", none && interrupted.hidden === true);
 }
 
 /** @param {Parts} parts @param {State} state */
