@@ -111,9 +111,10 @@ def write_units(item: int, *, together: bool) -> float:
 
 
 class _Storage(threading.local):
-    """Processor seconds that storage took in this thread."""
+    """Processor seconds that storage took in this thread, and whether its last read is a consistent one."""
 
     seconds = 0.0
+    consistent = False
 
 
 class Meter:
@@ -211,12 +212,11 @@ class Meter:
             together = "TransactItems" in params
             for part in [w["Put"] for w in params["TransactItems"]] if together else [params]:
                 use.writes += write_units(len(json.dumps(part.get("Item", {}))), together=together)
-        elif params.get("ConsistentRead"):
-            use.reads += 0.5  # the other half
+        self._storage.consistent = params.get("ConsistentRead", False)
 
     def _answered(self, http_response: Any, model: Any, **_: object) -> None:
         if model.name in _READS:
-            self.use.reads += read_units(len(http_response.content), consistent=False)
+            self.use.reads += read_units(len(http_response.content), consistent=self._storage.consistent)
 
 
 def finished(meter: Meter, seed: int) -> None:
