@@ -303,7 +303,8 @@ class _Fit:
         sigma = self.sigma(state, good)
         s = self.information(state, good)
         if with_prior:
-            s = s + max(sigma, 1e-6) ** 2 * prior.information(self.model, k, img_size)
+            # Below any detector's noise it keeps some weight: corners without any would leave nothing of it.
+            s = s + max(sigma, 1e-5 * img_size[0]) ** 2 * prior.information(self.model, k, img_size)
         covariance = sigma**2 * symmetric_inverse(s)
         if not (np.isfinite(rms) and np.isfinite(covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")

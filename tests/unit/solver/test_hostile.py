@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from calibsolver import Board, Camera, View
+from calibsolver import Board, Camera, View, rotation
 from calibsolver.capture import MAX_VIEWS, Capture, Estimate, SetAside
 from calibsolver.guidance import TargetPose
 from tests import synthetic
@@ -206,3 +206,19 @@ def test_reasons_of_views_set_aside_are_sentences() -> None:
     error = estimate.view_errors[1]
     assert error is not None
     assert error < 2
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_corners_without_any_noise_are_calibrated_by_the_largest_model(seed: int) -> None:
+    """Who tries a simulated camera first: then nothing but rounding and the prior says what is not seen."""
+    session = Session(seed=seed)
+    session.rules = Capture(BOARD, SIZE, model="rational")
+    for _ in range(6):
+        target = session.target
+        points = CAMERA.project(BOARD.points @ rotation.matrix(target.rvec).T + target.tvec)
+        inside = ((points >= 0) & (points <= np.array(SIZE) - 1)).all(axis=1)
+        session.submit(View(BOARD.points[inside], points[inside]))
+        if session.estimate.converged:
+            break
+    assert session.estimate.converged
+    assert synthetic.projection_error(CAMERA, session.rules.camera(session.estimate)).mean() < 0.01

@@ -125,7 +125,8 @@ class ProjectionUncertainty:
         if found is None:
             return self._first(Belief.of(self.model.name, self.img_size, None, self.prior), belief)
         unit, score = found
-        unit = unit[np.argsort(score)][: int(np.count_nonzero(score <= TIE * score.min()))]
+        ties = int(np.count_nonzero(score <= TIE * score.min()))  # none where rounding is all there is
+        unit = unit[np.argsort(score)][: max(ties, 1)]
         poses = candidates.poses(unit, self.board, belief.sight, limits)
         pick = 0 if last is None else int(np.argmin(self._way(poses, last)))
         r, t = poses.r[pick], poses.t[pick]

@@ -37,6 +37,21 @@ class Tried:
         return Tried(self.unit[index], self.tells[index])
 
 
+def whitening(information: Array) -> Array:
+    """Return M (p, p) with M A M' = 1 for what is known, A (p, p).
+
+    Corners with hardly any noise leave some directions known so much better than others that rounding makes
+    A indefinite: of the worst it is then taken to say next to nothing.
+    """
+    scale = 1 / np.sqrt(np.maximum(np.diagonal(information), 1e-300))
+    unit = information * scale[:, None] * scale + 1e-13 * np.eye(len(scale))
+    try:
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(unit)) * scale)
+    except np.linalg.LinAlgError:
+        values, axes = np.linalg.eigh(unit)
+        return np.asarray(axes.T / np.sqrt(np.maximum(values, 1e-9))[:, None] * scale)
+
+
 class Search:
     """The cross-entropy method: spread widely, then ever closer around the best so far.
 
@@ -71,9 +86,7 @@ class Search:
         self.skipped = skipped
         self.experience = experience
         self.lattice = Lattice.of(board, 5)
-        scale = 1 / np.sqrt(np.maximum(np.diagonal(belief.information), 1e-300))
-        lower = np.linalg.cholesky(belief.information * scale[:, None] * scale + 1e-13 * np.eye(len(scale)))
-        self._whiten = np.linalg.inv(lower) * scale
+        self._whiten = whitening(belief.information)
         self._weight = self._whiten @ belief.weight @ self._whiten.T
         self._around = candidates.sequence(AROUND * BEST, 1) - 0.5
 
