@@ -251,3 +251,23 @@ def test_a_strange_host_is_no_matter(stack: LocalStack) -> None:
 def test_only_the_first_of_many_wrong_fields_are_named(guided: Client) -> None:
     answer = guided.view(1, list(range(40)), [[5000.0, 5000.0]] * 40)
     assert len(names(answer)) == 20
+
+
+@pytest.mark.parametrize(
+    ("path", "query", "says"),
+    [
+        ("/v1/lookup", "camera=x&platform=y&img_size=1280", "1280x720"),
+        ("/v1/calibrations/x", "crop=1,2", "4 whole numbers"),
+        ("/v1/calibrations/x", "rotate=%C2%B2", "90"),
+        ("/v1/calibrations/x", "without=1,", "indices of views"),
+    ],
+)
+def test_an_error_says_what_is_wanted_and_nothing_of_the_program(
+    client: Client, path: str, query: str, says: str
+) -> None:
+    answer = client.call("GET", path, token=TOKEN, query=query)
+    assert answer.status == 422
+    (error,) = answer.json["errors"]
+    assert says in error["detail"]
+    assert "Value error" not in error["detail"]
+    assert "int()" not in error["detail"]

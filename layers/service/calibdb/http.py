@@ -284,7 +284,10 @@ def _refusal(error: ValidationError) -> CalibdbError:
     if any(p["type"] == "json_invalid" for p in problems):
         return MalformedError("The body is not JSON.")
     return InvalidError(
-        [FieldError(".".join(map(str, p["loc"])) or "body", p["msg"]) for p in problems[:_MOST_FIELDS]]
+        [
+            FieldError(".".join(map(str, p["loc"])) or "body", p["msg"].removeprefix("Value error, "))
+            for p in problems[:_MOST_FIELDS]
+        ]
     )
 
 

@@ -67,7 +67,8 @@ class ExportQuery(Open):
         None, description="Width and height that the picture, or the part, is scaled to: `640x360`."
     )
     rotate: Annotated[
-        Literal[0, 90, 180, 270], BeforeValidator(lambda v: int(v) if str(v).isdigit() else v)
+        Literal[0, 90, 180, 270],
+        BeforeValidator(lambda v: int(v) if str(v) in ("0", "90", "180", "270") else v),
     ] = Field(0, description="Degrees by which it is turned clockwise.")
     mirror: bool = Field(False, description="Whether left and right are swapped.")
     without: Annotated[tuple[Index, ...], BeforeValidator(_indices)] = Field(

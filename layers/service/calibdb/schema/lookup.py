@@ -22,8 +22,12 @@ _FLAGS = {"true": True, "1": True, "false": False, "0": False}
 def _size(value: object) -> object:
     if isinstance(value, list):
         return tuple(value)  # JSON knows no other way to write it
-    match = _SIZE.fullmatch(value) if isinstance(value, str) else None
-    return (int(match[1]), int(match[2])) if match else value
+    if not isinstance(value, str):
+        return value
+    match = _SIZE.fullmatch(value)
+    if match is None:
+        raise ValueError("must be width and height, px, as in 1280x720")
+    return int(match[1]), int(match[2])
 
 
 def _number(value: object) -> object:
