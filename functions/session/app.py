@@ -13,7 +13,7 @@ from calibdb.store import Store
 
 def start(call: http.Call) -> Response:
     """Start the session; asked again with the same content, answer again."""
-    sid = call.session().sid
+    sid = call.session(charge="poses").sid
     request = call.json(SessionRequest)
     now = call.service.now
     store = call.service.store
@@ -37,13 +37,13 @@ def known(store: Store, request: SessionRequest) -> FitRecord | None:
 
 def show(call: http.Call) -> Response:
     """Answer with the session's state."""
-    document = call.service.store.sessions.get(call.session().sid)
+    document = call.service.store.sessions.get(call.session(charge="poses").sid)
     return http.answer(capture.state(document))
 
 
 def forget(call: http.Call) -> Response:
     """Forget the session's views. What it published when it converged stays."""
-    if not call.service.store.sessions.forget(call.session().sid, call.service.now):
+    if not call.service.store.sessions.forget(call.session(charge="poses").sid, call.service.now):
         raise NotFoundError("No session was started under this session id.", kind="no-session")
     return http.nothing()
 

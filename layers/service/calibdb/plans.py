@@ -13,8 +13,8 @@ class Allowance:
     """Calls in one hour by kind; None: as many as are wanted.
 
     `sessions`: captures opened. `views`: requests that are computed (views submitted, undone, checked;
-    calibrations converted). `poses`: where to hold the board, and its pictures. `lookups`: everything that
-    reads with the API token.
+    calibrations converted). `poses`: what else a session is asked: where to hold the board, its pictures, its
+    start, state and end. `lookups`: everything that reads with the API token.
     """
 
     sessions: int | None
