@@ -261,10 +261,9 @@ class _Fit:
         problem = self.problem
         if self.carried(state):
             # With coefficients that nearly replace one another there are several optima: the lowest counts.
-            begun = [
-                state,
-                *(problem.at(s.k, s.poses) for s in start.direct(self.model, problem.obs, problem.img_size)),
-            ]
+            law, obs, size = problem.model, problem.obs, problem.img_size
+            other = self.starts(problem) if law.families > 1 else start.direct(law, obs, size)
+            begun = [state, *(problem.at(s.k, s.poses) for s in other)]
             free = [problem.solve(s, self.everything, FREE) for s in begun]
             best = min((s for s in free if s.converged and s.finite), key=cost, default=None)
             if best is not None and plausible.folded(problem, best, self.mask) <= plausible.FOLDED:
@@ -275,8 +274,7 @@ class _Fit:
         """Sum up what the good points (v, n) tell of the intrinsics at unit noise, (p, p)."""
         rows = state.rows[:-1]
         weighted = rows if good.all() else rows * outliers.weights(good) ** 0.5
-        s: Array = normal.eliminate(normal.squared(weighted)).sum(axis=0)
-        return s
+        return normal.told(weighted, self.model.size)
 
     def carried(self, state: State) -> bool:
         """Whether the data alone determine every parameter."""

@@ -38,7 +38,7 @@ class Options:
 
     robust: bool = False
     with_prior: bool = True
-    iterations: int = 80
+    iterations: int = 160
     tolerance: float = 1e-10
     """Stop when a Gauss-Newton step promises a smaller relative decrease of the cost than this."""
     damping: float = 1e-8

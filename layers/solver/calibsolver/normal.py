@@ -106,3 +106,17 @@ def eliminate(h: Array) -> Array:
     ws = w * scale[:, :, None]
     s: Array = h[:, :size, :size] - ws.transpose(0, 2, 1) @ np.linalg.solve(unit, ws)
     return s
+
+
+def told(rows: Array, size: int) -> Array:
+    """Compute what rows (size + 6, 2, v, n) of all views tell of the intrinsics, S (size, size).
+
+    As `eliminate`, but what the poses explain is taken from the rows themselves: of intrinsics that nearly
+    replace one another as little is known as rounding would make of differences of products.
+    """
+    flat = rows.transpose(2, 1, 3, 0).reshape(rows.shape[2], -1, len(rows))
+    a, b = flat[:, :, :size], flat[:, :, size:]
+    q, _ = np.linalg.qr(b / np.maximum(np.linalg.norm(b, axis=1, keepdims=True), 1e-300))
+    left = (a - q @ (q.transpose(0, 2, 1) @ a)).reshape(-1, size)
+    s: Array = left.T @ left
+    return s

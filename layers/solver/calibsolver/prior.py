@@ -27,12 +27,13 @@ class Weights:
         self.plain = np.array([1 / x.sigma for x in c])
         self.edge = np.array([1 / x.edge if x.order else 0.0 for x in c])
         self.mean = np.array([x.mean for x in c])
-        radii, sigmas = np.array(STRETCH).T
+        radii, self.sigmas = np.array(STRETCH).T
+        self.squares = radii**2
         # d(radial stretch)/d(coefficient) of a term that multiplies the squared radius to the power `order`
         self.slope = (
             np.array([x.sign * (2 * x.order + 1) if x.order else 0 for x in c])
             * radii[:, None] ** (2 * self.order)
-            / sigmas[:, None]
+            / self.sigmas[:, None]
         )
 
 
@@ -72,10 +73,20 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
     j.reshape(-1)[4 * size + 4 : size * size : size + 1] = fixed.plain + certain
     by_log = d * certain * by_focal
     j[4:size, 0], j[4:size, 1] = by_log / fx, by_log / fy
-    slope = fixed.slope * reach
-    r[size:] = slope @ d
-    j[size:, 4:] = slope
-    by_log = slope @ (d * by_focal)
+    s = fixed.squares * square / (1 + square / WIDEST)
+    exact = model.stretch(d, s)
+    if exact is not None:
+        value, by_d, by_s = exact
+        # Above 1 by its logarithm, which is the same to first order: near a pole it grows without bound.
+        certain = 1 / (fixed.sigmas * np.maximum(value, 1))
+        r[size:] = np.where(value > 1, np.log(np.maximum(value, 1)), value - 1) / fixed.sigmas
+        j[size:, 4:] = by_d * certain[:, None]
+        by_log = -by_s * s / (1 + square / WIDEST) * certain
+    else:
+        slope = fixed.slope * reach
+        r[size:] = slope @ d
+        j[size:, 4:] = slope
+        by_log = slope @ (d * by_focal)
     j[size:, 0], j[size:, 1] = by_log / fx, by_log / fy
     return r, j
 

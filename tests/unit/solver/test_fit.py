@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from calibsolver import Board, CalibrationError, Camera, View, fit
+from calibsolver import Board, CalibrationError, Camera, View, fit, normal
 from calibsolver.fit import MIN_POINTS
-from tests import synthetic
+from tests import formats, synthetic
 from tests.data import corner_set
 
 RECTILINEAR = [
@@ -194,6 +194,27 @@ def test_truth_without_noise_is_found() -> None:
     assert c.avg_reprojection_error < 1e-6
     np.testing.assert_allclose(c.camera.intrinsics, camera.intrinsics, rtol=1e-6, atol=1e-6)
     assert len(views[0].object_points) <= board.corner_count
+
+
+def test_rational_does_not_fold_in_corners_that_no_board_reached() -> None:
+    """Numerator and denominator cancel where they are seen; they must beyond, too."""
+    c, camera = formats.subject("rational").camera, formats.truth("rational")
+    error = synthetic.projection_error(camera, c)
+    assert c.domain().covered == 1
+    assert np.max(error) < 0.3
+
+
+def test_what_views_tell_is_no_rounding() -> None:
+    """Of two intrinsics that nearly replace one another, under poses that nearly do: by the square."""
+    least = {}
+    for near, pose in ((1e-3, 1.0), (1e-6, 1e-5)):
+        rows = np.random.default_rng(1).normal(size=(8 + 6, 2, 3, 40))
+        rows[1], rows[9] = rows[0] + near * rows[1], rows[8] + pose * rows[9]
+        told, plain = normal.told(rows, 8), normal.eliminate(normal.squared(rows)).sum(axis=0)
+        if pose == 1:
+            np.testing.assert_allclose(told, plain, atol=1e-9)
+        least[near] = np.linalg.eigvalsh(told)[0]
+    assert least[1e-6] == pytest.approx(1e-6 * least[1e-3], rel=0.01)
 
 
 def good_view() -> View:

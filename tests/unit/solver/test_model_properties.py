@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from calibsolver import Camera, models
+from calibsolver import Camera, models, prior
 from calibsolver.arrays import Array
 
 SIZE = (1280, 720)
@@ -60,7 +60,7 @@ def test_jacobians_equal_finite_differences(name: str, seed: int) -> None:
         return (8 * (at(step) - at(-step)) - (at(2 * step) - at(-2 * step))) / (12 * step)
 
     for i, axis in enumerate(np.eye(model.size)):
-        numeric = difference(axis, np.zeros_like(p), 1e-3 * max(abs(k[i]), 0.01))
+        numeric = difference(axis, np.zeros_like(p), 3e-4 * max(abs(k[i]), 0.01))
         scale = np.abs(numeric).max() + 1e-9
         np.testing.assert_allclose(by_k[i] / scale, numeric / scale, atol=1e-6)
     # A point may lie close to the edge, where the picture bends within little: small steps.
@@ -113,3 +113,30 @@ def test_domain_is_known(name: str) -> None:
     domain = Camera.from_intrinsics(name, bent, SIZE).domain()
     assert domain.covered < 0.9
     assert 0.2 < domain.angle < 1.2
+
+
+@pytest.mark.parametrize("name", models.NAMES)
+@given(seed=seeds)
+@budget
+def test_what_is_believed_has_the_slope_it_says(name: str, seed: int) -> None:
+    """The Jacobian of the prior's residuals against differences of fourth order, to 1e-6 of the largest."""
+    model, k = models.get(name), drawn(name, seed)[0].intrinsics
+    _, j = prior.residuals(model, k, SIZE)
+    for i, axis in enumerate(np.eye(model.size)):
+        h = 1e-3 * max(abs(k[i]), 0.01) * axis
+        one, two = ([prior.residuals(model, k + n * s * h, SIZE)[0] for s in (1, -1)] for n in (1, 2))
+        numeric = (8 * (one[0] - one[1]) - (two[0] - two[1])) / (12 * np.abs(h).sum())
+        np.testing.assert_allclose(j[:, i], numeric, atol=1e-6 * np.abs(numeric).max())
+
+
+@given(seed=seeds)
+@budget
+def test_stretch_is_that_of_the_radial_part(seed: int) -> None:
+    """Of `rational`: d(distorted radius)/d(radius), whatever cancels between numerator and denominator."""
+    camera, points = drawn("rational", seed)
+    law, d = models.get("rational"), np.array(camera.distortion)
+    d[2:4] = 0
+    r, h = np.linalg.norm(points[:, :2], axis=1) / points[:, 2], 1e-4
+    ends = (law.distort(d, np.stack([r + s * h, 0 * r, 0 * r + 1]))[0] for s in (1, -1))
+    value, _, _ = law.stretch(d, r**2) or (r, r, r)
+    np.testing.assert_allclose(value, (next(ends) - next(ends)) / (2 * h), atol=1e-6)

@@ -53,9 +53,9 @@ class Conversion:
     camera
         What the file holds.
     error
-        px, largest distance over the image between where the two project the same ray.
+        px, largest distance between where the two project the same ray, over what is covered.
     coverage
-        Share of the image whose rays the file's camera can project at all.
+        Share of the image whose rays the file's camera holds (`convert.compared`).
     """
 
     camera: Camera

@@ -1,5 +1,7 @@
 """From the model that was fitted to one that a format can hold, exactly or by a fit to the same keypoints."""
 
+import math
+
 import numpy as np
 
 from .. import models, normal, rotation, score
@@ -24,6 +26,8 @@ FARTHEST = 0.05
 """Image widths: a conversion that is further off somewhere is none."""
 GRID = (33, 25)
 """Columns and rows of the pixels at which two cameras are compared, those of the image's edge among them."""
+RIM = 1e-6
+"""Share by which what is called the rim of a model's domain lies inside it."""
 
 
 def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
@@ -41,7 +45,8 @@ def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
             return Conversion(same)
     found: list[tuple[float, Conversion]] = []
     reasons = []
-    views = subject.views or synthetic(subject.camera)
+    # Of what none can hold no shape is to be chosen.
+    views = subject.views or synthetic(subject.camera, max(models.get(s.model).widest for s in shapes))
     for shape in shapes:
         try:
             camera = fitted(subject, shape)
@@ -80,18 +85,37 @@ def holds(camera: Camera, shape: Shape) -> bool:
 
 
 def compared(camera: Camera, other: Camera) -> Conversion:
-    """Say how far `other` projects the rays of the image of `camera` from where they were seen."""
+    """Say how far `other` projects the rays of the image of `camera` from where they were seen.
+
+    Where `other` holds them: where it is one-to-one and, if `camera` is of a model that sees farther to the
+    side, within what its own is good for. A plane's coordinates grow without end towards 90 degrees: where a
+    file has them is no promise. The rim of that counts too, where it crosses the image.
+    """
     w, h = camera.img_size
     x, y = np.meshgrid(np.linspace(0, w - 1, GRID[0]), np.linspace(0, h - 1, GRID[1]))
     q = np.stack([x.ravel(), y.ravel()], axis=1)
     rays = camera.unproject(q)
     seen = np.isfinite(rays).all(axis=1)
     q, rays = q[seen], rays[seen]
-    inside = other.valid(rays)
+    law = models.get(other.model)
+    angle = law.angle(np.asarray(other.distortion))
+    if models.get(camera.model).widest > law.widest:
+        angle = min(angle, law.widest)
+    inside = rays[:, 2] > np.cos(angle)
     if not inside.any():
         raise CalibrationError("not_representable", "nothing of the image is left")
-    away = np.linalg.norm(other.project(rays[inside]) - q[inside], axis=1)
+    rim = _cone(angle * (1 - RIM))
+    there = camera.project(rim)
+    met = ((there >= 0) & (there <= (w - 1, h - 1))).all(axis=1)
+    held, at = np.concatenate([rays[inside], rim[met]]), np.concatenate([q[inside], there[met]])
+    away = np.linalg.norm(other.project(held) - at, axis=1)
     return Conversion(other, float(away.max()), float(inside.mean()))
+
+
+def _cone(angle: float) -> Array:
+    """Rays (n, 3) at an angle from the axis, all around."""
+    a = np.linspace(0, 2 * np.pi, 73)[:-1, None]
+    return np.hstack([np.sin(angle) * np.cos(a), np.sin(angle) * np.sin(a), np.cos(angle) + 0 * a])
 
 
 def alike(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
@@ -134,7 +158,7 @@ def fitted(subject: Subject, shape: Shape) -> Camera:
     Raises CalibrationError where no believable one fits.
     """
     measured = bool(subject.views)
-    views = subject.views or synthetic(subject.camera)
+    views = subject.views or synthetic(subject.camera, models.get(shape.model).widest)
     first = widened(subject.camera, shape.model)
     used: tuple[Mask, ...] = tuple(np.ones(len(view), dtype=bool) for view in views)
     if first is None:
@@ -227,16 +251,17 @@ def _step(h: Array, g: Array, damping: float, size: int) -> tuple[Array, Array]:
     return da, -(solved[:, :, size] + solved[:, :, :size] @ da)
 
 
-def synthetic(camera: Camera) -> tuple[View, ...]:
+def synthetic(camera: Camera, widest: float = math.pi) -> tuple[View, ...]:
     """Make views without noise, as the camera would have them of a plane: they stand in for measurements.
 
-    Planes facing nine directions over the image, each turned to two sides.
+    Planes facing nine directions over the image, each turned to two sides; of points up to `widest` radians
+    off the axis.
     """
     w, h = camera.img_size
     x, y = np.meshgrid(np.linspace(0, w - 1, 33), np.linspace(0, h - 1, 25))
     q = np.stack([x.ravel(), y.ravel()], axis=1)
     rays = camera.unproject(q)
-    good = np.isfinite(rays).all(axis=1)
+    good = rays[:, 2] > np.cos(widest)  # false, too, where there is no ray
     q, rays = q[good], rays[good]
     views = []
     for cx in (0.2, 0.5, 0.8):

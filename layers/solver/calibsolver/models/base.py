@@ -5,6 +5,7 @@ pixels (2, ...), derivatives (variable, image axis, ...). Intrinsics are one vec
 distortion coefficients in the order of the model's definition.
 """
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import lru_cache
@@ -81,6 +82,8 @@ class Model(ABC):
     """Kinds of rungs that may lead to different optima: the best of each kind is followed."""
     straight: bool = False
     """Whether, without distortion, it is a pinhole: straight lines stay straight."""
+    widest: float = math.pi
+    """Angle from the axis, radians, up to which its coordinates still tell directions apart."""
 
     @property
     def size(self) -> int:
@@ -111,6 +114,13 @@ class Model(ABC):
     def magnification(self, d: Array) -> tuple[float, Array]:
         """Image radius / angle at the axis for unit focal lengths, and its derivatives by d (m,)."""
         return 1.0, np.zeros(len(d))
+
+    def stretch(self, d: Array, s: Array) -> tuple[Array, Array, Array] | None:  # noqa: ARG002
+        """Radial stretch, d(distorted)/d(undistorted radius), at squared radii s (n,).
+
+        And its derivatives by d (n, m) and by s (n,). None where the first order of `Prior` says it.
+        """
+        return None
 
     def start(self, focal: float, img_size: tuple[int, int]) -> Array:
         """Intrinsics (p,) without distortion, principal point in the image centre; focal in px."""

@@ -12,6 +12,7 @@ class Pinhole(Planar):
     """A planar distortion of the perspective image; nothing beside or behind the camera is seen."""
 
     straight = True
+    widest = 1.4  # beyond, a degree makes a tenth of the distance from the axis and more, without bound
 
     def distort(self, d: Array, p: Array) -> Array:
         """See `Model.distort`."""

@@ -16,6 +16,8 @@ from .planar import MAX_RADIUS, TANGENTIAL
 ANGLE = (7 / 9, 64 / 945, 10 / 9, 5 / 21)
 """k1 k2 k4 k5 of Pade's approximant of atan(r) / r, to 0.3 % up to 63 degrees."""
 
+ORDERS = np.arange(1.0, 4.0)
+
 
 class Rational(Pinhole):
     """See the module's docstring."""
@@ -64,6 +66,23 @@ class Rational(Pinhole):
         a3 = a2 * s
         slope = d[0] + s * (2 * d[1] + 3 * d[4] * s) - g * (d[5] + s * (2 * d[6] + 3 * d[7] * s))
         return g, slope * inverse, (a1, a2, a3, -g * a1, -g * a2, -g * a3)
+
+    def stretch(self, d: Array, s: Array) -> tuple[Array, Array, Array]:
+        """See `Model.stretch`: numerator and denominator, each large, may cancel."""
+        above, below = d[[0, 1, 4]], d[5:]
+        powers = s[:, None] ** ORDERS
+        lower = powers * ORDERS / s[:, None]
+        n, m = 1 + powers @ above, 1 + powers @ below
+        n_s, m_s = lower @ above, lower @ below
+        # h = a / m - b n / m^2
+        a, b = n + 2 * s * n_s, 2 * s * m_s
+        a_s, b_s = lower @ (above * (1 + 2 * ORDERS)), lower @ (below * 2 * ORDERS)
+        by_d = np.zeros((len(s), len(d)))
+        by_d[:, [0, 1, 4]] = powers * ((1 + 2 * ORDERS) - (b / m)[:, None]) / m[:, None]
+        by_m = (2 * b * n / m - a) / m**2
+        by_d[:, 5:] = powers * (by_m[:, None] - 2 * ORDERS * (n / m**2)[:, None])
+        by_s = a_s / m - (n_s * b + n * b_s) / m**2 + by_m * m_s
+        return a / m - b * n / m**2, by_d, by_s
 
     def limit(self, d: Array) -> float:
         """Radius up to which the radial part grows and has no pole."""

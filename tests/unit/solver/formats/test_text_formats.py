@@ -229,6 +229,24 @@ def test_photonvision_holds_the_keypoints(model: str) -> None:
         assert np.abs(back - q - e).max() < 1e-6
 
 
+@pytest.mark.parametrize(
+    ("model", "keypoints"), [("fisheye", True), ("fisheye", False), ("omnidirectional", True)]
+)
+def test_a_lens_wider_than_a_plane_is_held_to_80_degrees_as_well_as_said(model: str, keypoints: bool) -> None:
+    """All the rays of the image within, far denser than the conversion looks; of what is beyond no word."""
+    mine = subject(model)
+    file = formats.write(mine if keypoints else Subject(mine.camera), "photonvision")
+    data = json.loads(file.content)
+    k, d = np.array(data["cameraIntrinsics"]["data"]).reshape(3, 3), np.array(data["distCoeffs"]["data"])
+    assert file.coverage == (image_rays(mine.camera, 33, 25)[0][:, 2] > np.cos(1.4)).mean() > 0.8
+    rays, q = image_rays(mine.camera, 257, 145)
+    within = rays[:, 2] > np.cos(1.4)
+    away = np.linalg.norm(opencv(k, d)(rays[within]) - q[within], axis=1)
+    assert 0.8 * file.error - ROUGH <= away.max() <= 1.01 * file.error + ROUGH
+    assert file.error < (5 if keypoints else 1)
+    assert f"holds {100 * file.coverage:.0f} % of the image" in str(file.warning)
+
+
 def test_warning_stands_in_every_text_that_is_off() -> None:
     mine = subject("omnidirectional")
     for name in ("ros", "colmap", "mrcal", "gyroflow", "opensfm", "lensfun", "gltf", "photonvision"):
