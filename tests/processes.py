@@ -77,10 +77,10 @@ class LocalProcess:
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
 
-    def stop(self) -> int:
-        """Ask it to end; return its exit status."""
+    def stop(self, patience: float = 60) -> int:
+        """Ask it to end, what it computes included; return its exit status."""
         self.process.send_signal(signal.SIGTERM)
-        return self.process.wait(60)
+        return self.process.wait(patience)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
