@@ -66,13 +66,10 @@ def test_poses_in_numbers_and_as_pictures_count(client: Client, token: str) -> N
 
 def test_starting_and_forgetting_again_and_again_counts(client: Client, token: str) -> None:
     client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
-    starts, ends = zip(
-        *[(client.call("POST", "/v1/session", CAMERA), client.call("DELETE", "/v1/session")) for _ in range(3)],
-        strict=True,
-    )
-    assert [a.status for a in starts + ends] == [201] * 3 + [204] * 3
-    for method in ("POST", "GET", "DELETE"):
-        assert_used_up(client.call(method, "/v1/session", CAMERA if method == "POST" else None))
+    for method, body in [("POST", CAMERA), ("DELETE", None)] * 3:
+        assert client.call(method, "/v1/session", body).status in {201, 204}
+    for method, body in [("POST", CAMERA), ("GET", None), ("DELETE", None)]:
+        assert_used_up(client.call(method, "/v1/session", body))
 
 
 def test_lookups(client: Client, token: str) -> None:
