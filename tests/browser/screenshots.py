@@ -8,6 +8,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+import cv2
+import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, FilePayload, Page
 
@@ -259,3 +261,17 @@ def test_the_picture_of_the_readme(page: Page) -> None:
     page.locator("#overlay:not([hidden])").wait_for()
     page.locator("#instruction", has_text=re.compile("tilt|turn|closer|farther", re.IGNORECASE)).wait_for()
     page.screenshot(path=OUTPUT / "readme-capture.png")
+
+
+def test_the_overlays_of_the_readme(page: Page) -> None:
+    page.set_viewport_size({"width": 720, "height": 680})
+    page.goto("/ar/?virtual=1&k1=-0.3&error=0")
+    page.locator("#rms:not(:empty)").wait_for()
+    halves = []
+    for key, name in (("1", "matrix"), ("3", "distorted")):
+        page.keyboard.press(key)
+        page.locator(f"#stage[data-shown={name}]").wait_for()
+        image = cv2.imdecode(np.frombuffer(page.locator("#stage").screenshot(), np.uint8), cv2.IMREAD_COLOR)
+        assert image is not None
+        halves.append(image)
+    cv2.imwrite(str(OUTPUT / "readme-overlays.png"), np.hstack(halves))
