@@ -39,6 +39,35 @@ HIDE = """(hidden) => {
   document.dispatchEvent(new Event("visibilitychange"));
 }"""
 
+# The views on this device.
+KEPT = """() => new Promise((done) => {
+  const opening = indexedDB.open("calibdb", 1);
+  opening.onsuccess = () => {
+    const asking = opening.result.transaction("captures").objectStore("captures").getAll();
+    asking.onsuccess = () => done(asking.result.flatMap(({ views }) => views));
+  };
+})"""
+# When the service was asked, and what was to be seen from when on: the instruction, a full ring, what stands.
+WRITTEN = """
+  Object.assign(window, { asked: [], seen: [] });
+  const send = window.fetch;
+  window.fetch = (address, request) => {
+    if (String(address).includes("/v1/")) window.asked.push(performance.now());
+    return send(address, request);
+  };
+  document.addEventListener("DOMContentLoaded", () => {
+    const [instruction, ring, held, away] =
+      ["instruction", "ring", "held", "away"].map((id) => document.getElementById(id));
+    const isFull = () => ring.classList.contains("taken")
+      || held.getAttribute("stroke-dasharray") === "100 100";
+    new MutationObserver(() => window.seen.push([
+      performance.now(), instruction.textContent, !ring.hasAttribute("hidden") && isFull(),
+      away.hidden ? "" : away.textContent,
+    ])).observe(document.getElementById("stage").parentElement,
+      { subtree: true, childList: true, characterData: true, attributes: true });
+  });
+"""
+
 
 def sessions(page: Page) -> list[Request]:
     """Sessions begun by a page, as they are begun."""

@@ -138,15 +138,6 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     page.locator("#interrupted").wait_for(state="hidden")
 
 
-def test_a_service_that_never_answers_is_done_without(context: BrowserContext) -> None:
-    page = context.new_page()
-    page.goto(ENDLESS)
-    page.locator("#undo:enabled").wait_for()
-    page.route("**/v1/**", lambda _: None)  # accepted, and nothing is said
-    page.locator("#away", has_text="Without connection").wait_for(timeout=25_000)
-    page.locator("#counts", has_text=re.compile("[1-9] of [3-8] kept here")).wait_for()
-
-
 @pytest.mark.thorough
 def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_back(
     context: BrowserContext,

@@ -1,17 +1,57 @@
-"""Faults that last, at their full length: nothing captured is lost, and the page says what happens."""
+"""A service that is away: nothing captured is lost, and the page says soon what happens."""
+
+import re
+from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import BrowserContext
+from playwright.sync_api import BrowserContext, Route
 
-from .interruptions import ENDLESS, sent_views, views, wait_for_views
+from .interruptions import ENDLESS, KEPT, WRITTEN, sent_views, views, wait_for_views
 
-KEPT = """() => new Promise((done) => {
-  const opening = indexedDB.open("calibdb", 1);
-  opening.onsuccess = () => {
-    const asking = opening.result.transaction("captures").objectStore("captures").getAll();
-    asking.onsuccess = () => done(asking.result.flatMap(({ views }) => views));
-  };
-})"""
+
+@pytest.mark.parametrize(
+    "outage",
+    [
+        "silent",
+        *(pytest.param(each, marks=pytest.mark.thorough) for each in ("refused", "busy", "asks to wait")),
+    ],
+)
+def test_two_seconds_of_patience_whatever_the_outage(context: BrowserContext, outage: str) -> None:
+    page = context.new_page()
+    page.add_init_script(WRITTEN)
+    sent = sent_views(page)
+    held: list[Route] = []
+    back: list[str] = []
+    answers: dict[str, Callable[[Route], None]] = {
+        "silent": lambda route: route.continue_() if back else held.append(route),
+        "refused": lambda route: route.abort(),
+        "busy": lambda route: route.fulfill(status=503),
+        "asks to wait": lambda route: route.fulfill(status=503, headers={"retry-after": "5"}),
+    }
+    page.goto(ENDLESS)
+    page.locator("#undo:enabled").wait_for()
+    page.route("**/v1/session**", answers[outage])
+    out, there = page.evaluate("performance.now()"), views(page)
+    page.locator("#away", has_text="Without connection: go on, views are kept here.").wait_for()
+    asked = min(time for time in page.evaluate("window.asked") if time > out)
+    seen = [each for each in page.evaluate("window.seen") if each[0] > asked]
+    said = next(time for time, _, _, away in seen if away)
+    assert said - asked <= 3_000, "ms"
+    waiting = [each for each in seen if asked + 100 < each[0] < said]
+    assert not [each for each in waiting if each[2]], "no full ring while nothing comes back"
+    assert {"One moment", "Connection lost. Trying again"} & {text for _, text, _, _ in waiting}
+
+    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] kept here")).wait_for()
+    kept = page.evaluate(KEPT)
+    back.append(outage)
+    for route in held:
+        route.continue_()
+    page.unroute("**/v1/session**")
+    page.locator("#away").wait_for(state="hidden", timeout=20_000)
+    wait_for_views(page, there + 1)
+    assert [view["points"] in sent for view in kept] == [True] * len(kept), "what was kept is sent"
+    if outage == "silent":
+        assert [sent.count(view) for view in sent] == [1] * len(sent), "a late answer is one"
 
 
 @pytest.mark.thorough

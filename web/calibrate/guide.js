@@ -1,12 +1,12 @@
 // The loop of one capture: looks, sends what is held still, follows the targets, and goes on when something fails.
-import { ApiError } from "./api.js";
 import { facts, lockFocus } from "./camera.js";
+import { Conversation } from "./conversation.js";
 import { DetectorError, grab } from "./detector.js";
 import { nextProbe } from "./diagnosis.js";
 import { Pace, nextFrame } from "./frames.js";
 import { decide, isSettled, lenience } from "./hold.js";
 import { nextPlanned, trusted } from "./plan.js";
-import { isAway, isEnough, viewCount } from "./session.js";
+import { isEnough, viewCount } from "./session.js";
 import { isOfSize } from "./state.js";
 import { motion } from "./stillness.js";
 import { tint } from "./tint.js";
@@ -30,7 +30,6 @@ const STEADY = 3; // px between the hold's last frame and the one that is sent, 
 const CRISP = 0.75; // of the sharpness that the hold's frames had: less is one blurred frame, and the next one will do
 const REMEMBERED = 12; // frames
 const RESTARTS = 3; // of the detector in one capture: a fourth would not help
-const RECONNECT = [1, 2, 3, 4, 5]; // s between attempts; the last one again and again
 
 /** The loop of one capture. */
 export class Guide {
@@ -48,8 +47,7 @@ export class Guide {
   /** @type {number[]} of the last frames */
   #sharpness = [];
   #pace = new Pace();
-  /** The conversation with the service that is going on. */
-  #talk = Promise.resolve();
+  #talk;
 
   /**
    * @param {Page} page
@@ -62,6 +60,9 @@ export class Guide {
     this.#camera = camera;
     this.#plan = plan;
     this.#signal = signal;
+    this.#talk = new Conversation(page, session, {
+      tell: (event) => this.#tell(event), signal, onAway: () => this.#planPose(), onBack: () => this.#nextPose(),
+    });
     const on = (/** @type {HTMLElement} */ button, /** @type {() => void} */ action) =>
       button.addEventListener("click", action, { signal });
     on(page.parts.undo, () => this.#undo());
@@ -82,7 +83,7 @@ export class Guide {
    * @returns {Promise<"relayout" | null>} relayout: the capture is to begin again with the board's other layout
    */
   async run() {
-    if (this.#state.away) this.#alone();
+    if (this.#state.away) this.#talk.alone();
     else void this.#nextPose();
     while (this.#state.phase === "capturing" && !this.#signal.aborted) {
       await nextFrame(this.#video);
@@ -148,14 +149,14 @@ export class Guide {
     await lockFocus(this.#camera.track);
     const track = facts(this.#camera.track);
     if (this.#signal.aborted || JSON.stringify(track) === before) return;
-    await this.#silence();
+    await this.#talk.silence();
     if (this.#signal.aborted) return;
     this.#session.track(track);
     const { phase, session, away } = this.#state;
     if (phase !== "capturing" || (session && (away || viewCount(this.#state) > 0))) return;
     this.#tell({ type: "request", request: this.#session.request });
     if (!session) return; // it is begun once the service is there
-    await this.#exclusive(async () => this.#tell({ type: "session", session: await this.#session.start() }));
+    await this.#talk.ask(() => this.#session.start(), (begun) => this.#tell({ type: "session", session: begun }));
     if (this.#state.phase === "capturing") await this.#nextPose();
   }
 
@@ -174,22 +175,32 @@ export class Guide {
     if (ids.length === 0 || motion(corners, view) > steady) return;
     if (this.#state.away) {
       this.#session.keep(view);
-      this.#tell({ type: "stored", corners: view, stored: this.#stored, time: performance.now() });
+      this.#tell({ type: "stored", corners: view, stored: this.#session.stored(this.#state), time: performance.now() });
     } else {
-      await this.#exclusive(async () => {
-        const answer = await this.#session.submit(pose.index, view);
-        this.#tell({ type: "answer", answer, corners: view, time: performance.now() });
-      });
+      // Looking goes on meanwhile: the service may take its time, or be away.
+      void this.#talk.ask(
+        () => {
+          this.#tell({ type: "sent", corners: view });
+          return this.#session.submit(pose.index, view);
+        },
+        (answer) => this.#tell({ type: "answer", answer, corners: view, time: performance.now() }),
+      ).then(() => this.#goOn());
+      return;
     }
-    if (this.#state.phase === "capturing" && !this.#state.pose) void this.#nextPose();
+    this.#goOn();
+  }
+
+  #goOn() {
+    if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.pose) void this.#nextPose();
   }
 
   /** @param {{skip?: boolean}} [options] */
   #nextPose(options) {
     if (this.#state.away) return Promise.resolve(this.#planPose());
-    return this.#exclusive(async () => {
+    return this.#talk.ask(async () => {
       const { pose, picture } = await this.#session.pose(options);
-      const tinted = await tint(picture);
+      return { pose, tinted: await tint(picture) };
+    }, ({ pose, tinted }) => {
       if (this.#signal.aborted) return;
       this.#tell({ type: "pose", pose, picture: URL.createObjectURL(tinted), time: performance.now() });
       this.#camera.virtual?.follow(pose);
@@ -209,109 +220,27 @@ export class Guide {
   }
 
   async #skip() {
-    await this.#silence();
+    await this.#talk.silence();
     if (this.#state.phase === "capturing") await this.#nextPose({ skip: true });
   }
 
   async #undo() {
-    await this.#silence();
+    await this.#talk.silence();
     if (this.#state.phase !== "capturing" || viewCount(this.#state) === 0) return;
     // What the service has, or is just being sent, only the service can take back.
-    if (this.#state.away && (this.#state.sending || this.#session.lastIsTaken)) {
+    if (this.#state.away && (this.#state.sending || this.#talk.late || this.#session.lastIsTaken)) {
       return this.#tell({ type: "told", notice: { key: "capture.undo_away", kind: "plain" }, time: performance.now() });
     }
-    await this.#exclusive(async () => {
-      const session = await this.#session.undo();
-      this.#tell({ type: "undone", session, stored: this.#stored, time: performance.now() });
-    });
+    await this.#talk.ask(
+      () => this.#session.undo(),
+      (session) => this.#tell({ type: "undone", session, stored: this.#session.stored(this.#state), time: performance.now() }),
+    );
     await this.#nextPose();
   }
 
   /** What arrives after the run has ended is of no use to the next one. @param {Event} event */
   #tell(event) {
     if (!this.#signal.aborted) this.#page.dispatch(event);
-  }
-
-  /** One conversation with the service at a time; what the page does by itself does not queue. @param {() => Promise<void>} action */
-  #exclusive(action) {
-    if (!this.#state.busy) this.#talk = this.#converse(action);
-    return this.#talk;
-  }
-
-  /** @param {() => Promise<void>} action */
-  async #converse(action) {
-    this.#tell({ type: "busy" });
-    const { restored } = this.#session;
-    try {
-      await action();
-      this.#tell({ type: "idle" });
-      if (this.#session.restored > restored) await this.#begunAnew();
-    } catch (error) {
-      if (this.#signal.aborted) return;
-      if (isAway(error)) this.#goAway();
-      else if (error instanceof ApiError && error.status === 409) await this.#agree();
-      else this.#page.fail(error, this.#signal);
-    }
-  }
-
-  /** How many of its views the new session took, it alone knows. */
-  async #begunAnew() {
-    this.#tell({ type: "session", session: (await this.#session.resume()).state });
-    this.#tell({ type: "told", notice: { key: "capture.begun_anew", kind: "plain" }, time: performance.now() });
-  }
-
-  /** The service is of another mind about the session, after a lost answer: what it says holds. */
-  async #agree() {
-    try {
-      const { state } = await this.#session.resume();
-      this.#tell({ type: "session", session: state });
-      this.#tell({ type: "idle" });
-      if (this.#state.phase === "capturing") setTimeout(() => void this.#nextPose(), 0);
-    } catch (error) {
-      if (isAway(error)) this.#goAway();
-      else this.#page.fail(error, this.#signal);
-    }
-  }
-
-  /** Views that the service is not known to have. */
-  get #stored() {
-    return this.#state.session ? this.#session.waiting : this.#session.size;
-  }
-
-  #goAway() {
-    if (this.#state.away) return this.#tell({ type: "idle" });
-    this.#tell({ type: "away", stored: this.#stored, time: performance.now() });
-    this.#alone();
-  }
-
-  /** Without the service: targets from the plan, views kept, and asking every now and then. */
-  #alone() {
-    this.#planPose();
-    void this.#reconnect();
-  }
-
-  async #reconnect() {
-    let [taken, refused] = [0, 0];
-    for (let attempt = 0; !this.#signal.aborted; attempt++) {
-      await new Promise((resolve) => setTimeout(resolve, 1000 * (RECONNECT[attempt] ?? RECONNECT[RECONNECT.length - 1])));
-      if (this.#signal.aborted) return;
-      try {
-        const sent = await this.#session.resume(undefined, { onSending: () => this.#tell({ type: "sending", sending: true }) });
-        [taken, refused] = [taken + sent.taken, refused + sent.refused];
-        if (this.#session.waiting > 0 && sent.state.status !== "converged") continue; // taken while these were sent
-        this.#tell({ type: "back", session: sent.state, taken, refused, time: performance.now() });
-        break;
-      } catch (error) {
-        if (!isAway(error)) return this.#page.fail(error, this.#signal);
-        this.#tell({ type: "sending", sending: false });
-      }
-    }
-    if (this.#state.phase === "capturing") await this.#nextPose();
-  }
-
-  /** What a person asked for waits for its turn. */
-  async #silence() {
-    while (this.#state.busy && !this.#signal.aborted) await this.#talk;
   }
 
   /** @param {KeyboardEvent} event */

@@ -34,9 +34,9 @@ export function instruct(state, holding, time) {
 
 /** @param {import("./state.js").State} state @param {boolean} holding */
 function choose(state, holding) {
-  const { pose, away, corners, markers, outline, aim, mirrored, diagnosis: { trouble } } = state;
+  const { pose, away, busy, corners, markers, outline, aim, mirrored, diagnosis: { trouble } } = state;
   if (isEnough(state)) return "enough";
-  if (!pose) return away ? "away" : "wait";
+  if (!pose || busy) return away ? "away" : "wait"; // what is on its way need not be held any more
   if (trouble) return trouble;
   if (corners.ids.length === 0) return markers > 0 ? "slower" : "show";
   if (!outline) return "more";

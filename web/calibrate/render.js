@@ -2,7 +2,7 @@
 import { t } from "../i18n.js";
 import { isVirtual } from "../virtual/camera.js";
 import { propose } from "./camera.js";
-import { holdProgress } from "./hold.js";
+import { holdProgress, requiredHold } from "./hold.js";
 import { renderSeen, renderTarget } from "./marks.js";
 import { viewCount } from "./session.js";
 import * as words from "./words.js";
@@ -139,7 +139,9 @@ function renderCapture(parts, state, before) {
   renderSeen(parts, state, before);
   const held = Math.round(100 * holdProgress(state));
   parts.held.setAttribute("stroke-dasharray", `${held} 100`);
-  const taken = state.notice?.kind === "good" && state.notice.key.startsWith("capture.view_");
+  // The ring stands for the last view until another one is held, or on its way.
+  const free = requiredHold(state) === null && !(state.busy && state.pose);
+  const taken = free && state.notice?.kind === "good" && state.notice.key.startsWith("capture.view_");
   parts.ring.toggleAttribute("hidden", held === 0 && !taken);
   parts.ring.classList.toggle("taken", held === 0 && taken);
   text(parts.instruction, words.instruction(state));

@@ -62,6 +62,8 @@ export class CaptureSession {
   /** @type {View[]} in the order in which they were captured */
   #views = [];
   #save;
+  /** Called whenever the service has answered. */
+  onAnswer = () => {};
 
   /**
    * @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request
@@ -83,6 +85,11 @@ export class CaptureSession {
   /** Views that the service does not have yet. */
   get waiting() {
     return this.#views.filter(({ taken }) => !taken).length;
+  }
+
+  /** How many views the service is not known to have. @param {{session: SessionState | null}} capture */
+  stored({ session }) {
+    return session ? this.waiting : this.size;
   }
 
   /** All views, wherever they are. */
@@ -141,6 +148,7 @@ export class CaptureSession {
       const pose = await this.#call("GET", `/session/pose${skip ? "?skip=1" : ""}`);
       // The same pose until a view answers it, so the picture is of this one.
       const picture = await this.#api.send("GET", "/session/pose", this.#credential, { accept: "image/jpeg", brief: true });
+      this.onAnswer();
       return { pose, picture: await picture.blob() };
     });
   }
@@ -167,7 +175,7 @@ export class CaptureSession {
       const last = this.#views.at(-1);
       if (!last) throw new RangeError("there is no view to take back");
       const state = last.taken ? await this.#call("DELETE", `/session/views/${last.index}`) : null;
-      this.#views.pop();
+      this.#views = this.#views.filter((view) => view !== last); // others may have been kept meanwhile
       this.#changed();
       return state;
     });
@@ -216,8 +224,10 @@ export class CaptureSession {
   }
 
   /** @param {string} method @param {string} path @param {object} [body] */
-  #call(method, path, body) {
-    return this.#api.json(method, path, this.#credential, { body, brief: true });
+  async #call(method, path, body) {
+    const answer = await this.#api.json(method, path, this.#credential, { body, brief: true });
+    this.onAnswer();
+    return answer;
   }
 
   /**

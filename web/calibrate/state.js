@@ -83,6 +83,7 @@ import { viewCount, wantedAway } from "./session.js";
  *   | {type: "frame", detection: Detection, time: number}
  *   | {type: "busy"}
  *   | {type: "idle"}
+ *   | {type: "sent", corners: Corners}
  *   | {type: "answer", answer: ViewAnswer, corners: Corners, time: number}
  *   | {type: "stored", corners: Corners, stored: number, time: number}
  *   | {type: "undone", session: SessionState | null, stored: number, time: number}
@@ -158,6 +159,8 @@ export function reduce(state, event) {
       return { ...state, busy: true };
     case "idle":
       return { ...state, busy: false };
+    case "sent":
+      return { ...state, answered: event.corners };
     case "answer":
       return answered(state, event);
     case "stored":

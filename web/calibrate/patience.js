@@ -1,0 +1,33 @@
+// Patience with a service that says nothing: renewed by each answer, and then at an end.
+
+export class Patience {
+  #ms;
+  #onEnd;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #timer;
+  /** Is it at an end? */
+  lost = false;
+  #ended = false;
+
+  /** @param {number} ms @param {() => void} onEnd */
+  constructor(ms, onEnd) {
+    this.#ms = ms;
+    this.#onEnd = onEnd;
+    this.renew();
+  }
+
+  renew() {
+    if (this.lost || this.#ended) return;
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      this.lost = true;
+      this.#onEnd();
+    }, this.#ms);
+  }
+
+  /** There is nothing more to wait for. */
+  end() {
+    this.#ended = true;
+    clearTimeout(this.#timer);
+  }
+}
