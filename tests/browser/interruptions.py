@@ -47,13 +47,14 @@ KEPT = """() => new Promise((done) => {
     asking.onsuccess = () => done(asking.result.flatMap(({ views }) => views));
   };
 })"""
-# When the service was asked, and what was to be seen from when on: the instruction, a full ring, what stands.
+# Each request says when it was made; kept is what was to be seen from when on: the instruction, a full ring, what stands.
 WRITTEN = """
-  Object.assign(window, { asked: [], seen: [] });
+  Object.assign(window, { seen: [] });
   const send = window.fetch;
   window.fetch = (address, request) => {
-    if (String(address).includes("/v1/")) window.asked.push(performance.now());
-    return send(address, request);
+    const headers = new Headers(request?.headers);
+    headers.set("x-asked", performance.now());
+    return send(address, { ...request, headers });
   };
   document.addEventListener("DOMContentLoaded", () => {
     const [instruction, ring, held, away] =
