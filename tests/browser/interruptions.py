@@ -47,7 +47,7 @@ KEPT = """() => new Promise((done) => {
     asking.onsuccess = () => done(asking.result.flatMap(({ views }) => views));
   };
 })"""
-# Each request says when it was made; kept is what was to be seen from when on: the instruction, a full ring, what stands.
+# Requests say when they were made. Written down is what is to be seen: instruction, a full ring, what stands.
 WRITTEN = """
   Object.assign(window, { seen: [] });
   const send = window.fetch;
