@@ -6,7 +6,7 @@ from playwright.sync_api import FilePayload, Page
 CAMERA = """
   navigator.mediaDevices.getUserMedia = async () => {
     const canvas = Object.assign(document.createElement("canvas"), { width: 1280, height: 720 });
-    canvas.getContext("2d").fillRect(0, 0, 1280, 720);
+    setInterval(() => canvas.getContext("2d").fillRect(0, 0, 1280, 720), 100);
     const stream = canvas.captureStream(5);
     const [track] = stream.getVideoTracks();
     Object.defineProperty(track, "label", { value: "HD Pro Webcam C920 (046d:082d)" });

@@ -9,16 +9,20 @@ from .interruptions import ENDLESS, UNPLUG, views, wait_for_views
 from .pictures import picture
 from .scenes import CAMERA
 
-# One device that is there or not, and what was asked of it.
+# One device that is there or not, and what was asked of it. It has neither id nor name until permitted.
 PLUGGED = f"""{CAMERA}
-  window.there = true;
+  Object.assign(window, {{ there: true, permitted: false }});
   const give = navigator.mediaDevices.getUserMedia;
   navigator.mediaDevices.getUserMedia = (constraints) => {{
     window.asked = constraints.video;
-    return window.refusal ? Promise.reject(new DOMException("", window.refusal)) : give();
+    if (window.refusal) return Promise.reject(new DOMException("", window.refusal));
+    window.permitted = true;
+    return give();
   }};
-  navigator.mediaDevices.enumerateDevices = async () =>
-    window.there ? [{{ kind: "videoinput", deviceId: "c920", label: "HD Pro Webcam C920 (046d:082d)" }}] : [];
+  navigator.mediaDevices.enumerateDevices = async () => {{
+    const [deviceId, label] = window.permitted ? ["c920", "HD Pro Webcam C920 (046d:082d)"] : ["", ""];
+    return window.there ? [{{ kind: "videoinput", deviceId, label }}] : [];
+  }};
 """
 # What speaks by itself to who listens to the page.
 LIVE = """() => [
@@ -96,6 +100,35 @@ def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: 
     page.locator("#failure", has_text="The camera was unplugged. Plug it in again").wait_for()
     page.evaluate(PLUG, True)
     page.locator("#controls:not([hidden])").wait_for()
+
+
+def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for(page: Page) -> None:
+    slowly = """
+      const list = navigator.mediaDevices.enumerateDevices;
+      const listed = new Promise((resolve) => window.answer = resolve);
+      navigator.mediaDevices.enumerateDevices = () => listed.then(list);
+      window.permitted = true;
+    """
+    page.add_init_script(PLUGGED + slowly)
+    page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)")
+    page.locator("#start").click()
+    page.evaluate("window.answer()")
+    page.locator("#controls:not([hidden])").wait_for()
+    assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
+
+
+def test_a_camera_without_a_picture_is_said_to_be_one(page: Page) -> None:
+    page.clock.install()
+    page.add_init_script(
+        PLUGGED + "navigator.mediaDevices.getUserMedia = async () => "
+        "Object.assign(document.createElement('canvas'), { width: 1280, height: 720 }).captureStream(0);"
+    )
+    page.goto("/calibrate/")
+    page.locator("#start").click()
+    page.locator("#opening:not([hidden])").wait_for()
+    page.clock.run_for(16_000)
+    page.locator("#failure", has_text="The camera is open and sends no picture.").wait_for()
+    assert page.locator("#again").is_visible()
 
 
 @pytest.mark.parametrize(

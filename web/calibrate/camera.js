@@ -30,6 +30,8 @@ export class CameraError extends Error {
   }
 }
 
+const FIRST_PICTURE = 15_000; // ms: five times as long as a slow camera takes
+
 /** What getUserMedia's refusals mean. @type {Record<string, string>} */
 const REFUSALS = {
   NotAllowedError: "not_allowed",
@@ -90,6 +92,20 @@ export async function open(id, { parameters, size: [width, height], place, board
     }
     throw new CameraError(REFUSALS[error.name] ?? "not_opened", error.message);
   }
+}
+
+/**
+ * Shows what the camera sees.
+ * @param {HTMLVideoElement} video @param {MediaStream} stream @param {number} [patience] ms until its first picture
+ */
+export async function play(video, stream, patience = FIRST_PICTURE) {
+  video.srcObject = stream;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  let timer;
+  const late = new Promise((_, reject) => {
+    timer = setTimeout(() => reject(new CameraError("no_picture")), patience);
+  });
+  await Promise.race([video.play(), late]).finally(() => clearTimeout(timer));
 }
 
 /**

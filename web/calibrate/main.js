@@ -8,7 +8,7 @@ import { isVirtual } from "../virtual/camera.js";
 import captureWords from "../words/capture.js";
 import { Announcer } from "./announcer.js";
 import { targetError, wantedFrom } from "./asked.js";
-import { CameraError, cameras, facts, open } from "./camera.js";
+import { CameraError, cameras, facts, open, play } from "./camera.js";
 import { Captures, aboutOf } from "./captures.js";
 import { claim, claimed } from "./claim.js";
 import { Detector, DetectorError } from "./detector.js";
@@ -114,8 +114,9 @@ async function capture(choice, opened = null) {
     const letGo = () => camera.close();
     signal.addEventListener("abort", letGo);
     if (signal.aborted) return letGo();
-    parts.video.srcObject = camera.stream;
-    await parts.video.play();
+    // Before it was permitted the browser's own choice had no id: it is this camera from now on.
+    if (!camera.virtual) chosen = camera.track.getSettings().deviceId || choice;
+    await play(parts.video, camera.stream);
     // What arrives is what is calibrated: on a turned device some browsers' settings still speak of the sensor.
     const { videoWidth, videoHeight } = parts.video;
     const img_size = /** @type {[number, number]} */ ([videoWidth, videoHeight]);
@@ -284,7 +285,9 @@ async function forget() {
 }
 
 const sizes = new Sizes(parts.resolution, size);
-parts.start.addEventListener("click", () => {
+const listed = listInterrupted().then(listCameras);
+parts.start.addEventListener("click", async () => {
+  await listed; // who is quicker than the browser gets the camera that was asked for all the same
   size = sizes.chosen;
   void capture(parts.camera.value);
 });
@@ -312,8 +315,7 @@ navigator.mediaDevices?.addEventListener("devicechange", listCameras);
 document.addEventListener("visibilitychange", () => document.hidden || void listCameras());
 showProblem(parts.problem, problem);
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
-await listInterrupted();
-await listCameras();
+await listed;
 const onward = location.hash === GO_ON;
 atCapture(parameters);
 if (onward) void goOn();

@@ -166,6 +166,7 @@ export default {
   fault_in_use: "Ein anderes Programm benutzt die Kamera. Schließen Sie es, und versuchen Sie es noch einmal.",
   fault_too_strict: "Die Kamera kann diese Auflösung nicht liefern. Wählen Sie eine andere.",
   fault_interrupted: "Die Kamera ist nicht angelaufen. Schließen Sie andere Programme, die sie benutzen könnten, und versuchen Sie es noch einmal.",
+  fault_no_picture: "Die Kamera ist offen und liefert kein Bild. Stecken Sie sie ab und wieder an, oder schließen Sie andere Programme, die sie benutzen könnten.",
   fault_insecure: "Browser geben Kameras nur sicheren Seiten. Öffnen Sie diese Seite mit https oder auf localhost.",
   fault_elsewhere: "Diese Kamera wird in einem anderen Tab kalibriert. Machen Sie dort weiter, oder schließen Sie ihn und versuchen Sie es noch einmal.",
   fault_gone: "Diese Kamera ist nicht mehr da. Schließen Sie sie an, oder wählen Sie eine andere.",

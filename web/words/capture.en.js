@@ -173,6 +173,7 @@ export default {
   fault_in_use: "Another program is using the camera. Close it, then try again.",
   fault_too_strict: "The camera cannot deliver this resolution. Choose another camera.",
   fault_interrupted: "The camera did not start. Close other programs that may be using it, then try again.",
+  fault_no_picture: "The camera is open and sends no picture. Unplug it and plug it in again, or close other programs that may be using it.",
   fault_insecure: "Browsers give cameras to secure pages only. Open this page by https or on localhost.",
   fault_elsewhere: "This camera is being calibrated in another tab. Go on there, or close that tab and try again.",
   fault_gone: "This camera is not there any more. Plug it in, or choose another camera.",
