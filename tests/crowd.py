@@ -20,7 +20,7 @@ def crowd(stack: LocalStack, count: int) -> None:
     for first in range(0, count, 5_000):
         changes = []
         for n in range(first, min(first + 5_000, count)):
-            key = f"c3-another-{n:012x}"
+            key = f"c4-another-{n:012x}"
             changes += [
                 item(f"CAMERA#{key}", "CONSENSUS#1280x720#0#rectilinear", basis="", document=document),
                 item("CAMERAS#", key, name="another"),

@@ -68,7 +68,7 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             objects = boto3.client("s3").list_objects_v2(
                 Bucket=stack.environment["BUCKET_NAME"], Prefix="calibrations/"
             )["Contents"]
-            items = [{"Key": o["Key"].replace("c3-", "c1-"), "Size": 1} for o in objects[:2]]
+            items = [{"Key": o["Key"].replace("c4-", "c1-"), "Size": 1} for o in objects[:2]]
             invoke("BackfillFunction", {"Items": [*items, {"Key": objects[0]["Key"], "Size": 1}]})
             stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
         yield recorder.needed
@@ -134,7 +134,7 @@ def use_again(stack: LocalStack) -> None:
         assert client.call("GET", f"/v1/cameras/{key}", token=TOKEN).json["modes"]
         consensus = client.lookup(camera="Well known", platform=PLATFORM).json["id"]
         assert client.call("GET", f"/v1/calibrations/{consensus}", token=TOKEN).status == 200
-        old = consensus.replace("c3-", "c1-", 1)
+        old = consensus.replace("c4-", "c1-", 1)
         client.call("GET", f"/v1/calibrations/{old}", token=TOKEN)
 
 

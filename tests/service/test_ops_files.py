@@ -251,7 +251,7 @@ def test_the_operator_hears_what_a_camera_takes_in_a_bundle(
     file = tmp_path / "new/cameras.json"
     assert main(["bundle", str(file), "--most", "1"]) == 0
     said = capsys.readouterr().out.splitlines()
-    assert re.fullmatch(r" +\d+ bytes  Test camera \(c3-[\w-]+\)", said[0]), said
+    assert re.fullmatch(r" +\d+ bytes  Test camera \(c4-[\w-]+\)", said[0]), said
     data = json.loads(file.read_text())
     assert (data["format"], data["version"]) == ("calibdb-bundle", 1)
     # So many cameras may be called that: it is the one that was calibrated on this system.

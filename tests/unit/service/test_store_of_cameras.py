@@ -202,7 +202,7 @@ def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects
     votes = Votes(table, objects)
     vote = VoteDocument(
         id="6553f100aaaaaaaaaaaa",
-        camera_key="c3-k-0123456789ab",
+        camera_key="c4-k-0123456789ab",
         camera="K",
         platform="Linux",
         img_size=(1280, 720),
@@ -217,7 +217,7 @@ def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects
     assert votes.cast(vote) == vote
     assert votes.cast(vote.model_copy(update={"time": NOW + 9})) == vote
     assert votes.cast(later) == later
-    found = votes.newest(Mode("c3-k-0123456789ab", (1280, 720), 0.0))
+    found = votes.newest(Mode("c4-k-0123456789ab", (1280, 720), 0.0))
     assert [(cast.id, cast.source, cast.time) for cast in found] == [
         (later.id, "somebody", NOW + 256),
         (vote.id, "somebody", NOW),

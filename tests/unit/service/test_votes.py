@@ -115,7 +115,7 @@ def test_a_vote_is_one_of_its_contributor_camera_size_and_day() -> None:
     def name(
         request: CheckRequest = asked, who: str = "a", session: str = sid, now: int = NOW, period: int = DAY
     ) -> str:
-        return vote_id(request, "c3-c-0123456789ab", who, session, now, period)
+        return vote_id(request, "c4-c-0123456789ab", who, session, now, period)
 
     midnight = NOW // DAY * DAY
     assert name() == name(session="other", now=midnight) == name(now=midnight + DAY - 1)

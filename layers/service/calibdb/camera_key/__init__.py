@@ -34,7 +34,7 @@ __all__ = [
     "public_platform",
 ]
 
-VERSION = "c3"
+VERSION = "c4"
 PATTERN = re.compile(r"c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12}")
 _SLUG_LENGTH = 32
 
@@ -103,7 +103,7 @@ def identify(label: str, platform: str) -> Identity:
 
 
 def camera_key(label: str, platform: str) -> str:
-    """Return the key of the camera that a browser reports, such as `c3-hd-pro-webcam-c920-0123456789ab`.
+    """Return the key of the camera that a browser reports, such as `c4-hd-pro-webcam-c920-0123456789ab`.
 
     Version, a readable part, and 12 hex digits of the SHA-256 of everything that counts. Safe in URLs and
     object names.

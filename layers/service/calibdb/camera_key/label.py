@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from calibdb.camera_key.apple import CAMERA_WORDS, in_english
 from calibdb.camera_key.names import without_maker
-from calibdb.camera_key.owner import without_owner
+from calibdb.camera_key.owner import without_owner, without_telephone
 from calibdb.camera_key.virtual import program, spelled
 from calibdb.camera_key.visible import visible
 
@@ -57,6 +57,8 @@ def _public(text: str) -> str:
     found = _ID.search(text)
     usb_id = f" {found[0].strip()}" if found else ""
     name = text[: found.start()].strip() if found else text
+    # First of all, for what is left of a number is a number: `iPhone +49 170 1234567` is no iPhone 49.
+    name = without_telephone(name)
     if posing := program(_plain(text)):
         return spelled(posing, name)
     if _APPLE.search(name):

@@ -13,6 +13,13 @@ _ADDRESS = re.compile(
     r"|(?<![\w:])(?:[0-9a-f]{0,4}[:]){2,}[0-9a-f:.]*(?![\w:])",
     re.IGNORECASE,
 )
+# As people write telephone numbers: with the country's, with the 0 of long distance, in America's groups. And
+# nine digits or more on end, which are one, too, or the number of a single device: it hides the product.
+_BETWEEN = r"[\s().,/\u2010-\u2015-]{0,3}"
+_TELEPHONE = re.compile(
+    rf"(?<!\w)(?<!\w-)(?<!\d\.)(?:[+＋][\s(]?\d(?:{_BETWEEN}\d){{6,14}}|\(?[0０]\d(?:{_BETWEEN}\d){{6,13}}"
+    r"|\(?\d{3}\)?[ .-]\d{3}[ .-]\d{4}|\d{9,})(?!\w)"
+)
 _HOST = re.compile(
     r"(?<![\w-])(?!usb)[\w-]+-(?:pc|laptop|notebook|desktop|macbook)(?![\w-])"
     r"|(?<![\w-])(?:desktop|laptop)-[0-9a-z]{5,}(?![\w-])",
@@ -35,6 +42,11 @@ _SHORT_TAIL = re.compile(
     rf"^(.*\b(?:{_PRODUCTS}|tablet|phone|webcam|{'|'.join(CAMERA_WORDS)})\b.*?) +(?:de|di|da|do) +(.*)$",
     re.IGNORECASE,
 )
+
+
+def without_telephone(name: str) -> str:
+    """Return a camera's name without telephone numbers."""
+    return " ".join(_TELEPHONE.sub(" ", name).split())
 
 
 def without_owner(name: str) -> str:
