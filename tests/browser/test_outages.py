@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import BrowserContext, Route
+from playwright.sync_api import BrowserContext, Page, Route
 
 from .interruptions import ENDLESS, KEPT, WRITTEN, sent_views, views, wait_for_views
 
@@ -58,6 +58,31 @@ def test_two_seconds_of_patience_whatever_the_outage(context: BrowserContext, ou
     assert [view["points"] in sent for view in kept] == [True] * len(kept), "what was kept is sent"
     if outage == "silent":
         assert [sent.count(view) for view in sent] == [1] * len(sent), "a late answer is one"
+
+
+# A function that nobody has asked for a while has to start: its first answer takes longer.
+COLD = """
+  const answer = window.fetch;
+  const warm = new Set();
+  window.fetch = async (address, request) => {
+    const [, kind] = /\\/v1\\/session\\/([a-z]+)/.exec(address) ?? [];
+    if (kind && !warm.has(kind)) {
+      warm.add(kind);
+      await new Promise((resolve) => setTimeout(resolve, 2_600));
+    }
+    return answer(address, request);
+  };
+"""
+
+
+def test_a_service_that_has_to_start_is_not_taken_for_one_that_is_away(page: Page) -> None:
+    page.add_init_script(WRITTEN + COLD)
+    page.goto(ENDLESS)
+    page.locator("#undo:enabled").wait_for()
+    seen = page.evaluate("window.seen")
+    assert [away for _, _, _, away in seen if away] == []
+    waited = [time for time, text, _, _ in seen if text == "One moment"]
+    assert max(waited) - min(waited) > 2_600, "ms in which it was waited for"
 
 
 @pytest.mark.thorough

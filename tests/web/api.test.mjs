@@ -95,6 +95,24 @@ test("a programming error is not a lost network", async () => {
   await assert.rejects(api.json("GET", "/session", "sid"), RangeError);
 });
 
+test("what is asked for the first time is said to be, by kind and not by view", async () => {
+  const known = new Set();
+  const { api } = service(({ call }) => {
+    if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
+    return json(200, { index: 0, status: "capturing", accepted: true, views: [] });
+  });
+  const asked = [];
+  for (const expected of [[true, true, true, false, true, false, true, false], [false, false, false, false, false, false, false, false]]) {
+    const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] }, { known });
+    capture.onAsk = (isFirst) => asked.push(isFirst);
+    await capture.start();
+    await capture.pose(); // as numbers and as a picture
+    for (const index of [0, 1]) await capture.submit(index, { ids: [index], points: [[1, 1]] });
+    for (const _ of [0, 1]) await capture.undo();
+    assert.deepEqual(asked.splice(0), expected);
+  }
+});
+
 test("an expired session is begun anew with the views it had", async () => {
   const known = new Map();
   let sessions = 0;

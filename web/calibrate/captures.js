@@ -28,6 +28,8 @@ export class Captures {
   #sessions = new Map();
   /** Moved here, and not taken up yet: the device may have no room to keep them. @type {Map<string, import("./session.js").Kept>} */
   #moved = new Map();
+  /** What the service has answered in this page, by kind. @type {Set<string>} */
+  #known = new Set();
 
   /**
    * @param {import("./kept.js").Cupboard} cupboard
@@ -51,7 +53,7 @@ export class Captures {
     const about = aboutOf(request);
     const kept = this.#moved.get(about) ?? await this.#cupboard.load(about);
     const same = this.#sessions.get(about);
-    const session = same ?? new CaptureSession(api, token, request, { about, kept, save: (now) => this.#save(now) });
+    const session = same ?? new CaptureSession(api, token, request, { about, kept, save: (now) => this.#save(now), known: this.#known });
     this.#sessions.set(about, session);
     this.#moved.delete(about);
     try {

@@ -12,6 +12,7 @@ import { isAway } from "./session.js";
  */
 
 const PATIENCE = 2_000; // ms without an answer: then it goes on without the service
+const AT_FIRST = 5_000; // ms the first time: a function that nobody has asked for a while has to start
 const RECONNECT = [1, 2, 3, 4, 5]; // s between attempts; the last one again and again
 
 export class Conversation {
@@ -48,6 +49,7 @@ export class Conversation {
     this.#means.tell({ type: "busy" });
     const { restored } = this.#session;
     const patience = new Patience(PATIENCE, () => this.#leave());
+    this.#session.onAsk = (isFirst) => patience.renew(isFirst ? AT_FIRST : PATIENCE);
     this.#session.onAnswer = () => patience.renew();
     try {
       const answer = await ask();

@@ -1,4 +1,4 @@
-// Patience with a service that says nothing: renewed by each answer, and then at an end.
+// Patience with a service that says nothing: renewed by each answer and by each new question, and then at an end.
 
 export class Patience {
   #ms;
@@ -16,13 +16,14 @@ export class Patience {
     this.renew();
   }
 
-  renew() {
+  /** @param {number} [ms] for what is asked now */
+  renew(ms = this.#ms) {
     if (this.lost || this.#ended) return;
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
       this.lost = true;
       this.#onEnd();
-    }, this.#ms);
+    }, ms);
   }
 
   /** There is nothing more to wait for. */

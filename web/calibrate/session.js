@@ -30,6 +30,8 @@ import { ApiError, OfflineError } from "./api.js";
  * @property {View[]} views
  * @property {string} [address] of the page that it was captured with, "?virtual=1"
  *
+ * @typedef {{credential?: string, body?: object, accept?: string}} Asking credential: another than the session's own
+ *
  * @typedef {object} Reconciled what became of the views that were waiting
  * @property {SessionState} state
  * @property {number} taken
@@ -62,20 +64,24 @@ export class CaptureSession {
   /** @type {View[]} in the order in which they were captured */
   #views = [];
   #save;
+  #known;
+  /** Called whenever something is asked. @type {(isFirst: boolean) => void} isFirst: nothing of its kind was answered yet */
+  onAsk = () => {};
   /** Called whenever the service has answered. */
   onAnswer = () => {};
 
   /**
    * @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request
-   * @param {{about?: string, save?: (kept: Kept) => void, kept?: Kept | null}} [memory] save: called whenever there is
-   *   something new to keep; kept: of an earlier page
+   * @param {{about?: string, save?: (kept: Kept) => void, kept?: Kept | null, known?: Set<string>}} [memory] save: called
+   *   whenever there is something new to keep; kept: of an earlier page; known: kinds of calls that were answered before
    */
-  constructor(api, token, request, { about = "", save = () => {}, kept = null } = {}) {
+  constructor(api, token, request, { about = "", save = () => {}, kept = null, known = new Set() } = {}) {
     this.#api = api;
     this.#token = token;
     this.#request = request;
     this.#about = about;
     this.#save = save;
+    this.#known = known;
     if (kept) {
       this.#credential = kept.credential;
       this.#views = kept.views.map((view) => ({ ...view }));
@@ -109,8 +115,8 @@ export class CaptureSession {
 
   /** @returns {Promise<SessionState>} */
   async start() {
-    const { session_id } = await this.#api.json("POST", "/auth", this.#token, { brief: true });
-    const state = await this.#api.json("POST", "/session", session_id, { body: this.#request, brief: true });
+    const { session_id } = await this.#call("POST", "/auth", { credential: this.#token });
+    const state = await this.#call("POST", "/session", { credential: session_id, body: this.#request });
     this.#credential = session_id;
     return state;
   }
@@ -147,8 +153,7 @@ export class CaptureSession {
     return this.#lasting(async () => {
       const pose = await this.#call("GET", `/session/pose${skip ? "?skip=1" : ""}`);
       // The same pose until a view answers it, so the picture is of this one.
-      const picture = await this.#api.send("GET", "/session/pose", this.#credential, { accept: "image/jpeg", brief: true });
-      this.onAnswer();
+      const picture = await this.#ask("GET", "/session/pose", { accept: "image/jpeg" });
       return { pose, picture: await picture.blob() };
     });
   }
@@ -193,7 +198,7 @@ export class CaptureSession {
   async #send(view, index) {
     view.index = index;
     this.#changed(); // where the answer is lost, this tells which view the service may have
-    const answer = await this.#call("POST", "/session/views", { index, ids: view.ids, points: view.points });
+    const answer = await this.#call("POST", "/session/views", { body: { index, ids: view.ids, points: view.points } });
     view.taken = answer.accepted;
     if (!view.taken) this.#views = this.#views.filter((each) => each !== view);
     this.#changed();
@@ -223,9 +228,18 @@ export class CaptureSession {
     this.#save({ about: this.#about, camera: this.#request.camera, credential: this.#credential, views });
   }
 
-  /** @param {string} method @param {string} path @param {object} [body] */
-  async #call(method, path, body) {
-    const answer = await this.#api.json(method, path, this.#credential, { body, brief: true });
+  /** @param {string} method @param {string} path @param {Asking} [asking] @returns {Promise<any>} the body */
+  async #call(method, path, asking) {
+    const answer = await this.#ask(method, path, asking);
+    return answer.status === 204 ? null : answer.json();
+  }
+
+  /** @param {string} method @param {string} path @param {Asking} [asking] */
+  async #ask(method, path, { credential = this.#credential, ...asking } = {}) {
+    const kind = `${method} ${path.replace(/[?\d].*/, "")}`;
+    this.onAsk(!this.#known.has(kind));
+    const answer = await this.#api.send(method, path, credential, { ...asking, brief: true });
+    this.#known.add(kind);
     this.onAnswer();
     return answer;
   }
