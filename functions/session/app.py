@@ -13,13 +13,15 @@ from calibdb.store import Store
 
 def start(call: http.Call) -> Response:
     """Start the session; asked again with the same content, answer again."""
-    sid = call.session(charge="poses").sid
+    ticket = call.session(charge="poses")
+    sid = ticket.sid
     request = call.json(SessionRequest)
     now = call.service.now
     store = call.service.store
+    who = call.service.contributor(call.address, ticket.token)
 
     def begin(version: int) -> SessionDocument:
-        return capture.begin(request, sid, version, now, known(store, request))
+        return capture.begin(request, sid, version, now, known(store, request), who)
 
     document = store.sessions.start(sid, now, begin)
     if not capture.same_start(document, capture.begin(request, sid, document.first_version, now)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from calibdb.schema import CalibrationDocument
+from calibdb.schema import CalibrationDocument, SessionDocument
 from calibdb.store import Mode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from calibdb.tokens import contributor
@@ -62,9 +62,10 @@ def named(desk: Desk, start: str) -> str:
 def at_address(desk: Desk, address: str, token_id: str | None) -> set[str]:
     """Return the contributors that someone at `address` is, with one token or with any.
 
-    Addresses are not stored: who they are can only be told by making the keyed hash again.
+    Addresses are not stored: who they are can only be told by making the keyed hash again, also with tokens
+    that were revoked since.
     """
-    tokens = [token_id] if token_id else [token.id for token in desk.store.tokens.all()]
+    tokens = [token_id] if token_id else desk.store.tokens.ids()
     known = set(_contributors(desk))
     return {contributor(desk.settings.contributor_secret, address, token) for token in tokens} & known
 
@@ -72,14 +73,13 @@ def at_address(desk: Desk, address: str, token_id: str | None) -> set[str]:
 def forget(desk: Desk, contributors: set[str]) -> Forgotten:
     """Remove everything that these contributors sent, in every version, and what was computed from it.
 
-    Sessions that have not converged name no contributor; they expire within two days. A copy that someone
-    made by `dump` is theirs.
+    A session is theirs who started it, or sent its last view. A copy that someone made by `dump` is theirs.
     """
     touched: set[Mode] = set()
     counts: Counter[str] = Counter()
     # Sessions first: what is published follows from them, and must not be published again.
     for session in list(desk.store.sessions.all()):
-        if session.finish is not None and session.finish.contributor in contributors:
+        if _whose(session) & contributors:
             desk.store.sessions.erase(session.session)
             counts["sessions"] += 1
     for document, _ in list(desk.store.calibrations.everything()):
@@ -93,6 +93,9 @@ def forget(desk: Desk, contributors: set[str]) -> Forgotten:
             desk.objects.erase([vote_object(vote.camera_key, vote.id)])
             touched.add(Mode(vote.camera_key, vote.img_size, vote.zoom))
             counts["votes"] += 1
+    # Their shares of the hour.
+    used = (key for key in desk.index.keys("TOKEN#") if key[1].startswith("QUOTA#"))
+    desk.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
     reindex.reindex(desk, only=touched)
     return Forgotten(counts["calibrations"], counts["sessions"], counts["votes"])
 
@@ -101,8 +104,13 @@ def _contributors(desk: Desk) -> set[str]:
     return {
         *(document.contributor for document, _ in desk.store.calibrations.everything()),
         *(vote.contributor for vote in desk.store.votes.all()),
-        *(s.finish.contributor for s in desk.store.sessions.all() if s.finish is not None),
+        *(who for session in desk.store.sessions.all() for who in _whose(session)),
     }
+
+
+def _whose(session: SessionDocument) -> set[str]:
+    last = session.finish.contributor if session.finish else None
+    return {who for who in (session.contributor, last) if who is not None}
 
 
 def _calibration(desk: Desk, calibration_id: str) -> CalibrationDocument:

@@ -47,17 +47,23 @@ _MOST_FIELDS = 20
 
 
 def begin(
-    request: SessionRequest, sid: str, first_version: int, now: int, prior: FitRecord | None = None
+    request: SessionRequest,
+    sid: str,
+    first_version: int,
+    now: int,
+    prior: FitRecord | None = None,
+    contributor: str | None = None,
 ) -> SessionDocument:
     """Return the document of a session that starts. Of the label, a person's name is not kept.
 
-    `prior` is what others measured of this camera.
+    `prior` is what others measured of this camera, `contributor` the keyed hash of who starts it.
     """
     target = request.target_error
     return SessionDocument(
         session=sid,
         first_version=first_version,
         started=now,
+        contributor=contributor,
         camera_key=camera_key(request.camera, request.platform),
         camera=public_label(request.camera),
         platform=public_platform(request.platform),

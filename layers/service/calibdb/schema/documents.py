@@ -68,6 +68,7 @@ class SessionDocument(CaptureDocument):
     session: str
     first_version: int = 1  # differs between a session and the one started anew under its id
     started: int  # unix seconds
+    contributor: str | None = None  # who started it, for one who wants to be forgotten; of old none
     next_index: int = 0
     views: tuple[ViewDocument, ...] = ()
     target: Members | None = None

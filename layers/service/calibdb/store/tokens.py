@@ -62,6 +62,11 @@ class Tokens:
                     former_until=document.former_until,
                 )
 
+    def ids(self) -> Iterator[str]:
+        """Yield the id of every token that there ever was, revoked ones, too. For operators."""
+        for name in self._objects.names(PREFIX):
+            yield name.removeprefix(PREFIX).removesuffix(".json")
+
     def reindex(self) -> int:
         """Let the index know every token that there is, none that was revoked; return how many there are."""
         tokens = list(self.all())

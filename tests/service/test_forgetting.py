@@ -1,0 +1,60 @@
+"""A contributor who wants to be forgotten: nothing is left, whatever it was and however it was sent."""
+
+from pathlib import Path
+
+import boto3
+import pytest
+
+from infra.local import LocalStack
+from infra.ops.__main__ import main
+from tests.client import CAMERA, Client, Truth, until
+from tests.published import asked, calibration, held, mode_of, store
+
+
+def stored(stack: LocalStack) -> tuple[set[str], set[tuple[str, str]]]:
+    """Names of all objects, in every version, but for tokens; keys of all items."""
+    versions = boto3.client("s3").list_object_versions(Bucket=stack.environment["BUCKET_NAME"])
+    found = (*versions.get("Versions", []), *versions.get("DeleteMarkers", []))
+    items = boto3.client("dynamodb").scan(TableName=stack.environment["TABLE_NAME"])["Items"]
+    names = {one["Key"] for one in found if not one["Key"].startswith("tokens/")}
+    return names, {(item["pk"]["S"], item["sk"]["S"]) for item in items}
+
+
+def test_also_what_was_sent_with_a_token_that_was_revoked_since(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A calibration, a vote on another's camera, a capture that is under way, and the hour's counters."""
+    folder = tmp_path / "data"
+    monkeypatch.setenv("DATA_DIR", str(folder))
+    assert main(["token", "create", "--plan", "free"]) == 0
+    token = capsys.readouterr().out.strip()
+    others = calibration("Another's camera Z77", 0)
+    with LocalStack(folder) as stack:
+        store(stack).calibrations.publish(others)
+        store(stack).refit.now(asked(mode_of(others)))
+        before = stored(stack)
+        client = Client(stack, api_token=token)
+        Truth().calibrate(client)
+        until(lambda: client.lookup(redirect=False).json["reason"] == "too_few", 60)
+        assert client.open(camera="Never finished").status == 201
+        assert client.view(client.pose().json["index"], *Truth().see(client.pose().json)).json["accepted"]
+        views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=1), 3)]
+        body = {**CAMERA, "camera": others.camera, "views": views}
+        answer = client.call("POST", "/v1/checks", body)
+        assert (answer.json["counted"], answer.json["votes"]["agree"]) == (True, 1)
+    assert main(["token", "revoke", token.split("_")[1]]) == 0
+    capsys.readouterr()
+    with LocalStack(folder) as stack:
+        assert sum(sk.startswith("QUOTA#") and sk.count("#") == 2 for _, sk in stored(stack)[1]) == 1
+    assert main(["contributor", "forget", "--address", "127.0.0.1"]) == 0
+    assert "removed 1 calibrations, 2 sessions, 1 votes" in capsys.readouterr().out
+    with LocalStack(folder) as stack:
+        names, items = stored(stack)
+        assert names == before[0]
+        # Of the token, which is revoked, it is still known how much all its users used together.
+        of_token = f"TOKEN#{token.split('_')[1]}"
+        assert before[1] - items == {(of_token, "META")}
+        more = {key for key in items - before[1] if not key[0].startswith("REFIT#")}
+        assert {(pk, sk.count("#")) for pk, sk in more} == {(of_token, 1)}
+        (left,) = (c for c in store(stack).consensuses.at(mode_of(others)) if c.distortion_model == "fisheye")
+        assert (left.total, left.votes.agree) == (1, 0)
