@@ -120,6 +120,8 @@ def _votes(desk: Desk, alias: Callable[[str], str], path: Path) -> int:
         for vote in desk.store.votes.all():
             named: VoteDocument = vote.model_copy(
                 update={
+                    "camera": public_label(vote.camera),
+                    "platform": public_platform(vote.platform),
                     "contributor": alias(vote.contributor),
                     "source": vote.source and alias(vote.source),
                 }

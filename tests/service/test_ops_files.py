@@ -10,13 +10,14 @@ import pytest
 from pyarrow import parquet
 
 from calibdb.camera_key import camera_key
-from calibdb.schema import DISTORTION_MODELS
+from calibdb.schema import DISTORTION_MODELS, VoteDocument
 from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.client import Client, Truth, until
 from tests.data import data_dir as shared
+from tests.published import calibration
 
 LABEL = "Anna's iPhone Camera"
 PLATFORM = "iPhone; CPU iPhone OS 17_1 like Mac OS X"
@@ -105,6 +106,24 @@ def test_a_dump_names_nobody(data_dir: Path, dumped: Path, tmp_path: Path) -> No
     assert [d["id"] for d in documents] == [d["id"] for d in again]
     assert {d["contributor"] for d in documents}.isdisjoint({d["contributor"] for d in again})
     assert len({d["contributor"] for d in documents}) == len(known)  # and yet they can be told apart
+
+
+def test_labels_that_were_stored_by_earlier_rules_are_cleaned_by_todays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
+    label, platform = "Anna's webcam Z77 +49 170 1234567", "Linux; Anna Schmidt"
+    stored = calibration("webcam Z77", 0).model_copy(update={"camera": label, "platform": platform})
+    vote = VoteDocument(**stored.model_dump(exclude={"layout", "fits", "time"}), noise=0.1, time=0)
+    with LocalStack(tmp_path / "data") as stack:
+        store = Store.of(Settings.from_environment(stack.environment))
+        store.calibrations.publish(stored)
+        store.votes.cast(vote)
+    assert main(["dump", str(tmp_path / "dump")]) == 0
+    everything = b"".join(path.read_bytes() for path in (tmp_path / "dump").iterdir())
+    dumped = [one for name in ("calibrations", "votes") for one in lines(tmp_path / "dump" / f"{name}.jsonl")]
+    assert [(one["camera"], one["platform"]) for one in dumped] == [("webcam Z77", "Linux")] * 2
+    assert not [personal for personal in (b"Anna", b"Schmidt", b"1234567") if personal in everything]
 
 
 def test_a_dump_is_a_table_of_everything(dumped: Path) -> None:
