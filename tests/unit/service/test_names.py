@@ -142,6 +142,9 @@ def test_a_camera_of_which_nothing_counts_any_more_is_not_found(
     calibrations.withdraw(second, "a test", 0)
     assert cameras.known(NAMED.key).same_as == ()
     assert cameras.search("", 10, None) == ([], None)
+    calibrations.publish(second)  # by a client that repeats its last view
+    assert cameras.known(NAMED.key).same_as == ()
+    assert cameras.search("", 10, None) == ([], None)
 
 
 def test_publishing_again_writes_no_more_than_it_must(

@@ -75,8 +75,8 @@ class Calibrations:
     def publish(self, document: CalibrationDocument) -> None:
         """Store the calibration and let the index find it; done twice, it is done once."""
         self._objects.create(_name(document.id), document.model_dump_json().encode())
-        self._table.put(_item(today(document)), _NOT_WITHDRAWN)
-        self._catalogue.publish(document)
+        if self._table.put(_item(today(document)), _NOT_WITHDRAWN):
+            self._catalogue.publish(document)
 
     def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
         """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
