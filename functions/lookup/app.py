@@ -17,7 +17,7 @@ from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
 from calibdb.store.keys import size_text, zoom_text
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
-_CACHED = {"Cache-Control": "public, max-age=60", "Vary": "Authorization, Origin"}
+_CACHED = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
 _NOTHING = "Nothing reliable is known of this camera."
 _DETAILS = {
     "unknown_camera": _NOTHING,

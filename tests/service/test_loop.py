@@ -106,7 +106,7 @@ def test_the_answer(known: list[Any]) -> None:
 @pytest.mark.usefixtures("known")
 class TestLookup:
     def test_a_hit_is_one_query_and_nothing_else(self, stack: LocalStack, client: Client) -> None:
-        client.lookup()  # the token is remembered for a minute
+        client.lookup()  # the token is remembered
         with storage_calls(stack) as asked:
             assert client.lookup().status == 200
             assert client.lookup(img_size=[640, 360]).status == 200
@@ -125,11 +125,11 @@ class TestLookup:
             assert store.refit.now(asked_for) == first
         assert asked == ["Query"] * 3  # neither keypoints read nor anything written
 
-    def test_get_answers_like_post_and_may_be_cached_for_a_minute(self, client: Client) -> None:
+    def test_get_answers_like_post_and_may_be_cached_for_a_moment(self, client: Client) -> None:
         query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"
         answer = client.call("GET", "/v1/lookup", token="", query=f"{query}&key={TOKEN}")
         assert answer.json == client.lookup().json
-        assert answer.headers["cache-control"] == "public, max-age=60"
+        assert answer.headers["cache-control"] == "public, max-age=20"
 
     def test_the_older_public_clients_spellings(self, client: Client) -> None:
         asked = {"camera": "Test camera", "userAgent": CAMERA["platform"], "imsize": [1280, 720]}

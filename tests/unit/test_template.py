@@ -12,6 +12,7 @@ import yaml
 from cfnlint.decode.cfn_yaml import loads
 from samtranslator.translator.transform import transform
 
+from calibdb import token_memory
 from infra.local import pages
 
 ROOT = Path(__file__).parents[2]
@@ -126,7 +127,12 @@ def test_the_edge_tells_lookups_apart_by_all_that_decides_them(source: dict) -> 
     named = key["ParametersInCacheKeyAndForwardedToOrigin"]
     assert named["HeadersConfig"]["Headers"] == ["Authorization", "Origin"]
     assert named["QueryStringsConfig"]["QueryStringBehavior"] == "all"
-    assert key["MaxTTL"] <= 60
+
+
+def test_a_revoked_token_opens_nothing_after_a_minute_at_the_edge_either(source: dict) -> None:
+    """What the edge kept at the last moment at which a function remembered the token is still in time."""
+    key = source["Resources"]["LookupCaching"]["Properties"]["CachePolicyConfig"]
+    assert 0 < key["MaxTTL"] <= 60 - token_memory.MEMORY
 
 
 def test_every_public_path_reaches_the_api_through_the_edge(source: dict) -> None:
@@ -226,6 +232,15 @@ def test_every_alarm_is_heard(source: dict) -> None:
     for alarm in alarms:
         assert alarm["Properties"]["AlarmActions"] == [{"Ref": "AlarmTopic"}]
         assert alarm["Properties"]["TreatMissingData"] == "notBreaching"
+
+
+def test_of_every_function_it_is_heard_when_it_may_not_run(source: dict) -> None:
+    metrics = source["Resources"]["ThrottleAlarm"]["Properties"]["Metrics"]
+    watched = [one["MetricStat"]["Metric"]["Dimensions"] for one in metrics if "MetricStat" in one]
+    assert len(watched) <= 10  # the most that an alarm takes
+    assert {dimension["Value"]["Ref"] for (dimension,) in watched} == {
+        name for name, r in source["Resources"].items() if r["Type"] == "AWS::Serverless::Function"
+    }
 
 
 def test_what_costs_extra_is_off_by_default(source: dict) -> None:

@@ -57,7 +57,7 @@ class Service:
     def api_token(self, text: str) -> ApiToken:
         """Return the token that `text` is; raises ForbiddenError when it is unknown or its secret is wrong.
 
-        A token once read is remembered for a minute: a lookup then costs one Query and nothing else.
+        A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
         """
         parts = parse(text)
         token = self._tokens.get(parts[0]) if parts else None

@@ -1,6 +1,6 @@
-"""Tokens remembered for a minute, and their lookups counted without a write for each.
+"""Tokens remembered for half a minute, and their lookups counted without a write for each.
 
-A lookup that hits is one Query. So its token is read once a minute, and what was looked up is counted in
+A lookup that hits is one Query. So its token is read twice a minute, and what was looked up is counted in
 memory and written down when the token is read anew: once for some hundred lookups, or after some minutes. A
 function has no time of its own after its answer, and one that is ended takes along what it had not written:
 the count is a little low, in favour of those who ask.
@@ -17,7 +17,9 @@ from calibdb.errors import TooManyError, UnavailableError
 from calibdb.plans import Kind, plan
 from calibdb.tokens import ApiToken
 
-MEMORY = 60.0  # seconds after which a revoked token is refused
+# Seconds for which a token is remembered. The edge keeps answers to GET lookups for 20 more: together less than
+# the minute after which a revoked token opens nothing any more.
+MEMORY = 30.0
 BATCH = 250  # lookups that are written down together
 PATIENCE = 600.0  # seconds after which fewer are
 HOUR = 3600
@@ -74,7 +76,7 @@ class TokenMemory:
         self._lock = threading.Lock()
 
     def get(self, token_id: str) -> ApiToken | None:
-        """Return the token as it was at most a minute ago, None when there is none (any more)."""
+        """Return the token as it was at most half a minute ago, None when there is none (any more)."""
         now = self._clock()
         with self._lock:
             known = self._known.get(token_id)

@@ -37,7 +37,7 @@ class Tokens:
         self.index(token)
 
     def revoke(self, token: ApiToken, now: int) -> None:
-        """Refuse the token from now on; functions that remember it do so for a minute more.
+        """Refuse the token from now on; functions that remember it do so for half a minute more.
 
         The object says so first: an index that is made anew does not bring a revoked token back.
         """
