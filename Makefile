@@ -5,6 +5,8 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 export CALIBDB_DATA ?= $(abspath ../shared/data)
+# As the functions are given it: of small matrices a second thread waits for the first.
+export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: run test thorough lint unit service browser screenshots bench bench-keys bench-guidance bench-load bench-accuracy bench-consensus bench-uncertainty fuzz kills ops bundle openapi plan lock layers deploy deploy-plan rehearsal cost conformance checkov verify load clean setup
 

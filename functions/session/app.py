@@ -8,6 +8,7 @@ from calibdb import capture, http, metrics
 from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, NotFoundError
 from calibdb.schema import FitRecord, SessionDocument, SessionRequest
+from calibdb.state import state
 from calibdb.store import Store
 
 
@@ -27,7 +28,7 @@ def start(call: http.Call) -> Response:
     if not capture.same_start(document, capture.begin(request, sid, document.first_version, now)):
         raise ConflictError("A session with other content runs under this session id.", kind="other-content")
     metrics.count(now, Sessions=1)
-    return http.answer(capture.state(document), 201)
+    return http.answer(state(document), 201)
 
 
 def known(store: Store, request: SessionRequest) -> FitRecord | None:
@@ -40,7 +41,7 @@ def known(store: Store, request: SessionRequest) -> FitRecord | None:
 def show(call: http.Call) -> Response:
     """Answer with the session's state."""
     document = call.service.store.sessions.get(call.session(charge="poses").sid)
-    return http.answer(capture.state(document))
+    return http.answer(state(document))
 
 
 def forget(call: http.Call) -> Response:

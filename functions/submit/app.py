@@ -20,11 +20,11 @@ from calibdb.schema import (
     EstimateDocument,
     RefitRequest,
     SessionDocument,
-    ViewAnswer,
     ViewDocument,
     ViewRequest,
 )
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
+from calibdb.state import state, view_answer
 from calibdb.tokens import contributor, source
 from calibsolver import Board, Camera, guidance, report
 from calibsolver import capture as solver_capture
@@ -54,7 +54,7 @@ def submit(call: http.Call) -> Response:
     document, judged = service.store.sessions.update(ticket.sid, service.now, change)
     if document.finish is not None:
         publish(call, document)
-    return http.answer(ViewAnswer.model_validate(capture.view_state(document, judged.reason, judged.hint)))
+    return http.answer(view_answer(document, judged.reason, judged.hint))
 
 
 def remove(call: http.Call) -> Response:
@@ -74,7 +74,7 @@ def remove(call: http.Call) -> Response:
         return changed, changed
 
     document = call.service.store.sessions.update(sid, call.service.now, change)
-    return http.answer(capture.state(document))
+    return http.answer(state(document))
 
 
 @dataclass(frozen=True)

@@ -46,9 +46,9 @@ class Gateway:
             return Response(204, _preflight_headers(self._cors, origin))
         return self._allowed(self._route(request), origin)
 
-    def too_large(self, origin: str | None) -> Response:
-        """Answer a request that is larger than a function could be handed."""
-        return self._allowed(message(413, "Request Entity Too Large"), origin)
+    def refuse(self, status: int, text: str, origin: str | None) -> Response:
+        """Answer a request that no function could be handed, or that none answered in time."""
+        return self._allowed(message(status, text), origin)
 
     def _allowed(self, response: Response, origin: str | None) -> Response:
         if not self._cors:

@@ -21,7 +21,7 @@ from starlette.responses import Response as WebResponse
 from starlette.routing import Mount, Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from infra.local.events import Request, Response, message
+from infra.local.events import Request, Response
 from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY, Gateway
 from infra.local.pages import Pages
 from infra.local.workers import Workers
@@ -103,7 +103,7 @@ class Front:
             return  # nobody is left to answer
         if request is None:
             origin = WebRequest(scope).headers.get("origin")
-            response = self._gateway.too_large(origin)
+            response = self._gateway.refuse(413, "Request Entity Too Large", origin)
         else:
             response = await self._answer(request)
         web = WebResponse(response.body, response.status, dict(response.headers))
@@ -118,7 +118,7 @@ class Front:
             return await asyncio.wait_for(asyncio.shield(call), self._timeout)
         except TimeoutError:
             # The function goes on, as on AWS, where it has a timeout of its own.
-            return message(503, "Service Unavailable")
+            return self._gateway.refuse(503, "Service Unavailable", request.header("origin"))
 
 
 async def _read(scope: Scope, receive: Receive) -> Request | None:

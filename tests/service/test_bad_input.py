@@ -260,6 +260,7 @@ def test_only_the_first_of_many_wrong_fields_are_named(guided: Client) -> None:
         ("/v1/calibrations/x", "crop=1,2", "4 whole numbers"),
         ("/v1/calibrations/x", "rotate=%C2%B2", "90"),
         ("/v1/calibrations/x", "without=1,", "indices of views"),
+        ("/v1/calibrations/x", f"without={'1,' * 64}1", "List should have at most 64 items"),
     ],
 )
 def test_an_error_says_what_is_wanted_and_nothing_of_the_program(
@@ -271,3 +272,5 @@ def test_an_error_says_what_is_wanted_and_nothing_of_the_program(
     assert says in error["detail"]
     assert "Value error" not in error["detail"]
     assert "int()" not in error["detail"]
+    assert "Tuple" not in error["detail"]
+    assert "after validation" not in error["detail"]

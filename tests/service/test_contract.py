@@ -201,6 +201,9 @@ def test_unknown_paths_and_wrong_methods(running: Client) -> None:
     assert {m.strip() for m in wrong.headers["allow"].split(",")} >= {"GET", "POST", "DELETE"}
     assert running.call("PATCH", "/v1/lookup").status == 405
     assert running.call("GET", "/v1/auth").status == 405
+    for path in ("/v1/nothing", "/v1/auth/", "/v1/session/pose/more", "/v1//lookup"):
+        for method in ("GET", "POST", "DELETE"):
+            assert running.call(method, path).status == 404  # as a problem, too
 
 
 def test_answers_are_not_cached_and_are_what_they_say(running: Client) -> None:

@@ -291,10 +291,11 @@ def test_the_gateway_gives_up_on_a_slow_function(stack: LocalStack, tmp_path: Pa
     async def ask() -> httpx.Response:
         transport = httpx.ASGITransport(app=front)
         async with httpx.AsyncClient(transport=transport, base_url="http://local") as client:
-            return await client.get("/v1/answers/slow")
+            return await client.get("/v1/answers/slow", headers={"origin": "https://page.example"})
 
     start = time.monotonic()
     response = asyncio.run(ask())
     assert time.monotonic() - start < 0.45
     assert (response.status_code, response.json()) == (503, {"message": "Service Unavailable"})
+    assert "access-control-allow-origin" in response.headers  # or the page could not read it
     workers.close()

@@ -1,4 +1,4 @@
-"""The rules of a guided capture, on its document alone: what may follow what, and what is answered.
+"""The rules of a guided capture, on its document alone: what may follow what.
 
 Which view is good and where the board goes next is the solver's business; here are indices, repeats,
 conflicts, and the way from one document to the next. Nothing here reads a clock or writes anything.
@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from typing import Literal
 
 from pydantic import JsonValue
 
@@ -24,7 +23,6 @@ from calibdb.corners import misplaced
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.precision import TARGET_ERROR
 from calibdb.schema import (
-    Calibration,
     CalibrationDocument,
     ConsensusDocument,
     EstimateDocument,
@@ -32,12 +30,10 @@ from calibdb.schema import (
     FitRecord,
     SessionDocument,
     SessionRequest,
-    SessionState,
     ViewDocument,
     ViewRequest,
-    ViewState,
 )
-from calibdb.schema.session import Hint, Refusal, SetAside
+from calibdb.schema.session import SetAside
 
 MOST_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
 MOST_SKIPPED = 8  # targets remembered as unwanted
@@ -114,7 +110,7 @@ def repeated(document: SessionDocument, view: ViewRequest) -> bool:
     """
     for known in document.views:
         if known.index == view.index:
-            if (known.ids, known.points) == (view.ids, view.points):
+            if _corners(known) == _corners(view):
                 return True
             raise ConflictError("Another view was accepted under this index.", kind="other-content")
     if document.finish is not None:
@@ -171,7 +167,7 @@ def with_doubt(document: SessionDocument, view: ViewRequest) -> SessionDocument 
     ones that were wrong.
     """
     witness = ViewDocument(index=view.index, ids=view.ids, points=view.points)
-    if any((known.ids, known.points) == (view.ids, view.points) for known in document.doubted):
+    if any(_corners(known) == _corners(view) for known in document.doubted):
         return None
     return document.model_copy(update={"doubted": (*document.doubted, witness)[-MOST_DOUBTED:]})
 
@@ -279,58 +275,16 @@ def calibration(document: SessionDocument) -> CalibrationDocument:
     )
 
 
-def state(document: SessionDocument) -> SessionState:
-    """Return what the session's owner sees of it."""
-    return SessionState(**_state(document))
-
-
-def view_state(
-    document: SessionDocument, reason: Refusal | None, hint: Hint | None = None
-) -> dict[str, object]:
-    """Return the answer to a view: the state, and where it was refused why, and what to do."""
-    return {**_state(document), "accepted": reason is None, "reason": reason, "hint": hint}
-
-
-def _state(document: SessionDocument) -> dict[str, object]:
-    finish, estimate = document.finish, document.estimate
-    status: Literal["capturing", "converged"] = "capturing" if finish is None else "converged"
-    calibration_id = finish.calibration_id if finish else None
-    fit = estimate.fit and Calibration.of(
-        estimate.fit,
-        id=calibration_id,
-        camera=document.camera,
-        platform=document.platform,
-        zoom=document.zoom,
-        calibration_time=finish.time if finish else estimate.time,
-    )
-    return {
-        "status": status,
-        "camera": document.camera,
-        "platform": document.platform,
-        "img_size": document.img_size,
-        "zoom": document.zoom,
-        "distortion_model": document.distortion_model,
-        "board": document.board,
-        "guidance": document.guidance,
-        "target_error": document.target_error,
-        "views": tuple(
-            ViewState(index=v.index, points=len(v.ids), rms=v.rms, set_aside=v.set_aside)
-            for v in document.views
-        ),
-        "progress": estimate.progress,
-        "uncertainty": estimate.uncertainty,
-        "calibration": fit,
-        "calibration_id": calibration_id,
-        "advice": estimate.advice,
-        "suggested_model": estimate.suggested_model,
-    }
-
-
 def _standing(views: tuple[ViewDocument, ...], standing: Sequence[Standing]) -> tuple[ViewDocument, ...]:
     return tuple(
         v.model_copy(update={"rms": rms, "set_aside": aside})
         for v, (rms, aside) in zip(views, standing, strict=True)
     )
+
+
+def _corners(view: ViewDocument | ViewRequest) -> dict[int, tuple[float, float]]:
+    """Return what a view is, whichever order its corners are named in."""
+    return dict(zip(view.ids, view.points, strict=True))
 
 
 def _converged() -> ConflictError:

@@ -75,6 +75,17 @@ def test_indices_go_up_by_one_and_are_not_used_again() -> None:
         capture.undo(undone, 2)
 
 
+def test_a_repeat_may_name_the_corners_in_another_order() -> None:
+    points = ((1.0, 2.0), (3.0, 4.0), (5.0, 6.0))
+    document = capture.with_view(DOCUMENT, view(0, points), EstimateDocument(), [(None, None)], None)
+    sent = ViewRequest(index=0, ids=(2, 0, 1), points=(points[2], points[0], points[1]))
+    assert capture.repeated(document, sent) is True
+    with pytest.raises(ConflictError):
+        capture.repeated(document, ViewRequest(index=0, ids=(2, 0, 1), points=points))
+    with pytest.raises(ConflictError):
+        capture.repeated(document, view(0, points[:2]))
+
+
 def test_progress_grows_and_an_undo_takes_it_back() -> None:
     document = accept(accept(DOCUMENT, 0, 0.5), 1, 0.4)
     assert document.estimate.progress == 0.5

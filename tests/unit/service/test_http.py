@@ -43,17 +43,14 @@ def environment(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setenv(name, value)
 
 
+HTTP = {"method": "GET", "sourceIp": "192.0.2.1"}
+EVENT = {"version": "2.0", "rawQueryString": "", "isBase64Encoded": False}
+
+
 def send(method: str, path: str, headers: dict[str, str] | None = None) -> dict[str, Any]:
-    event = {
-        "version": "2.0",
-        "routeKey": f"{method} {path}",
-        "rawPath": path,
-        "rawQueryString": "",
-        "headers": headers or {},
-        "requestContext": {"http": {"method": method, "path": path, "sourceIp": "192.0.2.1"}},
-        "isBase64Encoded": False,
-    }
-    return HANDLER(event, None)
+    context = {"http": {**HTTP, "method": method, "path": path}}
+    event = {"routeKey": f"{method} {path}", "rawPath": path, "requestContext": context}
+    return HANDLER({**EVENT, **event, "headers": headers or {}}, None)
 
 
 @pytest.mark.parametrize(
@@ -95,14 +92,28 @@ def test_an_error_is_a_problem() -> None:
     }
 
 
-@pytest.mark.parametrize(
-    ("method", "path", "status"), [("GET", "/nowhere", 404), ("DELETE", "/conflict", 405)]
-)
-def test_no_such_path_or_method(method: str, path: str, status: int) -> None:
-    answer = send(method, path)
-    assert (answer["statusCode"], json.loads(answer["body"])["status"]) == (status, status)
-    if status == 405:
-        assert set(answer["headers"]["allow"].split(", ")) == {"GET", "HEAD", "POST"}
+@pytest.mark.parametrize("path", ["/nowhere", "/conflict/", "/pick/more", "/{}"])
+def test_no_such_path(path: str) -> None:
+    answer = send("GET", path)
+    assert (answer["statusCode"], json.loads(answer["body"])["status"]) == (404, 404)
+
+
+def test_a_wrong_method_is_told_the_right_ones() -> None:
+    answer = send("DELETE", "/conflict")
+    problem = json.loads(answer["body"])
+    assert (answer["statusCode"], problem["status"]) == (405, 405)
+    assert set(answer["headers"]["allow"].split(", ")) == {"GET", "HEAD", "POST"}
+    assert answer["headers"]["allow"] in problem["detail"]
+
+
+def test_an_event_may_lack_what_is_empty_and_name_headers_as_it_likes() -> None:
+    event = EVENT | {"rawPath": "/pick", "requestContext": {"http": {**HTTP, "path": "/pick"}}}
+    for headers in ({}, {"headers": None}, {"headers": {"Accept": "IMAGE/PNG", "HOST": "a:b"}}):
+        answer = HANDLER({**event, **headers}, None)
+        assert (answer["statusCode"], answer["body"]) == (
+            200,
+            "image/png" if headers.get("headers") else TYPES[0],
+        )
 
 
 def test_a_crash_says_nothing_of_itself(caplog: pytest.LogCaptureFixture) -> None:

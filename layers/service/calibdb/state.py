@@ -1,0 +1,54 @@
+"""What the owner of a session sees of it."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from calibdb.schema import Calibration, SessionDocument, SessionState, ViewAnswer, ViewState
+from calibdb.schema.session import Hint, Refusal
+
+
+def state(document: SessionDocument) -> SessionState:
+    """Return the state of a session."""
+    return SessionState(**_members(document))
+
+
+def view_answer(document: SessionDocument, reason: Refusal | None, hint: Hint | None = None) -> ViewAnswer:
+    """Return the answer to a view: the state, and where it was refused why, and what to do."""
+    members = {**_members(document), "accepted": reason is None, "reason": reason, "hint": hint}
+    return ViewAnswer.model_validate(members)
+
+
+def _members(document: SessionDocument) -> dict[str, Any]:
+    finish, estimate = document.finish, document.estimate
+    status: Literal["capturing", "converged"] = "capturing" if finish is None else "converged"
+    calibration_id = finish.calibration_id if finish else None
+    fit = estimate.fit and Calibration.of(
+        estimate.fit,
+        id=calibration_id,
+        camera=document.camera,
+        platform=document.platform,
+        zoom=document.zoom,
+        calibration_time=finish.time if finish else estimate.time,
+    )
+    return {
+        "status": status,
+        "camera": document.camera,
+        "platform": document.platform,
+        "img_size": document.img_size,
+        "zoom": document.zoom,
+        "distortion_model": document.distortion_model,
+        "board": document.board,
+        "guidance": document.guidance,
+        "target_error": document.target_error,
+        "views": tuple(
+            ViewState(index=v.index, points=len(v.ids), rms=v.rms, set_aside=v.set_aside)
+            for v in document.views
+        ),
+        "progress": estimate.progress,
+        "uncertainty": estimate.uncertainty,
+        "calibration": fit,
+        "calibration_id": calibration_id,
+        "advice": estimate.advice,
+        "suggested_model": estimate.suggested_model,
+    }
