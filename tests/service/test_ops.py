@@ -8,7 +8,6 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import boto3
 import pytest
@@ -17,6 +16,7 @@ from calibdb.schema import DISTORTION_MODELS
 from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.client import Client, Truth, until
+from tests.table import items, remove
 
 
 @pytest.fixture(scope="module")
@@ -79,22 +79,6 @@ def test_only_origins_are_origins(origin: str, capsys: pytest.CaptureFixture[str
 def test_an_unknown_token_cannot_be_revoked(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["token", "revoke", "nobody"]) == 1
     assert "no token nobody" in capsys.readouterr().err
-
-
-def items(stack: LocalStack) -> dict[tuple[str, str], Any]:
-    """All that the table holds; times aside, and what only says who does what just now."""
-    found = boto3.client("dynamodb").scan(TableName=stack.environment["TABLE_NAME"])["Items"]
-    return {
-        (item["pk"]["S"], item["sk"]["S"]): {k: v for k, v in item.items() if k != "ttl"}
-        for item in found
-        if not (item["sk"]["S"].startswith("QUOTA#") or item["pk"]["S"].startswith("REFIT#"))
-    }
-
-
-def remove(stack: LocalStack, key: tuple[str, str]) -> None:
-    boto3.client("dynamodb").delete_item(
-        TableName=stack.environment["TABLE_NAME"], Key={"pk": {"S": key[0]}, "sk": {"S": key[1]}}
-    )
 
 
 def objects(stack: LocalStack, prefix: str = "") -> list[str]:

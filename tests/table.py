@@ -1,0 +1,26 @@
+"""The index of a stack, as its table holds it."""
+
+from typing import Any
+
+import boto3
+
+from infra.local import LocalStack
+
+Key = tuple[str, str]  # pk, sk
+
+
+def items(stack: LocalStack) -> dict[Key, Any]:
+    """All that the table holds; times aside, and what only says who does what just now."""
+    pages = boto3.client("dynamodb").get_paginator("scan").paginate(TableName=stack.environment["TABLE_NAME"])
+    return {
+        (item["pk"]["S"], item["sk"]["S"]): {k: v for k, v in item.items() if k != "ttl"}
+        for page in pages
+        for item in page["Items"]
+        if not (item["sk"]["S"].startswith("QUOTA#") or item["pk"]["S"].startswith("REFIT#"))
+    }
+
+
+def remove(stack: LocalStack, key: Key) -> None:
+    boto3.client("dynamodb").delete_item(
+        TableName=stack.environment["TABLE_NAME"], Key={"pk": {"S": key[0]}, "sk": {"S": key[1]}}
+    )
