@@ -229,3 +229,24 @@ def test_storage_that_does_not_answer_is_a_503(error: Exception) -> None:
         with pytest.raises(UnavailableError) as raised:
             call()
         assert raised.value.headers == {"Retry-After": "1"}
+
+
+class Undecided:
+    """S3 while another writes the same name, so and so many times; what then is found."""
+
+    def __init__(self, times: int, code: str | None) -> None:
+        self._codes = [*["ConditionalRequestConflict"] * times, code]
+
+    def put_object(self, **_: object) -> None:
+        if code := self._codes.pop(0):
+            raise ClientError({"Error": {"Code": code}}, "PutObject")
+
+
+@pytest.mark.parametrize(("code", "written"), [(None, True), ("PreconditionFailed", False)])
+def test_a_name_that_another_is_writing_is_not_taken_yet(code: str | None, written: bool) -> None:
+    """The other may still fail; then nobody would have written what both were told is there."""
+    client: Any = Undecided(3, code)
+    assert Objects(lambda: client, "bucket").create("name", b"") is written
+    busy: Any = Undecided(99, None)
+    with pytest.raises(UnavailableError):
+        Objects(lambda: busy, "bucket").create("name", b"")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from botocore.exceptions import ClientError
 
+from calibdb.errors import UnavailableError
 from calibdb.store.clients import available, code
 
 if TYPE_CHECKING:
@@ -14,8 +15,9 @@ if TYPE_CHECKING:
 
     from mypy_boto3_s3 import S3Client
 
-# 412 when the name is taken; 409 when another write of the same name is under way.
-_TAKEN = frozenset({"PreconditionFailed", "ConditionalRequestConflict"})
+# 409: another write of the same name is under way. It may yet fail, so nobody knows whether the name is taken.
+_UNDECIDED = "ConditionalRequestConflict"
+_ATTEMPTS = 5
 _MOST_AT_ONCE = 1000  # objects that S3 removes in one request
 
 
@@ -39,20 +41,24 @@ class Objects:
 
     def create(self, name: str, content: bytes) -> bool:
         """Write a new object; False, and nothing written, when the name is taken."""
-        with available():
-            try:
-                self._client().put_object(
-                    Bucket=self._bucket,
-                    Key=name,
-                    Body=content,
-                    ContentType="application/json",
-                    IfNoneMatch="*",
-                )
-            except ClientError as error:
-                if code(error) not in _TAKEN:
-                    raise
-                return False
-        return True
+        for _ in range(_ATTEMPTS):
+            with available():
+                try:
+                    self._client().put_object(
+                        Bucket=self._bucket,
+                        Key=name,
+                        Body=content,
+                        ContentType="application/json",
+                        IfNoneMatch="*",
+                    )
+                except ClientError as error:
+                    if code(error) == "PreconditionFailed":
+                        return False
+                    if code(error) != _UNDECIDED:
+                        raise
+                else:
+                    return True
+        raise UnavailableError("Others keep writing what this request writes.")
 
     def put(self, name: str, content: bytes) -> None:
         """Write the object, over the one with its name if there is one. For operators."""
