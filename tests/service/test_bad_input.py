@@ -248,6 +248,13 @@ def test_a_strange_host_is_no_matter(stack: LocalStack) -> None:
         assert stack.request("GET", "/healthz", headers={"host": host}).status == 200
 
 
+def test_what_is_wrong_is_not_said_to_be_missing_too(guided: Client) -> None:
+    view = {"index": 1, "ids": [0.5], "points": [[1.0, 2.0]]}
+    assert names(guided.call("POST", "/v1/session/views", view)) == ["ids.0"]
+    view = {"index": 1, "ids": [], "points": [[1.0, 2.0]]}
+    assert names(guided.call("POST", "/v1/session/views", view)) == ["ids"]
+
+
 def test_only_the_first_of_many_wrong_fields_are_named(guided: Client) -> None:
     answer = guided.view(1, list(range(40)), [[5000.0, 5000.0]] * 40)
     assert len(names(answer)) == 20

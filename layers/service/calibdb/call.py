@@ -159,11 +159,10 @@ def refusal(error: ValidationError) -> CalibdbError:
     problems = error.errors(include_url=False, include_input=False, include_context=False)
     if any(p["type"] == "json_invalid" for p in problems):
         return MalformedError("The body is not JSON.")
+    inside = {p["loc"][:depth] for p in problems for depth in range(len(p["loc"]))}
+    said = [p for p in problems if p["type"] != "too_short" or p["loc"] not in inside]  # wrong, not missing
     return InvalidError(
-        [
-            FieldError(".".join(map(str, p["loc"])) or "body", _plain(p["msg"]))
-            for p in problems[:_MOST_FIELDS]
-        ]
+        [FieldError(".".join(map(str, p["loc"])) or "body", _plain(p["msg"])) for p in said[:_MOST_FIELDS]]
     )
 
 

@@ -48,8 +48,10 @@ class Board:
     legacy: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "squares", (int(self.squares[0]), int(self.squares[1])))
-        w, h = self.squares
+        w, h = (int(n) for n in self.squares)
+        if (w, h) != tuple(self.squares):
+            raise ValueError(f"squares are two whole numbers, not {self.squares}")
+        object.__setattr__(self, "squares", (w, h))
         if not (3 <= w <= 64 and 3 <= h <= 64):
             raise ValueError(f"a board has 3 to 64 squares a side, not {w} x {h}")
         if not 0.1 <= self.marker_ratio <= 0.95:
@@ -95,7 +97,10 @@ class Board:
 
         Raises ValueError for an id that is not on the board or is given twice.
         """
-        index = np.asarray(ids, dtype=np.int64).reshape(-1)
+        given = np.asarray(ids).reshape(-1)
+        index = given.astype(np.int64)
+        if (index != given).any():
+            raise ValueError("corner ids are whole numbers")
         if index.size and (index.min() < 0 or index.max() >= self.corner_count):
             raise ValueError(f"corner ids run from 0 to {self.corner_count - 1}")
         if len(np.unique(index)) != len(index):

@@ -90,24 +90,34 @@ class Camera:
     def project(self, points: Array) -> Array:
         """Pixels (n, 2) of points (n, 3) in the camera frame; NaN where the model is not one-to-one."""
         model, k = models.get(self.model), self.intrinsics
-        p = np.asarray(points, dtype=np.float64).T
+        p, shape = rows(points, 3)
         with np.errstate(all="ignore"):  # what lies behind the camera is masked out
             q = np.where(model.valid(k[4:], p), model.project(k, p), np.nan)
-        return np.ascontiguousarray(q.T)
+        return np.ascontiguousarray(q.T).reshape(*shape, 2)
 
     def unproject(self, pixels: Array) -> Array:
         """Return unit rays (n, 3), camera frame, of pixels (n, 2); NaN where the valid domain has none."""
-        rays = models.get(self.model).unproject(self.intrinsics, np.asarray(pixels, dtype=np.float64).T)
-        return np.ascontiguousarray(rays.T)
+        q, shape = rows(pixels, 2)
+        rays = models.get(self.model).unproject(self.intrinsics, q)
+        return np.ascontiguousarray(rays.T).reshape(*shape, 3)
 
     def valid(self, points: Array) -> Mask:
         """Whether points (n, 3), camera frame, lie where the model is one-to-one."""
-        return models.get(self.model).valid(
-            np.asarray(self.distortion), np.asarray(points, dtype=np.float64).T
-        )
+        p, shape = rows(points, 3)
+        return models.get(self.model).valid(np.asarray(self.distortion), p).reshape(shape)
 
     def domain(self) -> Domain:
         """Return where the model is one-to-one, and how much of the image that is."""
         rays = models.get(self.model).unproject(self.intrinsics, pixel_grid(self.img_size, GRID))
         angle = models.get(self.model).angle(np.asarray(self.distortion))
         return Domain(float(angle), float(np.isfinite(rays[0]).mean()))
+
+
+def rows(values: object, width: int) -> tuple[Array, tuple[int, ...]]:
+    """Return `values` (..., width) as (width, n), and the shape in front; ValueError for any other shape."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape == (0,):  # an empty list
+        array = array.reshape(0, width)
+    if array.shape[-1:] != (width,):
+        raise ValueError(f"an array (n, {width}) is wanted, not {array.shape}")
+    return array.reshape(-1, width).T, array.shape[:-1]

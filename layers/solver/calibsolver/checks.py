@@ -1,6 +1,6 @@
 """What a view must be before it enters a fit."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -15,9 +15,13 @@ FLAT_BOARD, FLAT_IMAGE = 0.02, 1e-3
 """Smaller / larger extent of points below which they lie on a line, on the board and in the image."""
 
 
-def check(views: Sequence[View], img_size: tuple[int, int]) -> Observations:
+def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
     """Pack views, or refuse those that no fit could use: CalibrationError, see `fit`."""
-    w, h = img_size
+    views = list(views or ())
+    try:
+        w, h = img_size
+    except (TypeError, ValueError):
+        raise CalibrationError("out_of_range", f"an image has a width and a height, not {img_size}") from None
     if not (1 < w < 100_000 and 1 < h < 100_000):
         raise CalibrationError("out_of_range", f"an image of {w} x {h} px cannot be calibrated")
     if not views:

@@ -255,6 +255,16 @@ def test_sizes_of_no_image_are_refused() -> None:
     for size in ((0, 720), (100_000, 720)):
         with pytest.raises(CalibrationError, match="px cannot be calibrated"):
             fit([good_view()], size)
+    for size in (None, 1280, "1280x720", (1280, 720, 3)):
+        with pytest.raises(CalibrationError) as caught:
+            fit([good_view()], size)  # type: ignore[arg-type]
+        assert caught.value.code == "out_of_range"
+
+
+def test_views_may_come_one_by_one() -> None:
+    views, size = load("pv_charuco_480")
+    one_by_one = fit((view for view in views), size)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(one_by_one.camera.matrix, fit(views, size).camera.matrix)
 
 
 def test_record_is_what_files_hold() -> None:

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from calibsolver import Board, View, rotation
+from calibsolver import Board, Camera, View, models, rotation
 from calibsolver.board import DICTIONARIES
 
 
@@ -48,6 +48,7 @@ def test_corners_are_opencvs(squares: tuple[int, int]) -> None:
     [
         {"squares": (9, 1)},
         {"squares": (2, 6)},
+        {"squares": (9.5, 6)},
         {"squares": (9, 100)},
         {"squares": (20, 20)},  # 200 markers, 50 in the dictionary
         {"marker_ratio": 1.0},
@@ -57,7 +58,7 @@ def test_corners_are_opencvs(squares: tuple[int, int]) -> None:
     ],
 )
 def test_impossible_boards_are_refused(values: dict[str, object]) -> None:
-    with pytest.raises(ValueError, match=r"board|marker|dictionary"):
+    with pytest.raises(ValueError, match=r"board|marker|dictionary|whole"):
         Board(**values)  # type: ignore[arg-type]
 
 
@@ -74,7 +75,7 @@ def test_views_of_a_board() -> None:
     board = Board()
     view = board.view([0, 39], [[10.0, 20.0], [30.0, 40.0]])
     np.testing.assert_array_equal(view.object_points, [[1, 1, 0], [8, 5, 0]])
-    for ids in ([0, 0], [0, 40], [-1, 3]):
+    for ids in ([0, 0], [0, 40], [-1, 3], [0, 1.5]):
         with pytest.raises(ValueError, match="id"):
             board.view(ids, [[10.0, 20.0], [30.0, 40.0]])
     with pytest.raises(ValueError, match="image_points"):
@@ -90,3 +91,26 @@ def test_views_hold_finite_numbers_that_nobody_can_change() -> None:
     assert view.object_points[0, 0] == 0
     with pytest.raises(ValueError, match="read-only"):
         view.object_points[0, 0] = 1
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_a_camera_takes_one_point_or_many_in_any_kind_of_array(model: str) -> None:
+    d = [0.0] * len(models.get(model).coefficients)
+    camera = Camera(model, [[900, 0, 640], [0, 910, 360], [0, 0, 1]], d, [1280, 720])
+    points = np.array([[0.1, 0.2, 1.0], [-0.3, 0.1, 2.0]])
+    pixels = camera.project(points)
+    assert pixels.shape == (2, 2)
+    for same in (points.tolist(), [points[0], points[1]], points[:, None]):
+        np.testing.assert_array_equal(camera.project(same).reshape(2, 2), pixels)
+    np.testing.assert_allclose(camera.project(points.astype(np.float32)), pixels, atol=1e-4)
+    np.testing.assert_array_equal(camera.project(points[0]), pixels[0])
+    rays = camera.unproject(pixels)
+    np.testing.assert_allclose(rays, points / np.linalg.norm(points, axis=1, keepdims=True), atol=1e-12)
+    np.testing.assert_array_equal(camera.unproject(pixels[1]), rays[1])
+    for nothing in ([], np.zeros((0, 3))):
+        assert camera.project(nothing).shape == (0, 2)
+    for wrong in (points.T, points[:, :2], [1.0]):
+        with pytest.raises(ValueError, match="wanted"):
+            camera.project(wrong)
+    with pytest.raises(ValueError, match="wanted"):
+        camera.unproject(points)
