@@ -28,7 +28,7 @@ class Answer:
         return json.loads(self.body)
 
 
-def until(holds: Callable[[], Any], seconds: float = 10.0) -> Any:
+def until(holds: Callable[[], Any], seconds: float = 60.0) -> Any:
     """Wait for what is computed asynchronously."""
     end = time.monotonic() + seconds
     while not (found := holds()):

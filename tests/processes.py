@@ -59,7 +59,7 @@ class LocalProcess:
                 text=True,
             )
         assert self.process.stdout
-        watchdog = threading.Timer(60, self.process.kill)
+        watchdog = threading.Timer(180, self.process.kill)
         watchdog.start()
         line = self.process.stdout.readline()
         watchdog.cancel()
@@ -68,7 +68,7 @@ class LocalProcess:
             self.__exit__(None, None, None)
             raise RuntimeError(f"the server did not start: {self.log.read_text()[-2000:]}")
         self.url = found[0]
-        assert httpx.get(f"{self.url}/healthz").status_code == 200
+        assert httpx.get(f"{self.url}/healthz", timeout=60).status_code == 200
         self.start_seconds = time.monotonic() - started
         return self
 

@@ -44,7 +44,7 @@ ANSWERS = """
         if kind == "unjson":
             return {"statusCode": 200, "body": {1, 2}}
         if kind == "slow":
-            time.sleep(0.5)
+            time.sleep(3)
             return "late"
         return {
             "inferred": {"a": 1},
@@ -295,7 +295,7 @@ def test_the_gateway_gives_up_on_a_slow_function(stack: LocalStack, tmp_path: Pa
 
     start = time.monotonic()
     response = asyncio.run(ask())
-    assert time.monotonic() - start < 0.45
+    assert time.monotonic() - start < 2.5
     assert (response.status_code, response.json()) == (503, {"message": "Service Unavailable"})
     assert "access-control-allow-origin" in response.headers  # or the page could not read it
     workers.close()

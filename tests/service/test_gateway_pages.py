@@ -27,8 +27,10 @@ ECHO = """
 
 SLOW = """
     import time
+    from pathlib import Path
 
     def handler(event, context):
+        Path(event["queryStringParameters"]["begun"]).touch()
         time.sleep(0.3)
         return "done"
 """
@@ -188,13 +190,14 @@ def test_answers_are_not_held_back_by_nagle(stack: LocalStack, monkeypatch: pyte
     assert seen == [1]
 
 
-def test_a_request_under_way_is_finished_at_the_end(stack: LocalStack) -> None:
+def test_a_request_under_way_is_finished_at_the_end(stack: LocalStack, tmp_path: Path) -> None:
+    begun = tmp_path / "begun"
     listener = bind(0)
     url = f"http://127.0.0.1:{listener.getsockname()[1]}"
     with ThreadPoolExecutor(1) as pool:
         with serving(Front(stack._gateway, stack._workers, Path(), {}), listener):
-            under_way = pool.submit(httpx.get, f"{url}/v1/slow")
-            time.sleep(0.15)
+            under_way = pool.submit(httpx.get, f"{url}/v1/slow", params={"begun": str(begun)}, timeout=60)
+            until(begun.exists)
         assert under_way.result().text == "done"
     with pytest.raises(httpx.ConnectError):
         httpx.get(f"{url}/v1/slow")

@@ -13,6 +13,7 @@ from moto.dynamodb.models.table import Table
 
 from infra.local.intrinsics import ACCOUNT, REGION
 from infra.local.journal import Journal
+from tests.client import until
 from tests.toy_storage import BUCKET, TABLE, dynamodb, get, put, s3, storage
 
 
@@ -70,7 +71,7 @@ class SlowJournal(Journal):
 
     def commit(self, changes: Any) -> None:
         changes = list(changes)
-        self.gate.wait(10)
+        self.gate.wait(60)
         self.commits.append(len(changes))
         super().commit(changes)
 
@@ -89,8 +90,8 @@ def test_nobody_sees_a_write_before_it_is_durable(tmp_path: Path) -> None:
         assert not writer.done()
         assert not reader.done()
         journal.gate.set()
-        writer.result(5)
-        assert reader.result(5) is not None
+        writer.result(60)
+        assert reader.result(60) is not None
 
 
 def get_in_memory(pk: str) -> Any:
@@ -104,12 +105,11 @@ def test_those_who_wait_share_a_sync_and_reads_need_none(tmp_path: Path) -> None
         client = dynamodb()
         journal.gate.clear()
         writes = [pool.submit(put, client, str(number)) for number in range(16)]
-        while get_in_memory("15") is None or len(journal.commits) > 0:
-            time.sleep(0.001)
+        until(lambda: all(get_in_memory(str(number)) for number in range(16)))
         time.sleep(0.05)
         journal.gate.set()
         for write in writes:
-            write.result(5)
+            write.result(60)
         assert sum(journal.commits) == 16
         assert len(journal.commits) <= 3
         seen = len(journal.commits)

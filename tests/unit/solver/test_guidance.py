@@ -10,6 +10,7 @@ from calibsolver import Board, Calibration, Camera, guidance, models, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose
 from calibsolver.hints import TEXTS, Placement, between
 from tests import specimens, synthetic
+from tests.machine import slowness
 from tests.peers import Comfortable
 
 
@@ -170,7 +171,10 @@ def test_hints_are_short() -> None:
 
 
 def test_choosing_takes_no_time_to_speak_of() -> None:
-    """10 ms of one core is the budget; twice that here, where other programs take their share."""
+    """10 ms of one core is the budget; twice that here, where other programs take their share.
+
+    On a machine that is slower than usual so much more.
+    """
     camera = synthetic.rectilinear_cameras()[6]
     guide = ProjectionUncertainty(Board(), camera.img_size)
     session = synthetic.run(camera, np.random.default_rng(0), views=3)
@@ -179,7 +183,7 @@ def test_choosing_takes_no_time_to_speak_of() -> None:
         begin = time.process_time()
         guide.next_pose(session.views, session.calibration)
         times.append(time.process_time() - begin)
-    assert np.median(times) < 0.020
+    assert np.median(times) < 0.020 * slowness()
 
 
 @pytest.mark.parametrize("img_size", [(720, 1280), (1080, 1920), (480, 640)])

@@ -10,6 +10,7 @@ import pytest
 from calibsolver import Board, Camera, guidance, overlay, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose
 from tests import synthetic
+from tests.machine import slowness
 
 BOARD = Board()
 
@@ -124,16 +125,19 @@ def test_board_outside_the_image_is_an_empty_picture() -> None:
 
 
 def test_cheap_enough_for_every_request() -> None:
-    """60 KB; 15 ms of CPU is the budget, twice that here, where other programs take their share."""
+    """60 KB; 15 ms of CPU is the budget, twice that here, where other programs take their share.
+
+    On a machine that is slower than usual so much more.
+    """
     for kind in ("rectilinear", "fisheye"):
         for camera, target in targets(kind):
-            times = []
+            times, slow = [], slowness()
             for _ in range(7):
                 begin = time.process_time()
                 data = overlay.render(BOARD, camera, target)
                 times.append(time.process_time() - begin)
             assert len(data) <= 60 * 1024
-            assert np.median(times) < 0.030
+            assert np.median(times) < 0.030 * slow
 
 
 @pytest.mark.parametrize("image_format", ["jpeg", "png"])
