@@ -4,7 +4,7 @@ set -euo pipefail
 missing=()
 command -v chromium >/dev/null || missing+=(chromium)
 command -v firefox-esr >/dev/null || missing+=(firefox-esr)
-{ command -v xvfb-run && command -v xauth; } >/dev/null || missing+=(xvfb xauth libgl1-mesa-dri)
+command -v Xvfb >/dev/null || missing+=(xvfb libgl1-mesa-dri)
 [ ${#missing[@]} -eq 0 ] && exit 0
 
 run=()
@@ -12,5 +12,5 @@ if [ "$(id -u)" -ne 0 ]; then
   sudo -n true 2>/dev/null || { echo "The browser tests need: apt-get install ${missing[*]}"; exit 1; }
   run=(sudo -n)
 fi
-"${run[@]}" apt-get update -qq
-"${run[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${missing[@]}"
+"${run[@]}" apt-get update -qq -o Acquire::Retries=3
+"${run[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq -o Acquire::Retries=3 "${missing[@]}"

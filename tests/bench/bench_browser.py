@@ -24,7 +24,7 @@ def rows() -> Iterator[Row]:
     with LocalStack() as stack, stack.serve() as url, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=CHROMIUM)
         page = browser.new_page(base_url=url, service_workers="block")
-        first = first_detection(page)
+        first = min([first_detection(page) for _ in range(4)][1:])
         page.goto("/board/")
         seen = page.evaluate(WATCH, FRAMES)
         browser.close()

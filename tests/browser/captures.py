@@ -10,7 +10,10 @@ import cv2
 import httpx
 import numpy as np
 
+from tests.client import until
+
 from .truth import Truth
+from .waiting import PATIENCE
 
 BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
 POINTS = np.array([(x, y, 0.0) for y in range(1, 6) for x in range(1, 9)])
@@ -49,3 +52,26 @@ def capture(api: httpx.Client, truth: Truth, key: dict[str, Any], seed: int) -> 
             if state["status"] == "converged":
                 return state
     raise AssertionError(f"no convergence in 20 views: {state['uncertainty']}, {state['reason']}")
+
+
+def agreed(api: httpx.Client, key: dict[str, Any], model: str = "rectilinear") -> dict[str, Any]:
+    """Wait for what all calibrations of a camera agree on: it is computed apart from their requests."""
+    wanted = key | {"distortion_model": model, "redirect": False}
+
+    def found() -> dict[str, Any] | None:
+        answer = api.post("/lookup", json=wanted)
+        known: dict[str, Any] = answer.json()
+        return known if answer.status_code == 200 else None
+
+    known: dict[str, Any] = until(found, PATIENCE)
+    return known
+
+
+def listed(api: httpx.Client, words: str) -> None:
+    """Wait until a camera of a name is listed with what is known of it: pages keep what they get."""
+
+    def found() -> bool:
+        cameras = api.get("/cameras", params={"query": words}).raise_for_status().json()["cameras"]
+        return any(size["models"] for each in cameras for size in each["sizes"])
+
+    until(found, PATIENCE)

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import socket
-import subprocess
-import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,15 +11,19 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Playwright, sync_playwright
 
+from tests.processes import LocalProcess
+
+from .waiting import PATIENCE
+
 ROOT = Path(__file__).parents[2]
 OUTPUT = Path(__file__).parent / "output"
 TOKEN = "cdb_dev_local"
-START_WITHIN = 30.0  # seconds
 UNKEPT = "Service Worker registration blocked by Playwright"
 STALL = "GPU stall due to ReadPixels"  # what a GPU made of software says when its picture is taken
 CHROMIUM = [
     "--no-sandbox",
     "--disable-gpu",
+    "--disable-gpu-watchdog",  # who draws in software may take long
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
@@ -50,46 +50,11 @@ def executable(name: str) -> str:
     return path
 
 
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
-
-
 @pytest.fixture(scope="session")
 def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a running calibDB with an empty database."""
-    port = free_port()
-    folder = tmp_path_factory.mktemp("stack")
-    log = folder / "log.txt"
-    environment = os.environ | {
-        "PORT": str(port),
-        "DATA_DIR": str(folder / "data"),
-        "PYTHONPATH": os.pathsep.join([str(ROOT / "layers/service"), str(ROOT / "layers/solver"), str(ROOT)]),
-    }
-    url = f"http://127.0.0.1:{port}"
-    with log.open("w") as out:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "infra.local"], cwd=ROOT, env=environment, stdout=out, stderr=out
-        )
-        try:
-            _wait_for(url, process, log)
-            yield url
-        finally:
-            process.terminate()
-            process.wait(timeout=30)
-
-
-def _wait_for(url: str, process: subprocess.Popen[bytes], log: Path) -> None:
-    deadline = time.monotonic() + START_WITHIN
-    while time.monotonic() < deadline and process.poll() is None:
-        try:
-            if httpx.get(f"{url}/healthz").status_code == 200:
-                return
-        except httpx.TransportError:
-            time.sleep(0.1)
-    pytest.fail(f"calibDB did not start:\n{log.read_text()}")
+    with LocalProcess(tmp_path_factory.mktemp("stack") / "data") as server:
+        yield server.url
 
 
 @pytest.fixture
@@ -114,15 +79,23 @@ def chromium(playwright: Playwright) -> Iterator[Browser]:
     browser.close()
 
 
+def close(context: BrowserContext) -> None:
+    """End a visit, whatever is still being asked for."""
+    for page in context.pages:
+        page.unroute_all(behavior="ignoreErrors")
+    context.unroute_all(behavior="ignoreErrors")
+    context.close()
+
+
 @pytest.fixture
 def context(chromium: Browser, stack: str) -> Iterator[BrowserContext]:
     # Without the service worker, which has tests of its own: what it answers, routes do not see.
     context = chromium.new_context(
         base_url=stack, viewport={"width": 1440, "height": 900}, service_workers="block"
     )
-    context.set_default_timeout(60_000)
+    context.set_default_timeout(1000 * PATIENCE)
     yield context
-    context.close()
+    close(context)
 
 
 @pytest.fixture

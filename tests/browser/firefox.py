@@ -4,22 +4,65 @@ from __future__ import annotations
 
 import json
 import os
+import select
 import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from .conftest import executable
+from .waiting import PATIENCE
 
 SCRIPT = Path(__file__).with_name("firefox_evaluate.mjs")
 
 
-def in_firefox(address: str, function: str) -> Any:
-    """What a page makes of an asynchronous JavaScript function; fails where the page complains."""
-    # Where xvfb-run begins to look for a free screen: two that look at once would take the same.
-    screen = ["-a", "-n", str(100 + os.getpid() % 900)]
-    command = [executable("xvfb-run"), *screen, "node", str(SCRIPT), executable("firefox-esr"), address]
-    run = subprocess.run(command, input=function, capture_output=True, text=True, timeout=120, check=False)
+@contextmanager
+def screen() -> Iterator[str]:
+    """Give the name of a screen that nobody else has; the server itself finds a free one."""
+    told, tell = os.pipe()
+    command = [
+        executable("Xvfb"),
+        "-displayfd",
+        str(tell),
+        "-screen",
+        "0",
+        "1440x1080x24",
+        "-nolisten",
+        "tcp",
+    ]
+    server = subprocess.Popen(command, pass_fds=[tell], stderr=subprocess.DEVNULL)
+    os.close(tell)
+    try:
+        with os.fdopen(told) as answer:
+            assert select.select([answer], [], [], PATIENCE)[0], "no screen in time"
+            number = answer.readline().strip()
+        assert number, "the screen ended as soon as it began"
+        yield f":{number}"
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def driven(script: Path, address: str, *, given: str = "", **environment: str) -> Any:
+    """What a script prints of a page in Firefox; fails where the page complains."""
+    command = ["node", str(script), executable("firefox-esr"), address]
+    run = subprocess.run(
+        command,
+        input=given,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        timeout=3 * PATIENCE,
+        check=False,
+    )
     assert run.returncode == 0, run.stderr
     outcome = json.loads(run.stdout)
     assert outcome["complaints"] == []
-    return outcome["result"]
+    return outcome
+
+
+def in_firefox(address: str, function: str) -> Any:
+    """What a page makes of an asynchronous JavaScript function; fails where the page complains."""
+    with screen() as name:
+        return driven(SCRIPT, address, given=function, DISPLAY=name)["result"]

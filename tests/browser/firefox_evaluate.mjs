@@ -1,6 +1,6 @@
 // What a page of the stack makes of an asynchronous function that is read from standard input; prints it as JSON.
-// Without a screen Firefox has no WebGL: run under xvfb-run.
-//     xvfb-run -a node firefox_evaluate.mjs <executable> <address of the page>
+// Without a screen Firefox has no WebGL: DISPLAY names one.
+//     DISPLAY=:99 node firefox_evaluate.mjs <executable> <address of the page>
 import { text } from "node:stream/consumers";
 import { inFirefox } from "./firefox_page.mjs";
 

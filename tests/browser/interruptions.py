@@ -6,10 +6,13 @@ from typing import Any
 from playwright.sync_api import Page, Request
 
 from .truth import Truth
+from .waiting import until
 
 VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
 #: not reached in the time that a test takes
 ENDLESS = f"{VIRTUAL}&target_error=0.05"
+#: in its picture; on a machine that is busy, as the plainer outline that slow devices get
+SHOWN_TARGET = "#stage:not(.plain) #overlay:not([hidden]), #stage.plain #target[points*=',']"
 TURN = """() => {
   const canvas = document.querySelector(".virtual-camera");
   [canvas.width, canvas.height] = [canvas.height, canvas.width];
@@ -34,6 +37,13 @@ FOCUS = """
     if (focusMode === "manual") Object.assign(this.getSettings(), { focusMode, focusDistance: 0.4 });
   };
 """
+# As soon as it has a view: the service may end the capture with the next ones.
+UNPLUG_WITH_A_VIEW = f"""() => new Promise((done) => {{
+  const button = document.getElementById("undo");
+  const isReady = () => !button.disabled && button.checkVisibility();
+  const look = () => isReady() ? done({UNPLUG}) : requestAnimationFrame(look);
+  look();
+}})"""
 HIDE = """(hidden) => {
   Object.defineProperty(document, "hidden", { configurable: true, get: () => hidden });
   document.dispatchEvent(new Event("visibilitychange"));
@@ -47,13 +57,16 @@ KEPT = """() => new Promise((done) => {
     asking.onsuccess = () => done(asking.result.flatMap(({ views }) => views));
   };
 })"""
-# Requests say when they were made. Written down is what is to be seen: instruction, a full ring, what stands.
+# Requests say when they were made. Written down is what is to be seen: instruction, a full ring, what stands;
+# and whether that stood three seconds after a request: timers keep their order, however busy a page is.
 WRITTEN = """
-  Object.assign(window, { seen: [] });
+  Object.assign(window, { seen: [], stood: [] });
   const send = window.fetch;
   window.fetch = (address, request) => {
     const headers = new Headers(request?.headers);
-    headers.set("x-asked", performance.now());
+    const asked = performance.now();
+    headers.set("x-asked", asked);
+    setTimeout(() => window.stood.push([asked, !document.getElementById("away").hidden]), 3_000);
     return send(address, { ...request, headers });
   };
   document.addEventListener("DOMContentLoaded", () => {
@@ -88,13 +101,21 @@ def views(page: Page) -> int:
     return int((page.locator("#counts").text_content() or "0").split()[0])
 
 
-def wait_for_views(page: Page, count: int, seconds: float = 60.0) -> None:
+def wait_for_views(page: Page, count: int) -> None:
     # The policy of the pages refuses a function that is made of a string, such as a test could wait for.
-    for _ in range(int(10 * seconds)):
-        if views(page) >= count:
-            return
-        page.wait_for_timeout(100)
-    raise AssertionError(f"{views(page)} views in {seconds:.0f} s, not {count}")
+    until(page, lambda: views(page) >= count)
+
+
+def stop(page: Page) -> None:
+    """End a capture that has views: that is asked for twice within five seconds."""
+    page.locator("#stop").dblclick()
+    page.locator("#welcome:not([hidden])").wait_for()
+
+
+def done(page: Page) -> None:
+    """Wait for a capture's result with its report: until that is there, it is drawn anew at any moment."""
+    page.locator("#done:not([hidden])").wait_for()
+    page.locator("#done .views li").first.wait_for()
 
 
 def sent_views(page: Page) -> list[Any]:

@@ -1,6 +1,7 @@
 """Pictures of pages at a desk, on a tablet and in a hand, and what is wrong with them."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import TypeVar
 
 from playwright.sync_api import Page, ViewportSize
 
@@ -14,6 +15,17 @@ SIZES: dict[str, ViewportSize] = {
 }
 FINGER = 44  # px, WCAG 2.5.5
 INLINE = 24  # px, WCAG 2.5.8: within a line of text
+WIDE = """() => {
+  const { scrollWidth, clientWidth } = document.documentElement;
+  return Math.max(0, scrollWidth - clientWidth);
+}"""
+# Laid out and drawn anew for a window of another size, and nothing moves any more that comes to an end.
+SETTLED = """async () => {
+  for (let frame = 0; frame < 3; frame++) await new Promise((done) => requestAnimationFrame(done));
+  const passing = document.getAnimations().filter((each) => each.effect?.getTiming().iterations !== Infinity);
+  await Promise.allSettled(passing.map(({ finished }) => finished));
+}"""
+T = TypeVar("T")
 
 # What can be touched, and is smaller than a finger. A label counts for its box.
 SMALL = """([finger, inline]) => {
@@ -29,6 +41,15 @@ SMALL = """([finger, inline]) => {
 }"""
 
 
+def remaining(page: Page, faults: Callable[[], T], tries: int = 10) -> T:
+    """What is wrong with a page, and still is after a while: in the middle of a change much may be."""
+    for _ in range(tries):
+        if not (found := faults()):
+            break
+        page.wait_for_timeout(200)
+    return found
+
+
 def violations(page: Page) -> list[str]:
     # Evaluated rather than added as a script: the policy of the pages rightly refuses that.
     page.evaluate(f"() => {{ if (!window.axe) {{ {AXE.read_text()} }} }}")
@@ -42,15 +63,10 @@ def picture(
     """Take pictures of a state, and hold it to what holds for all: no sideways scrolling, axe, fingers."""
     OUTPUT.mkdir(exist_ok=True)
     for size in sizes:
-        viewport = SIZES[size]
-        page.set_viewport_size(viewport)
-        page.wait_for_timeout(150)
+        page.set_viewport_size(SIZES[size])
+        page.evaluate(SETTLED)
         page.screenshot(path=OUTPUT / f"{name}-{size}.png", full_page=full)
-        if not check:
-            continue
-        wide = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
-        assert wide <= 0, f"{name} is {wide} px too wide at {viewport['width']}"
-        found = violations(page)
-        assert found == [], found
-        small = page.evaluate(SMALL, [FINGER, INLINE])
-        assert small == [], small
+        if check:
+            assert remaining(page, lambda: page.evaluate(WIDE)) == 0, f"{name} is too wide, px"
+            assert remaining(page, lambda: violations(page)) == []
+            assert remaining(page, lambda: page.evaluate(SMALL, [FINGER, INLINE])) == []

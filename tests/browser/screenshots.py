@@ -16,7 +16,7 @@ from playwright.sync_api import BrowserContext, FilePayload, Page
 from tests.data import data_dir
 
 from .conftest import OUTPUT
-from .interruptions import TURN
+from .interruptions import SHOWN_TARGET, TURN, UNPLUG, done
 from .pictures import SIZES, picture
 from .scenes import CAMERA, UNANSWERED, no_network, unreadable
 from .specimens import CAMERAS, answer, camera, cameras, result
@@ -81,11 +81,10 @@ def test_capture(page: Page) -> None:
     picture(page, "shot-capture-before", SIZES)
     page.goto(HELD)
     page.locator("#undo:enabled").wait_for()
-    page.locator("#overlay:not([hidden])").wait_for()
+    page.locator(SHOWN_TARGET).first.wait_for()
     picture(page, "shot-capture-during", SIZES)
     page.goto(f"/calibrate/?{Truth().query(seed=3)}")
-    page.locator("#done:not([hidden])").wait_for()
-    page.locator(".views li").first.wait_for()
+    done(page)
     picture(page, "shot-capture-done", SIZES)
 
 
@@ -107,7 +106,7 @@ def test_capture_in_other_languages(page: Page, language: str) -> None:
     page.locator("#camera option").first.wait_for(state="attached")
     picture(page, f"shot-capture-before-{language}", ["hand"])
     page.goto(f"{HELD}&lang={language}")
-    page.locator("#overlay:not([hidden])").wait_for()
+    page.locator(SHOWN_TARGET).first.wait_for()
     picture(page, f"shot-capture-during-{language}", ["hand"])
 
 
@@ -156,9 +155,7 @@ def test_what_the_capture_says_of_what_happens(page: Page) -> None:
     page.locator("#undo:enabled").wait_for()
     page.locator("#stop").click()
     picture(page, "shot-capture-stop", SIZES)
-    page.evaluate(
-        "document.getElementById('video').srcObject.getVideoTracks()[0].dispatchEvent(new Event('ended'))"
-    )
+    page.evaluate(UNPLUG)
     page.locator("#failed:not([hidden])").wait_for()
     picture(page, "shot-capture-kept", SIZES)
     page.goto("/calibrate/")
@@ -213,7 +210,7 @@ def test_without_the_network(context: BrowserContext) -> None:
     page.goto(HELD)
     page.locator("#undo:enabled").wait_for()
     no_network(page)
-    page.wait_for_timeout(8_000)
+    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] kept here")).wait_for()
     picture(page, "shot-capture-away", SIZES)
 
 
@@ -258,7 +255,7 @@ def test_the_picture_of_the_readme(page: Page) -> None:
     page.set_viewport_size({"width": 1280, "height": 800})
     page.goto(f"/calibrate/?{Truth().query(seed=3)}&target_error=0.05&error=1")
     page.locator("#undo:enabled").wait_for()
-    page.locator("#overlay:not([hidden])").wait_for()
+    page.locator(SHOWN_TARGET).first.wait_for()
     page.locator("#instruction", has_text=re.compile("tilt|turn|closer|farther", re.IGNORECASE)).wait_for()
     page.screenshot(path=OUTPUT / "readme-capture.png")
 

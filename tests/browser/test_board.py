@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import Page
 
 from .pictures import SIZES, picture
+from .waiting import address, until
 
 FOUND = """async (dictionaries) => {
   const { Detector } = await import("/calibrate/detector.js");
@@ -72,11 +73,13 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) ->
     page.locator("#frame.filling").wait_for()
     picture(page, "board-filling")
     page.set_viewport_size(SIZES["hand"])
-    page.wait_for_timeout(150)
-    box = canvas.bounding_box()
-    assert box is not None
-    assert box["height"] > box["width"], "turned to use the whole of an upright phone"
-    assert box["height"] > 0.65 * 844 or box["width"] > 0.9 * 390
+
+    def is_turned() -> bool:  # to use the whole of an upright phone
+        box = canvas.bounding_box()
+        assert box is not None
+        return box["height"] > box["width"] and (box["height"] > 0.65 * 844 or box["width"] > 0.9 * 390)
+
+    until(page, is_turned)
     canvas.click()
     page.locator("#frame:not(.filling)").wait_for()
     page.locator("#full-screen").click()
@@ -110,7 +113,7 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
     page.locator("#legacy").check()
     page.locator("#description", has_text="7 × 5 squares, DICT_6X6_250, markers 0.70").wait_for()
     asked = "squares=7x5&marker_ratio=0.7&dictionary=DICT_6X6_250&legacy=true"
-    assert page.url.endswith(f"/board/?{asked}")
+    assert address(page).endswith(f"/board/?{asked}")
     for where in ("calibrate", "photos"):
         hrefs = page.locator(f"a[href*='/{where}/']").evaluate_all("links => links.map((link) => link.href)")
         assert hrefs, where
@@ -120,7 +123,7 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
     assert "7 × 5" in (page.locator("#description").text_content() or ""), "what cannot be changes nothing"
     page.locator("#reset").click()
     page.locator("#description", has_text="9 × 6").wait_for()
-    assert page.url.endswith("/board/")
+    assert address(page).endswith("/board/")
 
 
 def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Page) -> None:
@@ -138,16 +141,15 @@ def test_another_device_is_shown_the_way_by_a_qr_code(page: Page) -> None:
     page.locator("#qr path").wait_for(state="attached")
     code = cv2.imdecode(np.frombuffer(page.locator("#qr").screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
     assert code is not None
-    address, _, _ = cv2.QRCodeDetector().detectAndDecode(cv2.resize(code, None, fx=3, fy=3))
-    assert address.endswith("/board/?squares=8x5&fill=1")
+    there, _, _ = cv2.QRCodeDetector().detectAndDecode(cv2.resize(code, None, fx=3, fy=3))
+    assert there.endswith("/board/?squares=8x5&fill=1")
     page.set_viewport_size(SIZES["hand"])
-    page.goto(address)
+    page.goto(there)
     page.locator("#frame.filling").wait_for()
     # One canvas pixel is one device pixel, and the board's cells are whole ones.
     canvas = page.locator("#board")
-    box = canvas.bounding_box()
-    assert box is not None
-    assert box["width"] == canvas.evaluate("canvas => canvas.width / devicePixelRatio")
+    wide = "canvas => canvas.getBoundingClientRect().width === canvas.width / devicePixelRatio"
+    until(page, lambda: canvas.evaluate(wide))
     canvas.click()
     page.locator("#frame:not(.filling)").wait_for()
 

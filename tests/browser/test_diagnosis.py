@@ -7,6 +7,7 @@ from playwright.sync_api import Page
 
 from .pictures import picture
 from .truth import Truth
+from .waiting import hear, listen
 
 SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))
 
@@ -77,8 +78,9 @@ def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page)
             else None
         ),
     )
+    listen(page)
     page.goto(address(shown_legacy="true"))
-    page.locator("#notice", has_text="older layout").wait_for()
+    hear(page, "notice", "older layout")
     page.locator("#undo:enabled").wait_for()
     assert boards == [False, True]
 

@@ -11,6 +11,7 @@ from playwright.sync_api import BrowserContext, Page
 from .pictures import picture
 from .test_ar import WEBCAM
 from .truth import Truth
+from .waiting import until
 
 Array = npt.NDArray[np.float64]
 TRUTH = Truth(k1=-0.2)
@@ -60,14 +61,17 @@ def amber(image: npt.NDArray[np.uint8]) -> Array:
 
 def complete(page: Page) -> tuple[npt.NDArray[np.uint8], Array, Array]:
     """Wait for picture and scene; return both, the marks, and the board's corners, px."""
-    for _ in range(100):
+
+    def seen() -> tuple[npt.NDArray[np.uint8], Array, Array] | None:
         image = shown(page)
         marks = amber(image)
         corners, ids, _, _ = DETECTOR.detectBoard(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
-        if len(marks) and ids is not None and len(ids) > 12:
-            return image, marks, corners.reshape(-1, 2) + 0.5
-        page.wait_for_timeout(100)
-    raise AssertionError("no picture with a scene over it")
+        whole = len(marks) == len(MARKS) and ids is not None and len(ids) > 12
+        return (image, marks, corners.reshape(-1, 2) + 0.5) if whole else None
+
+    found = until(page, seen)
+    assert found is not None
+    return found
 
 
 def expected(matrix: Any, plane: Array, depth: float, viewport: tuple[int, int]) -> Array:

@@ -10,6 +10,7 @@ from playwright.sync_api import Playwright
 
 from .conftest import CHROMIUM, ROOT, executable
 from .elsewhere import serving
+from .waiting import PATIENCE
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 
@@ -35,7 +36,7 @@ def test_the_readmes_example_runs_on_another_origin(
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.goto(elsewhere)
-    page.wait_for_url(f"{stack}/calibrate/?**")
+    page.wait_for_url(f"{stack}/calibrate/?**", timeout=1000 * PATIENCE)
     asked = parse_qs(urlsplit(page.url).query)
     assert asked["camera"][0].startswith("fake_device")
     assert asked["img_size"] == ["640x480"]

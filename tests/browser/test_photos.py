@@ -12,6 +12,7 @@ from playwright.sync_api import BrowserContext, Page, Request, Route
 from tests.data import data_dir
 
 from .pictures import picture
+from .waiting import until
 
 BOARD = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
 PAGE = f"/photos/?{BOARD}"
@@ -66,8 +67,8 @@ def test_too_little_is_not_stored_but_what_would_help_is_drawn(page: Page) -> No
 
     held: list[Route] = []
     page.route("**/v1/auth", lambda route: held.append(route))
-    with page.expect_request("**/v1/auth"):
-        page.locator("#start").click()
+    page.locator("#start").click()
+    until(page, lambda: held)
     page.locator("#clear").click()
     assert page.locator("#pictures li").count() == 0
     assert page.locator("#form").is_hidden()

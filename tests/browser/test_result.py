@@ -19,6 +19,7 @@ from .captures import capture
 from .pictures import picture
 from .specimens import answer, result
 from .truth import Truth
+from .waiting import until
 
 KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 RECTIFIED = """async ([calibration, file, balance]) => {
@@ -116,6 +117,7 @@ def test_every_format_is_saved_or_says_why_not(context: BrowserContext, api: htt
         print(form, said[form])
         if "There is no such file" in said[form]:
             continue
+        until(page, lambda n=before: len(kept) > n)
         assert len(kept) == before + 1, "what is said to be saved is"
         assert f"Saved as {kept[-1].suggested_filename}" in said[form]
         assert kept[-1].suggested_filename.startswith("result-test-camera-1234-0001-1280x720")

@@ -4,7 +4,6 @@ import json
 import os
 import re
 import subprocess
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
@@ -13,12 +12,13 @@ import httpx
 import pytest
 from playwright.sync_api import Page, Playwright
 
-from .captures import capture
+from .captures import agreed, capture
 from .conftest import CHROMIUM, ROOT, TOKEN, executable
 from .elsewhere import serving
 from .pictures import picture
 from .test_ar import WEBCAM
 from .truth import Truth
+from .waiting import PATIENCE
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 KEY = {"camera": "SDK Test Camera (1234:0007)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
@@ -69,7 +69,7 @@ def test_the_packages_example_runs(playwright: Playwright, project: str, stack: 
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.goto(project)
-    page.wait_for_url(f"{stack}/calibrate/?**")
+    page.wait_for_url(f"{stack}/calibrate/?**", timeout=1000 * PATIENCE)
     assert parse_qs(urlsplit(page.url).query)["camera"][0].startswith("fake_device")
     assert errors == []
     browser.close()
@@ -134,15 +134,13 @@ REFITTED = """async (key) => {
 def known(stack: str) -> dict[str, object]:
     """The key of a camera that was calibrated often enough."""
     key = KEY | {"camera": LABEL}
-    with httpx.Client(base_url=f"{stack}/v1", headers={"authorization": f"Bearer {TOKEN}"}) as api:
+    bearer = {"authorization": f"Bearer {TOKEN}"}
+    with httpx.Client(base_url=f"{stack}/v1", headers=bearer, timeout=60) as api:
         for seed in range(5):
             state = capture(api, Truth(k1=-0.1), key, seed)
             assert state["distortion_model"] == "rectilinear"
-        for _ in range(300):  # what they agree on is computed when they are in
-            if api.post("/lookup", json=key | {"redirect": False}).status_code == 200:
-                return key
-            time.sleep(0.1)
-    raise AssertionError("five calibrations of one camera do not agree")
+        agreed(api, key)
+    return key
 
 
 def test_another_model_is_fitted_when_it_is_asked_for(page: Page, known: dict[str, object]) -> None:

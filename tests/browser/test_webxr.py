@@ -15,8 +15,11 @@ NATIVE = """
   const { lookup } = await import("/sdk/calibdb.js");
   const token = "cdb_dev_local";
   const run = async (track) => {
+    let look;
+    const seen = new Promise((done) => look = done); // a quick service might answer before the first frame
     const answered = new Promise((done) => {
       extend(async (session, model) => {
+        await seen;
         const { calibration } = await lookup(track, { token, model });
         done();
         return calibration;
@@ -26,6 +29,7 @@ NATIVE = """
     await layered(session);
     const space = await session.requestReferenceSpace("viewer");
     const none = await until(session, space, () => true);
+    look();
     await answered;
     return { session, space, none };
   };

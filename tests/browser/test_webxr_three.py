@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Page, Route
 
 from .conftest import OUTPUT, ROOT
+from .waiting import until
 from .webxr import LABEL, calibrated, script
 
 Array = npt.NDArray[np.float64]
@@ -77,12 +78,19 @@ def shown(page: Page, marks: Array, *, rectify: bool) -> tuple[Array, Array]:
     page.goto("/board/")
     constants = {"label": LABEL, "points": POINTS.tolist(), "marks": marks.tolist(), "rectify": rectify}
     page.evaluate(script(f"{APPLICATION} {RUN}", **constants))
-    taken = page.screenshot(path=OUTPUT / f"webxr_three_{rectify}.png")
-    picture = np.asarray(cv2.imdecode(np.frombuffer(taken, np.uint8), cv2.IMREAD_COLOR), dtype=np.uint8)
+
+    def seen() -> tuple[Array, Array] | None:
+        taken = page.screenshot(path=OUTPUT / f"webxr_three_{rectify}.png")
+        picture = np.asarray(cv2.imdecode(np.frombuffer(taken, np.uint8), cv2.IMREAD_COLOR), dtype=np.uint8)
+        green, red = middles(picture, GREEN), middles(picture, RED)
+        return (green, red) if len(green) == len(red) == len(POINTS) else None
+
+    found = until(page, seen)  # camera and scene have rates of their own
+    assert found is not None
     page.locator("svg:visible").last.click()  # the application's own cross
     page.evaluate("over")
     assert page.locator("video").evaluate("(video) => video.parentNode === document.body")
-    return middles(picture, GREEN), middles(picture, RED)
+    return found
 
 
 def test_a_scene_is_where_a_pinhole_sees_it(page: Page, known: dict[str, Any]) -> None:

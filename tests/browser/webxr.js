@@ -19,12 +19,12 @@ const look = (view) => ({
 
 /** What the first frame says for which a condition on its view holds. */
 const until = (session, space, holds) => new Promise((resolve, reject) => {
-  let frames = 0;
+  const end = performance.now() + 100_000; // ms
   const next = (now, frame) => {
     const views = frame.getViewerPose(space)?.views ?? [];
     const [view] = views;
     if (view && holds(view)) resolve({ ...look(view), views: views.length, p: [...view.projectionMatrix] });
-    else if (++frames > 600) reject(new Error("no such frame: " + JSON.stringify(views.map(look))));
+    else if (performance.now() > end) reject(new Error("no such frame: " + JSON.stringify(views.map(look))));
     else session.requestAnimationFrame(next);
   };
   session.requestAnimationFrame(next);

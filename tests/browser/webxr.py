@@ -1,16 +1,14 @@
 """A camera that the service knows, and functions that look at sessions of WebXR in a page."""
 
 import json
-import time
 from pathlib import Path
 from typing import Any
 
 import httpx
 
-from .captures import capture
+from .captures import agreed, capture
 from .truth import Truth
 
-CONSENSUS_WITHIN = 15.0  # seconds
 LABEL = "WebXR Test Camera (1234:0a0b)"
 KEY = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [1280, 720], "zoom": 0}
 TRUTH = Truth()
@@ -30,9 +28,4 @@ def calibrated(api: httpx.Client, model: str = "rectilinear") -> dict[str, Any]:
     if answer.status_code != 200:
         for seed in range(5):
             capture(api, TRUTH, KEY, seed)
-    deadline = time.monotonic() + CONSENSUS_WITHIN
-    while (answer := api.post("/lookup", json=wanted)).status_code != 200 and time.monotonic() < deadline:
-        time.sleep(0.1)
-    assert answer.status_code == 200, answer.text
-    known: dict[str, Any] = answer.json()
-    return known
+    return agreed(api, KEY, model)
