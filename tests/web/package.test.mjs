@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
@@ -42,6 +42,15 @@ test("who looks up alone carries nothing else", async () => {
   assert.deepEqual(carried.sort(), ["calibration.js", "key.js", "lookup.js", "projection.js", "request.js"]);
 });
 
+test("bundlers that pack every `new URL(…, import.meta.url)` find none", () => {
+  const files = readdirSync(sdk, { recursive: true, encoding: "utf8" }).filter((name) => name.endsWith(".js"));
+  assert.ok(files.length > 10);
+  for (const name of files) {
+    const code = readFileSync(join(sdk, name), "utf8").replaceAll(/\/\*.*?\*\/|\/\/.*/gs, "");
+    assert.ok(!/new URL\([^)]*import\.meta/.test(code), `${name}: webpack would look for that file`);
+  }
+});
+
 test("packed, it installs into an empty project, with types", { timeout: 60_000 }, () => {
   const folder = mkdtempSync(join(tmpdir(), "calibdb-"));
   const run = (command, ...parameters) => execFileSync(command, parameters, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
@@ -53,6 +62,7 @@ test("packed, it installs into an empty project, with types", { timeout: 60_000 
     run("npm", "install", "--offline", "--no-audit", "--no-fund", `./${filename}`);
     const { dependencies } = JSON.parse(readFileSync(join(folder, "node_modules/calibdb/package.json"), "utf8"));
     assert.equal(dependencies, undefined);
+    assert.ok(existsSync(join(folder, "node_modules/calibdb/LICENSE")));
     writeFileSync(join(folder, "use.mjs"), "import { lookup, projectionMatrix } from 'calibdb'; import { lensOf } from 'calibdb/projection'; import { Bundle } from 'calibdb/bundle'; import { applyCalibration } from 'calibdb/adapters/three'; console.log(typeof lookup, typeof lensOf, typeof Bundle, typeof applyCalibration);");
     assert.equal(run("node", "use.mjs").trim(), "function function function function");
     const use = (/** @type {string} */ model) => `import { lookup, type Calibration } from "calibdb";
@@ -60,12 +70,21 @@ test("packed, it installs into an empty project, with types", { timeout: 60_000 
       export const known: Calibration | null = calibration;
       export const at: [number, number] | null | undefined = calibration?.project([0, 0, 1]);`;
     const offline = `import { Bundle } from "calibdb/bundle"; import { applyCalibration } from "calibdb/adapters/babylon";
-      export const found = async (text: string) => lookup({ camera: "x", platform: "y", img_size: [640, 480], zoom: 0 }, { bundle: new Bundle(JSON.parse(text)) });
+      export const found = async (text: string) => lookup({ camera: "x", platform: "y", img_size: [640, 480], zoom: 0 }, { bundle: new Bundle(JSON.parse(text)), token: text.length ? text : undefined });
       export type Eye = Parameters<typeof applyCalibration>[0];`;
     writeFileSync(join(folder, "use.ts"), use('"fisheye"') + offline);
     writeFileSync(join(folder, "misuse.ts"), use("5"));
-    const check = (/** @type {string} */ file) => run(`${root}node_modules/.bin/tsc`, file, "--ignoreConfig", "--noEmit", "--strict", "--target", "es2023", "--module", "esnext", "--moduleResolution", "bundler");
-    check("use.ts");
+    writeFileSync(join(folder, "page.ts"), `import { Rectifier } from "calibdb/rectifier"; import { Calibration } from "calibdb";
+      export const show = async (calibration: Calibration) => document.body.append((await calibration.rectifier({ balance: 1 })).canvas, (await calibration.distorter()).canvas);
+      export const unseen = (calibration: Calibration) => new Rectifier(calibration, { canvas: new OffscreenCanvas(1, 1) }).canvas.transferToImageBitmap();`);
+    writeFileSync(join(folder, "worker.ts"), `import { lookup, type CameraKey } from "calibdb";
+      onmessage = async ({ data }: MessageEvent<CameraKey>) => postMessage((await lookup(data, { token: "t" })).calibration?.camera_matrix);`);
+    const check = (/** @type {string} */ file, resolution = "bundler", lib = "es2023,dom") => run(
+      `${root}node_modules/.bin/tsc`, file, "--ignoreConfig", "--noEmit", "--strict", "--exactOptionalPropertyTypes", "--target", "es2023",
+      "--module", resolution === "bundler" ? "esnext" : resolution, "--moduleResolution", resolution, "--lib", lib, "--skipLibCheck", "false",
+    );
+    for (const resolution of ["bundler", "node16"]) for (const file of ["use.ts", "page.ts"]) check(file, resolution);
+    check("worker.ts", "bundler", "es2023,webworker");
     assert.throws(() => check("misuse.ts"), (/** @type {any} */ error) => /'number' is not assignable/.test(error.stdout));
   } finally {
     rmSync(folder, { recursive: true });

@@ -74,6 +74,39 @@ test("what passes is asked again, later each time, as patiently as the service a
   assert.equal(spent.asked.length, 1, "nobody waits for half an hour");
 });
 
+test("a line that breaks in mid-answer is asked again, and what is no answer is neither taken nor kept", async () => {
+  const broken = () => new Response(new ReadableStream({
+    start(controller) {
+      controller.enqueue(new TextEncoder().encode('{"img_size": ['));
+      controller.error(new TypeError("network error"));
+    },
+  }), { headers: { "content-type": "application/json" } });
+  const { asked, options } = service(Object.assign(broken(), { clone: broken }), json(200, KNOWN));
+  assert.ok((await lookup(KEY, options)).calibration);
+  assert.equal(asked.length, 2);
+  const cut = service(new Response('{"img_size": [', { headers: { "content-type": "application/json" } }));
+  await assert.rejects(lookup(KEY, cut.options), (error) => error instanceof LookupError && error.status === 0 && error.cause instanceof SyntaxError);
+  const cache = storage();
+  for (const other of [new Response("<!doctype html>Log in to this network", { headers: { "content-type": "text/html" } }), json(200, {})]) {
+    await assert.rejects(lookup(KEY, { ...service(other).options, cache }), (error) => error instanceof LookupError && /is not calibDB/.test(error.message));
+  }
+  assert.equal(cache.kept.size, 0);
+});
+
+test("what was forgotten is said", async () => {
+  const { asked, options: { api: _, ...options } } = service(json(404, MISS));
+  await assert.rejects(lookup(KEY, options), /say where it is: { api }/, "these files came from a disk");
+  await assert.rejects(lookup(KEY), /API token: { token }/);
+  await assert.rejects(lookup(undefined, options), /there is no camera/);
+  const bundle = { find: () => null };
+  const alone = await lookup(KEY, { ...options, api: API, bundle, token: undefined });
+  assert.deepEqual([alone.calibration, alone.reason, asked.length], [null, "unknown_camera", 0], "without a token nobody is asked");
+  globalThis.location = { href: "https://app.example/ar/" };
+  await lookup(KEY, { ...options, api: "/calibdb/v1" });
+  delete globalThis.location;
+  assert.equal(asked[0].address, "https://app.example/calibdb/v1/lookup");
+});
+
 test("it stops when it is told to, on the line and between attempts", async () => {
   const controller = new AbortController();
   const hanging = service(({ signal }) => new Promise((_, reject) => signal.addEventListener("abort", () => reject(signal.reason))));
@@ -199,4 +232,11 @@ test("the way to the guidance page and back", async () => {
   assert.equal(asked[0].address, `${API}/calibrations/ab%2Fc`);
   assert.deepEqual(shown, [[5, "", location.href]]);
   assert.equal(await returned({ ...options, location, history }), null);
+
+  for (const [status, cleaned] of [[404, 1], [410, 1], [403, 0]]) {
+    shown.length = 0;
+    const refused = { ...service(json(status, { detail: "no" })).options, location: back, history };
+    await assert.rejects(returned(refused), { name: "LookupError", status });
+    assert.equal(shown.length, cleaned, "what is gone is gone, with every reload");
+  }
 });

@@ -1,5 +1,5 @@
 // Draws triangles as a pinhole sees them. WebGL2, without dependencies.
-import { linked } from "../sdk/warp.js";
+import { linked, whenRestored } from "../sdk/warp.js";
 import { projectionMatrix } from "../sdk/calibration.js";
 import { rotationMatrix } from "../virtual/pose.js";
 
@@ -27,49 +27,57 @@ void main() {
 const NUMBERS = 6; // a vertex: place, colour
 
 export class Scene {
-  #gl;
-  #program;
-  #buffer;
+  #on;
+  #forget;
   #count;
 
   /** @param {Float32Array} triangles see model.js; throws RectifierError where there is no WebGL2 */
   constructor(triangles) {
-    this.canvas = document.createElement("canvas");
-    const { gl, program } = linked(this.canvas, { alpha: true, antialias: true }, VERTEX, FRAGMENT);
-    this.#gl = gl;
-    this.#program = program;
+    const canvas = this.canvas = document.createElement("canvas");
     this.#count = triangles.length / NUMBERS;
-    this.#buffer = gl.createBuffer();
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.#buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
-    for (const [name, offset] of /** @type {const} */ ([["place", 0], ["colour", 3]])) {
-      const at = gl.getAttribLocation(program, name);
-      gl.enableVertexAttribArray(at);
-      gl.vertexAttribPointer(at, 3, gl.FLOAT, false, 4 * NUMBERS, 4 * offset);
-    }
-    gl.enable(gl.DEPTH_TEST);
+    this.#on = prepared(canvas, triangles);
+    this.#forget = whenRestored(canvas, () => {
+      this.#on = prepared(canvas, triangles);
+    });
   }
 
   /** @param {Pinhole} pinhole whose picture it becomes @param {import("../virtual/pose.js").Pose | null} pose null: nothing is there */
   draw(pinhole, pose) {
-    const gl = this.#gl;
+    const { gl, program } = this.#on;
     const [width, height] = pinhole.img_size;
     if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (!pose) return;
     const projection = projectionMatrix(pinhole, { near: 0.1, far: 500 });
-    gl.uniformMatrix4fv(gl.getUniformLocation(this.#program, "projection"), false, projection);
-    gl.uniformMatrix4fv(gl.getUniformLocation(this.#program, "view"), false, viewMatrix(pose));
+    gl.uniformMatrix4fv(gl.getUniformLocation(program, "projection"), false, projection);
+    gl.uniformMatrix4fv(gl.getUniformLocation(program, "view"), false, viewMatrix(pose));
     gl.drawArrays(gl.TRIANGLES, 0, this.#count);
   }
 
   /** Frees what it holds on the GPU. */
   dispose() {
-    this.#gl.deleteBuffer(this.#buffer);
-    this.#gl.deleteProgram(this.#program);
-    this.#gl.getExtension("WEBGL_lose_context")?.loseContext();
+    const { gl, program, buffer } = this.#on;
+    this.#forget();
+    gl.deleteBuffer(buffer);
+    gl.deleteProgram(program);
+    gl.getExtension("WEBGL_lose_context")?.loseContext();
   }
+}
+
+/** @param {HTMLCanvasElement} canvas @param {Float32Array} triangles */
+function prepared(canvas, triangles) {
+  const { gl, program } = linked(canvas, { alpha: true, antialias: true }, VERTEX, FRAGMENT);
+  const buffer = gl.createBuffer();
+  gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+  gl.bufferData(gl.ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
+  for (const [name, offset] of /** @type {const} */ ([["place", 0], ["colour", 3]])) {
+    const at = gl.getAttribLocation(program, name);
+    gl.enableVertexAttribArray(at);
+    gl.vertexAttribPointer(at, 3, gl.FLOAT, false, 4 * NUMBERS, 4 * offset);
+  }
+  gl.enable(gl.DEPTH_TEST);
+  return { gl, program, buffer };
 }
 
 /** OpenGL's cameras look along −z with y up. @param {import("../virtual/pose.js").Pose} pose @returns {number[]} column-major */

@@ -1,5 +1,5 @@
 // The camera's picture for an example to draw over: opened, looked up, straightened.
-import { CameraError, open } from "../calibrate/camera.js";
+import { CameraError, open, play } from "../calibrate/camera.js";
 import { DEFAULT_BOARD } from "../board/geometry.js";
 import { truthOf } from "../ar/source.js";
 import { el, part } from "../dom.js";
@@ -74,8 +74,8 @@ async function begin(id, parameters) {
 async function shown({ track, stream, virtual }, parameters) {
   const stage = part("stage", HTMLElement);
   const video = document.createElement("video");
-  Object.assign(video, { srcObject: stream, muted: true, playsInline: true });
-  await video.play();
+  Object.assign(video, { muted: true, playsInline: true });
+  await play(video, stream);
 
   // This is all that an application needs. Of the virtual camera, which is made of numbers, nobody need be asked.
   const { api, token } = await loadSettings();
@@ -88,9 +88,8 @@ async function shown({ track, stream, virtual }, parameters) {
   }
   const rectifier = await calibration.rectifier({ balance: 0 });
 
-  const canvas = /** @type {HTMLCanvasElement} */ (rectifier.canvas);
-  canvas.className = "picture";
-  stage.prepend(canvas);
+  rectifier.canvas.className = "picture";
+  stage.prepend(rectifier.canvas);
   const show = () => {
     if (video.videoWidth === calibration.img_size[0]) rectifier.draw(video);
     video.requestVideoFrameCallback(show);

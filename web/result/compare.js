@@ -36,10 +36,11 @@ export function comparison(whole, picture) {
     return { element: el("p", { class: "muted" }, t("result.no_webgl")), dispose() {} };
   }
   const made = rectifier;
-  const after = /** @type {HTMLCanvasElement} */ (made.canvas);
+  const after = made.canvas;
   after.setAttribute("role", "img");
   after.setAttribute("aria-label", t("result.after"));
   made.draw(before);
+  after.addEventListener("webglcontextrestored", () => made.draw(before));
 
   const stage = el("div", { class: "compare" }, before, after);
   const slider = el("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": t("result.slider") });

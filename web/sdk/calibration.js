@@ -105,13 +105,21 @@ export class Calibration {
     return { ...pinhole, distCoeffs: [xi, ...rest], module: this.distortion_model === "fisheye" ? "fisheye" : "" };
   }
 
-  /** Straightens the picture on the GPU; loaded when it is first asked for. @param {import("./rectifier.js").Options} [options] */
+  /**
+   * Straightens the picture on the GPU; loaded when it is first asked for.
+   * @template {import("./warp.js").AnyCanvas} [Canvas=HTMLCanvasElement]
+   * @param {import("./rectifier.js").Options<Canvas>} [options]
+   */
   async rectifier(options) {
     const { Rectifier } = await import("./rectifier.js");
     return new Rectifier(this, options);
   }
 
-  /** Distorts a scene as the camera would; loaded when it is first asked for. @param {import("./distorter.js").Options} [options] */
+  /**
+   * Distorts a scene as the camera would; loaded when it is first asked for.
+   * @template {import("./warp.js").AnyCanvas} [Canvas=HTMLCanvasElement]
+   * @param {import("./distorter.js").Options<Canvas>} [options]
+   */
   async distorter(options) {
     const { Distorter } = await import("./distorter.js");
     return new Distorter(this, options);

@@ -10,25 +10,28 @@
 //     distorter.dispose();
 import { projectionMatrix } from "./calibration.js";
 import { distortingMap, widePinhole } from "./straight.js";
-import { Warp } from "./warp.js";
+import { Warp, made } from "./warp.js";
 
 /**
+ * @template {AnyCanvas} [Canvas=HTMLCanvasElement]
  * @typedef {object} Options
  * @property {number} [largest] how many times wider or higher than the picture the scene may be rendered, 2 unless told
- * @property {HTMLCanvasElement | OffscreenCanvas} [canvas] to draw into; one is made unless told
+ * @property {Canvas} [canvas] to draw into; one is made unless told
  */
+/** @typedef {import("./warp.js").AnyCanvas} AnyCanvas */
 
+/** @template {AnyCanvas} [Canvas=HTMLCanvasElement] */
 export class Distorter {
   #warp;
   #pinhole;
 
-  /** @param {import("./straight.js").Calibration} calibration @param {Options} [options] throws RectifierError where there is no WebGL2 */
-  constructor(calibration, { largest = 2, canvas = document.createElement("canvas") } = {}) {
+  /** @param {import("./straight.js").Calibration} calibration @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2 */
+  constructor(calibration, { largest = 2, canvas = made() } = {}) {
     this.canvas = canvas;
     this.#pinhole = widePinhole(calibration, largest);
     this.#warp = new Warp(canvas, { alpha: true });
     const { camera_matrix: matrix, img_size: extent } = this.#pinhole;
-    this.#warp.chart({ map: distortingMap(calibration, matrix), size: calibration.img_size, extent });
+    this.#warp.chart(() => ({ map: distortingMap(calibration, matrix), size: calibration.img_size, extent }));
   }
 
   /** Of the scene's picture, px. */

@@ -2,16 +2,21 @@
 import { Calibration } from "./calibration.js";
 import { keyOf } from "./key.js";
 import { guidanceUrl } from "./lookup.js";
-import { ask, refusal } from "./request.js";
+import { ask, calibrationIn } from "./request.js";
+
+/** What asking again changes nothing about: the address is cleaned then, too. */
+const GONE = [404, 410];
 
 /**
+ * @typedef {import("./calibration.js").CalibrationData} CalibrationData
+ *
  * @typedef {object} Journey
  * @property {string | URL} [returnTo] address to come back to; that of this page unless told
  * @property {MediaStreamTrack | import("./key.js").CameraKey} [source] the camera; unless told, the one chosen there
  * @property {string} [guidanceUrl] of a lookup's answer
  * @property {string} [model] distortion model, "rectilinear" unless told
- * @property {Pick<Location, "href" | "assign">} [location]
- * @property {Pick<History, "replaceState" | "state">} [history]
+ * @property {{href: string, assign: (address: string) => void}} [location]
+ * @property {{state: any, replaceState: (state: any, unused: string, address: string) => void}} [history]
  *
  * @typedef {Journey & import("./request.js").Manner} JourneyOptions
  */
@@ -44,11 +49,12 @@ export async function returned({ location = globalThis.location, history = globa
   const fragment = new URLSearchParams(url.hash.slice(1));
   const id = fragment.get("calibration");
   if (!id) return null;
-  const { response, body } = await ask(`calibrations/${encodeURIComponent(id)}`, {}, manner);
-  if (!response.ok) throw refusal(response, body);
-  fragment.delete("calibration");
-  url.hash = fragment.toString();
-  history.replaceState(history.state, "", url.href);
-  const { report: _, ...data } = body;
+  const heard = await ask(`calibrations/${encodeURIComponent(id)}`, {}, manner);
+  if (heard.response.ok || GONE.includes(heard.response.status)) {
+    fragment.delete("calibration");
+    url.hash = fragment.toString();
+    history.replaceState(history.state, "", url.href);
+  }
+  const { report: _, ...data } = /** @type {CalibrationData & {report?: object}} */ (calibrationIn(heard));
   return new Calibration(data);
 }

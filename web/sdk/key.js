@@ -1,4 +1,5 @@
 // What identifies the camera that a page has open.
+/// <reference path="./dom.d.ts" preserve="true" />
 
 /**
  * @typedef {object} CameraKey what identifies the optics that a browser opened
@@ -57,9 +58,10 @@ export function cameraKey(track, userAgent = navigator.userAgent) {
 /**
  * The same with all that the browser tells when it is asked.
  * @param {MediaStreamTrack | CameraKey} source a key is taken as it is, which is what a worker has
- * @returns {Promise<CameraKey>}
+ * @returns {Promise<CameraKey>} rejects with a TypeError for no camera, and for a track that shows nothing
  */
 export async function keyOf(source) {
+  if (!source) throw new TypeError("there is no camera: lookup(track) or lookup({ camera, platform, img_size, zoom })");
   if (!("getSettings" in source)) return source;
   const { resizeMode } = /** @type {MediaTrackSettings & {resizeMode?: string}} */ (source.getSettings());
   const key = { ...cameraKey(source), platform: await platformHere() };

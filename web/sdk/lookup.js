@@ -1,7 +1,7 @@
 // The calibration of an open camera, kept as long as the tab.
 import { Calibration } from "./calibration.js";
 import { keyOf } from "./key.js";
-import { address, ask, refusal } from "./request.js";
+import { address, ask, calibrationIn } from "./request.js";
 
 /**
  * @typedef {import("./key.js").CameraKey} CameraKey
@@ -18,14 +18,16 @@ import { address, ask, refusal } from "./request.js";
  * @property {boolean} [exact] nothing but what is known of this very size, or verified for it
  * @property {number} [maxError] px: largest uncertainty, and largest difference between the calibrations that agree
  * @property {(answer: Answer) => void} [onNeedCalibration] told when nothing is known
- * @property {Pick<Storage, "getItem" | "setItem"> | null} [cache] the tab's `sessionStorage` unless told, in a worker the worker's memory; null: none
+ * @property {Cache | null} [cache] the tab's `sessionStorage` unless told, in a worker the worker's memory; null: none
  * @property {Offline} [bundle] calibrations that came with the application, asked first; see bundle.js
+ *
+ * @typedef {{getItem: (name: string) => string | null, setItem: (name: string, value: string) => void}} Cache as a Storage
  *
  * @typedef {object} Offline
  * @property {(key: CameraKey, model: string) => CalibrationData | null} find
  *
  * @typedef {import("./request.js").Manner} Manner
- * @typedef {Wish & (Manner | Omit<Manner, "token"> & {bundle: Offline})} Options without a token only the bundle is asked
+ * @typedef {Wish & (Manner | Omit<Manner, "token"> & {token?: string | undefined, bundle: Offline})} Options without a token only the bundle is asked
  */
 
 /** @typedef {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null}} Found */
@@ -44,7 +46,7 @@ const remembered = {
  * @returns {Promise<Answer>} rejects with LookupError, with a TypeError for a track that shows nothing, or as its signal says
  */
 export async function lookup(source, options) {
-  const { model = "rectilinear", exact = false, maxError = Infinity, onNeedCalibration, cache = tabs(), bundle, ...manner } = options;
+  const { model = "rectilinear", exact = false, maxError = Infinity, onNeedCalibration, cache = tabs(), bundle, ...manner } = /** @type {Options} */ (options ?? {});
   const key = await keyOf(source);
   manner.signal?.throwIfAborted();
   const guidance = () => guidanceUrl(key, model, manner.api);
@@ -52,7 +54,7 @@ export async function lookup(source, options) {
   const known = bundle?.find(key, model) ?? JSON.parse(cache?.getItem(name) ?? "null");
   /** @type {Found} */
   let answer = { calibration: known, guidanceUrl: null, reason: null };
-  if (!known && bundle && !("token" in manner)) answer = { ...answer, guidanceUrl: guidance(), reason: "unknown_camera" };
+  if (!known && bundle && !manner.token) answer = { ...answer, guidanceUrl: guidance(), reason: "unknown_camera" };
   else if (!known) answer = await asked(key, model, /** @type {Manner} */ (manner));
   if (answer.calibration && !known) keep(cache, name, answer.calibration);
   const enough = judged(answer, { exact, maxError }, guidance);
@@ -115,12 +117,10 @@ export function guidanceUrl(key, model, api) {
 async function asked(key, model, manner) {
   // A redirect's Location is hidden from fetch(): ask for it in words.
   const request = { method: "POST", body: JSON.stringify({ ...key, distortion_model: model, redirect: false }) };
-  const { response, body } = await ask("lookup", request, manner);
-  if (response.ok) return { calibration: body, guidanceUrl: null, reason: null };
-  if (response.status === 404 && body.guidance_url) {
-    return { calibration: null, guidanceUrl: body.guidance_url, reason: body.reason ?? null };
-  }
-  throw refusal(response, body);
+  const heard = await ask("lookup", request, manner);
+  const { guidance_url: guidanceUrl, reason = null } = heard.body;
+  if (heard.response.status === 404 && guidanceUrl) return { calibration: null, guidanceUrl, reason };
+  return { calibration: calibrationIn(heard), guidanceUrl: null, reason: null };
 }
 
 /**

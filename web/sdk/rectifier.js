@@ -8,29 +8,31 @@
 //     rectifier.dispose();
 import { projectionMatrix } from "./calibration.js";
 import { rectifiedMatrix, rectifyingMap, scaled } from "./straight.js";
-import { Warp } from "./warp.js";
+import { Warp, made } from "./warp.js";
 
 export { rectifiedMatrix, rectifyingMap } from "./straight.js";
 export { RectifierError } from "./warp.js";
 
 /**
- * @typedef {import("./straight.js").Calibration} Calibration
- *
+ * @template {AnyCanvas} [Canvas=HTMLCanvasElement]
  * @typedef {object} Options
  * @property {number} [balance] 0: only what is picture everywhere; 1: all of the picture, with black edges
  * @property {number} [zoom] how much larger than that, 1 unless told
  * @property {number} [scale] of the picture drawn to the camera's, 1 unless told: a half costs a quarter
- * @property {HTMLCanvasElement | OffscreenCanvas} [canvas] to draw into; one is made unless told
+ * @property {Canvas} [canvas] to draw into; one is made unless told
  */
+/** @typedef {import("./warp.js").AnyCanvas} AnyCanvas */
+/** @typedef {import("./straight.js").Calibration} Calibration */
 
+/** @template {AnyCanvas} [Canvas=HTMLCanvasElement] */
 export class Rectifier {
   #calibration;
   #scale;
   #warp;
   #pinhole;
 
-  /** @param {Calibration} calibration @param {Options} [options] throws RectifierError where there is no WebGL2 */
-  constructor(calibration, { balance = 0, zoom = 1, scale = 1, canvas = document.createElement("canvas") } = {}) {
+  /** @param {Calibration} calibration @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2 */
+  constructor(calibration, { balance = 0, zoom = 1, scale = 1, canvas = made() } = {}) {
     this.canvas = canvas;
     this.#calibration = calibration;
     this.#scale = scale;
@@ -74,7 +76,7 @@ export class Rectifier {
     const whole = { img_size: extent, camera_matrix: rectifiedMatrix(this.#calibration, balance, zoom) };
     const pinhole = scaled(whole, this.#scale);
     const { camera_matrix: matrix, img_size: size } = pinhole;
-    this.#warp.chart({ map: rectifyingMap(this.#calibration, matrix, size), size, extent });
+    this.#warp.chart(() => ({ map: rectifyingMap(this.#calibration, matrix, size), size, extent }));
     return pinhole;
   }
 }

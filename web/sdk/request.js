@@ -11,6 +11,9 @@ export class LookupError extends Error {
 }
 
 /**
+ * @typedef {import("./calibration.js").CalibrationData} CalibrationData
+ * @typedef {{response: Response, body: any}} Heard an answer and its JSON
+ *
  * @typedef {object} Manner how to ask
  * @property {string} token API token
  * @property {string | URL} [api] address of the API; that of the host this file came from unless told
@@ -25,46 +28,55 @@ const LONGEST = 8000; // ms; a service that asks for more patience is not waited
 /** What another time may help with: too many at once, and a gateway or storage that had no time. */
 const PASSING = [429, 502, 503, 504];
 
-/** @param {string | URL} [api] @returns {URL} ending in a slash */
+/** Where this file came from. By itself: `new URL(…, import.meta.url)` is what bundlers take for a file to be packed. */
+const HERE = import.meta.url ?? "file:///";
+
+/** @param {string | URL} [api] @returns {URL} ending in a slash; an address without a host is this page's */
 export function address(api) {
-  return new URL(`${api ?? new URL("../v1", import.meta.url)}/`.replace(/\/+$/, "/"));
+  return new URL(`${api ?? new URL("../v1", HERE)}/`.replace(/\/+$/, "/"), globalThis.location?.href);
 }
 
 /**
  * A request's answer and its JSON.
  * @param {string} path below the API's address @param {RequestInit} request @param {Manner} manner
- * @returns {Promise<{response: Response, body: any}>} rejects with LookupError when nothing answers, or as its signal says
+ * @returns {Promise<Heard>} rejects with LookupError when nothing answers, or as its signal says
  */
 export async function ask(path, request, { token, api, signal, retries = 3, fetch = globalThis.fetch, pause = sleep }) {
   if (!token) throw new TypeError("calibDB is asked with an API token: { token }");
+  const url = new URL(path, address(api));
+  if (!url.protocol.startsWith("http")) throw new TypeError("these modules were not loaded from calibDB, so say where it is: { api }");
   const headers = { authorization: `Bearer ${token}`, "content-type": "application/json" };
   for (let attempt = 0; ; attempt++) {
     signal?.throwIfAborted();
-    const response = await reach(fetch, new URL(path, address(api)), { ...request, headers, signal });
-    const wait = patience(attempt, response instanceof Response ? response.headers.get("retry-after") : null);
-    const passing = response instanceof TypeError || PASSING.includes(response.status);
-    if (passing && attempt < retries && wait <= LONGEST) {
-      await pause(wait, signal);
-    } else if (response instanceof TypeError) {
-      throw new LookupError("calibDB cannot be reached", 0, { cause: response });
-    } else {
-      const json = /json/.test(response.headers.get("content-type") ?? "");
-      return { response, body: json ? await response.json() : {} };
-    }
+    const heard = await reach(fetch, url, { ...request, headers, signal });
+    const wait = patience(attempt, "response" in heard ? heard.response.headers.get("retry-after") : null);
+    const passing = !("response" in heard) || PASSING.includes(heard.response.status);
+    if (passing && attempt < retries && wait <= LONGEST) await pause(wait, signal);
+    else if ("response" in heard) return heard;
+    else throw new LookupError("calibDB cannot be reached", 0, { cause: heard });
   }
 }
 
-/** @param {Response} response @param {any} body @returns {LookupError} in the service's words */
-export function refusal({ status }, body) {
-  return new LookupError(body.detail ?? `calibDB answered ${status}`, status);
+/** @param {Heard} heard @returns {CalibrationData} throws a LookupError, in the service's words, for whatever is none */
+export function calibrationIn({ response, body }) {
+  if (response.ok && body.camera_matrix) return body;
+  throw refusal(response, body);
 }
 
-/** @param {typeof globalThis.fetch} fetch @param {URL} url @param {RequestInit} request @returns {Promise<Response | TypeError>} */
+/** @param {Response} response @param {any} body @returns {LookupError} in the service's words */
+export function refusal({ ok, status, url }, body) {
+  return new LookupError(body.detail ?? (ok ? `what answers at ${url} is not calibDB` : `calibDB answered ${status}`), status);
+}
+
+/** @param {typeof globalThis.fetch} fetch @param {URL} url @param {RequestInit} request @returns {Promise<Heard | Error>} */
 async function reach(fetch, url, request) {
   try {
-    return await fetch(url, request);
+    const response = await fetch(url, request);
+    const json = /json/.test(response.headers.get("content-type") ?? "");
+    return { response, body: json ? await response.json() : {} };
   } catch (error) {
-    if (error instanceof TypeError) return error; // how fetch() says that there is no network
+    // How fetch() says that there is no network, or that it went away in mid-answer.
+    if (error instanceof TypeError || error instanceof SyntaxError) return error;
     throw error;
   }
 }

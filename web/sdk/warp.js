@@ -1,6 +1,9 @@
 // Draws a picture as a map says, on the GPU: one pair of shaders for straightening and for distorting. WebGL2.
+/// <reference path="./dom.d.ts" preserve="true" />
 
 /**
+ * @typedef {HTMLCanvasElement | OffscreenCanvas} AnyCanvas
+ *
  * @typedef {object} Chart where each pixel drawn is found
  * @property {Float32Array} map x and y in px of the source, row by row
  * @property {[number, number]} size of what is drawn, px
@@ -27,34 +30,42 @@ void main() {
   colour = inside ? texture(picture, (at + 0.5) / extent) : edge;
 }`;
 
-/** This browser cannot do it. */
-export class RectifierError extends Error {}
+const LOST = "the GPU was lost";
+
+/** This browser cannot do it, or not now. */
+export class RectifierError extends Error {
+  /** @param {string} message @param {boolean} [lost] it could, and another time may help */
+  constructor(message, lost = false) {
+    super(message);
+    this.lost = lost;
+  }
+}
 
 export class Warp {
-  #gl;
   #alpha;
-  #textures;
-  #program;
+  #on;
+  #forget;
+  /** @type {() => Chart} */
+  #chart = () => ({ map: new Float32Array(2), size: [1, 1], extent: [1, 1] });
 
-  /** @param {HTMLCanvasElement | OffscreenCanvas} canvas @param {{alpha: boolean}} options alpha: transparent where there is nothing, else black */
+  /** @param {AnyCanvas} canvas @param {{alpha: boolean}} options alpha: transparent where there is nothing, else black */
   constructor(canvas, { alpha }) {
     this.canvas = canvas;
     this.#alpha = alpha;
-    const { gl, program } = linked(canvas, { alpha, antialias: false }, VERTEX, FRAGMENT);
-    this.#gl = gl;
-    this.#program = program;
-    this.#textures = ["picture", "map"].map((name, unit) => {
-      gl.uniform1i(gl.getUniformLocation(this.#program, name), unit);
-      return texture(gl, unit, name === "map" ? gl.NEAREST : gl.LINEAR);
+    this.#on = prepared(canvas, alpha);
+    this.#forget = whenRestored(canvas, () => {
+      this.#on = prepared(canvas, alpha);
+      this.chart(this.#chart);
     });
-    gl.uniform4f(gl.getUniformLocation(this.#program, "edge"), 0, 0, 0, alpha ? 0 : 1);
   }
 
-  /** @param {Chart} chart */
-  chart({ map, size: [width, height], extent }) {
-    const gl = this.#gl;
+  /** @param {() => Chart} chart made anew where the GPU forgot it */
+  chart(chart) {
+    this.#chart = chart;
+    const { map, size: [width, height], extent } = chart();
+    const { gl, program } = this.#on;
     if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
-    gl.uniform2f(gl.getUniformLocation(this.#program, "extent"), ...extent);
+    gl.uniform2f(gl.getUniformLocation(program, "extent"), ...extent);
     gl.activeTexture(gl.TEXTURE1);
     gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, width, height, 0, gl.RG, gl.FLOAT, map);
@@ -62,7 +73,7 @@ export class Warp {
 
   /** @param {TexImageSource} picture as large as the chart's extent, or of its shape */
   draw(picture) {
-    const gl = this.#gl;
+    const { gl } = this.#on;
     gl.activeTexture(gl.TEXTURE0);
     // The colour of what is transparent would bleed into its neighbours otherwise.
     gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, this.#alpha);
@@ -73,16 +84,44 @@ export class Warp {
 
   /** Frees what it holds on the GPU: browsers give a page few contexts. */
   dispose() {
-    const gl = this.#gl;
-    for (const each of this.#textures) gl.deleteTexture(each);
-    gl.deleteProgram(this.#program);
+    const { gl, program, textures } = this.#on;
+    this.#forget();
+    for (const each of textures) gl.deleteTexture(each);
+    gl.deleteProgram(program);
     gl.getExtension("WEBGL_lose_context")?.loseContext();
   }
 }
 
+/** A canvas of the page, unless another is told. */
+export const made = () => /** @type {any} */ (document.createElement("canvas"));
+
+/**
+ * Drivers fail, and take what is on the GPU with them: what was there is made again.
+ * @param {EventTarget} canvas @param {() => void} again
+ * @returns {() => void} ends it
+ */
+export function whenRestored(canvas, again) {
+  const over = new AbortController();
+  const { signal } = over;
+  canvas.addEventListener("webglcontextlost", (event) => event.preventDefault(), { signal }); // else it stays lost
+  canvas.addEventListener("webglcontextrestored", again, { signal });
+  return () => over.abort();
+}
+
+/** @param {AnyCanvas} canvas @param {boolean} alpha */
+function prepared(canvas, alpha) {
+  const { gl, program } = linked(canvas, { alpha, antialias: false }, VERTEX, FRAGMENT);
+  const textures = ["picture", "map"].map((name, unit) => {
+    gl.uniform1i(gl.getUniformLocation(program, name), unit);
+    return texture(gl, unit, name === "map" ? gl.NEAREST : gl.LINEAR);
+  });
+  gl.uniform4f(gl.getUniformLocation(program, "edge"), 0, 0, 0, alpha ? 0 : 1);
+  return { gl, program, textures };
+}
+
 /**
  * A canvas' context, with one program in use.
- * @param {HTMLCanvasElement | OffscreenCanvas} canvas @param {WebGLContextAttributes} attributes
+ * @param {AnyCanvas} canvas @param {WebGLContextAttributes} attributes
  * @param {string} vertex @param {string} fragment sources
  * @returns {{gl: WebGL2RenderingContext, program: WebGLProgram}} throws RectifierError where there is no WebGL2
  */
@@ -92,14 +131,15 @@ export function linked(canvas, attributes, vertex, fragment) {
   const program = gl.createProgram();
   for (const [kind, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]])) {
     const shader = gl.createShader(kind);
-    if (!shader) throw new RectifierError("the GPU was lost");
+    if (!shader) throw new RectifierError(LOST, true);
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
     gl.attachShader(program, shader);
     gl.deleteShader(shader);
   }
   gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new RectifierError(gl.getProgramInfoLog(program) ?? "the GPU was lost");
+  if (gl.isContextLost()) throw new RectifierError(LOST, true);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new RectifierError(gl.getProgramInfoLog(program) ?? "");
   gl.useProgram(program);
   return { gl, program };
 }

@@ -17,7 +17,8 @@ import { ask, refusal } from "../request.js";
 export async function cameraParameters({ id }, manner) {
   if (!id) throw new TypeError("this calibration was computed for you alone: the service has no file of it");
   const { response, body } = await ask(`calibrations/${encodeURIComponent(id)}?format=artoolkit`, {}, manner);
-  if (!response.ok) throw refusal(response, body);
+  const error = response.headers.get("x-conversion-error");
+  if (!response.ok || error === null) throw refusal(response, body);
   const file = await response.blob();
-  return { url: URL.createObjectURL(file), file, error: Number(response.headers.get("x-conversion-error")) };
+  return { url: URL.createObjectURL(file), file, error: Number(error) };
 }
