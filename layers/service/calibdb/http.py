@@ -125,7 +125,7 @@ async def _known(_: Request, raised: Exception) -> Response:
 
 async def _starlette(_: Request, raised: Exception) -> Response:
     error = cast("HTTPException", raised)
-    title = HTTPStatus(error.status_code).phrase
+    title = HTTPStatus(error.status_code).phrase.capitalize()
     body = {
         "type": PROBLEMS + title.lower().replace(" ", "-"),
         "title": title,

@@ -7,7 +7,7 @@ import pytest
 from starlette.responses import Response
 
 from calibdb import http
-from calibdb.errors import ConflictError
+from calibdb.errors import ConflictError, NotFoundError
 from tests.unit.service.test_settings import ENVIRONMENT
 
 TYPES = ("image/jpeg", "image/png", "application/json")
@@ -95,7 +95,10 @@ def test_an_error_is_a_problem() -> None:
 @pytest.mark.parametrize("path", ["/nowhere", "/conflict/", "/pick/more", "/{}"])
 def test_no_such_path(path: str) -> None:
     answer = send("GET", path)
-    assert (answer["statusCode"], json.loads(answer["body"])["status"]) == (404, 404)
+    problem = json.loads(answer["body"])
+    assert (answer["statusCode"], problem["status"]) == (404, 404)
+    other = NotFoundError("").problem()  # one type has one title
+    assert (problem["type"], problem["title"]) == (other["type"], other["title"])
 
 
 def test_a_wrong_method_is_told_the_right_ones() -> None:
