@@ -204,6 +204,32 @@ def test_a_second_tab_leaves_the_first_one_alone(context: BrowserContext) -> Non
     assert views(second) >= 1, "it takes up what the first one had"
 
 
+CLAIMED = """async (busy) => {
+  const held = window.held = new AbortController();
+  const { claim } = await import("/calibrate/claim.js");
+  const claimed = claim("a capture", held.signal);
+  for (const start = performance.now(); performance.now() - start < busy;);
+  return claimed;
+}"""
+
+
+def test_a_capture_is_one_tabs_and_a_busy_tab_is_not_told_otherwise(
+    context: BrowserContext,
+) -> None:
+    first, second = context.new_page(), context.new_page()
+    for page in (first, second):
+        page.goto("/board/")
+    assert first.evaluate(CLAIMED, 2_000) is True, "longer than another tab would be waited for"
+    assert second.evaluate(CLAIMED, 0) is False
+    # Who is gone before it is his turn does not keep the others out.
+    late = second.evaluate_handle(f"() => [({CLAIMED})(0)]")
+    until(second, lambda: second.evaluate("async () => (await navigator.locks.query()).pending.length"))
+    second.evaluate("window.held.abort()")
+    first.evaluate("window.held.abort()")
+    late.evaluate("async ([claimed]) => await claimed")
+    assert first.evaluate(CLAIMED, 0) is True
+
+
 def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> None:
     page.goto(VIRTUAL)
     done(page)

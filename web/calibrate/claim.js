@@ -1,7 +1,8 @@
 // One capture belongs to one tab: two that sent views of the same camera to the same session would undo each other's.
 
 const NAME = "calibdb capture ";
-const GRACE = 1_500; // ms in which a page that is just left lets go
+const TURN = 250; // ms
+const GRACE = 6; // turns in which a page that is just left lets go; time that this page was busy for itself is none of them
 
 /**
  * Takes a capture for this tab.
@@ -10,12 +11,15 @@ const GRACE = 1_500; // ms in which a page that is just left lets go
  */
 export function claim(about, signal) {
   if (!navigator.locks || signal.aborted) return Promise.resolve(true);
-  return new Promise((resolve, reject) => {
-    navigator.locks.request(NAME + about, { signal: AbortSignal.timeout(GRACE) }, () => {
+  const over = new AbortController();
+  let turns = 0;
+  const timer = setInterval(() => ++turns === GRACE && over.abort(), TURN);
+  return /** @type {Promise<boolean>} */ (new Promise((resolve, reject) => {
+    navigator.locks.request(NAME + about, { signal: over.signal }, () => {
       resolve(true);
-      return new Promise((free) => signal.addEventListener("abort", free));
+      if (!signal.aborted) return new Promise((free) => signal.addEventListener("abort", free));
     }).catch((error) => (error instanceof DOMException ? resolve(false) : reject(error)));
-  });
+  })).finally(() => clearInterval(timer));
 }
 
 /** What captures go on now are about, in whichever tab. @returns {Promise<Set<string>>} */
