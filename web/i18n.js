@@ -97,6 +97,9 @@ export function number(value, digits) {
   return written.replace("-", "−");
 }
 
+/** A size as it is written, on one line. @param {readonly number[]} size */
+export const sized = (size) => size.join("\u00a0×\u00a0");
+
 /** As many digits as a measured error is worth: two. @param {number} value */
 export function rough(value) {
   const digits = value > 0 ? Math.min(4, Math.max(0, 1 - Math.floor(Math.log10(value)))) : 1;

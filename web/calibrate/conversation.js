@@ -78,7 +78,7 @@ export class Conversation {
   #leave() {
     if (this.#means.signal.aborted || this.#state.away || this.#state.phase !== "capturing") return;
     this.late = true;
-    this.#means.tell({ type: "away", stored: this.#session.stored(this.#state), time: performance.now() });
+    this.#means.tell({ type: "away", stored: this.#session.stored(this.#state) });
     this.#means.onAway();
   }
 
@@ -104,7 +104,7 @@ export class Conversation {
 
   #goAway() {
     if (this.#state.away) return this.#means.tell({ type: "idle" });
-    this.#means.tell({ type: "away", stored: this.#session.stored(this.#state), time: performance.now() });
+    this.#means.tell({ type: "away", stored: this.#session.stored(this.#state) });
     this.alone();
   }
 

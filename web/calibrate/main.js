@@ -298,8 +298,10 @@ openDrawers(() => state.phase === "opening" && restart());
 for (const button of [parts.startVirtual, parts.failedVirtual]) button.addEventListener("click", () => capture("virtual"));
 for (const button of [parts.cancel, parts.other]) button.addEventListener("click", restart);
 parts.again.addEventListener("click", () => capture(chosen));
-parts.stop.addEventListener("click", stop);
-parts.forget.addEventListener("click", forget);
+// Who presses twice in haste means it once, where what is lost does not come back.
+for (const [button, action] of /** @type {const} */ ([[parts.stop, stop], [parts.forget, forget]])) {
+  button.addEventListener("click", ({ detail }) => detail < 2 && action());
+}
 for (const [sense, box] of /** @type {[import("./feedback.js").Sense, HTMLInputElement][]} */ (Object.entries(parts.senses))) {
   box.checked = feedback.has(sense);
   box.parentElement?.toggleAttribute("hidden", !Feedback.offers(sense));

@@ -88,7 +88,7 @@ import { viewCount, wantedAway } from "./session.js";
  *   | {type: "stored", corners: Corners, stored: number, time: number}
  *   | {type: "undone", session: SessionState | null, stored: number, time: number}
  *   | {type: "patience", attempt: number}
- *   | {type: "away", stored: number, time: number}
+ *   | {type: "away", stored: number}
  *   | {type: "sending", sending: boolean}
  *   | {type: "back", session: SessionState, taken: number, refused: number, time: number}
  *   | {type: "stalled", stalled: boolean}
@@ -173,9 +173,8 @@ export function reduce(state, event) {
       // What became of the last view is old by now, and would be read as the state of the connection.
       return { ...state, patience: event.attempt, notice: event.attempt > 0 ? null : state.notice };
     case "away":
-      return notify(
-        { ...state, away: true, stored: event.stored, patience: 0, pose: null, picture: null, busy: false },
-        { key: "capture.went_away", kind: "plain" }, event.time);
+      // What stands while it is away says so: a notice beside it would say it twice.
+      return { ...state, away: true, stored: event.stored, patience: 0, pose: null, picture: null, busy: false, notice: null };
     case "sending":
       return { ...state, sending: event.sending };
     case "back":

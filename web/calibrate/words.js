@@ -1,5 +1,5 @@
 // What the page says about itself, by its state.
-import { known, number, t } from "../i18n.js";
+import { known, number, sized, t } from "../i18n.js";
 import { asMirrored } from "./instruction.js";
 import { isEnough, viewCount, wantedAway } from "./session.js";
 
@@ -62,7 +62,8 @@ export function counts(state) {
     aside > 0 && t("capture.set_aside", { count: aside }),
     away && t("capture.kept_of", { count: stored, wanted: wantedAway(state) }),
     !away && stored > 0 && t("capture.waiting_views", { count: stored }),
-    session?.uncertainty && `± ${rounded(session.uncertainty.rms)} px, ${t("capture.goal", { value: rounded(session.target_error) })}`,
+    // Without the service it does not change, and there is more to say.
+    !away && session?.uncertainty && t("capture.reached", { reached: rounded(session.uncertainty.rms), goal: rounded(session.target_error) }),
   ].filter(Boolean).join(" · ");
 }
 
@@ -85,7 +86,7 @@ function advice({ session }) {
 }
 
 /** @param {string} camera @param {[number, number] | null} size */
-const described = (camera, size) => (size ? t("capture.camera_at", { camera, size: size.join(" × ") }) : camera);
+const described = (camera, size) => (size ? t("capture.camera_at", { camera, size: sized(size) }) : camera);
 
 /** What the page was opened for, and whether it is there. @param {State} state */
 export function wanted({ wanted: { camera, img_size }, cameras }) {
@@ -114,7 +115,7 @@ export function another({ wanted: { camera, img_size }, key }) {
 export function facts({ key, cropped }) {
   if (!key) return "";
   return [
-    key.camera, key.img_size.join(" × "), key.zoom && t("capture.zoom", { zoom: key.zoom }), cropped && t("capture.cropped"),
+    key.camera, sized(key.img_size), key.zoom && t("capture.zoom", { zoom: key.zoom }), cropped && t("capture.cropped"),
   ].filter(Boolean).join(" · ");
 }
 

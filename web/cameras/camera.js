@@ -1,6 +1,6 @@
 // One camera: its modes, how far its calibrations agree, the numbers for any model, and how to ask for them.
 import { el } from "../dom.js";
-import { known, number, t } from "../i18n.js";
+import { known, number, sized, t } from "../i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { files } from "../result/take.js";
 import { tables } from "../result/view.js";
@@ -25,7 +25,7 @@ export function cameraView(page, explain) {
 }
 
 /** @param {Mode} mode */
-export const nameOf = ({ img_size, zoom }) => img_size.join(" × ") + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
+export const nameOf = ({ img_size, zoom }) => sized(img_size) + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
 
 /** @param {CameraPage} page @param {Mode} mode @param {(error: unknown) => string} explain */
 function modeView(page, mode, explain) {

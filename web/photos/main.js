@@ -8,7 +8,7 @@ import { blackSquares } from "../calibrate/ghost.js";
 import { el, part } from "../dom.js";
 import { explain as fault } from "../faults.js";
 import { sayChosen } from "../file-input.js";
-import { known, number, onLanguage, t } from "../i18n.js";
+import { known, number, onLanguage, sized, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { load } from "../result/source.js";
 import { imagePlot, make, short } from "../result/svg.js";
@@ -250,7 +250,7 @@ parts.model.append(...Object.keys(COEFFICIENTS).map((model) => new Option("", mo
 function speak() {
   for (const option of parts.model.options) option.textContent = t(`photos.model_${option.value}`);
   const { squares, dictionary } = board;
-  parts.board.textContent = t("photos.board", { size: squares.join(" × "), dictionary });
+  parts.board.textContent = t("photos.board", { size: sized(squares), dictionary });
   showSeries();
   showPictures();
 }

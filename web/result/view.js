@@ -1,7 +1,7 @@
 // A result: what it is worth in plain words, the numbers, the pictures behind them, and what to do with it.
 import { ApiError } from "../calibrate/api.js";
 import { el } from "../dom.js";
-import { known, number, onLanguage, t } from "../i18n.js";
+import { known, number, onLanguage, sized, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
 import { returnAddress, withResult } from "./back.js";
 import { comparison } from "./compare.js";
@@ -154,7 +154,7 @@ function opening({ calibration, report, origin, again, notes = [] }, trial) {
   return el("header", { class: "opening" },
     // Where it was captured the page itself has said so.
     ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
-    el("p", { class: "label" }, [calibration.camera, img_size.join(" × "), calibration.distortion_model].join(" · ")),
+    el("p", { class: "label" }, [calibration.camera, sized(img_size), calibration.distortion_model].join(" · ")),
     ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: named(trial.without) }))] : []),
     el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
     el("p", { class: "lead" }, ...(practice ? [] : [t(`result.means_${level}`), " "]), t("result.sentence", values)),

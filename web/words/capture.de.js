@@ -148,7 +148,7 @@ export default {
   skip: "Andere Stellung",
   stop: "Aufhören",
   stop_really: "Aufhören?",
-  goal: "Ziel {value}",
+  reached: "± {reached}, Ziel {goal} px",
   senses: "Zeichen",
   sound: "Ton",
   vibration: "Vibration",

@@ -154,7 +154,7 @@ export default {
   skip: "Another pose",
   stop: "Stop",
   stop_really: "Stop?",
-  goal: "goal {value}",
+  reached: "± {reached}, goal {goal} px",
   senses: "Signals",
   sound: "Sound",
   vibration: "Vibration",

@@ -156,7 +156,7 @@ export default {
   skip: "Інше положення",
   stop: "Зупинити",
   stop_really: "Зупинити?",
-  goal: "мета {value}",
+  reached: "± {reached}, мета {goal} px",
   senses: "Сигнали",
   sound: "Звук",
   vibration: "Вібрація",

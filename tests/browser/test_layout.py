@@ -1,0 +1,46 @@
+"""The viewfinder at the sizes that people have: all of it can be reached, and nothing moves while one aims."""
+
+from playwright.sync_api import Page
+
+from .interruptions import ENDLESS
+
+# What leaves the window, is cut off, or lies over something else.
+AMISS = """() => {
+  const width = document.documentElement.clientWidth;
+  const there = [...document.querySelectorAll(".rim :is(a, button, summary, select, output), .reticle p")]
+    .filter((each) => each.checkVisibility() && !each.closest(".unseen, details:not([open]) > :not(summary)"))
+    .map((each) => [each.id || each.textContent.trim(), each.getBoundingClientRect(), each]);
+  const outside = there.filter(([, box]) => box.left < 0 || box.right > width || box.bottom > innerHeight)
+  const cut = there.filter(([, , each]) => each.tagName === "BUTTON" && each.scrollWidth > each.clientWidth);
+  const over = there.flatMap(([name, a], at) => there.slice(at + 1)
+    .filter(([, b]) => a.left + 1 < b.right && b.left + 1 < a.right
+      && a.top + 1 < b.bottom && b.top + 1 < a.bottom)
+    .map(([other]) => `${name} over ${other}`));
+  return [...outside, ...cut].map(([name]) => name).concat(over,
+    document.documentElement.scrollWidth > width ? ["the page"] : []);
+}"""
+LONGER = """(words) => {
+  const height = () => document.getElementById("stage").clientHeight;
+  const before = height();
+  document.getElementById("counts").textContent = words;
+  return height() - before;
+}"""
+# As they are held, turned, and zoomed in to 200 %.
+SIZES = [
+    *((320, 640), (320, 480), (390, 844), (480, 320), (568, 320), (640, 360), (667, 375), (720, 450)),
+    *((844, 390), (820, 1180), (1024, 768), (1180, 820), (1280, 720), (1440, 900)),
+]
+
+
+def test_at_every_size_all_controls_are_in_the_window_and_the_picture_stands_still(page: Page) -> None:
+    page.goto(ENDLESS)
+    page.locator("#undo:enabled").wait_for()
+    for language in ("en", "de", "uk"):
+        page.locator("#language").select_option(language)
+        for width, height in SIZES:
+            page.set_viewport_size({"width": width, "height": height})
+            assert page.evaluate(AMISS) == [], f"{language} at {width} x {height}"
+            if width >= 390 and language == "de":
+                for words in ("0 Ansichten", "4 Ansichten · ± 0,42, Ziel 0,30 px"):
+                    moved = page.evaluate(LONGER, words)
+                    assert moved == 0, f"{words!r} moves the picture by {moved} px at {width} x {height}"
