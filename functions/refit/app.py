@@ -104,7 +104,7 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
         if gone:
             standing.bring_up_to_date(store, mode.camera_key, thresholds)
         return dict.fromkeys(models)
-    cast = store.votes.newest(mode)
+    cast = store.votes.newest(mode, apart=thresholds.contributor_period > 0)
     pooled = digest(METHOD, [c.id for c in counted], rule_of(thresholds), thresholds, __version__)
     basis = digest(pooled, [vote.id for vote in cast])
 

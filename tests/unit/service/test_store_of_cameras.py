@@ -198,50 +198,55 @@ def test_a_computation_serves_those_who_ask_meanwhile(table: Table) -> None:
     assert leases.take(place, "first", NOW + 32, NOW + 62)
 
 
+VOTE = VoteDocument(
+    id="6553f100aaaaaaaaaaaa",
+    camera_key="c4-k-0123456789ab",
+    camera="K",
+    platform="Linux",
+    img_size=(1280, 720),
+    zoom=0,
+    board=REQUEST.board,
+    views=(),
+    noise=0.1,
+    contributor="somebody",
+    time=NOW,
+)
+
+
 def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects: Objects) -> None:
     votes = Votes(table, objects)
-    vote = VoteDocument(
-        id="6553f100aaaaaaaaaaaa",
-        camera_key="c4-k-0123456789ab",
-        camera="K",
-        platform="Linux",
-        img_size=(1280, 720),
-        zoom=0,
-        board=REQUEST.board,
-        views=(),
-        noise=0.1,
-        contributor="somebody",
-        time=NOW,
-    )
-    later = vote.model_copy(update={"id": "6553f200aaaaaaaaaaaa", "time": NOW + 256})
-    assert votes.cast(vote) == vote
-    assert votes.cast(vote.model_copy(update={"time": NOW + 9})) == vote
+    later = VOTE.model_copy(update={"id": "6553f200aaaaaaaaaaaa", "time": NOW + 256})
+    assert votes.cast(VOTE) == VOTE
+    assert votes.cast(VOTE.model_copy(update={"time": NOW + 9})) == VOTE
     assert votes.cast(later) == later
-    found = votes.newest(Mode("c4-k-0123456789ab", (1280, 720), 0.0))
+    found = votes.newest(Mode(VOTE.camera_key, (1280, 720), 0.0), apart=False)
     assert [(cast.id, cast.source, cast.time) for cast in found] == [
         (later.id, "somebody", NOW + 256),
-        (vote.id, "somebody", NOW),
+        (VOTE.id, "somebody", NOW),
     ]
-    assert votes.read(found) == [later, vote]
-    assert list(votes.all()) == [vote, later]
+    assert votes.read(found) == [later, VOTE]
+    assert list(votes.all()) == [VOTE, later]
+
+
+def test_who_votes_daily_keeps_nobodys_vote_out(table: Table, objects: Objects) -> None:
+    votes = Votes(table, objects)
+    names = {f"6553f1{day:014x}": "daily" for day in range(120)}
+    names |= {"6553f00000000000000a": "first", "6553f00000000000000b": "second"}
+    for name, source in names.items():
+        votes.index(VOTE.model_copy(update={"id": name, "source": source}))
+    mode = Mode(VOTE.camera_key, (1280, 720), 0.0)
+    found = votes.newest(mode, apart=True)
+    assert [cast.source for cast in found] == ["daily", "second", "first"]
+    assert found[0].id == max(names)
+    assert len(votes.newest(mode, apart=False)) == 50, "where all are one, each session has its vote"
 
 
 def test_votes_follow_their_camera_to_another_key(table: Table, objects: Objects) -> None:
     """The rules of the keys change; what was voted under the earlier key is found under today's."""
     votes = Votes(table, objects)
-    vote = VoteDocument(
-        id="6553f100aaaaaaaaaaaa",
-        camera_key="c1-earlier-0123456789ab",
-        camera="HD Pro Webcam C920 (046d:082d)",
-        platform="X11; Linux x86_64",
-        img_size=(1280, 720),
-        zoom=0,
-        board=REQUEST.board,
-        views=(),
-        noise=0.1,
-        contributor="somebody",
-        time=NOW,
-    )
+    label, platform = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64"
+    earlier = {"camera_key": "c1-earlier-0123456789ab", "camera": label, "platform": platform}
+    vote = VOTE.model_copy(update=earlier)
     votes.cast(vote)
-    today = Mode(camera_key(vote.camera, vote.platform), (1280, 720), 0.0)
-    assert votes.read(votes.newest(today)) == [vote]
+    today = Mode(camera_key(label, platform), (1280, 720), 0.0)
+    assert votes.read(votes.newest(today, apart=True)) == [vote]

@@ -13,6 +13,7 @@ from calibdb.store.objects import Objects
 from calibdb.store.table import Item, Table
 
 MOST = 50  # the newest; more could only repeat them
+_MOST_ITEMS = 1_000  # of a mode that are looked through for them
 _READERS = 8  # objects read at a time
 
 
@@ -47,20 +48,19 @@ class Votes:
         """Write the index item; it follows from the document, so that writing it again changes nothing."""
         self._table.put(_item(document))
 
-    def newest(self, mode: Mode) -> list[Cast]:
-        """Return the votes on a mode, newest first."""
+    def newest(self, mode: Mode, *, apart: bool) -> list[Cast]:
+        """Return the votes on a mode, newest first.
+
+        Where contributors can be told `apart`, the newest of each: whoever votes daily keeps nobody's out.
+        """
+        most = _MOST_ITEMS if apart else MOST
         items = self._table.query(
-            mode.pk, f"VOTE#{mode.text}#", newest_first=True, limit=MOST, consistent=True
+            mode.pk, f"VOTE#{mode.text}#", newest_first=True, limit=most, consistent=True
         )
-        return [
-            Cast(
-                id=str(item["sk"]).rpartition("#")[2],
-                source=str(item.get("source", item["contributor"])),
-                time=int(str(item["time"])),
-                object=str(item["object"]),
-            )
-            for item in items
-        ]
+        found: dict[str, Cast] = {}
+        for cast in map(_cast, items):
+            found.setdefault(cast.source if apart else cast.id, cast)
+        return list(found.values())[:MOST]
 
     def read(self, cast: Sequence[Cast]) -> list[VoteDocument]:
         """Return these votes, those that there are, in their order."""
@@ -76,6 +76,15 @@ class Votes:
             content = self._objects.get(name)
             if content is not None:
                 yield VoteDocument.model_validate_json(content)
+
+
+def _cast(item: Item) -> Cast:
+    return Cast(
+        id=str(item["sk"]).rpartition("#")[2],
+        source=str(item.get("source", item["contributor"])),
+        time=int(str(item["time"])),
+        object=str(item["object"]),
+    )
 
 
 def _item(document: VoteDocument) -> Item:
