@@ -264,6 +264,8 @@ def test_a_programs_name_is_the_programs(name: str) -> None:
         ("Linux anna@example.com; 10.0.0.5", "Linux"),
         ("Linux; Android 14; Anna Schmidt", "Linux; Android 14"),
         ("Linux; Android 14; Anna's phone 2", "Linux; Android 14"),
+        ("Linux; Android 14; Handy 0170 1234567", "Linux; Android 14"),
+        ("Linux; Android 13; 2201117TG", "Linux; Android 13; 2201117TG"),
         ("Windows of Anna", "Windows"),
         ("photographs", "photographs"),
     ],
@@ -310,7 +312,7 @@ TEXT = st.text(max_size=60) | st.lists(
 ).map("".join)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(
     label=TEXT,
     platform=st.sampled_from([LINUX, MAC, IPHONE, "Linux; Android 14; Pixel 8"]) | st.text(max_size=40),

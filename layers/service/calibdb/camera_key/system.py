@@ -6,7 +6,7 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
-from calibdb.camera_key.owner import without_owner
+from calibdb.camera_key.owner import without_owner, without_telephone
 from calibdb.camera_key.visible import visible
 
 # What systems say of themselves; anything else is reduced to the family that it names, or left out.
@@ -99,7 +99,7 @@ def public_platform(platform: str) -> str:
             kept.append(part)
         elif family:
             kept.append(_SHOWN[family])
-        elif android and _DEVICE.fullmatch(part) and without_owner(part) == part:
+        elif android and _DEVICE.fullmatch(part) and without_owner(without_telephone(part)) == part:
             kept.append(part)
             android = False  # it has one model
     return "; ".join(dict.fromkeys(kept)) or "other"
