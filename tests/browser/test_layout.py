@@ -1,4 +1,4 @@
-"""The viewfinder at the sizes that people have: all of it can be reached, and nothing moves while one aims."""
+"""The viewfinder at the sizes that people have: all of it is in reach, and nothing moves while one aims."""
 
 from playwright.sync_api import Page
 
