@@ -20,7 +20,7 @@ SPREAD = {
 }
 WIDEST = {True: np.radians(80), False: np.radians(125)}
 seeds = st.integers(0, 2**32 - 1)
-budget = settings(max_examples=40, deadline=None)
+budget = settings(max_examples=40)
 
 
 def drawn(name: str, seed: int, count: int = 60) -> tuple[Camera, Array]:

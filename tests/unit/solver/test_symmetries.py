@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from calibsolver import View, fit, models
 from tests.data import corner_set
 
-budget = settings(max_examples=3, deadline=None)
+budget = settings(max_examples=3)
 SETS = {"rectilinear": "opencv_right", "fisheye": "jy_left", "rational": "jy_left"}
 
 
