@@ -113,11 +113,11 @@ setup: .venv/.made node_modules/.made web/vendor/api.d.ts
 .venv/.made: requirements.lock
 	@test -n "$(PYTHON)" || { echo "calibDB needs Python 3.11 to 3.13"; exit 1; }
 	@test -x $(PY) || $(PYTHON) -m venv .venv
-	$(PY) -m pip install --quiet --require-hashes -r requirements.lock
+	$(PY) -m pip install --quiet --retries 10 --require-hashes -r requirements.lock
 	@touch $@
 
 node_modules/.made: package-lock.json
-	npm ci --silent
+	npm ci --silent --fetch-retries 5
 	@touch $@
 
 web/vendor/api.d.ts: node_modules/.made infra/tools/vendor.mjs infra/tools/engines.mjs web/openapi.json

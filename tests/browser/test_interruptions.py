@@ -10,7 +10,6 @@ from .interruptions import (
     ENDLESS,
     FOCUS,
     FULL,
-    HIDE,
     KEPT,
     KILL,
     TURN,
@@ -183,53 +182,6 @@ def test_a_view_that_the_service_has_is_not_taken_back_without_it(context: Brows
     page.locator("#counts", has_text="of 8 kept here").wait_for()
 
 
-@pytest.mark.thorough
-def test_a_second_tab_leaves_the_first_one_alone(context: BrowserContext) -> None:
-    first, second = context.new_page(), context.new_page()
-    first.bring_to_front()
-    first.goto(ENDLESS)
-    first.locator("#undo:enabled").wait_for()
-    begun = sessions(second)
-    second.goto("/calibrate/")
-    assert second.locator("#interrupted").is_hidden(), "it is not interrupted, it goes on"
-    second.goto(ENDLESS)
-    second.locator("#failure", has_text="being calibrated in another tab").wait_for()
-    assert begun == []
-    first.bring_to_front()
-    wait_for_views(first, views(first) + 1)
-    first.close()
-    second.bring_to_front()
-    second.locator("#again").click()
-    second.locator("#controls:not([hidden])").wait_for()
-    assert views(second) >= 1, "it takes up what the first one had"
-
-
-CLAIMED = """async (busy) => {
-  const held = window.held = new AbortController();
-  const { claim } = await import("/calibrate/claim.js");
-  const claimed = claim("a capture", held.signal);
-  for (const start = performance.now(); performance.now() - start < busy;);
-  return claimed;
-}"""
-
-
-def test_a_capture_is_one_tabs_and_a_busy_tab_is_not_told_otherwise(
-    context: BrowserContext,
-) -> None:
-    first, second = context.new_page(), context.new_page()
-    for page in (first, second):
-        page.goto("/board/")
-    assert first.evaluate(CLAIMED, 2_000) is True, "longer than another tab would be waited for"
-    assert second.evaluate(CLAIMED, 0) is False
-    # Who is gone before it is his turn does not keep the others out.
-    late = second.evaluate_handle(f"() => [({CLAIMED})(0)]")
-    until(second, lambda: second.evaluate("async () => (await navigator.locks.query()).pending.length"))
-    second.evaluate("window.held.abort()")
-    first.evaluate("window.held.abort()")
-    late.evaluate("async ([claimed]) => await claimed")
-    assert first.evaluate(CLAIMED, 0) is True
-
-
 def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> None:
     page.goto(VIRTUAL)
     done(page)
@@ -320,29 +272,3 @@ def test_a_full_storage_is_said_and_ends_nothing(page: Page) -> None:
     page.goto(VIRTUAL)
     page.locator("#away", has_text="no room to keep views").wait_for()
     page.locator("#done:not([hidden])").wait_for()
-
-
-def settled(page: Page, sent: list[str]) -> None:
-    """Wait until what was on its way has arrived: nothing is sent for two seconds."""
-    before = -1
-    while before != len(sent):
-        before = len(sent)
-        page.wait_for_timeout(2_000)
-    sent.clear()
-
-
-@pytest.mark.parametrize("seconds", [2, pytest.param(60, marks=pytest.mark.thorough)])
-def test_a_hidden_tab_waits(page: Page, seconds: int) -> None:
-    listen(page)
-    page.goto(ENDLESS)
-    page.locator("#undo:enabled").wait_for()
-    sent: list[str] = []
-    page.on("request", lambda request: sent.append(request.url))
-    page.evaluate(HIDE, True)
-    settled(page, sent)
-    before = views(page)
-    page.wait_for_timeout(1_000 * seconds)
-    assert sent == []
-    page.evaluate(HIDE, False)
-    hear(page, "notice", "Nothing was taken while this page was hidden")
-    wait_for_views(page, before + 1)
