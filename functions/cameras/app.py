@@ -15,7 +15,8 @@ from calibdb.store import Mode
 from calibdb.store.cameras import is_place
 
 _MOST_MEMBERS = 200
-_READERS = 8  # cameras read at a time
+_MOST_MODES = 60  # sizes and zooms of a camera that are shown; anybody can add one
+_READERS = 8  # cameras, or modes of one, read at a time
 _CACHED = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
 
 
@@ -55,7 +56,9 @@ def show(call: http.Call) -> Response:
         raise NotFoundError("There is no camera with this key.")
     known = store.known(key).consensuses
     camera, platform = browse.shown(name, known)
-    modes = tuple(_mode(call, Mode(key, *mode), here) for mode, here in browse.by_mode(known))
+    shown = browse.best_known(known, _MOST_MODES)
+    with ThreadPoolExecutor(_READERS) as readers:
+        modes = tuple(readers.map(lambda found: _mode(call, Mode(key, *found[0]), found[1]), shown))
     return http.answer(CameraDetail(key=key, camera=camera, platform=platform, modes=modes), headers=_CACHED)
 
 

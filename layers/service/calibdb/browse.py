@@ -57,6 +57,14 @@ def by_mode(known: Sequence[ConsensusDocument]) -> Iterator[tuple[Mode, list[Con
         yield (here[0].img_size, here[0].zoom), here
 
 
+def best_known(known: Sequence[ConsensusDocument], most: int) -> list[tuple[Mode, list[ConsensusDocument]]]:
+    """Return what `by_mode` yields, of `most` sizes and zooms: the reliable, and the most calibrated."""
+    found = list(by_mode(known))
+    weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in found]
+    ranked = sorted(range(len(found)), key=lambda i: weights[i], reverse=True)
+    return [found[i] for i in sorted(ranked[:most])]
+
+
 def leading(known: Sequence[ConsensusDocument]) -> ConsensusDocument:
     """Return the consensus that speaks for a size: a reliable one, of those the one of most calibrations."""
     return max(known, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
