@@ -1,6 +1,7 @@
 """Functions that call functions: at once, later, again after a failure, again after a crash."""
 
 import json
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -174,10 +175,21 @@ def test_a_call_that_waits_for_a_retry_is_left_for_the_next_start(
 def test_a_long_queue_does_not_keep_the_stack_from_stopping(
     template: Path, tmp_path: Path, calls: Callable[[], list[Any]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(invokes, "GRACE", 0.2)
+    gate, close = tmp_path / "gate", Invokes.close
+
+    def open_the_gate(calls: Invokes) -> None:
+        calls._closing.wait()
+        gate.touch()
+
+    def closing(calls: Invokes) -> None:
+        threading.Thread(target=open_the_gate, args=[calls]).start()
+        close(calls)
+
+    monkeypatch.setattr(invokes, "GRACE", 0.0)
+    monkeypatch.setattr(Invokes, "close", closing)
     with LocalStack(tmp_path / "data", template=template):
         for number in range(60):
-            invoke({"n": number, "sleep": 0.1}, "Event")
+            invoke({"n": number, "after": str(gate)}, "Event")
     assert len(calls()) < 60
     monkeypatch.setattr(invokes, "GRACE", 30.0)
     with LocalStack(tmp_path / "data", template=template):
