@@ -9,6 +9,9 @@ Array = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
 
+INDISTINCT = 1e-14
+"""Eigenvalue of a matrix of unit diagonal below which it is rounding."""
+
 
 def frozen(values: Any) -> Array:
     """Return `values` as a read-only float64 copy: what a frozen dataclass may hold."""
@@ -21,9 +24,15 @@ def symmetric_inverse(a: Array) -> Array:
     """Inverse of positive definite (..., p, p) matrices whose entries may differ by many powers of ten.
 
     The matrix is brought to a unit diagonal first: an information matrix in (px, px, 1) units has a condition
-    number that means nothing until then.
+    number that means nothing until then. What is left of it may be rounding all the same, and of either sign:
+    such directions count as known `INDISTINCT` worse than the best, so that the inverse, too, is positive
+    definite. NaN where the matrix is not finite.
     """
     scale = 1 / np.sqrt(np.maximum(np.diagonal(a, axis1=-2, axis2=-1), 1e-300))
     unit = a * scale[..., :, None] * scale[..., None, :]
-    inverse: Array = np.linalg.inv(unit) * scale[..., :, None] * scale[..., None, :]
+    finite: Mask = np.asarray(np.isfinite(unit).all(axis=(-2, -1)))
+    values, axes = np.linalg.eigh(np.where(finite[..., None, None], unit, 0.0))
+    values = np.where(finite[..., None], np.maximum(values, INDISTINCT), np.nan)
+    inverse: Array = (axes / values[..., None, :]) @ np.swapaxes(axes, -1, -2)
+    inverse = inverse * scale[..., :, None] * scale[..., None, :]
     return (inverse + np.swapaxes(inverse, -1, -2)) / 2

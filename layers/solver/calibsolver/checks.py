@@ -13,6 +13,8 @@ MIN_POINTS = 6
 """A view has six unknowns of its own; fewer points say nothing about the camera."""
 FLAT_BOARD, FLAT_IMAGE = 0.02, 1e-3
 """Smaller / larger extent of points below which they lie on a line, on the board and in the image."""
+FAR_IMAGE, FAR_BOARD = 10.0, 1e9
+"""Image sizes from the middle of the image, and units of the board, within which points are."""
 
 
 def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
@@ -31,14 +33,8 @@ def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
             raise CalibrationError(
                 "too_few_points", f"view {i} has {len(view)} points, {MIN_POINTS} are needed"
             )
-    obs = Observations.of(views)
+    obs = in_range(Observations.of(views), img_size)
     p, q = obs.points, obs.pixels
-    off = np.abs(q - np.array([[w / 2], [h / 2]])).max(axis=(1, 2)) > 10 * max(w, h)
-    refuse(
-        off | (np.abs(p).max(axis=(1, 2)) > 1e9),
-        "out_of_range",
-        "view {} has points far outside the image or the board",
-    )
     extent = p.max(axis=2) - p.min(axis=2)
     refuse(
         extent[:, 2] > 1e-9 * np.maximum(extent[:, 0], extent[:, 1]),
@@ -48,6 +44,18 @@ def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
     small = (q.max(axis=2) - q.min(axis=2)).max(axis=1) < 4
     flat = (flatness(p[:, :2], obs.mask) < FLAT_BOARD) | (flatness(q, obs.mask) < FLAT_IMAGE)
     refuse(small | flat, "degenerate", "the points of view {} lie on a line or in one place")
+    return obs
+
+
+def in_range(obs: Observations, img_size: tuple[int, int]) -> Observations:
+    """Return what was given, or refuse points so far outside that nothing can be computed of them."""
+    middle = np.array([[img_size[0] / 2], [img_size[1] / 2]])
+    off = np.abs(obs.pixels - middle).max(axis=(1, 2)) > FAR_IMAGE * max(img_size)
+    refuse(
+        off | (np.abs(obs.points).max(axis=(1, 2)) > FAR_BOARD),
+        "out_of_range",
+        "view {} has points far outside the image or the board",
+    )
     return obs
 
 

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from . import checks, majority, models, normal, outliers, plausible, prior, score, start
+from . import checks, lm, majority, models, normal, outliers, plausible, prior, score, start
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
@@ -97,7 +97,7 @@ def fit_again(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
     problem = Problem(law, obs, near.img_size)
     with np.errstate(all="ignore"):
         state = problem.at(near.intrinsics, Poses.of_vectors(poses[order.views]))
-        return _Fit(problem, order, turned, True, near).finish(state)
+        return _Fit(problem, order, turned, True, near).run(state)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,9 +127,10 @@ class _Fit:
         """Weights (v, n) with all of them."""
         return outliers.weights(self.mask)
 
-    def run(self) -> Calibration:
+    def run(self, near: State | None = None) -> Calibration:
+        """Fit, from `near` alone where it is given."""
         try:
-            return self.finish(self.approach())
+            return self.finish(near or self.approach())
         except np.linalg.LinAlgError:
             raise CalibrationError("not_believable", "the views leave the camera undetermined") from None
 
@@ -158,9 +159,9 @@ class _Fit:
         found: list[State] = []
         for first in self.starts(trial):
             state = trial.at(first.k, first.poses)
-            if not state.finite:
-                continue
             good = mask if first.weights is None else mask & (first.weights > 0)
+            if not (state.finite and good.any()):
+                continue
             state = trial.solve(state, outliers.weights(good), APPROACH)
             state = self.posed_anew(trial, state, weights, mask)
             if not state.finite:
@@ -286,7 +287,8 @@ class _Fit:
         """Noise of one coordinate, px: least squares estimate, corrected for the degrees of freedom."""
         used = 2 * float(good.sum())
         free = used - self.model.size - 6 * float(good.any(axis=1).sum())
-        return float(np.sqrt(state.square[good].sum() / max(free, 0.1 * used, 1.0)))
+        noise = float(np.sqrt(state.square[good].sum() / max(free, 0.1 * used, 1.0)))
+        return max(noise, lm.ROUNDING * self.width)
 
     def result(self, state: State, good: Mask, *, with_prior: bool) -> Calibration:
         if not state.converged:

@@ -22,6 +22,8 @@ HUBER = 3.0
 
 FINEST = 4e-5
 """Noise of one coordinate / image width that no detector undercuts."""
+ROUNDING = 1e-11
+"""Residual / image width below which it is rounding that is fitted."""
 UNSEEN = 1e-5
 """Decrease of the cost, in squares of sigma, a three-hundredth of a standard deviation from the optimum."""
 KEPT = 0.25
@@ -134,8 +136,7 @@ class Problem:
         damping, floor = options.damping, 1e-6 * self.img_size[0]
         plain = None if (weights == 1).all() else weights
         counted = weights > 0.5
-        # Below some billionths of a pixel per point it is rounding that is fitted.
-        least = self.obs.count * (1e-11 * self.img_size[0]) ** 2
+        least = self.obs.count * (ROUNDING * self.img_size[0]) ** 2
         promised = sigma = np.inf
         for i in range(options.iterations):
             sigma = max(noise(state, counted), floor)
@@ -256,11 +257,11 @@ class System:
     def _solve(self, ga: Array, c: Array, damping: float) -> tuple[Array, Array]:
         size = len(self.a)
         lift = damping + 1e-14
-        solved = np.linalg.solve(self.b + lift * EYE, c)
+        solved = solution(self.b + lift * EYE, c)
         removed = c[:, :, :size].reshape(-1, size).T @ solved.reshape(-1, size + 1)
         lhs = self.a - removed[:, :size]
         lhs.flat[:: size + 1] += lift
-        dk: Array = np.negative(np.linalg.solve(lhs, ga - removed[:, size]))
+        dk: Array = np.negative(solution(lhs, ga - removed[:, size]))
         dp: Array = np.negative(solved[:, :, size] + solved[:, :, :size] @ dk)
         return dk, dp
 
@@ -268,9 +269,22 @@ class System:
 EYE = np.eye(6)
 
 
+def solution(a: Array, b: Array) -> Array:
+    """Solve a x = b; NaN, a step that nobody takes, where there is no solution."""
+    try:
+        return np.asarray(np.linalg.solve(a, b), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.full(b.shape, np.nan)
+
+
 def noise(state: State, counted: Mask) -> float:
-    """Robust standard deviation of one coordinate of the residuals of points that count (v, n), px."""
+    """Robust standard deviation of one coordinate of the residuals of points that count (v, n), px.
+
+    Infinite where none does.
+    """
     square = state.square[counted] if not counted.all() else state.square.reshape(-1)
+    if not square.size:
+        return np.inf
     used = square.size * 2
     unknowns = state.k.size + 6 * len(state.square)
     correction = np.sqrt(used / max(used - unknowns, 0.1 * used))

@@ -38,7 +38,8 @@ class Planes:
         x = np.ones((v, 3, n))
         np.subtract(xy, mean[:, :, None], out=x[:, :2])
         square = (x[:, 0] ** 2 + x[:, 1] ** 2) * weights
-        spread = np.maximum(np.sqrt(square.sum(axis=1) / total / 2), 1e-300)
+        spread = np.sqrt(square.sum(axis=1) / total / 2)
+        spread = np.where(spread > 0, spread, 1.0)  # nothing, or one place, is seen of it
         x[:, :2] /= spread[:, None, None]
         outer = (x[:, :, None, :] * (x * weights[:, None])[:, None, :, :]).reshape(v, 9, n)
         shadow = (np.eye(3)[None, :, :, None] - rays[:, :, None, :] * rays[:, None, :, :]).reshape(v, 9, n)

@@ -8,6 +8,7 @@ import numpy as np
 from . import models, normal, start
 from .arrays import Array, Mask, frozen
 from .camera import Camera
+from .checks import in_range
 from .errors import CalibrationError
 from .models import Model
 from .normal import Poses
@@ -33,7 +34,7 @@ class Score:
     view_errors
         (v,) px, the same for each view.
     poses
-        (v, 6) rvec|tvec, board -> camera, board units.
+        (v, 6) rvec|tvec, board -> camera, board units; NaN where a view cannot be explained at all.
     """
 
     rms: float
@@ -44,18 +45,18 @@ class Score:
 def score(camera: Camera, views: Sequence[View]) -> Score:
     """Measure the reprojection error of `views` under `camera`, every pose fitted, nothing left out.
 
-    Raises CalibrationError (``no_views``, ``too_few_points``).
+    Raises CalibrationError (``no_views``, ``too_few_points``, ``out_of_range``).
     """
     if not views:
         raise CalibrationError("no_views", "there is no view to score")
     if min(len(view) for view in views) < LEAST_POINTS:
         raise CalibrationError("too_few_points", f"a pose needs {LEAST_POINTS} points")
-    obs = Observations.of(views)
+    obs = in_range(Observations.of(views), camera.img_size)
     poses, square = resect(models.get(camera.model), camera.intrinsics, obs)
     count = obs.mask.sum(axis=1)
-    return Score(
-        float(np.sqrt(square.sum() / count.sum())), frozen(np.sqrt(square / count)), frozen(poses.vectors())
-    )
+    with np.errstate(all="ignore"):
+        vectors = np.where(np.isfinite(square)[:, None], poses.vectors(), np.nan)
+    return Score(float(np.sqrt(square.sum() / count.sum())), frozen(np.sqrt(square / count)), frozen(vectors))
 
 
 def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:

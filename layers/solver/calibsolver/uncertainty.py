@@ -35,14 +35,15 @@ def sensitivity(model: Model, k: Array, img_size: tuple[int, int], grid: tuple[i
     Rows are NaN where the pixel has no ray (outside the model's one-to-one domain). n = columns * rows.
     """
     v = model.unproject(k, pixel_grid(img_size, grid).reshape(2, -1))
-    seen = np.isfinite(v[0])
     out = np.full((v.shape[1], 2, model.size), np.nan)
+    with np.errstate(all="ignore"):  # at the very edge of the domain a derivative may have no bound
+        _, by_k, by_p = model.jacobian(k, v)
+    seen = np.isfinite(by_k).all(axis=(0, 1)) & np.isfinite(by_p).all(axis=(0, 1))
     if not seen.any():
         return out
     v = v[:, seen]
-    _, by_k, by_p = model.jacobian(k, v)
-    d = by_k.transpose(2, 1, 0)  # (n, 2, p)
-    b = by_p.transpose(2, 1, 0)  # (n, 2, 3)
+    d = by_k[:, :, seen].transpose(2, 1, 0)  # (n, 2, p)
+    b = by_p[:, :, seen].transpose(2, 1, 0)  # (n, 2, 3)
     turn = np.cross(v.T[:, None, :], b)  # b . (w x v) = w . (v x b)
     flat, flat_d = turn.reshape(-1, 3), d.reshape(-1, model.size)
     removed = np.linalg.lstsq(flat, flat_d, rcond=None)[0]

@@ -13,6 +13,7 @@ from ..camera import Camera
 from ..candidates import Range
 from ..hints import Placement
 from ..target import TargetPose
+from .belief import LEAST_NOISE
 
 WIDE, OBLIQUE = 0.75, 45.0
 """Apparent width / image, and tilt, degrees, beyond which fixed-focus lenses blur and glossy boards shine."""
@@ -63,8 +64,11 @@ class Experience:
         noise = np.ones(len(rt))
         if calibration is not None:
             pairs = zip(calibration.residuals, calibration.used, strict=True)
-            noise = np.array([np.sqrt(np.mean(e[u] ** 2)) if u.sum() > 6 else np.nan for e, u in pairs])
-            noise = np.nan_to_num(noise / np.nanmin(noise), nan=1.0, posinf=1.0)
+            # Six points say nothing: some pose fits them. Nor does noise below any detector's.
+            enough = [(i, e[u]) for i, (e, u) in enumerate(pairs) if u.sum() > 6]
+            seen = np.array([np.sqrt(np.mean(e**2)) for _, e in enough])
+            seen = np.maximum(seen, LEAST_NOISE * camera.img_size[0])
+            noise[[i for i, _ in enough]] = seen / seen.min(initial=np.inf)
         v = len(rt)
         return cls(tilt[:v], width[:v], noise, np.stack([tilt[v:], width[v:]], axis=1))
 

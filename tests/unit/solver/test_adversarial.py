@@ -1,0 +1,239 @@
+"""Numbers nobody would send on purpose: every one ends in a finite result or in a reason."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from calibsolver import Board, CalibrationError, Camera, View, fit, guidance, models, rotation
+from calibsolver.agreement import compare
+from calibsolver.arrays import Array, symmetric_inverse
+from calibsolver.capture import Capture
+from calibsolver.consensus import Member, pool
+from calibsolver.score import score
+from tests import specimens, synthetic
+
+BOARD = Board()
+SIZE = synthetic.IMG_SIZE
+REASONS = {
+    "no_views",
+    "too_few_points",
+    "degenerate",
+    "not_planar",
+    "out_of_range",
+    "mirrored",
+    "no_fit",
+    "not_converged",
+    "not_believable",
+}
+"""As `fit` documents them."""
+CAMERAS = {
+    "rectilinear": synthetic.rectilinear_cameras(),
+    "fisheye": synthetic.fisheye_cameras(),
+    "rational": specimens.rational_cameras(),
+    "omnidirectional": specimens.omnidirectional_cameras(),
+}
+Seen = tuple[Array, Array]
+"""Points (n, 3) of the board and where they were seen (n, 2), px."""
+Spoiler = Callable[[np.random.Generator, Array, Array], Seen]
+seeds = st.integers(0, 2**32 - 1)
+
+
+def few(rng: np.random.Generator, p: Array, q: Array) -> Seen:
+    chosen = rng.choice(len(p), min(int(rng.integers(4, 9)), len(p)), replace=False)
+    return p[chosen], q[chosen]
+
+
+def squeezed(rng: np.random.Generator, p: Array, q: Array) -> Seen:
+    """Towards a line, on the board and in the image."""
+    return p * (1, 10 ** rng.uniform(-5, 0), 1), (q - 360) * (1, 10 ** rng.uniform(-5, 0)) + 360
+
+
+def repeated(rng: np.random.Generator, p: Array, q: Array) -> Seen:
+    chosen = rng.integers(0, min(len(p), 6), len(p))
+    return p[chosen], q[chosen]
+
+
+SPOILERS: dict[str, Spoiler] = {
+    "nothing": lambda _, p, q: (p, q),
+    "few points": few,
+    "on a line": squeezed,
+    "again and again": repeated,
+    "anywhere": lambda rng, p, _: (p, rng.uniform((0, 0), SIZE, (len(p), 2))),
+    "other names": lambda rng, p, q: (p, rng.permutation(q)),
+    "one place": lambda rng, p, q: (p, rng.uniform(0, 700, 2) + 2 * rng.normal(size=q.shape)),
+    "whole pixels": lambda rng, p, q: (p, np.round(q, -int(rng.integers(0, 3)))),
+    "tiny": lambda rng, p, q: (p, q / 100 + rng.uniform((0, 0), SIZE)),
+    "far outside": lambda rng, p, q: (p, q + 10 ** rng.uniform(3, 5) * rng.normal(size=2)),
+    "parallel": lambda rng, p, _: (p, 640 + p[:, :2] @ rng.normal(size=(2, 2)) * 10 ** rng.uniform(0, 2)),
+    "another unit": lambda rng, p, q: (p * 10 ** rng.uniform(-60, 8), q),
+    "beyond numbers": lambda rng, p, q: (
+        p * 10.0 ** rng.choice([-300, -150, 0, 150, 290]),
+        q * 10.0 ** rng.choice([-300, 0, 150, 290]),
+    ),
+}
+
+
+def spoilt(rng: np.random.Generator, camera: Camera, kind: str) -> list[View]:
+    """One to five views of a camera without any noise, spoilt: facing it or leaning, near or infinite."""
+    middle = BOARD.outline.mean(axis=0)
+    views: list[View] = []
+    most, infinite, same = rng.choice([0, 50]), rng.uniform() < 0.1, rng.uniform() < 0.1
+    for _ in range(int(rng.integers(1, 6))):
+        azimuth = rng.uniform(0, 2 * np.pi)
+        r = rotation.matrix(
+            np.radians(rng.uniform(0, most)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
+        )
+        depth = rng.uniform(0.6, 1.4) * BOARD.size[0] * camera.matrix[0, 0] / SIZE[0]
+        depth *= 10 ** rng.uniform(1, 12) if infinite else 1
+        q = camera.project((BOARD.points - middle) @ r.T + depth * np.array([*rng.uniform(-0.3, 0.3, 2), 1]))
+        seen = np.isfinite(q).all(axis=1)
+        if seen.sum() >= MOST_SPOILT:
+            views.append(View(*SPOILERS[kind](rng, BOARD.points[seen], q[seen])))
+    return [views[0]] * len(views) if same else views
+
+
+MOST_SPOILT = 9
+"""Points that a spoiler needs."""
+
+
+def fitted(rng: np.random.Generator, model: str, views: list[View]) -> None:
+    """Fit, and use what came out for all that a calibration is used for."""
+    try:
+        c = fit(views, SIZE, model, robust=bool(rng.uniform() < 0.7))
+    except CalibrationError as error:
+        assert error.code in REASONS  # noqa: PT017
+        return
+    u = c.uncertainty()
+    for numbers in (c.camera.intrinsics, c.poses, c.view_errors, [c.avg_reprojection_error, u.rms, u.max]):
+        assert np.isfinite(numbers).all()
+    std = np.sqrt(np.diagonal(c.covariance))
+    assert np.linalg.eigvalsh(c.covariance / std[:, None] / std).min() > -1e-9
+    target = guidance.ProjectionUncertainty(BOARD, SIZE, model).next_pose(views, c)
+    assert np.isfinite([*target.rvec, *target.tvec, *target.corners.ravel(), target.gain]).all()
+    same = float(compare([c, c])[0, 1])
+    assert same < 1e-3 or (np.isinf(same) and c.camera.domain().covered < 0.6)
+
+
+def captured(rng: np.random.Generator, model: str, views: list[View]) -> None:
+    """Send the views to a capture, one after the other."""
+    rules = Capture(BOARD, SIZE, model, target_error=float(rng.choice([0.3, 0.001])))
+    estimate, taken = rules.estimate([]), list[View]()
+    target = rules.next_target([], estimate)
+    for view in views:
+        verdict = rules.judge(taken, target, view, estimate.aside, taken[:2])
+        if verdict.estimate is not None:
+            estimate, taken = verdict.estimate, [*taken, view]
+            assert 0 <= estimate.progress <= 1
+            target = rules.next_target(taken, estimate)
+            assert np.isfinite([*target.rvec, *target.tvec, *target.corners.ravel(), target.gain]).all()
+    assert rules.settle(taken, {}).progress <= 1
+
+
+def tried(model: str, kind: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    kinds = list(CAMERAS)
+    camera = CAMERAS[kinds[int(rng.integers(len(kinds)))]][int(rng.integers(12))]
+    views = spoilt(rng, camera, kind)
+    if not views:
+        return
+    if rng.uniform() < 0.5:
+        fitted(rng, model, views)
+    else:
+        captured(rng, model, views)
+    try:
+        told = score(camera, views)
+    except CalibrationError as error:
+        assert error.code in {"too_few_points", "out_of_range"}  # noqa: PT017
+    else:
+        assert not np.isnan(told.view_errors).any()
+        assert (np.isfinite(told.poses).all(axis=1) == np.isfinite(told.view_errors)).all()
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+@given(kind=st.sampled_from(sorted(SPOILERS)), seed=seeds)
+@settings(max_examples=15, deadline=None)
+def test_every_input_ends_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
+    """Warnings are errors here, as in all tests."""
+    tried(model, kind, seed)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("model", models.NAMES)
+@given(kind=st.sampled_from(sorted(SPOILERS)), seed=seeds)
+@settings(max_examples=500, deadline=None)
+def test_a_great_many_inputs_end_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
+    tried(model, kind, seed)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_what_is_no_number_is_refused_at_the_door(bad: float) -> None:
+    p, q = BOARD.points, BOARD.points[:, :2] * 50
+    for i in range(2):
+        spoilt_points = [p.copy(), q.copy()]
+        spoilt_points[i][3, 1] = bad
+        with pytest.raises(ValueError, match="finite"):
+            View(*spoilt_points)
+
+
+def test_views_that_no_start_sees_are_a_refusal() -> None:
+    """Of an omnidirectional camera's starts some have no ray for pixels far beyond the image."""
+    views = [View(BOARD.points, BOARD.points[:, :2] * 40 + (9000, off)) for off in (6000, -6000)]
+    with pytest.raises(CalibrationError) as caught:
+        fit(views, SIZE, "omnidirectional")
+    assert caught.value.code in REASONS
+
+
+def test_a_matrix_that_rounding_made_indefinite_has_a_positive_inverse() -> None:
+    """Two unknowns that replace one another to the last digit, and one that stands alone."""
+    a = np.array([[1.0, 1.0 + 1e-15, 0.0], [1.0 + 1e-15, 1.0, 0.0], [0.0, 0.0, 4.0]])
+    inverse = symmetric_inverse(a)
+    assert np.linalg.eigvalsh(inverse).min() > 0
+    assert inverse[2, 2] == pytest.approx(0.25, rel=1e-12)
+    assert inverse[0, 0] > 1e12
+    assert np.isnan(symmetric_inverse(np.stack([np.full((2, 2), np.nan), np.eye(2)]))).all(axis=(1, 2))[0]
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_a_capture_without_any_noise_goes_on(model: str) -> None:
+    """A simulated camera, its picture shifted at each view, and a goal that no detector reaches."""
+    without_noise(model, 0, 4)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("model", models.NAMES)
+@pytest.mark.parametrize("seed", range(6))
+def test_many_captures_without_any_noise_go_on(model: str, seed: int) -> None:
+    without_noise(model, seed, 15)
+
+
+def without_noise(model: str, seed: int, attempts: int) -> None:
+    rng = np.random.default_rng(seed)
+    camera = CAMERAS[model][2 * seed]
+    rules = Capture(BOARD, SIZE, model, target_error=0.001)
+    estimate, views = rules.estimate([]), list[View]()
+    for _ in range(attempts):
+        target = rules.next_target(views, estimate)
+        q = camera.project(BOARD.points @ rotation.matrix(target.rvec).T + target.tvec)
+        q = q + rng.uniform(-60, 60, 2)
+        seen = np.isfinite(q).all(axis=1) & ((q >= 0) & (q <= np.array(SIZE) - 1)).all(axis=1)
+        view = View(BOARD.points[seen], q[seen])
+        verdict = rules.judge(views, target, view, estimate.aside)
+        if verdict.estimate is not None:
+            estimate, views = verdict.estimate, [*views, view]
+        if estimate.converged:
+            break
+    assert views
+
+
+def test_parts_of_a_consensus_that_leave_the_camera_open_are_not_answered() -> None:
+    """Copies of one view that faces the camera: fitted again in parts, nothing carries them."""
+    view = View(BOARD.points, BOARD.points[:, :2] * 100 + 200)
+    try:
+        found = pool([Member(str(i), str(i), (view,)) for i in range(5)], SIZE, "rational")
+    except CalibrationError as error:
+        assert error.code in REASONS  # noqa: PT017
+    else:
+        assert np.isfinite(found.calibration.covariance).all()
