@@ -24,6 +24,9 @@ FINEST = 4e-5
 """Noise of one coordinate / image width that no detector undercuts."""
 ROUNDING = 1e-11
 """Residual / image width below which it is rounding that is fitted."""
+CLOSE = 1e-3
+"""Relative decrease of the cost from which promises fall as fast as they did last: what the next one would be
+is then known without asking."""
 UNSEEN = 1e-5
 """Decrease of the cost, in squares of sigma, a three-hundredth of a standard deviation from the optimum."""
 KEPT = 0.25
@@ -137,7 +140,7 @@ class Problem:
         plain = None if (weights == 1).all() else weights
         counted = weights > 0.5
         least = self.obs.count * (ROUNDING * self.img_size[0]) ** 2
-        promised = sigma = np.inf
+        promised = sigma = before = np.inf
         for i in range(options.iterations):
             sigma = max(noise(state, counted), floor)
             objective = Objective(
@@ -147,7 +150,8 @@ class Problem:
             system = System.of(state, share, objective.belief)
             while True:
                 dk, step, promised = system.step(damping)
-                if not promised > options.tolerance * here + least:
+                little = options.tolerance * here + least
+                if not promised > little:
                     return replace(state, converged=bool(np.isfinite(promised)))
                 if i >= WINDING:
                     dk, step = self.bent(state, system, share, dk, step, damping)
@@ -156,7 +160,9 @@ class Problem:
                     moved = self.at(k, state.poses.moved(step))
                     gained = here - objective.of(moved)[0]
                     if gained > 0:
-                        state = moved
+                        if before < CLOSE * here and promised * (promised / before) < little and i < WINDING:
+                            return replace(moved, converged=True)
+                        state, before = moved, promised
                         # A step that keeps little of its promise went from one side of a valley to the other.
                         damping = (
                             max(damping * 0.1, 1e-12) if gained > KEPT * promised else 10 * max(damping, 1e-8)
