@@ -7,6 +7,7 @@ import { misalignment } from "./misalignment.js";
 import { model } from "./model.js";
 import { MODES } from "./modes.js";
 import { poseOf } from "./pose.js";
+import { RectifierError } from "../sdk/warp.js";
 import { Scene } from "./scene.js";
 
 /**
@@ -22,6 +23,8 @@ import { Scene } from "./scene.js";
  * @property {string} mode of `MODES`
  * @property {number} balance how much of the edge the straightened picture keeps, 0…1
  */
+
+const PATIENCE = 5000; // ms that a browser has to give back what it drew with: a driver that is started anew takes one or two
 
 export class Live {
   #setup;
@@ -50,12 +53,15 @@ export class Live {
   /**
    * Looks and shows until the signal.
    * @param {AbortSignal} signal @param {(off: Misalignment, mode: string) => void} onShown
-   * @returns {Promise<"resized" | null>} resized: the camera's picture has another size than the calibration
+   * @returns {Promise<"resized" | null>} resized: the camera's picture has another size than the calibration; rejects with a
+   *   RectifierError where the GPU is lost and does not come back
    */
   async run(signal, onShown) {
     const { video, detector, calibration } = this.#setup;
+    let drawn = performance.now();
     while (!signal.aborted) {
       await nextFrame(video);
+      if (document.hidden) drawn = performance.now(); // where phones let go of it
       if (signal.aborted || document.hidden) continue;
       const frame = await grab(video);
       this.#frame.drawImage(frame, 0, 0);
@@ -65,6 +71,8 @@ export class Live {
       this.#picture.drawImage(this.#frame.canvas, 0, 0);
       this.#last = { points: ids.map((id) => this.#places[id]), pixels };
       onShown(this.#show(), this.#mode);
+      if (!this.#lost) drawn = performance.now();
+      else if (performance.now() - drawn > PATIENCE) throw new RectifierError("the GPU was lost", true);
     }
     return null;
   }
@@ -86,6 +94,12 @@ export class Live {
     for (const each of this.#made.values()) each.dispose();
     this.#scene.dispose();
     this.#setup.layers.replaceChildren();
+  }
+
+  /** Is anything that is shown drawn by nobody? */
+  get #lost() {
+    const { picture, overlay } = this.#modeNamed(this.#mode);
+    return [this.#scene.canvas, picture, overlay].some((canvas) => canvas?.getContext("webgl2")?.isContextLost());
   }
 
   #show() {

@@ -1,7 +1,7 @@
 // The page that shows what a calibration is for: the same drawing in three ways over the camera's picture.
 import { boardFrom, boardQuery } from "../board/geometry.js";
 import { showProblem } from "../board/problem.js";
-import { CameraError, cameras, open, propose } from "../calibrate/camera.js";
+import { CameraError, cameras, open, play, propose } from "../calibrate/camera.js";
 import { Detector, DetectorError } from "../calibrate/detector.js";
 import { part } from "../dom.js";
 import { explain } from "../faults.js";
@@ -82,7 +82,7 @@ function writeOff() {
 function complaint(error) {
   if (error instanceof CameraError) return t(`capture.fault_${error.code}`, { detail: error.detail });
   if (error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
-  if (error instanceof RectifierError) return t("ar.no_webgl");
+  if (error instanceof RectifierError) return t(error.lost ? "ar.gpu_lost" : "ar.no_webgl");
   return explain(error);
 }
 
@@ -119,9 +119,10 @@ async function start(choice) {
     const opened = await open(choice, { parameters, board, place: document.body, size: SIZE });
     signal.addEventListener("abort", () => opened.close());
     if (signal.aborted) return opened.close();
+    // Before it was permitted the browser's own choice had no id: it is this camera from now on.
+    if (!opened.virtual) chosen = opened.track.getSettings().deviceId || choice;
     opened.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
-    video.srcObject = opened.stream;
-    await video.play();
+    await play(video, opened.stream);
     stage.classList.toggle("mirrored", opened.mirrored);
     // A picture that changes its size, as that of a phone that is turned, is another camera.
     while (!signal.aborted && (await show(opened, signal)) === "resized");
@@ -181,7 +182,16 @@ function draw(name) {
   for (const button of modes) button.setAttribute("aria-pressed", String(button.value === name));
   balance.disabled = name !== "rectified";
   told = -Infinity;
-  if (live) tell(live.mode(name), name);
+  redraw((shown) => shown.mode(name));
+}
+
+/** @param {(shown: Live) => Misalignment} how the same picture is shown in another way */
+function redraw(how) {
+  try {
+    if (live) tell(how(live), mode);
+  } catch (error) {
+    fail(error, run.signal);
+  }
 }
 
 async function listCameras() {
@@ -193,6 +203,10 @@ async function listCameras() {
   camera.value = proposed;
   html("start").classList.toggle("primary", !none);
   for (const button of html("welcome").querySelectorAll(".virtually")) button.classList.toggle("primary", none);
+  // The camera that was pulled out is there again: nobody has to press anything.
+  const { phase, error } = said;
+  const missed = phase === "failed" && error instanceof CameraError && error.code === "unplugged" && chosen !== "virtual";
+  if (missed && choices.some(({ id }) => id === chosen)) void start(chosen);
 }
 
 function restart() {
@@ -202,9 +216,7 @@ function restart() {
 }
 
 for (const button of modes) button.addEventListener("click", () => draw(button.value));
-balance.addEventListener("input", () => {
-  if (live) tell(live.balance(Number(balance.value)), mode);
-});
+balance.addEventListener("input", () => redraw((shown) => shown.balance(Number(balance.value))));
 document.addEventListener("keydown", (event) => {
   if (said.phase !== "live" || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.target instanceof Element && event.target.closest("input, select")) return;
@@ -213,18 +225,24 @@ document.addEventListener("keydown", (event) => {
   else if (event.key.toLowerCase() === "m") moveOn();
 });
 html("move").addEventListener("click", () => moveOn());
-html("start").addEventListener("click", () => start(camera.value));
+const listed = listCameras();
+html("start").addEventListener("click", async () => {
+  await listed; // who is quicker than the browser gets the camera that was asked for all the same
+  void start(camera.value);
+});
 html("again").addEventListener("click", () => start(chosen));
 for (const button of document.querySelectorAll(".virtually")) button.addEventListener("click", () => start("virtual"));
 for (const button of document.querySelectorAll(".elsewhere")) button.addEventListener("click", restart);
 for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll("a.board"))) link.search = boardQuery(board).toString();
 navigator.mediaDevices?.addEventListener("devicechange", listCameras);
+// A phone may have taken the camera away meanwhile.
+document.addEventListener("visibilitychange", () => document.hidden || void listCameras());
 onLanguage(() => {
   write();
   void listCameras();
 });
 showProblem(html("problem"), problem);
-await listCameras();
+await listed;
 openDetector().catch((error) => console.info("detector not loaded yet:", error.message));
 const returning = location.hash.includes("calibration=");
 if (parameters.has("virtual")) void start("virtual");

@@ -1,6 +1,6 @@
 // Where the calibration of the camera that is open comes from.
 import { loadSettings } from "../settings.js";
-import { Calibration, lookup, returned } from "../sdk/calibdb.js";
+import { Calibration, LookupError, lookup, returned } from "../sdk/calibdb.js";
 import { isVirtual, setupFrom } from "../virtual/camera.js";
 
 /**
@@ -31,9 +31,15 @@ async function result(key, parameters) {
   const asked = parameters.get("camera");
   if (!location.hash.includes("calibration=") || (asked !== null && asked !== key.camera)) return null;
   const kept = { state: null, replaceState() {} };
-  const calibration = await returned({ ...(await manner()), history: kept });
+  const calibration = await returned({ ...(await manner()), history: kept }).catch(gone);
   const fits = calibration && calibration.img_size.join() === key.img_size.join() && isVirtual(calibration.camera) === isVirtual(key.camera);
   return fits ? calibration : null;
+}
+
+/** An old link: what it spoke of was withdrawn, or never was. @param {unknown} error */
+function gone(error) {
+  if (error instanceof LookupError && [404, 410].includes(error.status)) return null;
+  throw error;
 }
 
 async function manner() {
