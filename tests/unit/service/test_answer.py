@@ -116,6 +116,7 @@ def test_between_two_zooms_the_lens_is_between_them_and_it_says_so() -> None:
         (((1.0, 900.0), (2.0, 1700.0), (3.0, 1600.0)), 1.5),  # nor everywhere
         (((1.0, 900.0), (4.0, 3600.0)), 2.0),  # too far apart
         (((1.0, 900.0),), 1.5),
+        (((0.0, 900.0), (2.0, 1700.0)), 1.0),  # 0: a browser that does not say; it may have been 1
     ],
 )
 def test_zooms_that_say_nothing_between_them(known: tuple[tuple[float, float], ...], zoom: float) -> None:
@@ -125,6 +126,15 @@ def test_zooms_that_say_nothing_between_them(known: tuple[tuple[float, float], .
 def test_only_what_is_reliable_is_interpolated() -> None:
     known = [consensus(fit(f=900.0), zoom=1.0), consensus(fit(f=1500.0), zoom=2.0, reason="too_few")]
     assert neighbours(known, (1280, 720), 1.5, "rectilinear") is None
+
+
+def test_where_calibrations_disagree_it_is_not_what_lies_between() -> None:
+    known = zoomed((1.0, 900.0), (2.0, 1500.0))
+    too_few = consensus(fit(f=1200.0), zoom=1.5, reason="too_few", calibrations=1)
+    assert neighbours([*known, too_few], (1280, 720), 1.5, "rectilinear") is not None
+    at_odds = consensus(fit(f=1000.0), zoom=1.5, reason="disagree")
+    assert neighbours([*known, at_odds], (1280, 720), 1.5, "rectilinear") is None
+    assert neighbours([*known, at_odds], (1280, 720), 1.6, "rectilinear") is not None
 
 
 def test_the_answer_is_the_calibration_and_more() -> None:
