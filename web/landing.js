@@ -7,6 +7,7 @@ import { known, t } from "./i18n.js";
 import { openPage } from "./page.js";
 import { lookup } from "./sdk/calibdb.js";
 import { loadSettings } from "./settings.js";
+import { sayIn } from "./spoken.js";
 import landing from "./words/landing.js";
 
 /** @type {[number, number]} */
@@ -25,8 +26,8 @@ function drawFigure() {
   drawLine(svg, [[320, 186], [320, 214]], "axis");
 }
 
-/** @param {HTMLElement} outcome */
-async function lookUpMine(outcome) {
+/** @returns {Promise<() => Node[]>} what came of it */
+async function lookUpMine() {
   const { api, token } = await loadSettings();
   const camera = await open("", {
     parameters: new URLSearchParams(), size: [1280, 720], place: document.body, board: DEFAULT_BOARD,
@@ -35,8 +36,8 @@ async function lookUpMine(outcome) {
     const options = { token, api: new URL(api, location.href) };
     const { calibration, guidanceUrl } = await lookup(camera.track, options);
     const name = camera.track.label;
-    if (calibration) outcome.replaceChildren(paragraph(t("landing.yes", { camera: name, count: calibration.calibrations })), json(calibration));
-    else outcome.replaceChildren(paragraph(t("landing.not_yet", { camera: name }), " ", link(t("landing.calibrate_it"), guidanceUrl ?? "./calibrate/")));
+    if (calibration) return () => [paragraph(t("landing.yes", { camera: name, count: calibration.calibrations })), json(calibration)];
+    return () => [paragraph(t("landing.not_yet", { camera: name }), " ", link(t("landing.calibrate_it"), guidanceUrl ?? "./calibrate/"))];
   } finally {
     camera.close();
   }
@@ -86,13 +87,14 @@ if (origin) origin.textContent = location.origin;
 const button = document.getElementById("look");
 const outcome = document.getElementById("outcome");
 if (button instanceof HTMLButtonElement && outcome) {
+  const tell = sayIn(outcome);
   button.addEventListener("click", async () => {
     button.disabled = true;
-    outcome.replaceChildren(paragraph(t("landing.asking")));
+    tell(() => [paragraph(t("landing.asking"))]);
     try {
-      await lookUpMine(outcome);
+      tell(await lookUpMine());
     } catch (error) {
-      outcome.replaceChildren(complaint(error));
+      tell(() => [complaint(error)]);
     } finally {
       button.disabled = false;
     }

@@ -1,6 +1,7 @@
 // The board page: full screen, on another device, on paper; any ChArUco board.
 import { number, onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
+import { sayIn } from "../spoken.js";
 import words from "../words/board.js";
 import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery } from "./geometry.js";
 import { lettering } from "./lettering.js";
@@ -27,10 +28,10 @@ let { board, problem } = boardFrom(query);
 let wrong = null;
 openPage({ board: words });
 
-const status = part("status", HTMLElement);
+const tell = sayIn(part("status", HTMLElement));
 const shown = { frame: part("frame", HTMLElement), canvas: part("board", HTMLCanvasElement), hint: part("hint", HTMLElement) };
 const screenOf = new BoardScreen(shown, board, () => {
-  status.textContent = t("board.may_dim");
+  tell(() => t("board.may_dim"));
 });
 const fields = {
   columns: part("columns", HTMLInputElement), rows: part("rows", HTMLInputElement), ratio: part("ratio", HTMLInputElement),

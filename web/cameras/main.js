@@ -4,6 +4,7 @@ import { el, part } from "../dom.js";
 import { explain } from "../faults.js";
 import { onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
+import { sayIn } from "../spoken.js";
 import { isVirtual } from "../virtual/name.js";
 import words from "../words/cameras.js";
 import result from "../words/result.js";
@@ -16,6 +17,7 @@ const PAUSE = 250; // ms after the last key
 openPage({ cameras: words, result });
 const [searching, status, list, one] = ["searching", "status", "found", "one"].map((id) => part(id, HTMLElement));
 const [input, more] = [part("query", HTMLInputElement), part("more", HTMLButtonElement)];
+const tell = sayIn(status);
 /** @type {Found[]} */
 let found = [];
 /** @type {string | null} */
@@ -43,37 +45,34 @@ function showList() {
   list.replaceChildren(...found.map(item));
   more.hidden = next === null;
   part("legend", HTMLElement).hidden = !found.some(({ sizes }) => sizes.some(({ reliable }) => reliable));
-  status.textContent = found.length ? "" : t(input.value.trim() ? "cameras.none" : "cameras.empty");
 }
 
 /** @param {{further?: boolean}} [options] */
 async function look({ further = false } = {}) {
   const own = ++asked;
-  if (!further) status.textContent = t("cameras.searching");
+  const wait = (/** @type {object | null} */ patience) => own === asked && tell(() => t(patience ? "faults.patience" : "cameras.searching"));
+  if (!further) wait(null);
   try {
-    const answer = await search(input.value.trim(), further ? next : null);
+    const answer = await search(input.value.trim(), further ? next : null, wait);
     if (own !== asked) return;
     found = further ? [...found, ...answer.cameras] : answer.cameras;
     next = answer.next;
     // Where many names begin with the first word, a page of answers may hold none of them.
     if (answer.cameras.length === 0 && next !== null) return await look({ further: true });
     showList();
+    const named = input.value.trim() !== "";
+    tell(() => (found.length ? "" : t(named ? "cameras.none" : "cameras.empty")));
   } catch (error) {
-    if (own === asked) status.textContent = explain(error);
+    if (own === asked) tell(() => explain(error));
   }
 }
 
-/** Why there is nothing to show, and where to go from here. @param {() => string} why */
-function leadOn(why) {
+/** Why there is nothing to show, and where to go from here. */
+function leadOn() {
   const ways = el("div", { class: "actions" });
-  const say = () => {
-    part("waiting-text", HTMLElement).textContent = why();
-    ways.replaceChildren(el("a", { class: "button", href: "./" }, t("cameras.search_all")),
-      el("a", { class: "button", href: "../calibrate/" }, t("cameras.calibrate")));
-  };
+  sayIn(ways)(() => [el("a", { class: "button", href: "./" }, t("cameras.search_all")),
+    el("a", { class: "button", href: "../calibrate/" }, t("cameras.calibrate"))]);
   part("waiting", HTMLElement).append(ways);
-  say();
-  onLanguage(say);
 }
 
 /** @param {string} key */
@@ -81,14 +80,18 @@ async function show(key) {
   searching.hidden = true;
   const waiting = part("waiting", HTMLElement);
   waiting.hidden = false;
+  const say = sayIn(part("waiting-text", HTMLElement));
+  const wait = (/** @type {object | null} */ patience) => say(() => t(patience ? "faults.patience" : "cameras.loading"));
+  wait(null);
   try {
-    shown = await camera(key);
+    shown = await camera(key, wait);
     document.title = `${shown.camera} · calibDB`;
     waiting.hidden = true;
     one.replaceChildren(cameraView(shown, explain));
   } catch (error) {
     const missing = error instanceof ApiError && error.status === 404;
-    leadOn(() => (missing ? t("cameras.missing") : explain(error)));
+    say(() => (missing ? t("cameras.missing") : explain(error)));
+    leadOn();
   }
 }
 

@@ -33,17 +33,22 @@ import { loadSettings } from "../settings.js";
  * @typedef {{key: string, camera: string, platform: string, modes: Mode[]}} CameraPage
  */
 
-/** @param {string} query @param {string | null} [next] where the last page of answers ended @returns {Promise<{cameras: Found[], next: string | null}>} */
-export async function search(query, next = null) {
+/** @typedef {import("../calibrate/api.js").Transport["onPatience"]} OnPatience */
+
+/**
+ * @param {string} query @param {string | null} next where the last page of answers ended @param {OnPatience} onPatience
+ * @returns {Promise<{cameras: Found[], next: string | null}>}
+ */
+export async function search(query, next, onPatience) {
   const { api, token } = await loadSettings();
   const parameters = new URLSearchParams({ query, limit: "20", ...(next ? { after: next } : {}) });
-  return new Api(api).json("GET", `/cameras?${parameters}`, token);
+  return new Api(api, { onPatience }).json("GET", `/cameras?${parameters}`, token);
 }
 
-/** @param {string} key @returns {Promise<CameraPage>} */
-export async function camera(key) {
+/** @param {string} key @param {OnPatience} onPatience @returns {Promise<CameraPage>} */
+export async function camera(key, onPatience) {
   const { api, token } = await loadSettings();
-  return new Api(api).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
+  return new Api(api, { onPatience }).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
 }
 
 /**

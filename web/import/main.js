@@ -4,7 +4,7 @@ import { observedOutline } from "../calibrate/area.js";
 import { part } from "../dom.js";
 import { explain as fault } from "../faults.js";
 import { sayChosen } from "../file-input.js";
-import { number, onLanguage, t } from "../i18n.js";
+import { number, onLanguage, sized, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { ranked } from "../photos/rank.js";
 import { calibrate } from "../photos/series.js";
@@ -13,6 +13,7 @@ import { ResultView } from "../result/view.js";
 import { platformHere } from "../sdk/calibdb.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../settings.js";
+import { sayIn } from "../spoken.js";
 import words from "../words/import.js";
 import photos from "../words/photos.js";
 import result from "../words/result.js";
@@ -46,6 +47,7 @@ const parts = {
 };
 const [columns, rows, width, height] = ["columns", "rows", "width", "height"].map((id) => part(id, HTMLInputElement));
 const view = new ResultView(part("result", HTMLElement));
+const tell = sayIn(parts.status);
 /** @type {Measured | null} */
 let measured = null;
 /** @type {{guess: Guess, name: string} | null} */
@@ -78,7 +80,7 @@ function clear() {
   judgements.clear();
   view.clear();
   complain(null);
-  parts.status.textContent = "";
+  tell();
   parts.table.hidden = true;
   show();
 }
@@ -97,21 +99,21 @@ async function take(file) {
   clear();
   try {
     if (file.size > LARGEST) throw new MalformedError("large", { most: LARGEST / 1e6 });
-    parts.status.textContent = t("import.reading", { name: file.name });
+    tell(() => t("import.reading", { name: file.name }));
     const content = await contentOf(file);
     if (mine !== turn) return;
-    parts.status.textContent = "";
+    tell();
     const found = read(content);
     if (found.kind === "guess") {
       guessed = { guess: found, name: file.name };
-      parts.status.textContent = t("import.was_read", { name: file.name });
+      tell(() => t("import.was_read", { name: file.name }));
     }
     if (found.kind === "keypoints") accept(found.views, found.size);
     if (found.kind === "table") ask(found.text, found.squares);
     show();
   } catch (error) {
     if (mine !== turn) return;
-    parts.status.textContent = "";
+    tell();
     complain(error);
   }
 }
@@ -131,7 +133,7 @@ function ask(content, squares) {
   text = content;
   [columns.value, rows.value] = squares?.map(String) ?? ["", ""];
   parts.table.hidden = false;
-  parts.status.textContent = t("import.which_board");
+  tell(() => t("import.which_board"));
   (squares ? width : columns).focus();
 }
 
@@ -146,10 +148,10 @@ function accept(views, size) {
 function summarise() {
   if (!measured) return;
   const { board, size, views, count } = measured;
-  parts.status.textContent = [
-    t("import.found", { count, squares: board.squares.join(" × "), size: size.join(" × ") }),
+  tell(() => [
+    t("import.found", { count, squares: sized(board.squares), size: sized(size) }),
     ...(count > views.length ? [t("import.best", { most: views.length })] : []),
-  ].join(" ");
+  ].join(" "));
 }
 
 /** @param {Set<unknown>} [without] views that are left out this time */
@@ -170,10 +172,10 @@ async function start(without = new Set()) {
       zoom: webcam ? 0 : Number(parts.focal.value) || 0, board,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value),
     };
-    parts.status.textContent = t("photos.calibrating");
+    tell(() => t("photos.calibrating"));
     const usable = views.filter((each) => each.points.length >= FEWEST_CORNERS && !without.has(each));
     const onPatience = (/** @type {object | null} */ patience) => {
-      if (mine === turn) parts.status.textContent = t(patience ? "faults.patience" : "photos.calibrating");
+      if (mine === turn) tell(() => t(patience ? "faults.patience" : "photos.calibrating"));
     };
     const { state, numbers } = await calibrate(new Api(address, { onPatience }), token, request, usable, (judgement) => {
       if (mine !== turn) return;
@@ -183,17 +185,19 @@ async function start(without = new Set()) {
     if (mine !== turn) return;
     const id = state.calibration_id;
     if (!id) {
-      parts.status.textContent = state.uncertainty ? t("import.not_enough", { rms: number(state.uncertainty.rms, 1) }) : t("import.nothing_taken");
+      const { uncertainty } = state;
+      tell(() => (uncertainty ? t("import.not_enough", { rms: number(uncertainty.rms, 1) }) : t("import.nothing_taken")));
       return;
     }
-    parts.status.textContent = t("photos.done", { count: [...judgements.values()].filter(({ accepted }) => accepted).length });
+    const taken = [...judgements.values()].filter(({ accepted }) => accepted);
+    tell(() => t("photos.done", { count: taken.length }));
     const { calibration, report } = await load(id);
     const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map((index) => usable[numbers.get(index) ?? -1])]));
     view.show({ calibration, report, origin: "imported", returnTo: query.get("return_to"), returnOrigins, goOn, explain });
     document.getElementById("verdict")?.focus();
   } catch (error) {
     if (mine !== turn) return;
-    parts.status.textContent = "";
+    tell();
     complain(error);
   } finally {
     parts.start.disabled = false;
@@ -210,9 +214,6 @@ function speak() {
   for (const option of parts.model.options) option.textContent = t(`photos.model_${option.value}`);
   showKind();
   if (wrong !== null) complain(wrong);
-  if (guessed) parts.status.textContent = t("import.was_read", { name: guessed.name });
-  else if (text && !measured) parts.status.textContent = t("import.which_board");
-  else if (judgements.size === 0) summarise();
   show();
 }
 
@@ -243,7 +244,7 @@ parts.table.addEventListener("submit", (event) => {
   try {
     accept(table(text, [columns.valueAsNumber, rows.valueAsNumber]), [width.valueAsNumber, height.valueAsNumber]);
   } catch (error) {
-    parts.status.textContent = "";
+    tell();
     complain(error);
   }
   show();

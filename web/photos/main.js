@@ -15,6 +15,7 @@ import { imagePlot, make, short } from "../result/svg.js";
 import { ResultView } from "../result/view.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../settings.js";
+import { sayIn } from "../spoken.js";
 import capture from "../words/capture.js";
 import words from "../words/photos.js";
 import result from "../words/result.js";
@@ -44,6 +45,7 @@ const parts = {
   wanted: part("wanted", HTMLElement), board: part("board", HTMLElement), problem: part("problem", HTMLElement),
 };
 const view = new ResultView(part("result", HTMLElement));
+const [tell, want] = [sayIn(parts.status), sayIn(parts.wanted)];
 /** @type {Picture[]} */
 let pictures = [];
 /** @type {Map<Picture, Judgement>} */
@@ -74,7 +76,7 @@ const openDetector = () => (detector ??= Detector.open(board).catch((error) => {
 /** What was found out about the pictures chosen holds no more. @returns {number} the turn that begins */
 function discard() {
   view.clear();
-  parts.wanted.replaceChildren();
+  want();
   judgements.clear();
   judged = false;
   return ++turn;
@@ -117,10 +119,10 @@ async function look(files) {
   /** @type {UnreadableError[]} */
   const unreadable = [];
   try {
-    parts.status.textContent = t("photos.loading");
+    tell(() => t("photos.loading"));
     const finder = await openDetector();
     for (const [index, file] of files.entries()) {
-      parts.status.textContent = t("photos.looking", { name: file.name });
+      tell(() => t("photos.looking", { name: file.name }));
       parts.progress.value = index / files.length;
       try {
         for await (const shot of shots(file, signal)) {
@@ -139,10 +141,10 @@ async function look(files) {
     }
     proposeKey();
     const views = groups(pictures).reduce((sum, { members }) => sum + members.length, 0);
-    parts.status.textContent = [t("photos.found", { count: views, all: pictures.length }), ...(views === 0 ? [t("photos.which_board")] : []),
-      ...reasons(unreadable)].join(" ");
+    const values = { count: views, all: pictures.length };
+    tell(() => [t("photos.found", values), ...(views === 0 ? [t("photos.which_board")] : []), ...reasons(unreadable)].join(" "));
   } catch (error) {
-    if (!signal.aborted) parts.status.textContent = explain(error);
+    if (!signal.aborted) tell(() => explain(error));
   } finally {
     parts.progress.hidden = true;
   }
@@ -178,9 +180,9 @@ async function start(without = new Set()) {
       camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,
     };
-    parts.status.textContent = t("photos.calibrating");
+    tell(() => t("photos.calibrating"));
     const onPatience = (/** @type {object | null} */ patience) => {
-      if (mine === turn) parts.status.textContent = t(patience ? "faults.patience" : "photos.calibrating");
+      if (mine === turn) tell(() => t(patience ? "faults.patience" : "photos.calibrating"));
     };
     const outcome = await calibrate(new Api(address, { onPatience }), token, request, views, (judgement) => {
       if (mine !== turn) return;
@@ -189,7 +191,7 @@ async function start(without = new Set()) {
     });
     if (mine === turn) await finish(outcome, views, returnOrigins, without);
   } catch (error) {
-    if (mine === turn) parts.status.textContent = explain(error);
+    if (mine === turn) tell(() => explain(error));
   } finally {
     parts.start.disabled = false;
   }
@@ -204,11 +206,11 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   const id = state.calibration_id;
   if (!id) {
     const { uncertainty } = state;
-    parts.status.textContent = uncertainty ? t("photos.not_enough", { rms: number(uncertainty.rms, 1) }) : t("photos.nothing_taken");
-    if (wanted) parts.wanted.replaceChildren(advice(wanted, state.img_size));
+    tell(() => (uncertainty ? t("photos.not_enough", { rms: number(uncertainty.rms, 1) }) : t("photos.nothing_taken")));
+    if (wanted) want(() => [advice(wanted, state.img_size)]);
     return;
   }
-  parts.status.textContent = t("photos.done", { count: taken.length });
+  tell(() => t("photos.done", { count: taken.length }));
   const { calibration, report } = await load(id);
   const picture = await canvasOf(taken[0]);
   if (mine !== turn) return;
@@ -276,7 +278,7 @@ for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
 }
 parts.series.addEventListener("change", () => {
   discard();
-  parts.status.textContent = "";
+  tell();
   proposeKey();
   showPictures();
 });
@@ -289,7 +291,7 @@ part("clear", HTMLButtonElement).addEventListener("click", () => {
   discard();
   pictures = [];
   origins.clear();
-  parts.status.textContent = "";
+  tell();
   showSeries();
   showPictures();
   parts.files.focus();

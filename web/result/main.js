@@ -3,9 +3,10 @@ import { ApiError } from "../calibrate/api.js";
 import { el, part } from "../dom.js";
 import { explain } from "../faults.js";
 import { sayChosen } from "../file-input.js";
-import { onLanguage, t } from "../i18n.js";
+import { sized, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { loadSettings } from "../settings.js";
+import { sayIn } from "../spoken.js";
 import words from "../words/result.js";
 import { load } from "./source.js";
 import { ResultView } from "./view.js";
@@ -15,24 +16,24 @@ import { ResultView } from "./view.js";
 openPage({ result: words });
 const query = new URLSearchParams(location.search);
 const root = part("result", HTMLElement);
-const status = part("status", HTMLElement);
+const say = sayIn(part("status", HTMLElement));
 const view = new ResultView(root);
 
 /** A picture of this camera to straighten. @param {Result} result */
 function offerPicture(result) {
   const [width, height] = result.calibration.img_size;
   const input = part("picture", HTMLInputElement);
-  const problem = part("picture-problem", HTMLElement);
+  const complain = sayIn(part("picture-problem", HTMLElement));
   part("trial", HTMLElement).hidden = false;
   sayChosen(input);
   input.addEventListener("change", async () => {
     const [file] = input.files ?? [];
     if (!file) return;
-    problem.textContent = "";
+    complain();
     try {
       const picture = await createImageBitmap(file);
       if (picture.width * height !== picture.height * width) {
-        problem.textContent = t("result.picture_shape", { size: `${width} × ${height}` });
+        complain(() => t("result.picture_shape", { size: sized([width, height]) }));
         return;
       }
       const canvas = el("canvas", { width, height });
@@ -41,32 +42,27 @@ function offerPicture(result) {
       document.getElementById("result-straight")?.scrollIntoView();
     } catch (error) {
       if (!(error instanceof DOMException)) throw error;
-      problem.textContent = t("result.picture_unreadable");
+      complain(() => t("result.picture_unreadable"));
     }
   });
 }
 
 /** Why there is nothing to show, and where to go from here. @param {() => string} why */
 function leadOn(why) {
-  const say = () => {
-    status.textContent = why();
-    ways.replaceChildren(el("a", { class: "button", href: "../cameras/" }, t("result.search")),
-      el("a", { class: "button", href: "../calibrate/" }, t("result.calibrate")));
-  };
   const ways = el("div", { class: "actions" });
+  sayIn(ways)(() => [el("a", { class: "button", href: "../cameras/" }, t("result.search")),
+    el("a", { class: "button", href: "../calibrate/" }, t("result.calibrate"))]);
   part("waiting", HTMLElement).append(ways);
-  say();
-  onLanguage(say);
+  say(why);
 }
 
 async function show() {
   const id = query.get("id");
-  if (!id) {
-    leadOn(() => t("result.no_id"));
-    return;
-  }
+  if (!id) return leadOn(() => t("result.no_id"));
+  const onPatience = (/** @type {object | null} */ patience) => say(() => t(patience ? "faults.patience" : "result.loading"));
+  onPatience(null);
   try {
-    const [{ calibration, report }, { return_origins: returnOrigins }] = await Promise.all([load(id), loadSettings()]);
+    const [{ calibration, report }, { return_origins: returnOrigins }] = await Promise.all([load(id, [], { onPatience }), loadSettings()]);
     part("waiting", HTMLElement).hidden = true;
     /** @type {Result} */
     const result = { calibration, report, origin: "stored", returnTo: query.get("return_to"), returnOrigins, explain };

@@ -19,11 +19,12 @@ const path = (id, query = {}) => `/calibrations/${encodeURIComponent(id)}${Objec
 
 /**
  * @param {string} id @param {number[]} [without] indices of views: what it would be had they not been taken
+ * @param {Partial<import("../calibrate/api.js").Transport>} [transport]
  * @returns {Promise<{calibration: Calibration, report: Report | null}>} rejects as Api does: 422 where nothing is left to fit
  */
-export async function load(id, without = []) {
+export async function load(id, without = [], transport = {}) {
   const { api, token } = await loadSettings();
-  const { report = null, ...calibration } = await new Api(api).json("GET", path(id, leaving(without)), token);
+  const { report = null, ...calibration } = await new Api(api, transport).json("GET", path(id, leaving(without)), token);
   return { calibration, report };
 }
 

@@ -1,0 +1,45 @@
+"""Who chooses another language in the middle of something reads all of the page in it."""
+
+from playwright.sync_api import BrowserContext, Page
+
+from .scenes import no_network, unreadable
+
+
+def speak(page: Page, language: str) -> None:
+    page.locator("#language").select_option(language)
+
+
+def test_what_the_pages_have_said_is_said_again_in_another_language(page: Page) -> None:
+    page.goto("/?lang=en")
+    page.locator("#look").click()
+    page.locator("#outcome", has_text="No camera was found").wait_for()
+    speak(page, "de")
+    page.locator("#outcome", has_text="keine Kamera").wait_for()
+
+    page.goto("/cameras/?query=nobodys&lang=en")
+    page.locator("#status", has_text="No camera of that name is known.").wait_for()
+    speak(page, "uk")
+    page.locator("#status", has_text="Камери з такою назвою не знаємо.").wait_for()
+
+    page.goto("/photos/?lang=en")
+    page.locator("#files").set_input_files([unreadable("IMG_0001.HEIC")])
+    page.locator("#status", has_text="found in 0 of 0").wait_for()
+    speak(page, "de")
+    page.locator("#status", has_text="IMG_0001.HEIC").wait_for()
+    assert "found" not in (page.locator("#status").text_content() or "")
+
+
+def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_every_language(
+    context: BrowserContext,
+) -> None:
+    page = context.new_page()  # refused requests are errors in the console
+    for path in ("/cameras/?query=c920", "/cameras/?key=c2.none", "/result/?id=none"):
+        no_network(page)
+        page.goto(f"{path}&lang=en")
+        page.locator("[role=status]", has_text="calibDB cannot be reached just now. Trying again.").wait_for()
+        page.unroute("**/v1/**")
+        page.route("**/v1/**", lambda route: route.fulfill(status=403, json={}))
+        page.locator("[role=status]", has_text="does not accept this page's token").wait_for()
+        speak(page, "de")
+        page.locator("[role=status]", has_text="erkennt diese Seite nicht an").wait_for()
+        page.unroute("**/v1/**")
