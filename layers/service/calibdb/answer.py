@@ -72,9 +72,9 @@ def neighbours(
     """Return the calibrations at the zooms around `zoom`; None where nothing can be said between them.
 
     Between two zooms a lens is taken to change evenly only if it does so over all calibrated ones: the
-    focal lengths grow with the zoom, and do not double from one to the next. Calibrations that disagree at this
-    very zoom say that it is not what lies between. And 0 is what a browser that knows no zoom says: it may be
-    any.
+    focal lengths grow with the zoom, and do not double from one to the next. Calibrations that disagree at
+    this very zoom say that it is not what lies between. And 0 is what a browser says that knows no zoom: it
+    may be any.
     """
     if any((c.img_size, c.zoom, c.reason) == (img_size, zoom, "disagree") for c in known):
         return None

@@ -17,8 +17,8 @@ from calibdb.errors import TooManyError, UnavailableError
 from calibdb.plans import Kind, plan
 from calibdb.tokens import ApiToken
 
-# Seconds for which a token is remembered. The edge keeps answers to GET lookups for 20 more: together less than
-# the minute after which a revoked token opens nothing any more.
+# Seconds for which a token is remembered. The edge keeps answers to GET lookups for 20 more: together less
+# than the minute after which a revoked token opens nothing any more.
 MEMORY = 30.0
 BATCH = 250  # lookups that are written down together
 PATIENCE = 600.0  # seconds after which fewer are

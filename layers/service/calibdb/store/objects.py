@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from mypy_boto3_s3 import S3Client
 
-# 409: another write of the same name is under way. It may yet fail, so nobody knows whether the name is taken.
+# 409: another write of the same name is under way. It may yet fail: nobody knows whether the name is taken.
 _UNDECIDED = "ConditionalRequestConflict"
 _ATTEMPTS = 5
 _MOST_AT_ONCE = 1000  # objects that S3 removes in one request
