@@ -85,6 +85,24 @@ CHANGING = """
   await session.end();
   return { seen, answers };
 """
+#: what views say from the frame on in which the video shows another picture, while nobody answers
+TURNED = """
+  const { useCamera } = await import("/webxr/camera.js");
+  const { video, resize } = await webcam([1280, 720], label);
+  let silent = false;
+  const slowly = (...request) => (silent ? new Promise(() => {}) : fetch(...request));
+  const stop = await useCamera(video, { token: "cdb_dev_local", cache: null, fetch: slowly });
+  const session = await navigator.xr.requestSession("immersive-ar");
+  await layered(session);
+  const space = await session.requestReferenceSpace("local");
+  const before = await until(session, space, (view) => view.distortionModel);
+  silent = true;
+  resize(720, 1280);
+  const after = await until(session, space, () => video.videoWidth === 720);
+  stop();
+  await session.end();
+  return { before, after };
+"""
 IMMERSIVE = """
   const { extend } = await import("/webxr/extension.js");
   const { install, isNeeded } = await import("/webxr/install.js");
@@ -205,3 +223,11 @@ def test_a_camera_that_is_turned_is_asked_for_again(context: BrowserContext, api
         "other_size",
         (1280, 720),
     ]
+
+
+def test_a_picture_that_is_turned_never_has_the_former_ones_matrix(page: Page, api: httpx.Client) -> None:
+    known = calibrated(api)
+    page.goto("/board/")
+    seen = page.evaluate(script(TURNED, label=LABEL))
+    check_answered(seen["before"], known)
+    check_nothing(seen["after"])

@@ -40,7 +40,9 @@ export async function useCamera(video, { rectify = false, pose, place, onAnswer,
   /** @type {Calibration | null} */
   let known = null;
   // A phone was turned just now: what is known is of another picture, until that is answered.
-  const current = () => (known?.img_size[0] === video.videoWidth && known.img_size[1] === video.videoHeight ? known : null);
+  const holds = (/** @type {import("./extension.js").Intrinsics} */ { img_size: size }) =>
+    size?.[0] === video.videoWidth && size[1] === video.videoHeight;
+  const current = () => (known && holds(known) ? known : null);
   const straightened = rectify ? await straightening(onError) : undefined;
   if (installed || (await isNeeded())) {
     installed = true;
@@ -52,7 +54,7 @@ export async function useCamera(video, { rectify = false, pose, place, onAnswer,
   const again = extend(async (_, model, size) => {
     if (size) return null; // raw camera access shows another picture than the video, and the browser knows that one
     return (await lookup(track, { ...wish, onNeedCalibration: undefined, model })).calibration;
-  }, { model: options.model, onError });
+  }, { model: options.model, onError, holds });
   return watch(track, wish, (answer) => {
     if (answer instanceof Error) return onError(answer);
     known = answer.calibration;

@@ -31,6 +31,7 @@ import { COEFFICIENTS } from "../sdk/projection.js";
  * @typedef {object} Options
  * @property {any} [global] where the WebXR classes are
  * @property {string} [model] of sessions that ask for none
+ * @property {(known: Intrinsics) => boolean} [holds] asked in each frame whether what is known is of the picture that is shown then
  * @property {(error: unknown) => void} [onError] told what a provider rejected with; the views stay as they were
  *
  * @typedef {object} State of a session
@@ -49,7 +50,7 @@ const UNKNOWN = { cameraMatrix: null, distortionCoefficients: null, distortionMo
  * @param {Provider} provider @param {Options} [options]
  * @returns {(session?: object) => Promise<void>} asks the provider again, for all running sessions unless told: the camera has changed
  */
-export function extend(provider, { global = globalThis, model = "rectilinear", onError = console.warn } = {}) {
+export function extend(provider, { global = globalThis, model = "rectilinear", holds = () => true, onError = console.warn } = {}) {
   const { XRView, XRFrame, XRSession, XRRenderState } = global;
   if (!XRView) throw new TypeError("there is no WebXR here: install() the polyfill first");
   const first = checked(model);
@@ -99,7 +100,8 @@ export function extend(provider, { global = globalThis, model = "rectilinear", o
     if (turned) state.size = [camera.width, camera.height];
     if (turned || state.asked === 0) void ask(this.session);
     // As it is in this frame: a view does not change its camera while it is drawn.
-    for (const view of pose.views) views.set(view, attributesOf(view, state.known));
+    const known = state.known && holds(state.known) ? state.known : null;
+    for (const view of pose.views) views.set(view, attributesOf(view, known));
     return pose;
   });
   for (const name of /** @type {(keyof Attributes)[]} */ (Object.keys(UNKNOWN))) {

@@ -1,0 +1,91 @@
+"""The overlay page's camera: asked for by name, pulled out, plugged in again, and without a picture."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import BrowserContext, Page
+
+from .specimens import answer, result
+from .test_ar import WEBCAM
+from .waiting import until
+
+#: one camera that is there or not, and what was asked of it
+PLUGGED = f"""{WEBCAM}
+  Object.assign(window, {{ there: true }});
+  const {{ enumerateDevices: list, getUserMedia: give }} = navigator.mediaDevices;
+  navigator.mediaDevices.enumerateDevices = async () => window.there ? list() : [];
+  navigator.mediaDevices.getUserMedia = async ({{ video }}) => {{
+    window.asked = video;
+    return window.stream = await give();
+  }};
+"""
+LATE = """
+  const { enumerateDevices: now } = navigator.mediaDevices;
+  const listed = new Promise((resolve) => window.answer = resolve);
+  navigator.mediaDevices.enumerateDevices = () => listed.then(now);
+"""
+NO_PICTURE = """
+  navigator.mediaDevices.getUserMedia = async () =>
+    Object.assign(document.createElement("canvas"), { width: 1280, height: 720 }).captureStream(0);
+"""
+PULL = """() => {
+  window.there = false;
+  const [track] = window.stream.getTracks();
+  track.stop();
+  track.dispatchEvent(new Event("ended"));
+  navigator.mediaDevices.dispatchEvent(new Event("devicechange"));
+}"""
+PLUG = """() => {
+  window.there = true;
+  navigator.mediaDevices.dispatchEvent(new Event("devicechange"));
+}"""
+
+
+@pytest.fixture
+def known(page: Page) -> Page:
+    answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True, "exact_size": True})
+    return page
+
+
+def test_it_is_found_again_as_the_page_says(known: Page) -> None:
+    known.add_init_script(PLUGGED)
+    known.goto("/ar/")
+    known.locator("#start").click()
+    known.locator("#instruction:not(:empty)").wait_for()
+    known.evaluate(PULL)
+    known.locator("#failure", has_text="this page goes on by itself").wait_for()
+    known.evaluate(PLUG)
+    known.locator("#instruction:not(:empty)").wait_for()
+    assert known.evaluate("window.asked.deviceId") == {"exact": "c920"}
+
+
+def test_who_is_quicker_than_the_list_gets_the_one_that_was_asked_for(known: Page) -> None:
+    known.add_init_script(PLUGGED + LATE)
+    known.goto("/ar/?camera=Overlay+Test+Camera+(1234:0a12)")
+    known.locator("#start").click()
+    known.evaluate("window.answer()")
+    known.locator("#instruction:not(:empty)").wait_for()
+    assert known.evaluate("window.asked.deviceId") == {"exact": "c920"}
+
+
+@pytest.mark.parametrize(("address", "where"), [("/ar/", "#failure"), ("/examples/three/", "#problem")])
+def test_without_a_picture_it_is_said_to_send_none(page: Page, address: str, where: str) -> None:
+    page.clock.install()
+    page.add_init_script(WEBCAM + NO_PICTURE)
+    page.goto(address)
+    page.locator("#start").click()
+
+    def said() -> bool:
+        page.clock.run_for(5_000)
+        return "The camera is open and sends no picture." in (page.locator(where).text_content() or "")
+
+    until(page, said)
+
+
+def test_a_link_to_a_result_that_is_gone_asks_calibdb(context: BrowserContext) -> None:
+    page = context.new_page()  # "gone" is an error in the console
+    page.add_init_script(WEBCAM)
+    page.route("**/v1/calibrations/**", lambda route: route.fulfill(status=410, json={"detail": "withdrawn"}))
+    answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True, "exact_size": True})
+    page.goto("/ar/#calibration=gone")
+    page.locator("#facts", has_text="from calibDB").wait_for()
