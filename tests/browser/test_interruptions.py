@@ -183,8 +183,15 @@ def test_a_view_that_the_service_has_is_not_taken_back_without_it(context: Brows
 
 
 def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> None:
+    held: list[Route] = []
+    page.route("**/v1/calibrations/*", lambda route: held.append(route))
     page.goto(VIRTUAL)
+    page.locator("#once-more").focus()
+    until(page, lambda: held)
+    held[0].continue_()
+    page.unroute("**/v1/calibrations/*")
     done(page)
+    assert page.locator("#once-more:focus").count() == 1, "the report leaves the focus where it is"
     assert "This was practice" in (page.locator("#practice").text_content() or "")
     assert page.locator("#practice").is_visible()
     assert "/result/?id=" in address(page)

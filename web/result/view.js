@@ -65,7 +65,8 @@ export class ResultView {
     const { calibration, report } = trial ?? result;
     const straight = result.picture ? comparison(calibration, result.picture) : null;
     if (straight) this.#held.push(straight.dispose);
-    const focused = document.activeElement?.id === "verdict";
+    // The report arrives while somebody is on the way to a button.
+    const focused = this.#root.contains(document.activeElement) ? document.activeElement?.id : "";
     this.#root.replaceChildren(...[
       opening({ ...result, calibration, report }, trial),
       result.returnTo && !trial ? returning(result) : null,
@@ -78,7 +79,7 @@ export class ResultView {
       band("take", files({ calibration, explain: result.explain, of: { id: result.calibration.id, without: trial?.without ?? [] } })),
       band("help", el("p", { id: "summary" }, helped(result))),
     ].filter((section) => section !== null));
-    if (focused) document.getElementById("verdict")?.focus();
+    if (focused) document.getElementById(focused)?.focus();
   }
 
   /** @param {Result} result @returns {import("./views.js").Choices | null} */
