@@ -80,6 +80,7 @@ CHANGING = """
     resize(...size);
     track.dispatchEvent(new Event("configurationchange"));
     seen.push(await until(session, space, (view) => (view.distortionModel !== null) === known));
+    while (answers.length < seen.length) await new Promise(requestAnimationFrame);
   }
   stop();
   await session.end();
