@@ -17,7 +17,7 @@ from tests.data import data_dir
 
 from .conftest import CHROMIUM, executable
 from .firefox import in_firefox
-from .pace import TRIES, slowness
+from .pace import TRIES, USUAL, WORK
 
 LENSES = {
     "rectilinear": (900.0, [-0.28, 0.09, 0.001, -0.0005, -0.01]),
@@ -47,12 +47,12 @@ WARPED = """async ([asked, png]) => {
   }
   return made;
 }"""
-MADE_AND_GONE = """async ([calibration, count]) => {
+MADE_AND_GONE = """async ([calibration, scale, count]) => {
   const { Rectifier } = await import("/sdk/rectifier.js");
   const picture = new OffscreenCanvas(1280, 720);
   picture.getContext("2d").fillRect(0, 0, 1280, 720);
   for (let each = 0; each < count; each++) {
-    const rectifier = new Rectifier(calibration, { balance: 0.5 });
+    const rectifier = new Rectifier(calibration, { balance: 0.5, scale });
     rectifier.draw(picture);
     rectifier.dispose();
     await new Promise((done) => setTimeout(done));
@@ -94,6 +94,17 @@ AT_RATE = """async ([calibration, rate]) => {
   const dropped = shown.at(-1) - shown[0] + 1 - shown.length;
   return { dropped, median: spent.sort((a, b) => a - b)[spent.length >> 1] };
 }"""
+
+# Tried until no frame is dropped; a machine that is slower than usual is shown fewer of them.
+RATE_KEPT = f"""async (calibration) => {{
+  const found = [];
+  while (found.length < {TRIES}) {{
+    const rate = {RATE} / Math.max(1, await ({WORK})() / {USUAL});
+    found.push({{ rate, ...await ({AT_RATE})([calibration, rate]) }});
+    if (found.at(-1).dropped === 0 && found.at(-1).median < 1000 / rate) break;
+  }}
+  return found;
+}}"""
 
 
 def calibration(model: str) -> dict[str, Any]:
@@ -195,8 +206,8 @@ def memory(pid: int) -> int:
     return below + (4096 * int(pages.read_text().split()[1]) if pages.exists() else 0)
 
 
-@pytest.mark.thorough
-def test_two_hundred_leave_nothing_behind(playwright: Any, stack: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("scale", [0.25, pytest.param(1, marks=pytest.mark.thorough)])
+def test_two_hundred_leave_nothing_behind(playwright: Any, stack: str, tmp_path: Path, scale: float) -> None:
     if not Path("/proc/self/statm").exists():
         (pytest.fail if os.environ.get("CI") else pytest.skip)("no /proc to measure with")
     context = playwright.chromium.launch_persistent_context(
@@ -211,13 +222,13 @@ def test_two_hundred_leave_nothing_behind(playwright: Any, stack: str, tmp_path:
         for path in Path("/proc").glob("[0-9]*/cmdline")
         if f"--user-data-dir={tmp_path}".encode() in (line := read(path)) and b"--type=" not in line
     ]
-    page.evaluate(MADE_AND_GONE, [calibration("rectilinear"), 20])
+    page.evaluate(MADE_AND_GONE, [calibration("rectilinear"), scale, 20])
     before = memory(browser)
-    page.evaluate(MADE_AND_GONE, [calibration("rectilinear"), 180])
+    page.evaluate(MADE_AND_GONE, [calibration("rectilinear"), scale, 180])
     after = memory(browser)
     print(f"{before / 1e6:.0f} MB after 20, {after / 1e6:.0f} MB after 200")
-    # A map and a picture are 11 MB.
-    assert after - before < 180 * 11e6 / 10
+    map_and_picture = 1280 * 720 * (8 * scale**2 + 4)
+    assert after - before < 180 * map_and_picture / 10
     assert not [text for text in warnings if "Too many active WebGL contexts" in text]
     context.close()
 
@@ -229,14 +240,19 @@ def read(path: Path) -> bytes:
         return b""  # it has ended
 
 
+def check_rate(tries: list[dict[str, float]]) -> None:
+    print(tries)
+    assert tries[-1]["dropped"] == 0
+    assert tries[-1]["median"] < 1000 / tries[-1]["rate"]
+
+
 @pytest.mark.alone
 def test_no_frame_is_dropped_at_half_size(page: Page) -> None:
     page.goto("/board/")
-    for _ in range(TRIES):
-        rate = RATE / slowness(page)
-        found = page.evaluate(AT_RATE, [calibration("rectilinear"), rate])
-        print(f"at {rate:.1f} frames/s: {found}")
-        if found["dropped"] == 0 and found["median"] < 1000 / rate:
-            break
-    assert found["dropped"] == 0
-    assert found["median"] < 1000 / rate
+    check_rate(page.evaluate(RATE_KEPT, calibration("rectilinear")))
+
+
+@pytest.mark.alone
+def test_no_frame_is_dropped_at_half_size_in_firefox(stack: str) -> None:
+    run = f"() => ({RATE_KEPT})({json.dumps(calibration('rectilinear'))})"
+    check_rate(in_firefox(f"{stack}/board/", run))
