@@ -26,7 +26,8 @@ from infra.local.stack import DEVELOPMENT_TOKEN
 from infra.local.storage import Answer
 
 PRICES = Path(__file__).with_name("prices.yaml")
-MOST = {"a million lookups": 2.0, "a finished calibration": 0.0006}  # USD
+LOOKUPS, CALIBRATION = "a million lookups", "a finished calibration"
+MOST = {LOOKUPS: 2.0, CALIBRATION: 0.0006}  # USD
 _CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 _ENOUGH = 5  # calibrations, that a lookup hits
 _GB = 1e9
@@ -257,7 +258,12 @@ def measured(lookups: int = 200) -> dict[str, Use]:
         with meter.running() as lookup:
             for _ in range(lookups):
                 meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
-    return {"a million lookups": lookup, "a finished calibration": calibration}
+    return {LOOKUPS: lookup, CALIBRATION: calibration}
+
+
+def scale(name: str, use: Use) -> float:
+    """Return how often what was measured makes what `name` says."""
+    return 1e6 / use.requests if name == LOOKUPS else 1.0
 
 
 def main(say: Callable[[str], None] = print) -> int:
@@ -265,14 +271,14 @@ def main(say: Callable[[str], None] = print) -> int:
     prices = yaml.safe_load(PRICES.read_text(encoding="utf-8"))
     status = 0
     for name, use in measured().items():
-        scale = 1e6 / use.requests if name == "a million lookups" else 1.0
-        parts = {part: scale * usd for part, usd in price(use, prices).items()}
+        times = scale(name, use)
+        parts = {part: times * usd for part, usd in price(use, prices).items()}
         total = sum(parts.values())
         say(f"{name}: {total:.6f} USD, at most {MOST[name]}")
         for part, usd in parts.items():
             say(f"  {part:16} {usd:.6f}")
-        if name == "a million lookups":
-            asked, known = at_the_edge(parts, scale * use.sent, prices)
+        if name == LOOKUPS:
+            asked, known = at_the_edge(parts, times * use.sent, prices)
             enough = max(0.0, (asked - MOST[name]) / (asked - known))
             say(f"  through CloudFront {asked:.2f} where it must ask, {known:.2f} where it has the answer:")
             say(f"  at most {MOST[name]} where it has {math.ceil(100 * enough)} % of them")
