@@ -64,7 +64,8 @@ def resolve(
 ) -> Resolved:
     """Return what is known of a camera.
 
-    `read` is asked once where the camera is known under its own key, and never more than twice.
+    `read` is asked once where the camera is known under its own key, and no well known one beside it; never
+    more than twice.
     """
 
     def at(key: str, known: Known) -> Resolved:
@@ -72,6 +73,11 @@ def resolve(
 
     known = read(identity.key)
     own = at(identity.key, known)
+    alone = identity.usb_id is None and identity.distinct and not private
+    if own.helps and alone and len(known.well_known) == 1:
+        # Few could say anything under the name alone of what many know under the id that it means.
+        other = at(known.well_known[0], read(known.well_known[0]))
+        return other if _outnumbers(other.choice.found, own.choice.found) else own
     if own.helps or not (identity.distinct or private):
         return own
     if identity.usb_id is None:
@@ -90,3 +96,11 @@ def resolve(
             return own
         other = at(identity.name_key, named)
     return other if other.helps or own.choice.reason == "unknown_camera" else own
+
+
+def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) -> bool:
+    """Tell whether more contributors are behind `other`, of the same size."""
+    if other is None or own is None or other.calibration is None or own.calibration is None:
+        return False
+    more = other.calibration.contributors > own.calibration.contributors
+    return more and other.img_size == own.img_size

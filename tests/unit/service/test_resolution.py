@@ -1,9 +1,12 @@
 """By which key a camera is found; and how often the index is read for it."""
 
+from typing import Any
+
 import pytest
 
 from calibdb import resolution
 from calibdb.camera_key import identify
+from calibdb.schema import ConsensusDocument
 from calibdb.store import Known
 from tests.known import C920, LINUX, consensus, fit
 
@@ -51,6 +54,28 @@ def test_what_is_known_under_the_name_alone_comes_first() -> None:
     few = consensus(camera="HD Pro Webcam C920", reason="too_few", calibrations=2)
     index = {FIREFOX.key: Known([few], (CHROME.key,)), CHROME.key: Known([consensus()])}
     assert resolve(index)[0] == CHROME.key
+
+
+def test_few_under_the_name_alone_do_not_outvote_many_under_the_id_that_it_means() -> None:
+    def of(contributors: int, **made: Any) -> ConsensusDocument:
+        stored = consensus(**made)
+        assert stored.calibration is not None
+        said = stored.calibration.model_copy(update={"contributors": contributors})
+        return stored.model_copy(update={"calibration": said})
+
+    few = of(3, camera="HD Pro Webcam C920")
+    for contributors, wins in ((12, True), (4, True), (3, False)):
+        many = of(contributors)
+        index = {
+            FIREFOX.key: Known([few], (CHROME.key,), well_known=(CHROME.key,)),
+            CHROME.key: Known([many]),
+        }
+        assert resolve(index) == ((CHROME.key, many, 2) if wins else (FIREFOX.key, few, 2))
+        assert resolve(index, private=True) == (FIREFOX.key, few, 1)
+    elsewhere = {**index, CHROME.key: Known([of(12, of=fit((640, 360)))])}
+    assert resolve(elsewhere) == (FIREFOX.key, few, 2), "another size says nothing of this one"
+    two = {**index, FIREFOX.key: Known([few], (CHROME.key, OTHER.key), well_known=(CHROME.key, OTHER.key))}
+    assert resolve(two) == (FIREFOX.key, few, 1), "which of the two it is nobody can say"
 
 
 def test_a_name_under_which_calibrations_disagree_is_no_one_cameras() -> None:
