@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Page, Route
 
 from .conftest import OUTPUT, ROOT
+from .firefox import in_firefox
 from .waiting import until
 from .webxr import LABEL, calibrated, script
 
@@ -48,6 +49,37 @@ RUN = """
   for (let frame = 0; frame < 10; frame++) {
     await new Promise((done) => renderer.xr.getSession().requestAnimationFrame(done));
   }
+"""
+#: three.js' own manager of WebXR, on a webcam that is known from the start
+MANAGED = """
+  const { extend } = await import("/webxr/extension.js");
+  const { install } = await import("/webxr/install.js");
+  const { BoxGeometry, Mesh, MeshBasicMaterial, PerspectiveCamera, Scene, WebGLRenderer } =
+    await import("/vendor/engines/three.js");
+  const { video } = await webcam();
+  install({ video, pinhole: () => known.rectilinear });
+  extend(async (_, model) => known[model]);
+  const renderer = new WebGLRenderer({ alpha: true });
+  document.body.append(renderer.domElement);
+  renderer.xr.enabled = true;
+  renderer.xr.setReferenceSpaceType("local");
+  const session = await navigator.xr.requestSession("immersive-ar");
+  await renderer.xr.setSession(session);
+  const [scene, camera] = [new Scene(), new PerspectiveCamera()];
+  const box = new Mesh(new BoxGeometry(), new MeshBasicMaterial());
+  box.position.z = -4;
+  scene.add(box);
+  const seen = await new Promise((done) => renderer.setAnimationLoop((_, frame) => {
+    renderer.render(scene, camera);
+    const [view] = frame?.getViewerPose(renderer.xr.getReferenceSpace())?.views ?? [];
+    if (!view?.distortionModel) return;
+    const { projectionMatrix } = renderer.xr.getCamera().cameras[0];
+    const eyes = renderer.xr.getCamera().cameras.length;
+    done({ ...look(view), eyes, p: [...view.projectionMatrix], three: projectionMatrix.elements });
+  }));
+  renderer.setAnimationLoop(null);
+  await session.end();
+  return { ...seen, drawn: renderer.info.render.triangles, presenting: renderer.xr.isPresenting };
 """
 
 
@@ -120,3 +152,10 @@ def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, A
     print(f"distortion moves the points by {bent.round(1)} px; {off.round(3)} px off")
     assert bent.max() > 30
     assert off.max() < 1
+
+
+def test_its_manager_runs_in_firefox_too(stack: str) -> None:
+    seen = in_firefox(f"{stack}/board/", script(MANAGED))
+    assert (seen["matrix"], seen["model"]) == ([500, 0, 0, 0, 505, 0, 325, 178, 1], "rectilinear")
+    assert seen["three"] == pytest.approx(seen["p"], abs=1e-6)
+    assert (seen["eyes"], seen["drawn"], seen["presenting"]) == (1, 12, False)
