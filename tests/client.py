@@ -97,7 +97,7 @@ class Client:
     def pose(self, query: str = "") -> Answer:
         return self.call("GET", "/v1/session/pose", headers={"accept": "application/json"}, query=query)
 
-    def view(self, index: int, ids: object, points: object) -> Answer:
+    def view(self, index: float, ids: object, points: object) -> Answer:
         return self.call("POST", "/v1/session/views", {"index": index, "ids": ids, "points": points})
 
     def state(self) -> Any:

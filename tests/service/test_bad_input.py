@@ -248,6 +248,16 @@ def test_a_strange_host_is_no_matter(stack: LocalStack) -> None:
         assert stack.request("GET", "/healthz", headers={"host": host}).status == 200
 
 
+def test_whole_numbers_may_be_written_with_a_point(client: Client) -> None:
+    client.open(img_size=[1280.0, 720.0], board={"squares": [9.0, 6.0]})
+    state = client.state()
+    assert (state["img_size"], state["board"]["squares"]) == ([1280, 720], [9, 6])
+    ids, points = Truth().see(client.pose().json)
+    assert client.view(0.0, [float(i) for i in ids], points).json["accepted"]
+    assert client.view(0, ids, points).json["accepted"]  # the same once more
+    assert client.lookup(img_size=[1280.0, 720.0], redirect=False).status == 404
+
+
 def test_what_is_wrong_is_not_said_to_be_missing_too(guided: Client) -> None:
     view = {"index": 1, "ids": [0.5], "points": [[1.0, 2.0]]}
     assert names(guided.call("POST", "/v1/session/views", view)) == ["ids.0"]

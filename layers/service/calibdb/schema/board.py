@@ -7,7 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
-from calibdb.schema.fields import Strict
+from calibdb.schema.fields import Strict, Whole
 
 # fmt: off
 Dictionary = Literal[
@@ -29,7 +29,7 @@ _MARKERS = {  # of those whose name does not say it
 }
 
 # Two rows of corners need three rows of squares; one row of corners is a line, and a line fixes no pose.
-SquareCount = Annotated[int, Field(strict=True, ge=3, le=50)]
+SquareCount = Annotated[int, Field(strict=True, ge=3, le=50), Whole]
 
 
 class Board(Strict):

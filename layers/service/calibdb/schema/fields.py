@@ -72,7 +72,15 @@ Label = Annotated[
     StringConstraints(strip_whitespace=True, min_length=1, max_length=256),
     BeforeValidator(_in_one_line),
 ]
-Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE)]
+
+
+def _whole(value: object) -> object:
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+# JSON does not tell 1280 from 1280.0, and many a program's sizes are the latter.
+Whole = BeforeValidator(_whole)
+Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE), Whole]
 
 
 def _camera_like(size: tuple[int, int]) -> tuple[int, int]:
@@ -92,8 +100,8 @@ Zoom = Annotated[
     AfterValidator(_canonical),
 ]
 TargetError = Annotated[float, Field(ge=1e-3, le=100, description="px")]
-Index = Annotated[int, Field(strict=True, ge=0, le=MAX_INDEX)]
-CornerId = Annotated[int, Field(strict=True, ge=0, lt=MAX_CORNERS)]
+Index = Annotated[int, Field(strict=True, ge=0, le=MAX_INDEX), Whole]
+CornerId = Annotated[int, Field(strict=True, ge=0, lt=MAX_CORNERS), Whole]
 Coordinate = Annotated[float, Field(ge=-1.0, le=LARGEST_SIDE)]
 Point = tuple[Coordinate, Coordinate]
 Pixel = tuple[float, float]
