@@ -147,6 +147,21 @@ def test_a_camera_of_which_nothing_counts_any_more_is_not_found(
     assert cameras.search("", 10, None) == ([], None)
 
 
+def test_an_earlier_key_leads_to_the_camera_while_a_calibration_made_under_it_counts(
+    calibrations: Calibrations, cameras: Cameras
+) -> None:
+    key = "c2-hd-pro-webcam-c920-0123456789ab"
+    old, older = (calibration(number=n, key=key) for n in range(2))
+    for document in (old, older, calibration(number=2)):
+        calibrations.publish(document)
+    calibrations.withdraw(old, "a test", 0)
+    assert cameras.known(key).same_as
+    calibrations.withdraw(older, "a test", 0)
+    assert cameras.known(key).same_as == ()
+    assert cameras.known(NAMED.key).same_as, "its name is that of the one that counts, too"
+    assert len(cameras.search("c920", 10, None)[0]) == 1
+
+
 def test_publishing_again_writes_no_more_than_it_must(
     calibrations: Calibrations, table: Table, monkeypatch: pytest.MonkeyPatch
 ) -> None:

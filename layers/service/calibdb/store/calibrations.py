@@ -91,8 +91,7 @@ class Calibrations:
         content = json.dumps({"layout": 1, "id": document.id, "reason": reason, "time": now})
         created = self._objects.create(_tombstone(document.id), content.encode())
         self.index(document, withdrawn=True)
-        if not self.modes(today(document).camera_key):
-            self._catalogue.remove(document)
+        self._catalogue.remove(document, [name for _, name in self._standing(today(document).camera_key)])
         return created
 
     def newest(self, mode: Mode, limit: int, period: int = 0) -> list[Counted]:
@@ -115,12 +114,14 @@ class Calibrations:
 
     def modes(self, camera_key: str) -> list[Mode]:
         """Return the sizes and zooms at which the camera was calibrated."""
+        modes = {mode for mode, _ in self._standing(camera_key)}
+        return sorted(modes, key=lambda mode: (mode.img_size, mode.zoom))
+
+    def _standing(self, camera_key: str) -> list[tuple[Mode, str]]:
+        """Return mode and id of every calibration of the camera that was not withdrawn."""
         items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True)
         parsed = (parse_calibration_sk(str(item["sk"])) for item in items if "withdrawn" not in item)
-        return sorted(
-            {Mode(camera_key, found[0], found[1]) for found in parsed if found},
-            key=lambda mode: (mode.img_size, mode.zoom),
-        )
+        return [(Mode(camera_key, found[0], found[1]), found[2]) for found in parsed if found]
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
         """Return the calibrations with these ids, those that there are, in their order."""

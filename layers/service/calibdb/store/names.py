@@ -12,6 +12,7 @@ All of them follow from the calibrations alone, so that the index can be rebuilt
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from calibdb.camera_key import PATTERN, Identity, current, identify, public_label, public_platform
@@ -58,11 +59,16 @@ class Names:
             self._search(named)
             self._written.add(named)
 
-    def remove(self, document: CalibrationDocument) -> None:
-        """Forget the names: no calibration of the camera counts any more."""
+    def remove(self, document: CalibrationDocument, left: Sequence[str]) -> None:
+        """Forget the names that only this calibration gave; `left`: ids of those that count beside it."""
         named = _named(document)
-        for item in (*_aliases(named), *_search_items(named)):
-            self._table.delete(str(item["pk"]), str(item["sk"]))
+        gone = _aliases(named) if left else [*_aliases(named), *_search_items(named)]
+        others = {_OWN_ID.sub("", other) for other in left}
+        if left and named.identity.usb_id:
+            others |= named.identity.name_keys
+        for item in gone:
+            if str(item["pk"]) not in map(camera_pk, others):
+                self._table.delete(str(item["pk"]), str(item["sk"]))
         self._written.discard(named)
 
     def _alias(self, named: _Named) -> None:
