@@ -56,6 +56,7 @@ export function choose(wanted, kept, preferred) {
 export function setLanguage(chosen) {
   current = chosen;
   keep(chosen);
+  if (asked() !== null) history.replaceState(null, "", inLanguage(location.href, chosen));
   if (globalThis.document) translate(document.documentElement);
   for (const listener of listeners) listener(chosen);
 }
@@ -156,8 +157,15 @@ function write(element, text) {
   element.replaceChildren(...content);
 }
 
+/** An address that asks for a language. @param {string} address @param {string} language @returns {URL} */
+export function inLanguage(address, language) {
+  const there = new URL(address);
+  there.searchParams.set("lang", language);
+  return there;
+}
+
 /** The language that the address asks for. */
-function asked() {
+export function asked() {
   return globalThis.location ? new URLSearchParams(location.search).get("lang") : null;
 }
 

@@ -2,6 +2,7 @@
 
 from playwright.sync_api import BrowserContext, Page
 
+from .interruptions import ENDLESS
 from .scenes import no_network, unreadable
 
 
@@ -43,3 +44,16 @@ def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_ev
         speak(page, "de")
         page.locator("[role=status]", has_text="erkennt diese Seite nicht an").wait_for()
         page.unroute("**/v1/**")
+
+
+def test_a_language_that_was_chosen_stays_whatever_the_address_asked_for(page: Page) -> None:
+    page.goto(f"{ENDLESS}&lang=en")
+    page.locator("#undo:enabled").wait_for()
+    speak(page, "uk")
+    page.reload()
+    page.locator("#stop", has_text="Зупинити").wait_for()
+    page.goto("/calibrate/?lang=de")
+    page.locator("#go-on", has_text="Weitermachen").click()
+    page.locator("#controls:not([hidden])").wait_for()
+    assert page.locator("#stop").text_content() == "Aufhören", "what is gone on with speaks as who goes on"
+    assert page.url.endswith("&lang=de")

@@ -273,7 +273,7 @@ async function listInterrupted() {
 async function goOn() {
   const { interrupted } = state;
   if (!interrupted) return;
-  if (interrupted.address !== address(parameters)) return goTo(interrupted.address);
+  if (address(interrupted.address) !== address(parameters)) return goTo(interrupted.address);
   size = JSON.parse(interrupted.about).img_size;
   await capture(state.cameras.find(({ label }) => label === interrupted.camera)?.id ?? parts.camera.value);
 }
@@ -308,6 +308,7 @@ for (const [sense, box] of /** @type {[import("./feedback.js").Sense, HTMLInputE
   box.addEventListener("change", () => feedback.switch(sense, box.checked));
 }
 onLanguage(() => {
+  if (parameters.has("lang")) parameters.set("lang", language());
   sizes.write();
   render(parts, state, null);
   void listCameras();
