@@ -1,10 +1,13 @@
 """Functions see the variables they would see on AWS, and boto3 looks where it should."""
 
 import os
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from textwrap import dedent
 
 import boto3
 import pytest
@@ -101,3 +104,24 @@ def test_storage_elsewhere_is_used_and_nothing_is_made_there(
 def test_storage_elsewhere_must_be_named(template: Path) -> None:
     with pytest.raises(TemplateError, match="TABLE and BUCKET do not say where"):
         LocalStack(template=template).__enter__()
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="asks Linux which libraries are loaded")
+def test_the_functions_compute_on_one_thread_each() -> None:
+    """With more, two seconds became half a minute where other programs wanted the processors, too."""
+    script = """
+        import ctypes
+        from infra.local import LocalStack
+        with LocalStack() as stack:
+            stack.warm()
+            with open("/proc/self/maps") as maps:
+                (library,) = {line.split()[-1] for line in maps if "openblas" in line and "numpy" in line}
+            blas = ctypes.CDLL(library)
+            names = ("scipy_openblas_get_num_threads64_", "openblas_get_num_threads")
+            print([getattr(blas, name)() for name in names if hasattr(blas, name)])
+    """
+    environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    run = subprocess.run(
+        [sys.executable, "-c", dedent(script)], capture_output=True, text=True, check=False, env=environment
+    )
+    assert run.stdout == "[1]\n", run.stderr
