@@ -1,0 +1,61 @@
+"""In whatever order things happen, the table says what the bucket says; `CALIBDB_ROUNDS` times, 8 by default."""
+
+import os
+import random
+
+from calibdb import schema
+from calibdb.store.names import today
+from infra.local import LocalStack
+from infra.ops import withdrawal
+from infra.ops.desk import Desk
+from infra.ops.reindex import reindex
+from tests.client import Truth
+from tests.published import asked, calibration, held, mode_of, store
+from tests.table import items
+
+ROUNDS = int(os.environ.get("CALIBDB_ROUNDS", "8"))
+LABELS = "Webcam Z77 (1111:0001)", "Webcam Z77 (1111:0002)", "Webcam Z77", "Integrated Camera (2222:0003)"
+RULES = {"MIN_CALIBRATIONS": "2", "MIN_CONTRIBUTORS": "2", "CONTRIBUTOR_PERIOD": "86400"}
+
+
+def candidates() -> list[schema.CalibrationDocument]:
+    """Two of each camera, and one that was made under a key of earlier rules."""
+    found = []
+    for label in LABELS:
+        one, two = (calibration(label, n) for n in range(2))
+        key = "c1-webcam-0123456789ab" if "Webcam" in label else "c1-integrated-0123456789ab"
+        old = {"camera_key": key, "id": two.id.replace(two.camera_key, key), "contributor": "of old"}
+        found += [one, two, two.model_copy(update=old)]
+    return found
+
+
+def vote(of: schema.CalibrationDocument, rng: random.Random) -> schema.VoteDocument:
+    seen = held(Truth(seed=rng.randrange(9)), 3)
+    views = tuple(
+        schema.ViewDocument(index=i, ids=ids, points=points) for i, (ids, points) in enumerate(seen)
+    )
+    changed = {"id": f"6553f1{rng.randrange(16**14):014x}", "views": views, "source": f"v{rng.randrange(5)}"}
+    return schema.VoteDocument(**{**of.model_dump(exclude={"fits"}), **changed}, noise=0.2)
+
+
+def test_nothing_is_found_that_the_table_did_not_say() -> None:
+    rng, documents = random.Random(3), candidates()
+    done: set[str] = set()
+    with LocalStack(environment=RULES) as stack:
+        desk = Desk.of(stack.environment, secret_known=True, say=lambda _: None)
+        for _ in range(ROUNDS):
+            for document in rng.choices(documents, k=4):
+                what = rng.choice(("publish", "publish", "withdraw", "restore", "vote"))
+                if what == "publish":
+                    desk.store.calibrations.publish(document)
+                    done.add(document.id)
+                elif what == "vote":
+                    store(stack).votes.cast(vote(document, rng))
+                elif document.id in done and what == "withdraw":
+                    withdrawal.withdraw(desk, document.id, "wrong")
+                elif document.id in done and desk.store.calibrations.withdrawn(document):
+                    withdrawal.restore(desk, document.id)
+                desk.store.refit.now(asked(mode_of(today(document))))
+            before = items(stack)
+            reindex(desk)
+            assert items(stack) == before
