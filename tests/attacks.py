@@ -19,13 +19,18 @@ KINDS = ("focal", "shift", "each", "junk")
 
 @dataclass(frozen=True)
 class Trial:
-    """One camera: what is answered without the liars and with them, and how far the answer moved, px."""
+    """One camera: what is answered without the liars and with them, and how far the answer moved, px.
+
+    `by_honest` is how far it moved with as many more honest ones in their place; None where nothing reliable
+    was answered then, or nobody asked.
+    """
 
     kind: str
     total: int
     clean: Consensus
     attacked: Consensus | None
     moved: float
+    by_honest: float | None = None
 
     @property
     def reliable(self) -> bool:
@@ -38,11 +43,18 @@ class Trial:
         return self.reliable and self.moved > MOVED
 
 
-def trial(rng: np.random.Generator, kind: str, total: int, variation: float = 0.0, views: int = 5) -> Trial:
+def trial(
+    rng: np.random.Generator,
+    kind: str,
+    total: int,
+    variation: float = 0.0,
+    views: int = 5,
+    others: np.random.Generator | None = None,
+) -> Trial:
     """Forty in a hundred of a camera's calibrations are lies, all from two contributors.
 
     `variation` is the standard deviation of the focal lengths of honest specimens, as a share; that of the
-    principal point is as many image widths.
+    principal point is as many image widths. `others` makes two honest contributors to compare the liars with.
     """
     cameras = synthetic.rectilinear_cameras()
     camera = cameras[int(rng.integers(len(cameras)))]
@@ -59,12 +71,28 @@ def trial(rng: np.random.Generator, kind: str, total: int, variation: float = 0.
     clean = pool(honest, size, "rectilinear", RULE)
     everybody = [*liars, *honest]
     members = [everybody[i] for i in rng.permutation(total)]
+    by_honest = None
+    if others is not None:
+        more = [
+            Member(
+                f"x{i}",
+                f"x{i % 2}",
+                tuple(specimens.views(vary(camera, variation, others), others, count=views)),
+            )
+            for i in range(bad)
+        ]
+        unharmed = pool([*honest, *more], size, "rectilinear", RULE)
+        by_honest = apart(clean, unharmed) if unharmed.reliable else None
     try:
         attacked = pool(members, size, "rectilinear", RULE)
     except CalibrationError:
-        return Trial(kind, total, clean, None, 0.0)
-    moved = float(compare([clean.calibration, attacked.calibration])[0, 1])
-    return Trial(kind, total, clean, attacked, moved)
+        return Trial(kind, total, clean, None, 0.0, by_honest)
+    return Trial(kind, total, clean, attacked, apart(clean, attacked), by_honest)
+
+
+def apart(one: Consensus, other: Consensus) -> float:
+    """Difference of two answers, px rms over the image."""
+    return float(compare([one.calibration, other.calibration])[0, 1])
 
 
 def vary(camera: Camera, variation: float, rng: np.random.Generator) -> Camera:

@@ -30,6 +30,9 @@ HEADER = [
     "moved at most",
     "95 %",
     "by more than 0.5 px and the stated spread",
+    "honest ones in the liars' place: reliable",
+    "moved by > 0.5 px",
+    "95 %",
 ]
 
 
@@ -55,25 +58,31 @@ def poisoning(cameras: int) -> str:
 
 @dataclass(frozen=True)
 class Tried:
-    """What became of one camera; `moved` px and the `spread` that the answer states, px."""
+    """What became of one camera; `moved` px and the `spread` that the answer states, px.
+
+    `by_honest`: px that honest ones in the liars' place moved it by, None where no answer was reliable.
+    """
 
     clean: bool
     reliable: bool
     moved: float
     spread: float
+    by_honest: float | None
 
 
 def tried(number: int, variation: float) -> Tried:
     """The camera of this number: the same one whenever it is asked for."""
-    rng = np.random.default_rng((7, number))
-    trial = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)), variation)
+    rng, others = np.random.default_rng((7, number)), np.random.default_rng((8, number))
+    trial = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)), variation, others=others)
     clean = trial.clean.total < 5 or trial.clean.reliable
-    return Tried(clean, trial.reliable, trial.moved, trial.attacked.spread if trial.attacked else 0.0)
+    spread = trial.attacked.spread if trial.attacked else 0.0
+    return Tried(clean, trial.reliable, trial.moved, spread, trial.by_honest)
 
 
 def row(variation: float, trials: Sequence[Tried]) -> list[str]:
     answered = [t for t in trials if t.reliable]
     moved = [t.moved for t in answered]
+    scatter = [t.by_honest for t in trials if t.by_honest is not None]
     return [
         f"{variation:.1%}",
         f"{len(trials):,}",
@@ -83,6 +92,9 @@ def row(variation: float, trials: Sequence[Tried]) -> list[str]:
         f"{np.max(moved):.2f} px",
         f"{np.quantile(moved, 0.95):.2f} px",
         str(sum(t.moved > max(attacks.MOVED, t.spread) for t in answered)),
+        f"{len(scatter) / len(trials):.1%}",
+        str(sum(m > attacks.MOVED for m in scatter)),
+        f"{np.quantile(scatter, 0.95):.2f} px",
     ]
 
 

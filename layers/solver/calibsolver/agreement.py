@@ -23,6 +23,8 @@ FEW = 14.0
 """What the spread among a few may hide: of m its square is multiplied by 1 + (FEW / (m - 1))^2."""
 CLEARLY = 4.0
 """Square of the spread / of what noise explains, from which specimens or sessions clearly differ."""
+FEWEST = 5
+"""Contributors of whom two may be left out and the others still show how much they differ."""
 MANY = 8
 """Calibrations that show whether they are two heaps."""
 BOAST = 2.0
@@ -189,26 +191,43 @@ def sway(calibrations: Sequence[Calibration], contributors: Sequence[str]) -> tu
     """How far what calibrations agree on hangs on two contributors, px rms over the image.
 
     Every contributor weighs the same. Returned are the distance by which the middle moves without those two
-    that move it most, and by how much the tightest majority shows that specimens differ: its spread beyond
-    the noise, 0 where noise explains it; infinite where there are no more than two.
+    that move it most, and by how much specimens differ: 0 where noise explains the spread of the tightest
+    majority, else the spread beyond the noise of the contributors but those two. Of fewer than five the
+    others would show nothing: there it is the tightest majority's; with two the distance is infinite.
     """
     names, who = np.unique(np.asarray(contributors), return_inverse=True)
     if len(names) < 3:
         return np.inf, 0.0
     weights = 1 / np.bincount(who)[who]
     x = fields(calibrations, int(np.argmin(compare(calibrations).sum(axis=1))))
+    noise2 = predicted(calibrations)
     each = np.stack([np.average(x[who == c], axis=0) for c in range(len(names))])
+    far, others = without_two(each)
+    inner = _tightest(x, weights)
+    spread2, least2 = _spread2(x[inner], weights[inner]), float(np.mean(noise2[inner]))
+    if spread2 <= CLEARLY * least2:
+        return far, 0.0
+    if len(names) >= FEWEST:
+        own2 = [np.mean(noise2[who == c]) / np.sum(who == c) for c in others]
+        spread2, least2 = _spread2(each[others], np.ones(len(others))), float(np.mean(own2))
+    return far, float(np.sqrt(max(spread2 - least2, 0.0)))
+
+
+def _spread2(x: Array, weights: Array) -> float:
+    """Mean square distance of rows (c, n) from their middle."""
+    return float(np.sum((x - np.average(x, axis=0, weights=weights)) ** 2)) / max(len(x) - 1, 1)
+
+
+def without_two(each: Array) -> tuple[float, IntArray]:
+    """How far the middle of rows (c, n), c >= 3, moves without the two that move it most, and who is left."""
+    # Without a and b the middle of c rows lies at -(a + b) / (c - 2) from that of all.
     from_middle = each - each.mean(axis=0)
-    # Without a and b the middle of n lies at -(a + b) / (n - 2) from that of all.
     square = np.sum(from_middle**2, axis=1)
     pairs = square[:, None] + square + 2 * from_middle @ from_middle.T
-    np.fill_diagonal(pairs, 0.0)
-    inner = _tightest(x, weights)
-    middle = np.average(x[inner], axis=0, weights=weights[inner])
-    spread2 = float(np.sum((x[inner] - middle) ** 2)) / max(len(inner) - 1, 1)
-    noise2 = float(np.mean(predicted(calibrations)[inner]))
-    core = spread2 - noise2 if spread2 > CLEARLY * noise2 else 0.0
-    return float(np.sqrt(max(pairs.max(), 0.0))) / (len(names) - 2), float(np.sqrt(core))
+    np.fill_diagonal(pairs, -1.0)
+    worst = np.unravel_index(np.argmax(pairs), pairs.shape)
+    others = np.setdiff1d(np.arange(len(each)), worst)
+    return float(np.sqrt(max(pairs[worst], 0.0))) / (len(each) - 2), others
 
 
 def _larger_side(x: Array, harmless: float, weights: Array) -> IntArray | None:

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from . import models
-from .agreement import compare, groups, sway
+from .agreement import FEWEST, compare, groups, sway
 from .arrays import Array
 from .calibration import Calibration
 from .camera import Camera
@@ -24,10 +24,15 @@ FOLDS = 5
 """Parts of a group that are left out in turn."""
 
 
-SWAY, SWAY_OF_SPREAD = 0.0004, 3.5
+SWAY = 0.0004
 """Where contributors are told apart, no two of them may together move the answer by more than this share of
-the image's width, half a pixel of 1,280; or, where specimens differ, by so many times what the tightest
-majority of them do beyond their noise."""
+the image's width, half a pixel of 1,280; or, where specimens differ, by `by_chance` times what the others do
+beyond their noise."""
+SWAY_BY_CHANCE, SWAY_OF_MANY = (3.0, 1.73, 1.23, 0.97, 0.81, 0.7), 5.5
+"""How far the two of five, six ... ten contributors that move the middle most do so, over the spread of the
+others, in seven of eight sets that differ along one direction by chance; of more, over their number - 2."""
+SWAY_OF_FEW = 3.5
+"""The same of three or four contributors, over the spread of the tightest majority."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,9 +192,17 @@ def doubt(
         return "few_contributors"
     if rule.min_contributors > 1:
         by_two, core = sway([c for _, c in group], contributors)
-        if by_two > max(SWAY * img_size[0], SWAY_OF_SPREAD * core):
+        if by_two > max(SWAY * img_size[0], by_chance(len(set(contributors))) * core):
             return "disagree"
     return None
+
+
+def by_chance(contributors: int) -> float:
+    """How far two of so many may move the middle, over the spread of the others."""
+    if contributors < FEWEST:
+        return SWAY_OF_FEW
+    at = contributors - FEWEST
+    return SWAY_BY_CHANCE[at] if at < len(SWAY_BY_CHANCE) else SWAY_OF_MANY / (contributors - 2)
 
 
 def weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from calibsolver import fit
-from calibsolver.agreement import compare, gather
-from calibsolver.consensus import Member, pool
+from calibsolver.agreement import compare, gather, without_two
+from calibsolver.consensus import Member, by_chance, pool
 from tests import attacks, specimens, synthetic
 
 
@@ -30,6 +30,18 @@ def test_what_hangs_on_two_contributors_is_no_answer(number: int) -> None:
     assert found.moved > attacks.MOVED
     assert found.attacked is not None
     assert (found.clean.reliable or found.clean.total < 5, found.attacked.reason) == (True, "disagree")
+
+
+@pytest.mark.parametrize("contributors", [5, 6, 7, 8, 9, 10, 11, 12, 13, 20, 30])
+def test_the_same_share_of_honest_ones_hangs_on_two_however_many_they_are(contributors: int) -> None:
+    """Made-up differences along one direction: one set in eight is refused, give or take the simulation."""
+    rng = np.random.default_rng(contributors)
+    refused, sets = 0, 1000
+    for _ in range(sets):
+        x = rng.normal(size=(contributors, 1))
+        far, others = without_two(x)
+        refused += far > by_chance(contributors) * float(np.std(x[others], ddof=1))
+    assert 0.09 < refused / sets < 0.16
 
 
 def test_liars_alone_are_never_the_answer() -> None:
