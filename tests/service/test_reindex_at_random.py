@@ -1,4 +1,4 @@
-"""In whatever order things happen, the table says what the bucket says; `CALIBDB_ROUNDS` times, 8 by default."""
+"""In whatever order things happen, the table says what the bucket says; `CALIBDB_ROUNDS` times (8)."""
 
 import os
 import random
