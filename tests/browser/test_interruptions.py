@@ -149,13 +149,13 @@ def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_
     page.route("**/v1/**", lambda route: route.abort())
     page.route("**/config.json", lambda route: route.abort())
     page.goto(VIRTUAL)
-    hear(page, "notice", "calibDB cannot be reached. Go on")
+    hear(page, "away", "Without connection: go on, views are kept here")
     page.locator("#counts", has_text=re.compile("[2-7] of 8 kept here")).wait_for()
 
     page.goto("/calibrate/")
     page.locator("#interrupted-text", has_text="are kept on this device").wait_for()
     page.locator("#go-on").click()
-    hear(page, "notice", "views are kept on this device: go on")
+    hear(page, "away", "Without connection")
     page.locator("#instruction", has_text="Enough views. Waiting for calibDB").wait_for()
     assert (page.locator("#counts").text_content() or "").endswith("8 of 8 kept here")
     page.locator("#undo").click()
@@ -173,7 +173,7 @@ def test_a_view_that_the_service_has_is_not_taken_back_without_it(context: Brows
     page.locator("#undo:enabled").wait_for()
     page.route("**/v1/**", lambda route: route.abort())
     page.reload()
-    hear(page, "notice", "kept on this device: go on")
+    hear(page, "away", "Without connection: go on")
     said = ""
     while "cannot be taken back until calibDB is there" not in said:  # what was taken meanwhile is, before
         before = len(heard(page, "notice"))

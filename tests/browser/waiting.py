@@ -49,7 +49,7 @@ def listen(page: Page) -> None:
 
 def heard(page: Page, where: str) -> list[str]:
     """All that a page has said in one place since it was opened."""
-    texts: list[str] = page.evaluate("(id) => window.said[id]", where)
+    texts: list[str] = page.evaluate("(id) => window.said[id] ?? []", where)  # none yet before it is there
     return texts
 
 

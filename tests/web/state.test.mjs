@@ -188,8 +188,8 @@ test("without the service, views are kept and counted, and the target is the pag
 });
 
 test("without the service there is an end: eight views, or three more where it went on asking", () => {
-  const offline = (stored) => reduce(capturing(), { type: "offline", stored, time: 1 });
-  assert.deepEqual([offline(0).notice.key, offline(3).notice.key, offline(3).phase], ["capture.went_away", "capture.offline_kept", "capturing"]);
+  const offline = (stored) => reduce(capturing(), { type: "offline", stored });
+  assert.deepEqual([offline(0).notice, offline(3).away, offline(3).phase], [null, true, "capturing"]);
   assert.deepEqual([wantedAway(offline(0)), isEnough(offline(7)), isEnough(offline(8))], [8, false, true]);
   const views = Array.from({ length: 7 }, (_, index) => ({ index, points: 40, rms: 0.1 }));
   const late = reduce(reduce(capturing(), { type: "session", session: { ...SESSION, views } }), { type: "away", stored: 2 });

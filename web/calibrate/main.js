@@ -198,7 +198,7 @@ async function converse(request, signal) {
   signal.throwIfAborted();
   dispatch({ type: "request", request: session.request });
   if (answer) dispatch({ type: "session", session: answer, stored: session.waiting });
-  else dispatch({ type: "offline", stored: session.size, time: performance.now() });
+  else dispatch({ type: "offline", stored: session.size });
   return session;
 }
 

@@ -78,7 +78,7 @@ import { viewCount, wantedAway } from "./session.js";
  *   | {type: "session", session: SessionState, stored?: number}
  *   | {type: "request", request: State["request"]}
  *   | {type: "model", model: Wanted["distortion_model"]}
- *   | {type: "offline", stored: number, time: number}
+ *   | {type: "offline", stored: number}
  *   | {type: "pose", pose: Pose, picture: string | null, time: number}
  *   | {type: "frame", detection: Detection, time: number}
  *   | {type: "busy"}
@@ -142,13 +142,10 @@ export function reduce(state, event) {
     case "model":
       return { ...state, wanted: { ...state.wanted, distortion_model: event.model } };
     case "offline":
-      return notify(
-        {
-          ...state, phase: "capturing", session: null, away: true, stored: event.stored, begunWith: event.stored, patience: 0,
-          progress: UNSURE * Math.min(1, event.stored / wantedAway({ session: null })),
-        },
-        event.stored ? { key: "capture.offline_kept", kind: "plain", values: { count: event.stored } } : { key: "capture.went_away", kind: "plain" },
-        event.time);
+      return {
+        ...state, phase: "capturing", session: null, away: true, stored: event.stored, begunWith: event.stored, patience: 0,
+        progress: UNSURE * Math.min(1, event.stored / wantedAway({ session: null })),
+      };
     case "session":
       return begun(state, { ...inSession(state, event.session), stored: event.stored ?? 0 });
     case "pose":

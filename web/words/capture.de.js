@@ -114,11 +114,6 @@ export default {
     one: "Zum Aufhören noch einmal drücken: {count} Ansicht geht verloren.",
     other: "Zum Aufhören noch einmal drücken: {count} Ansichten gehen verloren.",
   },
-  went_away: "calibDB ist nicht zu erreichen. Machen Sie weiter: Nichts geht verloren.",
-  offline_kept: {
-    one: "calibDB ist nicht zu erreichen. {count} Ansicht ist auf diesem Gerät aufgehoben: Machen Sie weiter.",
-    other: "calibDB ist nicht zu erreichen. {count} Ansichten sind auf diesem Gerät aufgehoben: Machen Sie weiter.",
-  },
   came_back_only: "calibDB ist wieder da.",
   sending: "calibDB ist wieder da: Die aufgehobenen Ansichten werden gesendet.",
   came_back: "calibDB ist wieder da. Alle Ansichten wurden gesendet.",

@@ -119,11 +119,6 @@ export default {
     one: "Press once more to stop: {count} view will be lost.",
     other: "Press once more to stop: {count} views will be lost.",
   },
-  went_away: "calibDB cannot be reached. Go on: nothing is lost.",
-  offline_kept: {
-    one: "calibDB cannot be reached. {count} view is kept on this device: go on.",
-    other: "calibDB cannot be reached. {count} views are kept on this device: go on.",
-  },
   came_back_only: "calibDB is back.",
   sending: "calibDB is back: the views kept here are being sent.",
   came_back: "calibDB is back. All views were sent.",
