@@ -174,11 +174,12 @@ def test_a_view_that_the_service_has_is_not_taken_back_without_it(context: Brows
     page.route("**/v1/**", lambda route: route.abort())
     page.reload()
     hear(page, "away", "Without connection: go on")
-    said = ""
-    while "cannot be taken back until calibDB is there" not in said:  # what was taken meanwhile is, before
-        before = len(heard(page, "notice"))
+
+    def is_refused() -> bool:  # what was taken meanwhile is taken back, before
         page.locator("#undo:enabled").click()
-        said = hear(page, "notice", "taken back", after=before)
+        return any("cannot be taken back until calibDB is there" in said for said in heard(page, "notice"))
+
+    until(page, is_refused)
     page.locator("#counts", has_text="of 8 kept here").wait_for()
 
 

@@ -53,10 +53,6 @@ def heard(page: Page, where: str) -> list[str]:
     return texts
 
 
-def hear(page: Page, where: str, words: str, *, after: int = 0) -> str:
-    """Wait until a page has said what fits a pattern, `after` other things; return it as it was said."""
-
-    def fitting() -> str | None:
-        return next((text for text in heard(page, where)[after:] if re.search(words, text)), None)
-
-    return until(page, fitting) or ""
+def hear(page: Page, where: str, words: str) -> None:
+    """Wait until a page has said what fits a pattern."""
+    until(page, lambda: any(re.search(words, text) for text in heard(page, where)))
