@@ -204,6 +204,8 @@ class _Fit:
                 return self.result(whole, mask, with_prior=True)
         good = tame
         for _ in range(ROUNDS):
+            if not good.any():
+                return self.result(state, good, with_prior=True)  # refused there
             state = problem.solve(state, outliers.weights(good), Options())
             previous, good = good, outliers.kept(state, mask, good, outliers.CUT, size)
             if np.array_equal(previous, good):

@@ -186,6 +186,12 @@ def test_views_that_no_start_sees_are_a_refusal() -> None:
     assert caught.value.code in REASONS
 
 
+def test_views_that_all_contradict_each_other_are_a_refusal() -> None:
+    """Each of so few points that none of them is left once those that do not fit are cut."""
+    for model in models.NAMES:
+        tried(model, "few points", 109)
+
+
 def test_a_matrix_that_rounding_made_indefinite_has_a_positive_inverse() -> None:
     """Two unknowns that replace one another to the last digit, and one that stands alone."""
     a = np.array([[1.0, 1.0 + 1e-15, 0.0], [1.0 + 1e-15, 1.0, 0.0], [0.0, 0.0, 4.0]])
