@@ -215,9 +215,9 @@ def test_a_key_is_safe_in_addresses_and_names(label: str) -> None:
         ("Logitech C920 (555) 123-4567", "Logitech C920"),
         ("Камера +380 67 123 45 67", "Камера"),
         ("Webcam ０１７０ １２３４５６７", "Webcam"),
-        ("RealSense D435 819312071234", "RealSense D435"),
         ("0170 1234567", "camera"),
         # what looks like it and is not
+        ("Camera 1732233445", "Camera 1732233445"),
         ("Lens 0.45 0.30 0.22 1.5 f/2.8 24-105mm", "Lens 0.45 0.30 0.22 1.5 f/2.8 24-105mm"),
         ("USB Camera-B4.09.24.1 1920x1080 60", "USB Camera-B4.09.24.1 1920x1080 60"),
         ("SNC-0102-03-04 05 06", "SNC-0102-03-04 05 06"),

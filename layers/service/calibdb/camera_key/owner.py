@@ -13,12 +13,12 @@ _ADDRESS = re.compile(
     r"|(?<![\w:])(?:[0-9a-f]{0,4}[:]){2,}[0-9a-f:.]*(?![\w:])",
     re.IGNORECASE,
 )
-# As people write telephone numbers: with the country's, with the 0 of long distance, in America's groups. And
-# nine digits or more on end, which are one, too, or the number of a single device: it hides the product.
+# As people write telephone numbers: with the country's, with the 0 of long distance, in America's groups. Digits
+# on end without any of these are as often what tells two cameras apart, and stay.
 _BETWEEN = r"[\s().,/\u2010-\u2015-]{0,3}"
 _TELEPHONE = re.compile(
     rf"(?<!\w)(?<!\w-)(?<!\d\.)(?:[+＋][\s(]?\d(?:{_BETWEEN}\d){{6,14}}|\(?[0０]\d(?:{_BETWEEN}\d){{6,13}}"
-    r"|\(?\d{3}\)?[ .-]\d{3}[ .-]\d{4}|\d{9,})(?!\w)"
+    r"|\(?\d{3}\)?[ .-]\d{3}[ .-]\d{4})(?!\w)"
 )
 _HOST = re.compile(
     r"(?<![\w-])(?!usb)[\w-]+-(?:pc|laptop|notebook|desktop|macbook)(?![\w-])"
