@@ -46,9 +46,10 @@ browser: setup
 	$(PYTEST) $(TWO) -m "not alone" tests/browser
 	$(PYTEST) -m alone tests/browser
 
-# All of the browsers' tests, those too that take long and are left out of `make test`.
+# Those tests too that take long and are left out of `make test`, and new examples where they are made up.
 thorough: export THOROUGH := 1
 thorough: browser
+	$(PYTEST) $(TWO) -m thorough tests/unit
 
 # Every page in every state, to be looked at: tests/browser/output/
 screenshots: setup
