@@ -13,8 +13,8 @@ _ADDRESS = re.compile(
     r"|(?<![\w:])(?:[0-9a-f]{0,4}[:]){2,}[0-9a-f:.]*(?![\w:])",
     re.IGNORECASE,
 )
-# As people write telephone numbers: with the country's, with the 0 of long distance, in America's groups. Digits
-# on end without any of these are as often what tells two cameras apart, and stay.
+# As people write telephone numbers: with the country's, with the 0 of long distance, in America's groups.
+# Digits on end without any of these are as often what tells two cameras apart, and stay.
 _BETWEEN = r"[\s().,/\u2010-\u2015-]{0,3}"
 _TELEPHONE = re.compile(
     rf"(?<!\w)(?<!\w-)(?<!\d\.)(?:[+＋][\s(]?\d(?:{_BETWEEN}\d){{6,14}}|\(?[0０]\d(?:{_BETWEEN}\d){{6,13}}"
