@@ -1,12 +1,13 @@
 """From views to a calibration, or to the reason why there is none."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from . import checks, lm, majority, models, normal, outliers, plausible, prior, score, start
+from . import checks, lm, models, normal, outliers, plausible, prior, score, start
+from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
@@ -20,27 +21,15 @@ from .view import View
 
 __all__ = ["MIN_POINTS", "check", "fit"]
 
-DOUBTFUL = 0.002
-"""Above this share of the image width other starts are tried."""
 HARMLESS = 1.1
 """Least squares over all but wild points may have this many times the rms of those kept."""
 SMOOTH = 4.0
 """Least squares over all points may have this many times the rms of those kept: the model is a little too
 simple. More than that, and the points cut were wrong."""
-APPROACH = Options(robust=True, tolerance=1e-3, damping=1e-6)
-"""The way there is always robust: one bad view must not turn the first steps."""
-SURPRISE = 3.0
-"""Other starts are tried too where pixels are this many sigmas from square, or the centre from the middle."""
 ROUNDS = 6
 """Cuts at most."""
 FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
 """Least squares alone may wind through long valleys."""
-AGAIN = 3
-"""Times that views which fit badly are posed anew."""
-AGREES = 5.0
-"""Median errors within which a point of such a view agrees with most of its points."""
-TRIES = 4
-"""Rungs of the ladder that are followed at most."""
 
 
 def fit(
@@ -123,73 +112,16 @@ class _Fit:
         return measured & ~self.turned[:, None] if self.turned.any() else measured
 
     @cached_property
-    def everything(self) -> Array:
-        """Weights (v, n) with all of them."""
-        return outliers.weights(self.mask)
+    def approach(self) -> Approach:
+        """The way to near the optimum."""
+        return Approach(self.problem, self.mask, self.known)
 
     def run(self, near: State | None = None) -> Calibration:
         """Fit, from `near` alone where it is given."""
         try:
-            return self.finish(near or self.approach())
+            return self.finish(near or self.approach.run())
         except np.linalg.LinAlgError:
             raise CalibrationError("not_believable", "the views leave the camera undetermined") from None
-
-    def approach(self) -> State:
-        """From several starts to near the optimum; the best of them."""
-        obs, problem = self.problem.obs, self.problem
-        few = start.few(obs, self.mask)
-        if few is None:
-            return self.ranked(problem, self.everything, self.mask)[0]
-        trial = Problem(problem.model, obs.subset(few), problem.img_size)
-        found = self.ranked(trial, self.everything[few], self.mask[few])
-        # Where a few views leave it open which camera it is, all of them decide.
-        states = []
-        for k in [state.k for state in found[: 1 if self.ordinary(found[0]) else 2]]:
-            first = start.mended(problem.model, obs, start.at(problem.model, obs, k))
-            state = problem.at(first.k, first.poses)
-            # The camera is known about; what is far off already would only bend it on the way.
-            near = state.square <= AGREES**2 * majority.medians(state.square, self.mask)[:, None]
-            weights = outliers.weights(near & self.mask)
-            state = problem.solve(state, weights, APPROACH)
-            states.append(self.posed_anew(problem, state, weights, self.mask))
-        return outliers.ranked(states, problem, self.mask)[0]
-
-    def ranked(self, trial: Problem, weights: Array, mask: Mask) -> list[State]:
-        """Optima that the starts lead to, the best first; no more than it takes to find an ordinary one."""
-        found: list[State] = []
-        for first in self.starts(trial):
-            state = trial.at(first.k, first.poses)
-            good = mask if first.weights is None else mask & (first.weights > 0)
-            if not (state.finite and good.any()):
-                continue
-            state = trial.solve(state, outliers.weights(good), APPROACH)
-            state = self.posed_anew(trial, state, weights, mask)
-            if not state.finite:
-                continue
-            found.append(state)
-            if (
-                len(found) >= self.model.families
-                and self.ordinary(state)
-                and outliers.level(state, mask) < DOUBTFUL * self.width
-                and plausible.folded(trial, state, mask) <= plausible.FOLDED
-            ):
-                break
-        if not found:
-            raise CalibrationError("no_fit", "no camera explains these views")
-        return outliers.ranked(found, trial, mask)
-
-    def starts(self, trial: Problem) -> Iterator[start.Start]:
-        """Where to begin, the likeliest first."""
-        model, obs, size = trial.model, trial.obs, trial.img_size
-        if self.known is not None and self.known.img_size == size:
-            yield start.at(model, obs, start.like(model, self.known))
-        yield from start.direct(model, obs, size)
-        for rung in start.ladder(model, obs, size)[:TRIES]:
-            yield start.mended(model, obs, rung)
-
-    def ordinary(self, state: State) -> bool:
-        """Whether this is a camera like others; a strange one may be a local minimum beside the right one."""
-        return bool(np.abs(state.belief[1:4]).max() < SURPRISE)
 
     def finish(self, state: State) -> Calibration:
         """From near the optimum to a result: outliers cut, least squares."""
@@ -199,7 +131,7 @@ class _Fit:
         begun, tame = state, outliers.kept(state, mask, mask, outliers.WILD, size)
         if outliers.systematic(tame, mask, obs, size):
             # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
-            whole = self.whole(begun, self.everything)
+            whole = self.whole(begun, self.approach.everything)
             if np.mean(whole.square[mask]) < SMOOTH**2 * np.mean(state.square[tame]):
                 return self.result(whole, mask, with_prior=True)
         good = tame
@@ -226,52 +158,21 @@ class _Fit:
         state = self.problem.solve(self.problem.at(first.k, first.poses), weights, APPROACH)
         return self.problem.solve(state, weights, Options())
 
-    def tamed(self, problem: Problem, state: State, mask: Mask) -> State:
-        """Fit without what is certainly wrong, so that it no longer bends the way."""
-        good = outliers.kept(state, mask, mask, outliers.WILD, problem.img_size)
-        if np.array_equal(good, mask):
-            return state
-        return problem.solve(state, outliers.weights(good), Options(tolerance=1e-4))
-
-    def posed_anew(self, problem: Problem, state: State, weights: Array, mask: Mask) -> State:
-        """Let views that fit badly start again, from what the majority of their points say.
-
-        A row of corners under wrong names pulls its view so far that robust weights alone do not bring it
-        back: to fit all points a little is cheaper than to fit most and miss some by far.
-        """
-        for _ in range(AGAIN):
-            bad = outliers.unfit(state, mask)
-            if not bad.size:
-                break
-            part = Problem(problem.model, problem.obs.subset(bad), problem.img_size)
-            rays = start.seen(problem.model, part.obs, state.k)
-            planes, _ = majority.planes(part.obs.points, rays, mask[bad], 0.0)
-            poses = planes.poses(part.obs.points[:, 2, 0])
-            square = part.at(state.k, poses).square
-            middle = majority.medians(square, mask[bad])
-            better = middle < majority.medians(state.square[bad], mask[bad])
-            if not better.any():
-                break
-            r, t, weights = state.poses.r.copy(), state.poses.t.copy(), weights.copy()
-            r[bad[better]], t[bad[better]] = poses.r[better], poses.t[better]
-            near = square <= AGREES**2 * middle[:, None]
-            weights[bad[better]] = (near & mask[bad])[better]
-            state = problem.solve(problem.at(state.k, Poses(r, t)), weights, APPROACH)
-        return self.tamed(problem, state, mask)
-
     def plain(self, state: State) -> Calibration:
         """Least squares over all points, without the prior where the points carry every parameter."""
         problem = self.problem
         if self.carried(state):
             # With coefficients that nearly replace one another there are several optima: the lowest counts.
             law, obs, size = problem.model, problem.obs, problem.img_size
-            other = self.starts(problem) if law.families > 1 else start.direct(law, obs, size)
+            other = self.approach.starts(problem) if law.families > 1 else start.direct(law, obs, size)
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
-            free = [problem.solve(s, self.everything, FREE) for s in begun]
+            free = [problem.solve(s, self.approach.everything, FREE) for s in begun]
             best = min((s for s in free if s.converged and s.finite), key=cost, default=None)
             if best is not None and plausible.folded(problem, best, self.mask) <= plausible.FOLDED:
                 return self.result(best, self.mask, with_prior=False)
-        return self.result(problem.solve(state, self.everything, Options()), self.mask, with_prior=True)
+        return self.result(
+            problem.solve(state, self.approach.everything, Options()), self.mask, with_prior=True
+        )
 
     def information(self, state: State, good: Mask) -> Array:
         """Sum up what the good points (v, n) tell of the intrinsics at unit noise, (p, p)."""
