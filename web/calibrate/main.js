@@ -3,7 +3,7 @@ import { boardFrom, boardQuery } from "../board/geometry.js";
 import { showProblem } from "../board/problem.js";
 import { language, onLanguage } from "../i18n.js";
 import { openPage } from "../page.js";
-import { cameraKey, platformHere } from "../sdk/calibdb.js";
+import { cameraKey, platformHere } from "../sdk/key.js";
 import { isVirtual } from "../virtual/camera.js";
 import captureWords from "../words/capture.js";
 import { Announcer } from "./announcer.js";
