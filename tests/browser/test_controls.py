@@ -117,6 +117,8 @@ def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for
     page.add_init_script(PLUGGED + slowly)
     page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)")
     page.locator("#start").click()
+    assert page.locator("#camera option").count() == 0, "nothing is said before it is known"
+    assert page.locator("#wanted").text_content() == "Asked for: HD Pro Webcam C920 (046d:082d)."
     page.evaluate("window.answer()")
     page.locator("#controls:not([hidden])").wait_for()
     assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}

@@ -101,7 +101,8 @@ function renderCameras(parts, state) {
   const { camera, wanted } = parts;
   const proposed = propose(state.cameras, state.wanted.camera ?? state.interrupted?.camera ?? null, camera.value);
   camera.replaceChildren(...state.cameras.map((choice) => new Option(words.named(choice), choice.id)));
-  if (proposed === "" && state.cameras.every(({ id }) => id !== "")) camera.prepend(new Option(t("capture.no_camera"), ""));
+  // Before the browser has said which there are, nothing is said of them.
+  if (proposed === "" && state.cameras.length > 0 && state.cameras.every(({ id }) => id !== "")) camera.prepend(new Option(t("capture.no_camera"), ""));
   camera.value = proposed;
   renderChoice(parts);
   text(wanted, words.wanted(state));

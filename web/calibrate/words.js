@@ -92,7 +92,7 @@ const described = (camera, size) => (size ? t("capture.camera_at", { camera, siz
 export function wanted({ wanted: { camera, img_size }, cameras }) {
   const real = cameras.filter(({ id }) => id !== "virtual");
   if (!camera) return cameras.length > real.length && real.length === 0 ? t("capture.none_at_all") : "";
-  const absent = !cameras.some(({ label }) => label === camera) && real.every(({ named }) => named);
+  const absent = cameras.length > 0 && !cameras.some(({ label }) => label === camera) && real.every(({ named }) => named);
   const asked = t("capture.asked_for", { camera: described(camera, img_size) });
   if (!absent) return asked;
   return `${asked} ${real.length ? t("capture.not_among") : t("capture.none_here")}`;
