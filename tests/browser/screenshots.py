@@ -77,7 +77,7 @@ def test_photographs(page: Page) -> None:
 
 def test_capture(page: Page) -> None:
     page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=1280x720")
-    page.locator("#wanted").wait_for()
+    page.locator("#wanted", has_text="No camera was found here").wait_for()
     picture(page, "shot-capture-before", SIZES)
     page.goto(HELD)
     page.locator("#undo:enabled").wait_for()
