@@ -12,11 +12,11 @@ import numpy as np
 
 from calibsolver import Board, Calibration, Camera, View
 from calibsolver import rotation as rotations
+from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate
 from calibsolver.guidance import FixedPlan, Guide
 from calibsolver.start import plane_poses
 from calibsolver.target import TargetPose
-from calibsolver.uncertainty import pixel_grid
 
 IMG_SIZE = (1280, 720)
 

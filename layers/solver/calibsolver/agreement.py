@@ -11,8 +11,7 @@ import numpy as np
 from . import models, rotation
 from .arrays import Array, IntArray, Mask
 from .calibration import Calibration
-from .camera import Camera
-from .uncertainty import pixel_grid
+from .camera import Camera, pixel_grid
 
 GRID = (12, 9)
 SHARED = 0.5

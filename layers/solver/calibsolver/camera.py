@@ -9,7 +9,6 @@ import numpy as np
 from . import models
 from .arrays import Array, Mask, frozen
 from .errors import CalibrationError
-from .uncertainty import pixel_grid
 
 GRID = (40, 30)
 
@@ -111,6 +110,14 @@ class Camera:
         rays = models.get(self.model).unproject(self.intrinsics, pixel_grid(self.img_size, GRID))
         angle = models.get(self.model).angle(np.asarray(self.distortion))
         return Domain(float(angle), float(np.isfinite(rays[0]).mean()))
+
+
+def pixel_grid(img_size: tuple[int, int], grid: tuple[int, int]) -> Array:
+    """Centres (2, rows, columns) px of `grid` = (columns, rows) equal cells of the image."""
+    (w, h), (columns, rows) = img_size, grid
+    x = (np.arange(columns) + 0.5) * w / columns - 0.5
+    y = (np.arange(rows) + 0.5) * h / rows - 0.5
+    return np.stack(np.meshgrid(x, y))
 
 
 def rows(values: object, width: int) -> tuple[Array, tuple[int, ...]]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arrays import Array
+from .camera import pixel_grid
 from .models import Model
 
 
@@ -19,14 +20,6 @@ class Uncertainty:
 
     rms: float
     max: float
-
-
-def pixel_grid(img_size: tuple[int, int], grid: tuple[int, int]) -> Array:
-    """Centres (2, rows, columns) px of `grid` = (columns, rows) equal cells of the image."""
-    (w, h), (columns, rows) = img_size, grid
-    x = (np.arange(columns) + 0.5) * w / columns - 0.5
-    y = (np.arange(rows) + 0.5) * h / rows - 0.5
-    return np.stack(np.meshgrid(x, y))
 
 
 def sensitivity(model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int]) -> Array:

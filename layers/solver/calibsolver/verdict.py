@@ -9,9 +9,9 @@ import numpy as np
 from . import models
 from .arrays import Array
 from .calibration import Calibration
+from .camera import pixel_grid
 from .normal import Poses, project
 from .observations import Observations
-from .uncertainty import pixel_grid
 from .view import View
 from .words import off
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from calibsolver import Calibration, fit, models
-from calibsolver.uncertainty import pixel_grid, sensitivity
+from calibsolver.camera import pixel_grid
+from calibsolver.uncertainty import sensitivity
 from tests import intervals, specimens, synthetic
 
 
