@@ -7,8 +7,8 @@ from typing import Literal
 from .calibration import Calibration
 from .choice import suggest_model
 from .errors import CalibrationError
+from .phrasing import times
 from .view import View
-from .words import times
 
 
 @dataclass(frozen=True)

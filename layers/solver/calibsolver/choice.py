@@ -10,8 +10,8 @@ from .calibration import Calibration
 from .errors import CalibrationError
 from .fit import MIN_POINTS, fit
 from .heldout import HeldOut, held_out
+from .phrasing import off
 from .view import View
-from .words import off
 
 PLAIN = ("rectilinear", "fisheye", "omnidirectional", "rational")
 """From what every tool understands to what has most coefficients; others follow."""

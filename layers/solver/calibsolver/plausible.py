@@ -5,7 +5,7 @@ import numpy as np
 from .arrays import Mask
 from .errors import CalibrationError
 from .lm import Problem, State
-from .words import off, times
+from .phrasing import off, times
 
 WORST, WORST_KEPT = 0.01, 0.005
 """A fit whose rms exceeds this share of the image width explains nothing; without outliers

@@ -12,8 +12,8 @@ from .calibration import Calibration
 from .camera import pixel_grid
 from .normal import Poses, project
 from .observations import Observations
+from .phrasing import off
 from .view import View
-from .words import off
 
 Level = Literal["good", "fair", "poor"]
 Code = Literal[

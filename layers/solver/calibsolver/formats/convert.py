@@ -11,8 +11,8 @@ from ..errors import CalibrationError
 from ..fit import fit
 from ..models import Model
 from ..observations import Observations
+from ..phrasing import off
 from ..view import View
-from ..words import off
 from .base import Conversion, Shape, Subject
 
 ITERATIONS = 50
