@@ -73,7 +73,7 @@ def consensus(call: http.Call, calibration_id: str) -> ReportedCalibration | Non
 def file(found: ReportedCalibration, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
     """Return the calibration as a file, and in its headers how far that is from the calibration."""
     # Here and not above: who only wants to see a calibration need not wait for the solver.
-    from calibsolver import Board, CalibrationError, Camera, View, formats, transform
+    from calibsolver import Board, CalibrationError, Camera, View, formats, image_transform
 
     board: Board | None = None
     views: tuple[View, ...] = ()
@@ -91,14 +91,14 @@ def file(found: ReportedCalibration, document: CalibrationDocument | None, asked
         record=found.model_dump(exclude={"report"}),
     )
     try:
-        change = transform.identity(found.img_size)
+        change = image_transform.identity(found.img_size)
         if asked.crop is not None:
-            change = change.then(transform.crop(change.img_size, asked.crop[:2], asked.crop[2:]))
+            change = change.then(image_transform.crop(change.img_size, asked.crop[:2], asked.crop[2:]))
         if asked.resize is not None:
-            change = change.then(transform.resize(change.img_size, asked.resize))
-        change = change.then(transform.rotate(change.img_size, asked.rotate))
+            change = change.then(image_transform.resize(change.img_size, asked.resize))
+        change = change.then(image_transform.rotate(change.img_size, asked.rotate))
         if asked.mirror:
-            change = change.then(transform.mirror(change.img_size))
+            change = change.then(image_transform.mirror(change.img_size))
     except CalibrationError as error:
         raise InvalidError.field("crop" if asked.crop else "resize", error.message) from error
     try:

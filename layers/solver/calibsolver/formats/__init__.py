@@ -3,7 +3,7 @@
 import re
 from dataclasses import replace
 
-from .. import transform as transforms
+from .. import image_transform as transforms
 from ..errors import CalibrationError
 from ..view import View
 from . import (

@@ -15,7 +15,7 @@ import lensfunpy
 import numpy as np
 import pytest
 
-from calibsolver import Camera, formats, models, transform
+from calibsolver import Camera, formats, image_transform, models
 from calibsolver.formats import lensfun as lensfun_format
 from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
@@ -119,7 +119,7 @@ def test_corners_table_has_a_line_for_every_corner_of_every_view() -> None:
 
 def test_measurements_stay_with_a_turned_and_mirrored_picture() -> None:
     mine = subject("rectilinear")
-    turned = transform.rotate(IMG_SIZE, 90).then(transform.mirror((H, W)))
+    turned = image_transform.rotate(IMG_SIZE, 90).then(image_transform.mirror((H, W)))
     for name in ("mrcal", "corners-vnl", "photonvision"):
         file = formats.write(mine, name, turned)
         text = file.content.decode()

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from calibsolver import CalibrationError, models, transform
+from calibsolver import CalibrationError, image_transform, models
 from calibsolver.score import score
 from tests.formats import IMG_SIZE, image_rays, subject
 
 TRANSFORMS = {
-    "half": transform.resize(IMG_SIZE, (640, 360)),
-    "stretched": transform.resize(IMG_SIZE, (960, 720)),
-    "cut": transform.crop(IMG_SIZE, (160, 0), (960, 720)),
-    **{f"turned {d}": transform.rotate(IMG_SIZE, d) for d in (90, 180, 270)},
-    "mirrored": transform.mirror(IMG_SIZE),
-    "turned and mirrored": transform.rotate(IMG_SIZE, 90).then(transform.mirror((720, 1280))),
+    "half": image_transform.resize(IMG_SIZE, (640, 360)),
+    "stretched": image_transform.resize(IMG_SIZE, (960, 720)),
+    "cut": image_transform.crop(IMG_SIZE, (160, 0), (960, 720)),
+    **{f"turned {d}": image_transform.rotate(IMG_SIZE, d) for d in (90, 180, 270)},
+    "mirrored": image_transform.mirror(IMG_SIZE),
+    "turned and mirrored": image_transform.rotate(IMG_SIZE, 90).then(image_transform.mirror((720, 1280))),
 }
 
 
@@ -22,7 +22,7 @@ TRANSFORMS = {
 def test_camera_of_the_picture_projects_to_where_its_pixels_went(name: str, model: str) -> None:
     turn = TRANSFORMS[name]
     before = subject(model)
-    camera, views = transform.apply(turn, before.camera, before.views)
+    camera, views = image_transform.apply(turn, before.camera, before.views)
     rays, q = image_rays(before.camera)
     # the frame turns with the picture's axes; scales do not touch it
     frame = np.eye(3)
@@ -38,7 +38,7 @@ def test_camera_of_the_picture_projects_to_where_its_pixels_went(name: str, mode
 
 
 def test_resizing_keeps_the_corner_of_the_picture_not_the_centre_of_its_pixel() -> None:
-    half = transform.resize((640, 480), (320, 240))
+    half = image_transform.resize((640, 480), (320, 240))
     assert half.pixels(np.array([[-0.5, -0.5], [639.5, 479.5], [319.5, 239.5]])).tolist() == [
         [-0.5, -0.5],
         [319.5, 239.5],
@@ -47,25 +47,25 @@ def test_resizing_keeps_the_corner_of_the_picture_not_the_centre_of_its_pixel() 
 
 
 def test_four_turns_and_two_mirrors_are_none() -> None:
-    turned = transform.rotate(IMG_SIZE, 360)
+    turned = image_transform.rotate(IMG_SIZE, 360)
     assert np.array_equal(turned.linear, np.eye(2))
-    twice = transform.mirror(IMG_SIZE).then(transform.mirror(IMG_SIZE))
+    twice = image_transform.mirror(IMG_SIZE).then(image_transform.mirror(IMG_SIZE))
     assert np.array_equal(twice.linear, np.eye(2))
     assert np.abs(twice.offset).max() == 0
     camera = subject("rectilinear").camera
-    there = transform.rotate(IMG_SIZE, 90).camera(camera)
-    back = transform.rotate((720, 1280), 270).camera(there)
+    there = image_transform.rotate(IMG_SIZE, 90).camera(camera)
+    back = image_transform.rotate((720, 1280), 270).camera(there)
     assert np.abs(back.intrinsics - camera.intrinsics).max() < 1e-12 * 1280
 
 
 @pytest.mark.parametrize(
     "wrong",
     [
-        lambda: transform.crop(IMG_SIZE, (700, 0), (640, 720)),
-        lambda: transform.crop(IMG_SIZE, (-1, 0), (640, 480)),
-        lambda: transform.rotate(IMG_SIZE, 45),
-        lambda: transform.resize(IMG_SIZE, (0, 480)),
-        lambda: transform.resize(IMG_SIZE, (100_000, 480)),
+        lambda: image_transform.crop(IMG_SIZE, (700, 0), (640, 720)),
+        lambda: image_transform.crop(IMG_SIZE, (-1, 0), (640, 480)),
+        lambda: image_transform.rotate(IMG_SIZE, 45),
+        lambda: image_transform.resize(IMG_SIZE, (0, 480)),
+        lambda: image_transform.resize(IMG_SIZE, (100_000, 480)),
     ],
 )
 def test_what_is_no_picture_is_refused(wrong: object) -> None:
