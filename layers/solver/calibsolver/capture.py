@@ -12,9 +12,9 @@ from .board import Board
 from .calibration import Calibration
 from .camera import Camera
 from .consistency import PATIENCE, Consistency
+from .fitting.observations import Observations
 from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
 from .hints import Hint, Placement, between
-from .observations import Observations
 from .prediction import DISAGREEMENT, surprise
 from .score import score
 from .standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict

@@ -6,7 +6,7 @@ import numpy as np
 
 from .arrays import Array, Mask
 from .errors import CalibrationError
-from .observations import Observations
+from .fitting.observations import Observations
 from .view import View
 
 MIN_POINTS = 6

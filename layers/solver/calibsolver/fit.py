@@ -13,10 +13,10 @@ from .calibration import Calibration
 from .camera import Camera
 from .checks import MIN_POINTS, check
 from .errors import CalibrationError
+from .fitting.observations import Order
 from .lm import Options, Problem, State
 from .models import Model
 from .normal import Poses
-from .observations import Order
 from .view import View
 
 __all__ = ["MIN_POINTS", "check", "fit"]

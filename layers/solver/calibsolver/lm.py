@@ -11,9 +11,9 @@ import numpy as np
 
 from . import normal, prior
 from .arrays import Array, Mask
+from .fitting.observations import Observations
 from .models import Model
 from .normal import Poses
-from .observations import Observations
 
 RAYLEIGH_MEDIAN = 1.1774100225154747
 """Median of the length of a 2-vector of independent N(0, 1): sqrt(2 ln 2)."""

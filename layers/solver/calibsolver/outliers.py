@@ -7,9 +7,9 @@ import numpy as np
 from . import lm, plausible
 from .arrays import Array, IntArray, Mask
 from .checks import MIN_POINTS
+from .fitting.observations import Observations
 from .lm import Problem, State
 from .majority import medians
-from .observations import Observations
 
 CUT = 4.0
 """Sigmas beyond which a point is an outlier: one in 3000 good ones."""

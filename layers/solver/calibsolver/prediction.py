@@ -5,7 +5,7 @@ import numpy as np
 from . import models, normal
 from .arrays import Mask
 from .calibration import Calibration
-from .observations import Observations
+from .fitting.observations import Observations
 from .score import resect
 from .view import View
 

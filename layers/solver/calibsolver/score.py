@@ -10,9 +10,9 @@ from .arrays import Array, Mask, frozen
 from .camera import Camera
 from .checks import in_range
 from .errors import CalibrationError
+from .fitting.observations import Observations
 from .models import Model
 from .normal import Poses
-from .observations import Observations
 from .view import View
 
 ITERATIONS = 30

@@ -14,9 +14,9 @@ import numpy as np
 from . import majority
 from .arrays import Array, IntArray, Mask
 from .camera import Camera
+from .fitting.observations import Observations
 from .models import Model
 from .normal import Poses
-from .observations import Observations
 from .planes import Planes, from_rays
 
 FEW = 10

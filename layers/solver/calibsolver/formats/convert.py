@@ -9,8 +9,8 @@ from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fit import fit
+from ..fitting.observations import Observations
 from ..models import Model
-from ..observations import Observations
 from ..phrasing import off
 from ..view import View
 from .base import Conversion, Shape, Subject

@@ -7,8 +7,8 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from .arrays import Array, IntArray, Mask
-from .view import View
+from ..arrays import Array, IntArray, Mask
+from ..view import View
 
 Kind = TypeVar("Kind", bound=np.generic)
 

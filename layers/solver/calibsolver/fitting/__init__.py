@@ -1,0 +1,1 @@
+"""Fitting: camera models and board poses estimated from views by bundle adjustment."""
