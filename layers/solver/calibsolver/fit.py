@@ -6,14 +6,15 @@ from functools import cached_property
 
 import numpy as np
 
-from . import checks, lm, models, normal, outliers, plausible, prior, score, start
+from . import lm, models, normal, outliers, plausible, prior, score, start
 from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
-from .checks import MIN_POINTS, check
 from .errors import CalibrationError
+from .fitting import validation
 from .fitting.observations import Order
+from .fitting.validation import MIN_POINTS, check
 from .lm import Options, Problem, State
 from .models import Model
 from .normal import Poses
@@ -65,7 +66,7 @@ def fit(
     """
     law = models.get(model)
     given = check(views, img_size)
-    turned = checks.mirrored(given)
+    turned = validation.mirrored(given)
     if turned.any() and not robust:
         raise CalibrationError("mirrored", f"view {int(np.argmax(turned))} shows the board mirrored")
     # In one order, whichever the views came in: rounding, too, is then the same.
@@ -82,7 +83,7 @@ def fit_again(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
     """
     law, given = models.get(near.model), check(views, near.img_size)
     obs, order = given.ordered()
-    turned = checks.mirrored(given)[order.views]
+    turned = validation.mirrored(given)[order.views]
     problem = Problem(law, obs, near.img_size)
     with np.errstate(all="ignore"):
         state = problem.at(near.intrinsics, Poses.of_vectors(poses[order.views]))

@@ -6,8 +6,8 @@ import numpy as np
 
 from . import lm, plausible
 from .arrays import Array, IntArray, Mask
-from .checks import MIN_POINTS
 from .fitting.observations import Observations
+from .fitting.validation import MIN_POINTS
 from .lm import Problem, State
 from .majority import medians
 

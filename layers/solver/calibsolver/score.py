@@ -8,9 +8,9 @@ import numpy as np
 from . import models, normal, start
 from .arrays import Array, Mask, frozen
 from .camera import Camera
-from .checks import in_range
 from .errors import CalibrationError
 from .fitting.observations import Observations
+from .fitting.validation import in_range
 from .models import Model
 from .normal import Poses
 from .view import View

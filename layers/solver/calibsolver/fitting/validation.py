@@ -4,10 +4,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .arrays import Array, Mask
-from .errors import CalibrationError
-from .fitting.observations import Observations
-from .view import View
+from ..arrays import Array, Mask
+from ..errors import CalibrationError
+from ..view import View
+from .observations import Observations
 
 MIN_POINTS = 6
 """A view has six unknowns of its own; fewer points say nothing about the camera."""
