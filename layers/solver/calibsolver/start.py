@@ -14,10 +14,10 @@ import numpy as np
 from . import majority
 from .arrays import Array, IntArray, Mask
 from .camera import Camera
+from .fitting.homography import Planes, from_rays
 from .fitting.observations import Observations
 from .models import Model
 from .normal import Poses
-from .planes import Planes, from_rays
 
 FEW = 10
 """Views on which starts are tried."""

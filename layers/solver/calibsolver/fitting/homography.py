@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import rotation
-from .arrays import Array
-from .normal import Poses
+from .. import rotation
+from ..arrays import Array
+from ..normal import Poses
 
 
 @dataclass(frozen=True, eq=False)
