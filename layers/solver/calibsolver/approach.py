@@ -6,10 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from . import majority, outliers, plausible, start
+from . import outliers, plausible, start
 from .arrays import Array, Mask
 from .camera import Camera
 from .errors import CalibrationError
+from .fitting import robust_homography
 from .lm import Options, Problem, State
 from .models import Model
 from .normal import Poses
@@ -62,7 +63,7 @@ class Approach:
             first = start.mended(problem.model, obs, start.at(problem.model, obs, k))
             state = problem.at(first.k, first.poses)
             # The camera is known about; what is far off already would only bend it on the way.
-            near = state.square <= AGREES**2 * majority.medians(state.square, self.mask)[:, None]
+            near = state.square <= AGREES**2 * robust_homography.medians(state.square, self.mask)[:, None]
             weights = outliers.weights(near & self.mask)
             state = problem.solve(state, weights, APPROACH)
             states.append(posed_anew(problem, state, weights, self.mask))
@@ -118,11 +119,11 @@ def posed_anew(problem: Problem, state: State, weights: Array, mask: Mask) -> St
             break
         part = Problem(problem.model, problem.obs.subset(bad), problem.img_size)
         rays = start.seen(problem.model, part.obs, state.k)
-        planes, _ = majority.planes(part.obs.points, rays, mask[bad], 0.0)
+        planes, _ = robust_homography.planes(part.obs.points, rays, mask[bad], 0.0)
         poses = planes.poses(part.obs.points[:, 2, 0])
         square = part.at(state.k, poses).square
-        middle = majority.medians(square, mask[bad])
-        better = middle < majority.medians(state.square[bad], mask[bad])
+        middle = robust_homography.medians(square, mask[bad])
+        better = middle < robust_homography.medians(state.square[bad], mask[bad])
         if not better.any():
             break
         r, t, weights = state.poses.r.copy(), state.poses.t.copy(), weights.copy()

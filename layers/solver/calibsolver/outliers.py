@@ -7,9 +7,9 @@ import numpy as np
 from . import lm, plausible
 from .arrays import Array, IntArray, Mask
 from .fitting.observations import Observations
+from .fitting.robust_homography import medians
 from .fitting.validation import MIN_POINTS
 from .lm import Problem, State
-from .majority import medians
 
 CUT = 4.0
 """Sigmas beyond which a point is an outlier: one in 3000 good ones."""

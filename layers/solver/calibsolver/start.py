@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import majority
 from .arrays import Array, IntArray, Mask
 from .camera import Camera
+from .fitting import robust_homography
 from .fitting.homography import Planes, from_rays
 from .fitting.observations import Observations
 from .models import Model
@@ -102,7 +102,7 @@ def direct(model: Model, obs: Observations, img_size: tuple[int, int]) -> Iterat
         return
     k = model.start(float(img_size[0]), img_size)
     rays = seen(model, obs, k)
-    planes, weights = majority.planes(obs.points, rays, obs.mask)
+    planes, weights = robust_homography.planes(obs.points, rays, obs.mask)
     factor = planes.stretch()
     if 0.2 < factor < 8:
         k[:2] /= factor
@@ -111,7 +111,7 @@ def direct(model: Model, obs: Observations, img_size: tuple[int, int]) -> Iterat
 
 def mended(model: Model, obs: Observations, first: Start) -> Start:
     """Return a start whose poses follow the majority of the points of each view."""
-    planes, weights = majority.planes(obs.points, seen(model, obs, first.k), obs.mask)
+    planes, weights = robust_homography.planes(obs.points, seen(model, obs, first.k), obs.mask)
     return Start(first.k, planes.poses(obs.points[:, 2, 0]), first.error, weights)
 
 

@@ -6,8 +6,8 @@ Of homographies through some points each, the one whose median error over the vi
 
 import numpy as np
 
-from .arrays import Array, Mask
-from .fitting.homography import Planes
+from ..arrays import Array, Mask
+from .homography import Planes
 
 SAMPLES, SAMPLE = 60, 5
 """Homographies tried for a view, and points for each: of five points three in four must be good."""
