@@ -6,9 +6,9 @@ import numpy as np
 
 from calibsolver import Board, Calibration, CalibrationError, Camera, View, candidates, fit, rotation
 from calibsolver.candidates import Lattice, Range, Sight
+from calibsolver.fitting.normal_equations import Poses
 from calibsolver.guidance import Belief, PoseSelection, ProjectionUncertainty, TargetPose
 from calibsolver.guidance.search import information
-from calibsolver.normal import Poses
 from calibsolver.overlap import jaccard, seen_outline
 from tests.synthetic import Session, User, match_picture, seen
 

@@ -11,9 +11,9 @@ from .arrays import Array, Mask
 from .camera import Camera
 from .errors import CalibrationError
 from .fitting import robust_homography
+from .fitting.normal_equations import Poses
 from .lm import Options, Problem, State
 from .models import Model
-from .normal import Poses
 
 DOUBTFUL = 0.002
 """Above this share of the image width other starts are tried."""

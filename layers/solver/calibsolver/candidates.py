@@ -7,8 +7,8 @@ import numpy as np
 
 from .arrays import Array, IntArray, Mask
 from .board import Board
+from .fitting.normal_equations import Poses
 from .models import Model
-from .normal import Poses
 
 DIMENSIONS = 6
 MARGIN = 0.025

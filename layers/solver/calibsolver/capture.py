@@ -5,13 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import models, normal, rotation, start
+from . import models, rotation, start
 from .admission import Reason, unfit
 from .advice import LIMIT, Advice, disagreement, suggestion
 from .board import Board
 from .calibration import Calibration
 from .camera import Camera
 from .consistency import PATIENCE, Consistency
+from .fitting import normal_equations
 from .fitting.observations import Observations
 from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
 from .hints import Hint, Placement, between
@@ -274,10 +275,10 @@ class Capture:
         posed = start.at(belief.model, obs, belief.k)
         if not posed.error < WILD * self.img_size[0]:
             return None
-        q, j = normal.design(belief.model, belief.k, posed.poses, obs.points)
+        q, j = normal_equations.design(belief.model, belief.k, posed.poses, obs.points)
         if not (np.isfinite(q).all() and np.isfinite(j).all()):
             return None
-        return belief.gain(normal.information(j, obs.mask.astype(np.float64))[0])
+        return belief.gain(normal_equations.information(j, obs.mask.astype(np.float64))[0])
 
     def _error(self, camera: Camera, view: View) -> float | None:
         error = float(score(camera, [view]).view_errors[0])

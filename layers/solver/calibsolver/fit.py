@@ -6,18 +6,18 @@ from functools import cached_property
 
 import numpy as np
 
-from . import lm, models, normal, outliers, plausible, prior, score, start
+from . import lm, models, outliers, plausible, prior, score, start
 from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import validation
+from .fitting import normal_equations, validation
+from .fitting.normal_equations import Poses
 from .fitting.observations import Order
 from .fitting.validation import MIN_POINTS, check
 from .lm import Options, Problem, State
 from .models import Model
-from .normal import Poses
 from .view import View
 
 __all__ = ["MIN_POINTS", "check", "fit"]
@@ -179,7 +179,7 @@ class _Fit:
         """Sum up what the good points (v, n) tell of the intrinsics at unit noise, (p, p)."""
         rows = state.rows[:-1]
         weighted = rows if good.all() else rows * outliers.weights(good) ** 0.5
-        return normal.told(weighted, self.model.size)
+        return normal_equations.told(weighted, self.model.size)
 
     def carried(self, state: State) -> bool:
         """Whether the data alone determine every parameter."""

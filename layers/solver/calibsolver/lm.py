@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from . import normal, prior
+from . import prior
 from .arrays import Array, Mask
+from .fitting import normal_equations
+from .fitting.normal_equations import Poses
 from .fitting.observations import Observations
 from .models import Model
-from .normal import Poses
 
 RAYLEIGH_MEDIAN = 1.1774100225154747
 """Median of the length of a 2-vector of independent N(0, 1): sqrt(2 ln 2)."""
@@ -124,7 +125,7 @@ class Problem:
 
     def at(self, k: Array, poses: Poses) -> State:
         """Return the state at given intrinsics and poses."""
-        q, rows = normal.linearise(self.model, k, poses, self.obs.points, 1)
+        q, rows = normal_equations.linearise(self.model, k, poses, self.obs.points, 1)
         r = rows[-1]
         np.subtract(q, self.obs.pixels.transpose(1, 0, 2), out=r)
         square = r[0] * r[0] + r[1] * r[1]
@@ -183,7 +184,7 @@ class Problem:
         k = state.k + ahead * dk
         if not self.possible(k):
             return dk, step
-        q = normal.project(self.model, k, state.poses.moved(ahead * step), self.obs.points)
+        q = normal_equations.project(self.model, k, state.poses.moved(ahead * step), self.obs.points)
         rows, r, size = state.rows, state.rows[-1], self.model.size
         straight = np.tensordot(dk, rows[:size], 1) + np.einsum("vi,iavn->avn", step, rows[size:-1])
         curve = 2 / ahead * (((q - self.obs.pixels).transpose(1, 0, 2) - r) / ahead - straight)
@@ -226,7 +227,7 @@ class System:
     def of(cls, state: State, weights: Array | None, belief: float) -> "System":
         """Build the system for points of weight (v, n), and the prior's weight."""
         size = len(state.k)
-        h = normal.squared(state.rows if weights is None else state.rows * np.sqrt(weights))
+        h = normal_equations.squared(state.rows if weights is None else state.rows * np.sqrt(weights))
         total = h[:, :size].sum(axis=0)
         a, ga = total[:, :size], total[:, -1]
         if belief:

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from . import models, normal
+from . import models
 from .arrays import Mask
 from .calibration import Calibration
+from .fitting import normal_equations
 from .fitting.observations import Observations
 from .score import resect
 from .view import View
@@ -33,7 +34,7 @@ def surprise(calibration: Calibration, view: View, use: Mask, least_noise: float
     model, k = models.get(calibration.camera.model), calibration.camera.intrinsics
     obs = Observations.of([seen])
     poses, square = resect(model, k, obs)
-    _, j = normal.design(model, k, poses, obs.points)
+    _, j = normal_equations.design(model, k, poses, obs.points)
     flat = j[0].reshape(model.size + 6, -1).T
     if not (np.isfinite(square).all() and np.isfinite(flat).all()):
         return np.inf

@@ -5,14 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import models, normal, start
+from . import models, start
 from .arrays import Array, Mask, frozen
 from .camera import Camera
 from .errors import CalibrationError
+from .fitting import normal_equations
+from .fitting.normal_equations import Poses
 from .fitting.observations import Observations
 from .fitting.validation import in_range
 from .models import Model
-from .normal import Poses
 from .view import View
 
 ITERATIONS = 30
@@ -90,7 +91,7 @@ def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
 
 def _normal(model: Model, k: Array, poses: Poses, obs: Observations) -> tuple[Array, Array, Array]:
     """Squared error (v,), its Gauss-Newton matrix (v, 6, 6) and half gradient (v, 6) by the poses."""
-    q, j = normal.design(model, k, poses, obs.points)
+    q, j = normal_equations.design(model, k, poses, obs.points)
     r = np.where(obs.mask[:, None, :], q - obs.pixels, 0.0).reshape(len(q), -1)
     b = np.where(obs.mask[:, None, None, :], j[:, model.size :], 0.0).reshape(len(q), 6, -1)
     return np.sum(r * r, axis=1), b @ b.transpose(0, 2, 1), np.einsum("vij,vj->vi", b, r)

@@ -15,9 +15,9 @@ from .arrays import Array, IntArray, Mask
 from .camera import Camera
 from .fitting import robust_homography
 from .fitting.homography import Planes, from_rays
+from .fitting.normal_equations import Poses
 from .fitting.observations import Observations
 from .models import Model
-from .normal import Poses
 
 FEW = 10
 """Views on which starts are tried."""

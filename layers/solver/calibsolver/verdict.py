@@ -10,8 +10,8 @@ from . import models
 from .arrays import Array
 from .calibration import Calibration
 from .camera import pixel_grid
+from .fitting.normal_equations import Poses, project
 from .fitting.observations import Observations
-from .normal import Poses, project
 from .phrasing import off
 from .view import View
 

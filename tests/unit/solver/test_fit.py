@@ -4,8 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from calibsolver import Board, CalibrationError, Camera, View, fit, normal
+from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.fit import MIN_POINTS
+from calibsolver.fitting import normal_equations
 from tests import formats, synthetic
 from tests.data import corner_set
 
@@ -210,7 +211,10 @@ def test_what_views_tell_is_no_rounding() -> None:
     for near, pose in ((1e-3, 1.0), (1e-6, 1e-5)):
         rows = np.random.default_rng(1).normal(size=(8 + 6, 2, 3, 40))
         rows[1], rows[9] = rows[0] + near * rows[1], rows[8] + pose * rows[9]
-        told, plain = normal.told(rows, 8), normal.eliminate(normal.squared(rows)).sum(axis=0)
+        told, plain = (
+            normal_equations.told(rows, 8),
+            normal_equations.eliminate(normal_equations.squared(rows)).sum(axis=0),
+        )
         if pose == 1:
             np.testing.assert_allclose(told, plain, atol=1e-9)
         least[near] = np.linalg.eigvalsh(told)[0]

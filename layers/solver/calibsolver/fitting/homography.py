@@ -6,7 +6,7 @@ import numpy as np
 
 from .. import rotation
 from ..arrays import Array
-from ..normal import Poses
+from .normal_equations import Poses
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 
-from .. import models, normal, rotation, score
+from .. import models, rotation, score
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fit import fit
+from ..fitting import normal_equations
 from ..fitting.observations import Observations
 from ..models import Model
 from ..phrasing import off
@@ -220,10 +221,10 @@ def _directions(model: Model, shape: Shape) -> Array:
 
 
 def _normal(
-    model: Model, free: Array, a: Array, poses: normal.Poses, obs: Observations, weights: Array
+    model: Model, free: Array, a: Array, poses: normal_equations.Poses, obs: Observations, weights: Array
 ) -> tuple[float, Array, Array]:
     """Squared error, px^2; its Gauss-Newton matrix (v, a + 6, a + 6) and half gradient (v, a + 6)."""
-    q, j = normal.design(model, free @ a, poses, obs.points)
+    q, j = normal_equations.design(model, free @ a, poses, obs.points)
     r = (q - obs.pixels) * np.sqrt(weights)[:, None, :]
     j = j * np.sqrt(weights)[:, None, None, :]
     rows = np.concatenate(

@@ -12,12 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import candidates, models, normal, rotation
+from .. import candidates, models, rotation
 from ..arrays import Array, symmetric_inverse
 from ..board import Board
 from ..calibration import Calibration
 from ..camera import Camera
 from ..candidates import Lattice, Range
+from ..fitting import normal_equations
 from ..hints import Placement
 from ..target import TargetPose
 from ..view import View
@@ -130,13 +131,13 @@ class ProjectionUncertainty:
         poses = candidates.poses(unit, self.board, belief.sight, limits)
         pick = 0 if last is None else int(np.argmin(self._way(poses, last)))
         r, t = poses.r[pick], poses.t[pick]
-        s, _ = information(belief, normal.Poses(r[None], t[None]), self._all, ANY)
+        s, _ = information(belief, normal_equations.Poses(r[None], t[None]), self._all, ANY)
         gain = belief.gain(s[0])
         return TargetPose.seen(self.board, belief.camera, r, t, self._purpose(belief, s[0]), gain, last)
 
     def after(self, belief: Belief, target: TargetPose) -> Belief:
         """Return what will be known after a view of the target."""
-        poses = normal.Poses(rotation.matrix(target.rvec[None]), target.tvec[None])
+        poses = normal_equations.Poses(rotation.matrix(target.rvec[None]), target.tvec[None])
         with np.errstate(all="ignore"):
             s, _ = information(belief, poses, self._all, ANY)
         return replace(belief, information=belief.information + s[0] / belief.noise**2)
@@ -153,7 +154,7 @@ class ProjectionUncertainty:
             self.board, belief.camera, poses.r[0], poses.t[0], "a first look", known.gain(s[0])
         )
 
-    def _way(self, poses: normal.Poses, last: Placement) -> Array:
+    def _way(self, poses: normal_equations.Poses, last: Placement) -> Array:
         """How far (c,) the hand moves: distance in squares of the board's length, and the change of tilt."""
         center = poses.r @ self.board.outline.mean(axis=0) + poses.t
         far = np.abs(np.log(np.linalg.norm(center, axis=1) / last.distance))

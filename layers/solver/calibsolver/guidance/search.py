@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import candidates, normal, rotation
+from .. import candidates, rotation
 from ..arrays import Array, IntArray, Mask
 from ..board import Board
 from ..candidates import Lattice, Range
-from ..normal import Poses
+from ..fitting import normal_equations
+from ..fitting.normal_equations import Poses
 from ..target import TargetPose
 from .belief import Belief
 from .experience import Experience
@@ -167,10 +168,12 @@ def information(belief: Belief, poses: Poses, lattice: Lattice, limits: Range) -
     use = np.flatnonzero(good)
     s = np.zeros((len(good), belief.model.size, belief.model.size))
     if use.size:
-        _, j = normal.design(belief.model, belief.k, Poses(poses.r[use], poses.t[use]), lattice.points)
+        _, j = normal_equations.design(
+            belief.model, belief.k, Poses(poses.r[use], poses.t[use]), lattice.points
+        )
         seen = seen[use]
         j = np.where(seen[:, None, None, :], j, 0.0)
-        s[use] = normal.information(j, seen.astype(np.float64) * lattice.share)
+        s[use] = normal_equations.information(j, seen.astype(np.float64) * lattice.share)
     return s, good
 
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import rotation
-from .arrays import Array
-from .models import Model
+from .. import rotation
+from ..arrays import Array
+from ..models import Model
 
 
 @dataclass(frozen=True, eq=False)
