@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from calibsolver import Board, Camera, prior
+from calibsolver import Board, Camera
 from calibsolver.arrays import symmetric_inverse
 from calibsolver.candidates import Range
+from calibsolver.fitting import prior
 from calibsolver.guidance import Belief, ProjectionUncertainty
 
 SWEEPS = 2

@@ -6,13 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from . import lm, models, outliers, plausible, prior, score, start
+from . import lm, models, outliers, plausible, score, start
 from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import normal_equations, validation
+from .fitting import normal_equations, prior, validation
 from .fitting.normal_equations import Poses
 from .fitting.observations import Order
 from .fitting.validation import MIN_POINTS, check

@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from . import prior
 from .arrays import Array, Mask
-from .fitting import normal_equations
+from .fitting import normal_equations, prior
 from .fitting.normal_equations import Poses
 from .fitting.observations import Observations
 from .models import Model

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from calibsolver import Camera, models, prior
+from calibsolver import Camera, models
 from calibsolver.arrays import Array
+from calibsolver.fitting import prior
 
 SIZE = (1280, 720)
 SPREAD = {

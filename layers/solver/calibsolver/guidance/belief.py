@@ -5,11 +5,12 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import models, prior, uncertainty
+from .. import models, uncertainty
 from ..arrays import Array, symmetric_inverse
 from ..calibration import Calibration
 from ..camera import Camera
 from ..candidates import Sight
+from ..fitting import prior
 from ..models import Model
 
 GRID = (12, 9)

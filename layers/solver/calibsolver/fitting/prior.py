@@ -5,8 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from .arrays import Array
-from .models import Model
+from ..arrays import Array
+from ..models import Model
 
 WIDEST = 6.0
 """Squared image radius, in focal lengths, towards which that of ever wider lenses saturates: on a fisheye
