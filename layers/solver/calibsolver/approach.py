@@ -11,8 +11,8 @@ from .arrays import Array, Mask
 from .camera import Camera
 from .errors import CalibrationError
 from .fitting import robust_homography
+from .fitting.levenberg_marquardt import Options, Problem, State
 from .fitting.normal_equations import Poses
-from .lm import Options, Problem, State
 from .models import Model
 
 DOUBTFUL = 0.002

@@ -6,17 +6,17 @@ from functools import cached_property
 
 import numpy as np
 
-from . import lm, models, outliers, plausible, score, start
+from . import models, outliers, plausible, score, start
 from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import normal_equations, prior, validation
+from .fitting import levenberg_marquardt, normal_equations, prior, validation
+from .fitting.levenberg_marquardt import Options, Problem, State
 from .fitting.normal_equations import Poses
 from .fitting.observations import Order
 from .fitting.validation import MIN_POINTS, check
-from .lm import Options, Problem, State
 from .models import Model
 from .view import View
 
@@ -192,7 +192,7 @@ class _Fit:
         used = 2 * float(good.sum())
         free = used - self.model.size - 6 * float(good.any(axis=1).sum())
         noise = float(np.sqrt(state.square[good].sum() / max(free, 0.1 * used, 1.0)))
-        return max(noise, lm.ROUNDING * self.width)
+        return max(noise, levenberg_marquardt.ROUNDING * self.width)
 
     def result(self, state: State, good: Mask, *, with_prior: bool) -> Calibration:
         if not state.converged:

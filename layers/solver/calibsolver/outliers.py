@@ -4,12 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import lm, plausible
+from . import plausible
 from .arrays import Array, IntArray, Mask
+from .fitting import levenberg_marquardt
+from .fitting.levenberg_marquardt import Problem, State
 from .fitting.observations import Observations
 from .fitting.robust_homography import medians
 from .fitting.validation import MIN_POINTS
-from .lm import Problem, State
 
 CUT = 4.0
 """Sigmas beyond which a point is an outlier: one in 3000 good ones."""
@@ -31,7 +32,7 @@ def kept(state: State, mask: Mask, among: Mask, cut: float, img_size: tuple[int,
     The noise is that of the points `among` (v, n): what has been left out already does not blur what is left.
     """
     # Beside a view that happens to have less noise, one with as much as others have is no outlier.
-    sigma = max(lm.noise(state, among), lm.FINEST * img_size[0])
+    sigma = max(levenberg_marquardt.noise(state, among), levenberg_marquardt.FINEST * img_size[0])
     if not np.where(mask, state.square, 0.0).max() > (cut * sigma) ** 2:
         return mask
     # Real residuals have longer tails than the median promises; what is kept says how long.
@@ -69,7 +70,7 @@ def ranked(states: Sequence[State], problem: Problem, mask: Mask) -> list[State]
 
 def unfit(state: State, mask: Mask) -> IntArray:
     """Find views (by number) of which half of the points or more lie beyond CUT sigmas."""
-    sigma = lm.noise(state, mask)
+    sigma = levenberg_marquardt.noise(state, mask)
     return np.flatnonzero((medians(state.square, mask) > (CUT * sigma) ** 2) & mask.any(axis=1))
 
 

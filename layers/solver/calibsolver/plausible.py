@@ -4,7 +4,7 @@ import numpy as np
 
 from .arrays import Mask
 from .errors import CalibrationError
-from .lm import Problem, State
+from .fitting.levenberg_marquardt import Problem, State
 from .phrasing import off, times
 
 WORST, WORST_KEPT = 0.01, 0.005

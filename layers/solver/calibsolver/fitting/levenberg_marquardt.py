@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .arrays import Array, Mask
-from .fitting import normal_equations, prior
-from .fitting.normal_equations import Poses
-from .fitting.observations import Observations
-from .models import Model
+from ..arrays import Array, Mask
+from ..models import Model
+from . import normal_equations, prior
+from .normal_equations import Poses
+from .observations import Observations
 
 RAYLEIGH_MEDIAN = 1.1774100225154747
 """Median of the length of a 2-vector of independent N(0, 1): sqrt(2 ln 2)."""
