@@ -14,8 +14,8 @@ from calibsolver import Board, Calibration, Camera, View
 from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate
+from calibsolver.fitting.initial_guess import plane_poses
 from calibsolver.guidance import FixedPlan, Guide
-from calibsolver.start import plane_poses
 from calibsolver.target import TargetPose
 
 IMG_SIZE = (1280, 720)

@@ -6,11 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from . import outliers, plausible, start
+from . import outliers, plausible
 from .arrays import Array, Mask
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import robust_homography
+from .fitting import initial_guess, robust_homography
 from .fitting.levenberg_marquardt import Options, Problem, State
 from .fitting.normal_equations import Poses
 from .models import Model
@@ -52,7 +52,7 @@ class Approach:
     def run(self) -> State:
         """From several starts to near the optimum; the best of them."""
         obs, problem = self.problem.obs, self.problem
-        few = start.few(obs, self.mask)
+        few = initial_guess.few(obs, self.mask)
         if few is None:
             return self.ranked(problem, self.everything, self.mask)[0]
         trial = Problem(problem.model, obs.subset(few), problem.img_size)
@@ -60,7 +60,7 @@ class Approach:
         # Where a few views leave it open which camera it is, all of them decide.
         states = []
         for k in [state.k for state in found[: 1 if self.ordinary(found[0]) else 2]]:
-            first = start.mended(problem.model, obs, start.at(problem.model, obs, k))
+            first = initial_guess.mended(problem.model, obs, initial_guess.at(problem.model, obs, k))
             state = problem.at(first.k, first.poses)
             # The camera is known about; what is far off already would only bend it on the way.
             near = state.square <= AGREES**2 * robust_homography.medians(state.square, self.mask)[:, None]
@@ -93,14 +93,14 @@ class Approach:
             raise CalibrationError("no_fit", "no camera explains these views")
         return outliers.ranked(found, trial, mask)
 
-    def starts(self, trial: Problem) -> Iterator[start.Start]:
+    def starts(self, trial: Problem) -> Iterator[initial_guess.Start]:
         """Where to begin, the likeliest first."""
         model, obs, size = trial.model, trial.obs, trial.img_size
         if self.known is not None and self.known.img_size == size:
-            yield start.at(model, obs, start.like(model, self.known))
-        yield from start.direct(model, obs, size)
-        for rung in start.ladder(model, obs, size)[:TRIES]:
-            yield start.mended(model, obs, rung)
+            yield initial_guess.at(model, obs, initial_guess.like(model, self.known))
+        yield from initial_guess.direct(model, obs, size)
+        for rung in initial_guess.ladder(model, obs, size)[:TRIES]:
+            yield initial_guess.mended(model, obs, rung)
 
     def ordinary(self, state: State) -> bool:
         """Whether this is a camera like others; a strange one may be a local minimum beside the right one."""
@@ -118,7 +118,7 @@ def posed_anew(problem: Problem, state: State, weights: Array, mask: Mask) -> St
         if not bad.size:
             break
         part = Problem(problem.model, problem.obs.subset(bad), problem.img_size)
-        rays = start.seen(problem.model, part.obs, state.k)
+        rays = initial_guess.seen(problem.model, part.obs, state.k)
         planes, _ = robust_homography.planes(part.obs.points, rays, mask[bad], 0.0)
         poses = planes.poses(part.obs.points[:, 2, 0])
         square = part.at(state.k, poses).square

@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import models, rotation, start
+from . import models, rotation
 from .admission import Reason, unfit
 from .advice import LIMIT, Advice, disagreement, suggestion
 from .board import Board
 from .calibration import Calibration
 from .camera import Camera
 from .consistency import PATIENCE, Consistency
-from .fitting import normal_equations
+from .fitting import initial_guess, normal_equations
 from .fitting.observations import Observations
 from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
 from .hints import Hint, Placement, between
@@ -272,7 +272,7 @@ class Capture:
         """px^2 that the view brings, by what was known before it; None where it cannot be posed."""
         belief = Belief.of(self.model, self.img_size, before, self.prior)
         obs = Observations.of([view])
-        posed = start.at(belief.model, obs, belief.k)
+        posed = initial_guess.at(belief.model, obs, belief.k)
         if not posed.error < WILD * self.img_size[0]:
             return None
         q, j = normal_equations.design(belief.model, belief.k, posed.poses, obs.points)

@@ -6,13 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from . import models, outliers, plausible, score, start
+from . import models, outliers, plausible, score
 from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import levenberg_marquardt, normal_equations, prior, validation
+from .fitting import initial_guess, levenberg_marquardt, normal_equations, prior, validation
 from .fitting.levenberg_marquardt import Options, Problem, State
 from .fitting.normal_equations import Poses
 from .fitting.observations import Order
@@ -73,7 +73,7 @@ def fit(
     obs, order = given.ordered()
     # Far from the solution numbers may overflow; every step is tested before it is taken.
     with np.errstate(all="ignore"):
-        return _Fit(Problem(law, obs, img_size), order, turned[order.views], robust, start).run()
+        return _Fit(Problem(law, obs, img_size), order, turned[order.views], robust, initial_guess).run()
 
 
 def fit_again(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
@@ -155,7 +155,9 @@ class _Fit:
 
     def whole(self, state: State, weights: Array) -> State:
         """Least squares over points of weight (v, n), begun anew from the intrinsics of `state`."""
-        first = start.mended(self.model, self.problem.obs, start.at(self.model, self.problem.obs, state.k))
+        first = initial_guess.mended(
+            self.model, self.problem.obs, initial_guess.at(self.model, self.problem.obs, state.k)
+        )
         state = self.problem.solve(self.problem.at(first.k, first.poses), weights, APPROACH)
         return self.problem.solve(state, weights, Options())
 
@@ -165,7 +167,9 @@ class _Fit:
         if self.carried(state):
             # With coefficients that nearly replace one another there are several optima: the lowest counts.
             law, obs, size = problem.model, problem.obs, problem.img_size
-            other = self.approach.starts(problem) if law.families > 1 else start.direct(law, obs, size)
+            other = (
+                self.approach.starts(problem) if law.families > 1 else initial_guess.direct(law, obs, size)
+            )
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
             free = [problem.solve(s, self.approach.everything, FREE) for s in begun]
             best = min((s for s in free if s.converged and s.finite), key=cost, default=None)

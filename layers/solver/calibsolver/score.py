@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import models, start
+from . import models
 from .arrays import Array, Mask, frozen
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import normal_equations
+from .fitting import initial_guess, normal_equations
 from .fitting.normal_equations import Poses
 from .fitting.observations import Observations
 from .fitting.validation import in_range
@@ -67,7 +67,7 @@ def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
     the camera cannot see a view.
     """
     with np.errstate(all="ignore"):  # views that these intrinsics cannot explain run away
-        poses = start.at(model, obs, k).poses
+        poses = initial_guess.at(model, obs, k).poses
         here, h, g = _normal(model, k, poses, obs)
         damping = np.full(len(here), 1e-6)
         active = np.isfinite(here)

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Array, IntArray, Mask
-from .camera import Camera
-from .fitting import robust_homography
-from .fitting.homography import Planes, from_rays
-from .fitting.normal_equations import Poses
-from .fitting.observations import Observations
-from .models import Model
+from ..arrays import Array, IntArray, Mask
+from ..camera import Camera
+from ..models import Model
+from . import robust_homography
+from .homography import Planes, from_rays
+from .normal_equations import Poses
+from .observations import Observations
 
 FEW = 10
 """Views on which starts are tried."""
