@@ -6,11 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from . import outliers, plausible
+from . import plausible
 from .arrays import Array, Mask
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import initial_guess, robust_homography
+from .fitting import initial_guess, outliers, robust_homography
 from .fitting.levenberg_marquardt import Options, Problem, State
 from .fitting.normal_equations import Poses
 from .models import Model

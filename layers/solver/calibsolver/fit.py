@@ -6,13 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from . import models, outliers, plausible, score
+from . import models, plausible, score
 from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import initial_guess, levenberg_marquardt, normal_equations, prior, validation
+from .fitting import initial_guess, levenberg_marquardt, normal_equations, outliers, prior, validation
 from .fitting.levenberg_marquardt import Options, Problem, State
 from .fitting.normal_equations import Poses
 from .fitting.observations import Order

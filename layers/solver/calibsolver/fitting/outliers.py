@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import plausible
-from .arrays import Array, IntArray, Mask
-from .fitting import levenberg_marquardt
-from .fitting.levenberg_marquardt import Problem, State
-from .fitting.observations import Observations
-from .fitting.robust_homography import medians
-from .fitting.validation import MIN_POINTS
+from .. import plausible
+from ..arrays import Array, IntArray, Mask
+from . import levenberg_marquardt
+from .levenberg_marquardt import Problem, State
+from .observations import Observations
+from .robust_homography import medians
+from .validation import MIN_POINTS
 
 CUT = 4.0
 """Sigmas beyond which a point is an outlier: one in 3000 good ones."""
