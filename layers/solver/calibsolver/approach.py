@@ -6,11 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
-from . import plausible
 from .arrays import Array, Mask
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import initial_guess, outliers, robust_homography
+from .fitting import initial_guess, outliers, plausibility, robust_homography
 from .fitting.levenberg_marquardt import Options, Problem, State
 from .fitting.normal_equations import Poses
 from .models import Model
@@ -86,7 +85,7 @@ class Approach:
                 len(found) >= self.model.families
                 and self.ordinary(state)
                 and outliers.level(state, mask) < DOUBTFUL * self.problem.img_size[0]
-                and plausible.folded(trial, state, mask) <= plausible.FOLDED
+                and plausibility.folded(trial, state, mask) <= plausibility.FOLDED
             ):
                 break
         if not found:

@@ -6,13 +6,21 @@ from functools import cached_property
 
 import numpy as np
 
-from . import models, plausible, score
+from . import models, score
 from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
-from .fitting import initial_guess, levenberg_marquardt, normal_equations, outliers, prior, validation
+from .fitting import (
+    initial_guess,
+    levenberg_marquardt,
+    normal_equations,
+    outliers,
+    plausibility,
+    prior,
+    validation,
+)
 from .fitting.levenberg_marquardt import Options, Problem, State
 from .fitting.normal_equations import Poses
 from .fitting.observations import Order
@@ -173,7 +181,7 @@ class _Fit:
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
             free = [problem.solve(s, self.approach.everything, FREE) for s in begun]
             best = min((s for s in free if s.converged and s.finite), key=cost, default=None)
-            if best is not None and plausible.folded(problem, best, self.mask) <= plausible.FOLDED:
+            if best is not None and plausibility.folded(problem, best, self.mask) <= plausibility.FOLDED:
                 return self.result(best, self.mask, with_prior=False)
         return self.result(
             problem.solve(state, self.approach.everything, Options()), self.mask, with_prior=True
@@ -201,7 +209,7 @@ class _Fit:
     def result(self, state: State, good: Mask, *, with_prior: bool) -> Calibration:
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
-        plausible.demand(self.problem, state, good, self.robust)
+        plausibility.demand(self.problem, state, good, self.robust)
         state = self.left_out_posed(state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
         # No point is farther off than the image is large: of a view that no pose explains the model says

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .. import plausible
 from ..arrays import Array, IntArray, Mask
-from . import levenberg_marquardt
+from . import levenberg_marquardt, plausibility
 from .levenberg_marquardt import Problem, State
 from .observations import Observations
 from .robust_homography import medians
@@ -62,7 +61,7 @@ def ranked(states: Sequence[State], problem: Problem, mask: Mask) -> list[State]
 
     def score(state: State) -> tuple[bool, float]:
         explained = np.minimum(state.square[mask] / sigma2, MOST_COUNTED**2)
-        folds = plausible.folded(problem, state, mask) > plausible.FOLDED
+        folds = plausibility.folded(problem, state, mask) > plausibility.FOLDED
         return folds, float(explained.sum() + state.belief @ state.belief)
 
     return sorted(states, key=score)

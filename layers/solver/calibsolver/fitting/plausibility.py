@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .arrays import Mask
-from .errors import CalibrationError
-from .fitting.levenberg_marquardt import Problem, State
-from .phrasing import off, times
+from ..arrays import Mask
+from ..errors import CalibrationError
+from ..phrasing import off, times
+from .levenberg_marquardt import Problem, State
 
 WORST, WORST_KEPT = 0.01, 0.005
 """A fit whose rms exceeds this share of the image width explains nothing; without outliers
