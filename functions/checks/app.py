@@ -33,7 +33,7 @@ from calibdb.votes import Own, expected, verdict, vote_id
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.admission import unfit
 from calibsolver.agreement import difference
-from calibsolver.score import score
+from calibsolver.fitting.resection import score
 
 _MOST_FIELDS = 20
 _FEWEST = 4  # points that make a pose

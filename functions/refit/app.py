@@ -39,7 +39,7 @@ from calibdb.store.keys import consensus_id
 from calibdb.votes import Finding, Own, tally, verdict, with_votes
 from calibsolver import Board, CalibrationError, Camera, View, __version__, consensus
 from calibsolver.agreement import difference
-from calibsolver.score import score
+from calibsolver.fitting.resection import score
 
 ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
 ATTEMPTS = 5  # of one that others keep overtaking

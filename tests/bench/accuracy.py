@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import CalibrationError, fit, models
-from calibsolver.score import score
+from calibsolver.fitting.resection import score
 from tests.bench import corners, document
 
 TIMEOUT = 25.0

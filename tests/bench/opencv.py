@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from calibsolver import Camera, View
-from calibsolver.score import score
+from calibsolver.fitting.resection import score
 from tests.bench import corners
 
 

@@ -13,19 +13,8 @@ from .uncertainty import Uncertainty
 from .view import View
 
 if TYPE_CHECKING:
-    from . import (
-        agreement,
-        capture,
-        choice,
-        consensus,
-        guidance,
-        heldout,
-        models,
-        overlay,
-        report,
-        score,
-        verdict,
-    )
+    from . import agreement, capture, choice, consensus, guidance, heldout, models, overlay, report, verdict
+    from .fitting import resection
 
 __version__ = "0.1.0"
 

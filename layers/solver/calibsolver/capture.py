@@ -14,10 +14,10 @@ from .camera import Camera
 from .consistency import PATIENCE, Consistency
 from .fitting import initial_guess, normal_equations
 from .fitting.observations import Observations
+from .fitting.resection import score
 from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
 from .hints import Hint, Placement, between
 from .prediction import DISAGREEMENT, surprise
-from .score import score
 from .standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
 from .target import TargetPose
 from .uncertainty import Uncertainty

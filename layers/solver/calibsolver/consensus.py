@@ -15,7 +15,7 @@ from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
 from .fit import fit, fit_again
-from .score import score
+from .fitting.resection import score
 from .view import View
 
 Doubt = Literal["too_few", "disagree", "few_contributors"]

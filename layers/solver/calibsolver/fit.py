@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from . import models, score
+from . import models
 from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
@@ -19,6 +19,7 @@ from .fitting import (
     outliers,
     plausibility,
     prior,
+    resection,
     validation,
 )
 from .fitting.levenberg_marquardt import Options, Problem, State
@@ -243,7 +244,7 @@ class _Fit:
         out = np.flatnonzero(~good.any(axis=1))
         if not out.size:
             return state
-        poses, square = score.resect(self.model, state.k, self.problem.obs.subset(out))
+        poses, square = resection.resect(self.model, state.k, self.problem.obs.subset(out))
         better = np.isfinite(square) & (
             square < np.where(self.problem.obs.mask, state.square, 0)[out].sum(axis=1)
         )

@@ -8,7 +8,7 @@ import numpy as np
 from .arrays import Array, frozen
 from .errors import CalibrationError
 from .fit import fit
-from .score import score
+from .fitting.resection import score
 from .view import View
 
 

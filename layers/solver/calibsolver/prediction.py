@@ -7,7 +7,7 @@ from .arrays import Mask
 from .calibration import Calibration
 from .fitting import normal_equations
 from .fitting.observations import Observations
-from .score import resect
+from .fitting.resection import resect
 from .view import View
 
 DISAGREEMENT = 2.0

@@ -12,7 +12,7 @@ from calibsolver.agreement import compare
 from calibsolver.arrays import Array, symmetric_inverse
 from calibsolver.capture import Capture
 from calibsolver.consensus import Member, pool
-from calibsolver.score import score
+from calibsolver.fitting.resection import score
 from tests import specimens, synthetic
 
 BOARD = Board()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, Camera, View, fit, rotation
+from calibsolver.fitting.resection import score
 from calibsolver.heldout import held_out
-from calibsolver.score import score
 from tests import specimens, synthetic
 from tests.data import corner_set
 

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 
-from .. import models, rotation, score
+from .. import models, rotation
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fit import fit
-from ..fitting import normal_equations
+from ..fitting import normal_equations, resection
 from ..fitting.observations import Observations
 from ..models import Model
 from ..phrasing import off
@@ -51,7 +51,7 @@ def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
     for shape in shapes:
         try:
             camera = fitted(subject, shape)
-            found.append((score.score(camera, views).rms, compared(subject.camera, camera)))
+            found.append((resection.score(camera, views).rms, compared(subject.camera, camera)))
         except CalibrationError as error:
             reasons.append(str(error))
     if not found:
@@ -185,7 +185,7 @@ def restricted(camera: Camera, shape: Shape, views: tuple[View, ...], used: tupl
     weights = np.zeros(obs.mask.shape)
     for row, mask in zip(weights, used, strict=True):
         row[: len(mask)] = mask
-    poses, _ = score.resect(model, free @ a, obs)
+    poses, _ = resection.resect(model, free @ a, obs)
     here, h, g = _normal(model, free, a, poses, obs, weights)
     damping = 1e-6
     with np.errstate(all="ignore"):  # a step too far is tested before it is taken

@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from .. import models, rotation, score
+from .. import models, rotation
 from ..arrays import Array
 from ..errors import CalibrationError
+from ..fitting import resection
 from ..view import View
 from . import text
 from .base import Conversion, Read, Shape, Subject
@@ -49,7 +50,7 @@ class PhotonVision(Format):
             return []
         found, law = [], models.get(held.camera.model)
         for i, (view, rt) in enumerate(
-            zip(subject.views, score.score(held.camera, subject.views).poses, strict=True)
+            zip(subject.views, resection.score(held.camera, subject.views).poses, strict=True)
         ):
             r = rotation.matrix(rt[None, :3])[0]
             # the bare formula: a corner may lie just beyond where the model is one-to-one

@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 
 from calibsolver import Camera, formats, image_transform, models
+from calibsolver.fitting.resection import score
 from calibsolver.formats import lensfun as lensfun_format
 from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
 from calibsolver.formats.web import projection_matrix
-from calibsolver.score import score
 from tests.formats import IMG_SIZE, image_rays, subject
 
 W, H = IMG_SIZE

@@ -13,8 +13,8 @@ import yaml
 
 from calibsolver import CalibrationError, Camera, formats, models
 from calibsolver.arrays import Array
+from calibsolver.fitting.resection import score
 from calibsolver.formats import Subject, Written
-from calibsolver.score import score
 from tests.formats import IMG_SIZE, image_rays, subject
 
 ROUGH = 0.01

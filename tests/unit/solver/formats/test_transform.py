@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, image_transform, models
-from calibsolver.score import score
+from calibsolver.fitting.resection import score
 from tests.formats import IMG_SIZE, image_rays, subject
 
 TRANSFORMS = {

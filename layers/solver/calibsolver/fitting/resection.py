@@ -5,16 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import models
-from .arrays import Array, Mask, frozen
-from .camera import Camera
-from .errors import CalibrationError
-from .fitting import initial_guess, normal_equations
-from .fitting.normal_equations import Poses
-from .fitting.observations import Observations
-from .fitting.validation import in_range
-from .models import Model
-from .view import View
+from .. import models
+from ..arrays import Array, Mask, frozen
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..models import Model
+from ..view import View
+from . import initial_guess, normal_equations
+from .normal_equations import Poses
+from .observations import Observations
+from .validation import in_range
 
 ITERATIONS = 30
 SETTLED = 1e-8
