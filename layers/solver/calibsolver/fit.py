@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from . import models
-from .approach import APPROACH, Approach
 from .arrays import Array, Mask, frozen, symmetric_inverse
 from .calibration import Calibration
 from .camera import Camera
@@ -23,6 +22,7 @@ from .fitting import (
     validation,
 )
 from .fitting.levenberg_marquardt import Options, Problem, State
+from .fitting.multistart import APPROACH, Approach
 from .fitting.normal_equations import Poses
 from .fitting.observations import Order
 from .fitting.validation import MIN_POINTS, check

@@ -6,13 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from .arrays import Array, Mask
-from .camera import Camera
-from .errors import CalibrationError
-from .fitting import initial_guess, outliers, plausibility, robust_homography
-from .fitting.levenberg_marquardt import Options, Problem, State
-from .fitting.normal_equations import Poses
-from .models import Model
+from ..arrays import Array, Mask
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..models import Model
+from . import initial_guess, outliers, plausibility, robust_homography
+from .levenberg_marquardt import Options, Problem, State
+from .normal_equations import Poses
 
 DOUBTFUL = 0.002
 """Above this share of the image width other starts are tried."""
