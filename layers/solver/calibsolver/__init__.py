@@ -9,7 +9,7 @@ from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
 from .fit import fit
-from .uncertainty import Uncertainty
+from .fitting.uncertainty import Uncertainty
 from .view import View
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 from . import models
 from .arrays import Array, Mask
 from .camera import Camera
-from .uncertainty import Uncertainty, sensitivity, variance
+from .fitting.uncertainty import Uncertainty, sensitivity, variance
 
 
 @dataclass(frozen=True, eq=False)

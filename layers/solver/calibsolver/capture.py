@@ -15,12 +15,12 @@ from .consistency import PATIENCE, Consistency
 from .fitting import initial_guess, normal_equations
 from .fitting.observations import Observations
 from .fitting.resection import score
+from .fitting.uncertainty import Uncertainty
 from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
 from .hints import Hint, Placement, between
 from .prediction import DISAGREEMENT, surprise
 from .standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
 from .target import TargetPose
-from .uncertainty import Uncertainty
 from .view import View
 
 __all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Hint", "Reason", "SetAside", "Verdict"]

@@ -7,8 +7,8 @@ from typing import Literal
 from .admission import Reason
 from .advice import Advice
 from .calibration import Calibration
+from .fitting.uncertainty import Uncertainty
 from .hints import Hint
-from .uncertainty import Uncertainty
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import pytest
 
 from calibsolver import Calibration, fit, models
 from calibsolver.camera import pixel_grid
-from calibsolver.uncertainty import sensitivity
+from calibsolver.fitting.uncertainty import sensitivity
 from tests import intervals, specimens, synthetic
 
 

@@ -5,12 +5,12 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import models, uncertainty
+from .. import models
 from ..arrays import Array, symmetric_inverse
 from ..calibration import Calibration
 from ..camera import Camera
 from ..candidates import Sight
-from ..fitting import prior
+from ..fitting import prior, uncertainty
 from ..models import Model
 
 GRID = (12, 9)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Array
-from .camera import pixel_grid
-from .models import Model
+from ..arrays import Array
+from ..camera import pixel_grid
+from ..models import Model
 
 
 @dataclass(frozen=True)
