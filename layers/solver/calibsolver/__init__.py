@@ -5,10 +5,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from .board import Board
-from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
 from .fit import fit
+from .fitting.calibration import Calibration
 from .fitting.uncertainty import Uncertainty
 from .view import View
 

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from .calibration import Calibration
 from .choice import suggest_model
 from .errors import CalibrationError
+from .fitting.calibration import Calibration
 from .phrasing import times
 from .view import View
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from . import models, rotation
 from .arrays import Array, IntArray, Mask
-from .calibration import Calibration
 from .camera import Camera, pixel_grid
+from .fitting.calibration import Calibration
 
 GRID = (12, 9)
 SHARED = 0.5

@@ -9,10 +9,10 @@ from . import models, rotation
 from .admission import Reason, unfit
 from .advice import LIMIT, Advice, disagreement, suggestion
 from .board import Board
-from .calibration import Calibration
 from .camera import Camera
 from .consistency import PATIENCE, Consistency
 from .fitting import initial_guess, normal_equations
+from .fitting.calibration import Calibration
 from .fitting.observations import Observations
 from .fitting.resection import score
 from .fitting.uncertainty import Uncertainty

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import models
-from .calibration import Calibration
 from .errors import CalibrationError
 from .fit import MIN_POINTS, fit
+from .fitting.calibration import Calibration
 from .heldout import HeldOut, held_out
 from .phrasing import off
 from .view import View

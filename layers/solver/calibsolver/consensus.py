@@ -11,10 +11,10 @@ import numpy as np
 from . import models
 from .agreement import FEWEST, compare, groups, sway
 from .arrays import Array
-from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
 from .fit import fit, fit_again
+from .fitting.calibration import Calibration
 from .fitting.resection import score
 from .view import View
 

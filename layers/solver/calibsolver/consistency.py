@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from .arrays import Array
-from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
 from .fit import fit
+from .fitting.calibration import Calibration
 from .view import View
 
 OUTLIER = 3.0

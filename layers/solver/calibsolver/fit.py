@@ -8,7 +8,6 @@ import numpy as np
 
 from . import models
 from .arrays import Array, Mask, frozen, symmetric_inverse
-from .calibration import Calibration
 from .camera import Camera
 from .errors import CalibrationError
 from .fitting import (
@@ -21,6 +20,7 @@ from .fitting import (
     resection,
     validation,
 )
+from .fitting.calibration import Calibration
 from .fitting.levenberg_marquardt import Options, Problem, State
 from .fitting.multistart import APPROACH, Approach
 from .fitting.normal_equations import Poses

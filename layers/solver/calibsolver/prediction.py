@@ -4,8 +4,8 @@ import numpy as np
 
 from . import models
 from .arrays import Mask
-from .calibration import Calibration
 from .fitting import normal_equations
+from .fitting.calibration import Calibration
 from .fitting.observations import Observations
 from .fitting.resection import resect
 from .view import View

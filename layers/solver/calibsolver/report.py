@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from .arrays import Array
-from .calibration import Calibration
+from .fitting.calibration import Calibration
 from .verdict import Assessment, Reason, assess, residual_vectors
 from .view import View
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from .admission import Reason
 from .advice import Advice
-from .calibration import Calibration
+from .fitting.calibration import Calibration
 from .fitting.uncertainty import Uncertainty
 from .hints import Hint
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from . import models
 from .arrays import Array
-from .calibration import Calibration
 from .camera import pixel_grid
+from .fitting.calibration import Calibration
 from .fitting.normal_equations import Poses, project
 from .fitting.observations import Observations
 from .phrasing import off

@@ -7,10 +7,10 @@ import numpy as np
 
 from .. import models
 from ..arrays import Array, symmetric_inverse
-from ..calibration import Calibration
 from ..camera import Camera
 from ..candidates import Sight
 from ..fitting import prior, uncertainty
+from ..fitting.calibration import Calibration
 from ..models import Model
 
 GRID = (12, 9)

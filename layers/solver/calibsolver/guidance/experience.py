@@ -8,9 +8,9 @@ import numpy as np
 from .. import rotation
 from ..arrays import Array
 from ..board import Board
-from ..calibration import Calibration
 from ..camera import Camera
 from ..candidates import Range
+from ..fitting.calibration import Calibration
 from ..hints import Placement
 from ..target import TargetPose
 from .belief import LEAST_NOISE

@@ -12,8 +12,8 @@ import numpy as np
 
 from .. import rotation
 from ..board import Board
-from ..calibration import Calibration
 from ..candidates import Range
+from ..fitting.calibration import Calibration
 from ..hints import Placement
 from ..target import TargetPose
 from ..view import View

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from ..calibration import Calibration
+from ..fitting.calibration import Calibration
 from ..target import TargetPose
 from ..view import View
 

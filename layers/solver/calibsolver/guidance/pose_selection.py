@@ -14,10 +14,10 @@ import numpy as np
 from .. import models, rotation
 from ..arrays import Array
 from ..board import Board
-from ..calibration import Calibration
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fit import fit
+from ..fitting.calibration import Calibration
 from ..hints import Placement, turn_to
 from ..overlap import jaccard, seen_outline
 from ..target import TargetPose

@@ -15,10 +15,10 @@ import numpy as np
 from .. import candidates, models, rotation
 from ..arrays import Array, symmetric_inverse
 from ..board import Board
-from ..calibration import Calibration
 from ..camera import Camera
 from ..candidates import Lattice, Range
 from ..fitting import normal_equations
+from ..fitting.calibration import Calibration
 from ..hints import Placement
 from ..target import TargetPose
 from ..view import View

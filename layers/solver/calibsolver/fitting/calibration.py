@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from . import models
-from .arrays import Array, Mask
-from .camera import Camera
-from .fitting.uncertainty import Uncertainty, sensitivity, variance
+from .. import models
+from ..arrays import Array, Mask
+from ..camera import Camera
+from .uncertainty import Uncertainty, sensitivity, variance
 
 
 @dataclass(frozen=True, eq=False)
