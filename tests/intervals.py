@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibsolver import CalibrationError, Camera, fit
+from calibsolver import CalibrationError, Camera
+from calibsolver.fitting import fit
 from tests import specimens, synthetic
 
 POPULATIONS = {

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calibsolver import Board, Calibration, CalibrationError, Camera, View, candidates, fit, rotation
+from calibsolver import Board, Calibration, CalibrationError, Camera, View, candidates, rotation
 from calibsolver.candidates import Lattice, Range, Sight
+from calibsolver.fitting import fit
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.guidance import Belief, PoseSelection, ProjectionUncertainty, TargetPose
 from calibsolver.guidance.search import information

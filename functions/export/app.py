@@ -41,7 +41,8 @@ def reported(document: CalibrationDocument) -> ReportedCalibration:
 
 def refitted(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
     """Return what the calibration would be had these views not been taken."""
-    from calibsolver import Board, CalibrationError, fit, report
+    from calibsolver import Board, CalibrationError, report
+    from calibsolver.fitting import fit
 
     unknown = sorted(set(without) - {view.index for view in document.views})
     if unknown:

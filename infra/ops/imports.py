@@ -11,8 +11,9 @@ from pydantic import ValidationError
 import calibsolver
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument, Track, ViewDocument
-from calibsolver import CalibrationError, Camera, View, fit, models
+from calibsolver import CalibrationError, Camera, View, models
 from calibsolver.choice import suggest_model
+from calibsolver.fitting import fit
 from calibsolver.formats import Read
 from calibsolver.formats.grid import grid
 from calibsolver.report import describe

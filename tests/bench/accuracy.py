@@ -15,7 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibsolver import CalibrationError, fit, models
+from calibsolver import CalibrationError, models
+from calibsolver.fitting import fit
 from calibsolver.fitting.resection import score
 from tests.bench import corners, document
 

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calibsolver import View, fit, formats
+from calibsolver import View, formats
+from calibsolver.fitting import fit
 from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.client import TOKEN, Client

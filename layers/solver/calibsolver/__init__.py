@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from .board import Board
 from .camera import Camera
 from .errors import CalibrationError
-from .fit import fit
 from .fitting.calibration import Calibration
+from .fitting.fit import fit
 from .fitting.uncertainty import Uncertainty
 from .view import View
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from . import models
 from .errors import CalibrationError
-from .fit import MIN_POINTS, fit
 from .fitting.calibration import Calibration
+from .fitting.fit import MIN_POINTS, fit
 from .heldout import HeldOut, held_out
 from .phrasing import off
 from .view import View

@@ -13,8 +13,8 @@ from .agreement import FEWEST, compare, groups, sway
 from .arrays import Array
 from .camera import Camera
 from .errors import CalibrationError
-from .fit import fit, fit_again
 from .fitting.calibration import Calibration
+from .fitting.fit import fit, fit_again
 from .fitting.resection import score
 from .view import View
 

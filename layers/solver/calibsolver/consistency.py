@@ -13,8 +13,8 @@ import numpy as np
 from .arrays import Array
 from .camera import Camera
 from .errors import CalibrationError
-from .fit import fit
 from .fitting.calibration import Calibration
+from .fitting.fit import fit
 from .view import View
 
 OUTLIER = 3.0

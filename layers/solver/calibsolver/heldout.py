@@ -7,7 +7,7 @@ import numpy as np
 
 from .arrays import Array, frozen
 from .errors import CalibrationError
-from .fit import fit
+from .fitting.fit import fit
 from .fitting.resection import score
 from .view import View
 

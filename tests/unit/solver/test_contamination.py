@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from calibsolver import View, fit
+from calibsolver import View
+from calibsolver.fitting import fit
 from tests import synthetic
 from tests.data import corner_set
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from calibsolver import CalibrationError, Camera, View, fit, rotation
+from calibsolver import CalibrationError, Camera, View, rotation
+from calibsolver.fitting import fit
 from calibsolver.fitting.resection import score
 from calibsolver.heldout import held_out
 from tests import specimens, synthetic

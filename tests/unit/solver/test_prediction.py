@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from calibsolver import Board, Camera, View, fit
+from calibsolver import Board, Camera, View
 from calibsolver.capture import Capture
+from calibsolver.fitting import fit
 from calibsolver.prediction import DISAGREEMENT, surprise
 from tests import data, synthetic
 

@@ -6,7 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from calibsolver import Board, Calibration, View, fit, rotation
+from calibsolver import Board, Calibration, View, rotation
+from calibsolver.fitting import fit
 from calibsolver.report import assess, describe
 from calibsolver.verdict import residual_vectors
 from tests import specimens, synthetic

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from calibsolver import Calibration, fit, models
+from calibsolver import Calibration, models
 from calibsolver.camera import pixel_grid
+from calibsolver.fitting import fit
 from calibsolver.fitting.uncertainty import sensitivity
 from tests import intervals, specimens, synthetic
 

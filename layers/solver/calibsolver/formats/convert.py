@@ -8,8 +8,8 @@ from .. import models, rotation
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..fit import fit
 from ..fitting import normal_equations, resection
+from ..fitting.fit import fit
 from ..fitting.observations import Observations
 from ..models import Model
 from ..phrasing import off

@@ -16,8 +16,8 @@ from ..arrays import Array
 from ..board import Board
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..fit import fit
 from ..fitting.calibration import Calibration
+from ..fitting.fit import fit
 from ..hints import Placement, turn_to
 from ..overlap import jaccard, seen_outline
 from ..target import TargetPose

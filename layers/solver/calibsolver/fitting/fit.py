@@ -6,11 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from . import models
-from .arrays import Array, Mask, frozen, symmetric_inverse
-from .camera import Camera
-from .errors import CalibrationError
-from .fitting import (
+from .. import models
+from ..arrays import Array, Mask, frozen, symmetric_inverse
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..models import Model
+from ..view import View
+from . import (
     initial_guess,
     levenberg_marquardt,
     normal_equations,
@@ -20,14 +22,12 @@ from .fitting import (
     resection,
     validation,
 )
-from .fitting.calibration import Calibration
-from .fitting.levenberg_marquardt import Options, Problem, State
-from .fitting.multistart import APPROACH, Approach
-from .fitting.normal_equations import Poses
-from .fitting.observations import Order
-from .fitting.validation import MIN_POINTS, check
-from .models import Model
-from .view import View
+from .calibration import Calibration
+from .levenberg_marquardt import Options, Problem, State
+from .multistart import APPROACH, Approach
+from .normal_equations import Poses
+from .observations import Order
+from .validation import MIN_POINTS, check
 
 __all__ = ["MIN_POINTS", "check", "fit"]
 
