@@ -18,7 +18,7 @@ from .fitting.resection import score
 from .fitting.uncertainty import Uncertainty
 from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
 from .hints import Hint, Placement, between
-from .prediction import DISAGREEMENT, surprise
+from .quality.prediction import DISAGREEMENT, surprise
 from .standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
 from .target import TargetPose
 from .view import View

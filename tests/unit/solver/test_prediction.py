@@ -6,7 +6,7 @@ import pytest
 from calibsolver import Board, Camera, View
 from calibsolver.capture import Capture
 from calibsolver.fitting import fit
-from calibsolver.prediction import DISAGREEMENT, surprise
+from calibsolver.quality.prediction import DISAGREEMENT, surprise
 from tests import data, synthetic
 
 BOARD = Board()

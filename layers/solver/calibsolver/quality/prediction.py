@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from . import models
-from .arrays import Mask
-from .fitting import normal_equations
-from .fitting.calibration import Calibration
-from .fitting.observations import Observations
-from .fitting.resection import resect
-from .view import View
+from .. import models
+from ..arrays import Mask
+from ..fitting import normal_equations
+from ..fitting.calibration import Calibration
+from ..fitting.observations import Observations
+from ..fitting.resection import resect
+from ..view import View
 
 DISAGREEMENT = 2.0
 """Actual over predicted error from which the prediction does not hold."""

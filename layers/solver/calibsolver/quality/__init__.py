@@ -1,0 +1,1 @@
+"""Quality of a calibration: prediction, cross-validation, model selection, assessment, report."""
