@@ -13,8 +13,9 @@ from .fitting.uncertainty import Uncertainty
 from .view import View
 
 if TYPE_CHECKING:
-    from . import agreement, capture, choice, consensus, guidance, heldout, models, overlay, report, verdict
+    from . import agreement, capture, choice, consensus, guidance, models, overlay, report, verdict
     from .fitting import resection
+    from .quality import cross_validation
 
 __version__ = "0.1.0"
 

@@ -9,8 +9,8 @@ from . import models
 from .errors import CalibrationError
 from .fitting.calibration import Calibration
 from .fitting.fit import MIN_POINTS, fit
-from .heldout import HeldOut, held_out
 from .phrasing import off
+from .quality.cross_validation import HeldOut, held_out
 from .view import View
 
 PLAIN = ("rectilinear", "fisheye", "omnidirectional", "rational")

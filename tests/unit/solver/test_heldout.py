@@ -6,7 +6,7 @@ import pytest
 from calibsolver import CalibrationError, Camera, View, rotation
 from calibsolver.fitting import fit
 from calibsolver.fitting.resection import score
-from calibsolver.heldout import held_out
+from calibsolver.quality.cross_validation import held_out
 from tests import specimens, synthetic
 from tests.data import corner_set
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Array, frozen
-from .errors import CalibrationError
-from .fitting.fit import fit
-from .fitting.resection import score
-from .view import View
+from ..arrays import Array, frozen
+from ..errors import CalibrationError
+from ..fitting.fit import fit
+from ..fitting.resection import score
+from ..view import View
 
 
 @dataclass(frozen=True, eq=False)
