@@ -12,10 +12,10 @@ import calibsolver
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument, Track, ViewDocument
 from calibsolver import CalibrationError, Camera, View, models
-from calibsolver.choice import suggest_model
 from calibsolver.fitting import fit
 from calibsolver.formats import Read
 from calibsolver.formats.grid import grid
+from calibsolver.quality.model_selection import suggest_model
 from calibsolver.report import describe
 from infra.ops import reindex
 from infra.ops.desk import Desk, OpsError

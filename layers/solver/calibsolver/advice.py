@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from .choice import suggest_model
 from .errors import CalibrationError
 from .fitting.calibration import Calibration
 from .phrasing import times
+from .quality.model_selection import suggest_model
 from .view import View
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, View, models
-from calibsolver.choice import suggest_model
+from calibsolver.quality.model_selection import suggest_model
 from tests import specimens, synthetic
 from tests.data import corner_set
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import models
-from .errors import CalibrationError
-from .fitting.calibration import Calibration
-from .fitting.fit import MIN_POINTS, fit
-from .phrasing import off
-from .quality.cross_validation import HeldOut, held_out
-from .view import View
+from .. import models
+from ..errors import CalibrationError
+from ..fitting.calibration import Calibration
+from ..fitting.fit import MIN_POINTS, fit
+from ..phrasing import off
+from ..view import View
+from .cross_validation import HeldOut, held_out
 
 PLAIN = ("rectilinear", "fisheye", "omnidirectional", "rational")
 """From what every tool understands to what has most coefficients; others follow."""
