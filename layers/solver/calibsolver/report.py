@@ -7,7 +7,7 @@ import numpy as np
 
 from .arrays import Array
 from .fitting.calibration import Calibration
-from .verdict import Assessment, Reason, assess, residual_vectors
+from .quality.assessment import Assessment, Reason, assess, residual_vectors
 from .view import View
 
 __all__ = ["Assessment", "Reason", "assess", "describe"]

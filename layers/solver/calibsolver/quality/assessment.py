@@ -6,14 +6,14 @@ from typing import Literal
 
 import numpy as np
 
-from . import models
-from .arrays import Array
-from .camera import pixel_grid
-from .fitting.calibration import Calibration
-from .fitting.normal_equations import Poses, project
-from .fitting.observations import Observations
-from .phrasing import off
-from .view import View
+from .. import models
+from ..arrays import Array
+from ..camera import pixel_grid
+from ..fitting.calibration import Calibration
+from ..fitting.normal_equations import Poses, project
+from ..fitting.observations import Observations
+from ..phrasing import off
+from ..view import View
 
 Level = Literal["good", "fair", "poor"]
 Code = Literal[
