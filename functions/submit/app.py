@@ -26,9 +26,10 @@ from calibdb.schema import (
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
 from calibdb.state import state, view_answer
 from calibdb.tokens import contributor, source
-from calibsolver import Board, Camera, guidance, report
+from calibsolver import Board, Camera, guidance
 from calibsolver import capture as solver_capture
 from calibsolver.capture import Capture, Estimate
+from calibsolver.quality import report
 
 
 def submit(call: http.Call) -> Response:

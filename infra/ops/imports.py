@@ -16,7 +16,7 @@ from calibsolver.fitting import fit
 from calibsolver.formats import Read
 from calibsolver.formats.grid import grid
 from calibsolver.quality.model_selection import suggest_model
-from calibsolver.report import describe
+from calibsolver.quality.report import describe
 from infra.ops import reindex
 from infra.ops.desk import Desk, OpsError
 from infra.ops.files import read_file

@@ -13,9 +13,9 @@ from .fitting.uncertainty import Uncertainty
 from .view import View
 
 if TYPE_CHECKING:
-    from . import agreement, capture, consensus, guidance, models, overlay, report
+    from . import agreement, capture, consensus, guidance, models, overlay
     from .fitting import resection
-    from .quality import assessment, cross_validation, model_selection
+    from .quality import assessment, cross_validation, model_selection, report
 
 __version__ = "0.1.0"
 

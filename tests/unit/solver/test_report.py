@@ -9,7 +9,7 @@ import pytest
 from calibsolver import Board, Calibration, View, rotation
 from calibsolver.fitting import fit
 from calibsolver.quality.assessment import residual_vectors
-from calibsolver.report import assess, describe
+from calibsolver.quality.report import assess, describe
 from tests import specimens, synthetic
 from tests.data import corner_set
 

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from .arrays import Array
-from .fitting.calibration import Calibration
-from .quality.assessment import Assessment, Reason, assess, residual_vectors
-from .view import View
+from ..arrays import Array
+from ..fitting.calibration import Calibration
+from ..view import View
+from .assessment import Assessment, Reason, assess, residual_vectors
 
 __all__ = ["Assessment", "Reason", "assess", "describe"]
 
