@@ -17,7 +17,7 @@ from .fitting.observations import Observations
 from .fitting.resection import score
 from .fitting.uncertainty import Uncertainty
 from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
-from .hints import Hint, Placement, between
+from .guidance.hints import Hint, Placement, between
 from .quality.prediction import DISAGREEMENT, surprise
 from .standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
 from .target import TargetPose

@@ -8,7 +8,7 @@ from .admission import Reason
 from .advice import Advice
 from .fitting.calibration import Calibration
 from .fitting.uncertainty import Uncertainty
-from .hints import Hint
+from .guidance.hints import Hint
 
 
 @dataclass(frozen=True)

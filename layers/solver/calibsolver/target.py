@@ -10,7 +10,7 @@ from . import rotation
 from .arrays import Array, frozen
 from .board import Board
 from .camera import Camera
-from .hints import TEXTS, Code, Hint, Placement, between
+from .guidance.hints import TEXTS, Code, Hint, Placement, between
 
 EDGE_SAMPLES = 12
 """Points along one edge of an outline: a bent edge is drawn to a fraction of a pixel."""

@@ -8,7 +8,7 @@ import pytest
 
 from calibsolver import Board, Calibration, Camera, guidance, models, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose
-from calibsolver.hints import TEXTS, Placement, between
+from calibsolver.guidance.hints import TEXTS, Placement, between
 from tests import specimens, synthetic
 from tests.machine import slowness
 from tests.peers import Comfortable

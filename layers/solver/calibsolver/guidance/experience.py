@@ -11,9 +11,9 @@ from ..board import Board
 from ..camera import Camera
 from ..candidates import Range
 from ..fitting.calibration import Calibration
-from ..hints import Placement
 from ..target import TargetPose
 from .belief import LEAST_NOISE
+from .hints import Placement
 
 WIDE, OBLIQUE = 0.75, 45.0
 """Apparent width / image, and tilt, degrees, beyond which fixed-focus lenses blur and glossy boards shine."""

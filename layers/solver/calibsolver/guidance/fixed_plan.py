@@ -14,10 +14,10 @@ from .. import rotation
 from ..board import Board
 from ..candidates import Range
 from ..fitting.calibration import Calibration
-from ..hints import Placement
 from ..target import TargetPose
 from ..view import View
 from .belief import Belief
+from .hints import Placement
 from .projection_uncertainty import ProjectionUncertainty
 
 LENGTH = 10

@@ -19,11 +19,11 @@ from ..camera import Camera
 from ..candidates import Lattice, Range
 from ..fitting import normal_equations
 from ..fitting.calibration import Calibration
-from ..hints import Placement
 from ..target import TargetPose
 from ..view import View
 from .belief import Belief
 from .experience import Experience
+from .hints import Placement
 from .search import Search, information
 
 ANY = Range(inside=0.0, oblique=90.0, spacing=0.0)

@@ -5,10 +5,10 @@ from typing import Literal
 
 import numpy as np
 
-from . import rotation
-from .arrays import Array
-from .board import Board
-from .camera import Camera
+from .. import rotation
+from ..arrays import Array
+from ..board import Board
+from ..camera import Camera
 
 Code = Literal[
     "first",
