@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calibsolver import Board, Calibration, CalibrationError, Camera, View, candidates, rotation
-from calibsolver.candidates import Lattice, Range, Sight
+from calibsolver import Board, Calibration, CalibrationError, Camera, View, rotation
 from calibsolver.fitting import fit
 from calibsolver.fitting.normal_equations import Poses
-from calibsolver.guidance import Belief, PoseSelection, ProjectionUncertainty, TargetPose
+from calibsolver.guidance import Belief, PoseSelection, ProjectionUncertainty, TargetPose, candidates
+from calibsolver.guidance.candidates import Lattice, Range, Sight
 from calibsolver.guidance.search import information
 from calibsolver.overlap import jaccard, seen_outline
 from tests.synthetic import Session, User, match_picture, seen

@@ -4,9 +4,9 @@ import numpy as np
 
 from calibsolver import Board, Camera
 from calibsolver.arrays import symmetric_inverse
-from calibsolver.candidates import Range
 from calibsolver.fitting import prior
 from calibsolver.guidance import Belief, ProjectionUncertainty
+from calibsolver.guidance.candidates import Range
 
 SWEEPS = 2
 

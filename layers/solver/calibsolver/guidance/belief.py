@@ -8,10 +8,10 @@ import numpy as np
 from .. import models
 from ..arrays import Array, symmetric_inverse
 from ..camera import Camera
-from ..candidates import Sight
 from ..fitting import prior, uncertainty
 from ..fitting.calibration import Calibration
 from ..models import Model
+from .candidates import Sight
 
 GRID = (12, 9)
 NOMINAL_NOISE = 0.3 / 1280

@@ -9,10 +9,10 @@ from .. import rotation
 from ..arrays import Array
 from ..board import Board
 from ..camera import Camera
-from ..candidates import Range
 from ..fitting.calibration import Calibration
 from ..target import TargetPose
 from .belief import LEAST_NOISE
+from .candidates import Range
 from .hints import Placement
 
 WIDE, OBLIQUE = 0.75, 45.0

@@ -12,11 +12,11 @@ import numpy as np
 
 from .. import rotation
 from ..board import Board
-from ..candidates import Range
 from ..fitting.calibration import Calibration
 from ..target import TargetPose
 from ..view import View
 from .belief import Belief
+from .candidates import Range
 from .hints import Placement
 from .projection_uncertainty import ProjectionUncertainty
 

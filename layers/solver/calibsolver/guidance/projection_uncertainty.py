@@ -12,16 +12,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import candidates, models, rotation
+from .. import models, rotation
 from ..arrays import Array, symmetric_inverse
 from ..board import Board
 from ..camera import Camera
-from ..candidates import Lattice, Range
 from ..fitting import normal_equations
 from ..fitting.calibration import Calibration
 from ..target import TargetPose
 from ..view import View
+from . import candidates
 from .belief import Belief
+from .candidates import Lattice, Range
 from .experience import Experience
 from .hints import Placement
 from .search import Search, information

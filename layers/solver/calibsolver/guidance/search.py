@@ -4,14 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import candidates, rotation
+from .. import rotation
 from ..arrays import Array, IntArray, Mask
 from ..board import Board
-from ..candidates import Lattice, Range
 from ..fitting import normal_equations
 from ..fitting.normal_equations import Poses
 from ..target import TargetPose
+from . import candidates
 from .belief import Belief
+from .candidates import Lattice, Range
 from .experience import Experience
 
 CANDIDATES = 128

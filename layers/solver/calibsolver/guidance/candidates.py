@@ -5,10 +5,10 @@ from functools import cached_property
 
 import numpy as np
 
-from .arrays import Array, IntArray, Mask
-from .board import Board
-from .fitting.normal_equations import Poses
-from .models import Model
+from ..arrays import Array, IntArray, Mask
+from ..board import Board
+from ..fitting.normal_equations import Poses
+from ..models import Model
 
 DIMENSIONS = 6
 MARGIN = 0.025
