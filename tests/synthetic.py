@@ -16,7 +16,7 @@ from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate
 from calibsolver.fitting.initial_guess import plane_poses
 from calibsolver.guidance import FixedPlan, Guide
-from calibsolver.target import TargetPose
+from calibsolver.guidance.target import TargetPose
 
 IMG_SIZE = (1280, 720)
 

@@ -18,9 +18,9 @@ from .fitting.resection import score
 from .fitting.uncertainty import Uncertainty
 from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
 from .guidance.hints import Hint, Placement, between
+from .guidance.target import TargetPose
 from .quality.prediction import DISAGREEMENT, surprise
 from .standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
-from .target import TargetPose
 from .view import View
 
 __all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Hint", "Reason", "SetAside", "Verdict"]

@@ -6,7 +6,7 @@ import numpy.typing as npt
 
 from .arrays import Array
 from .board import Board
-from .target import edge_points
+from .guidance.target import edge_points
 from .view import View
 
 SCALE = 8

@@ -12,7 +12,7 @@ from . import rotation
 from .arrays import Array
 from .board import Board
 from .camera import Camera
-from .target import TargetPose
+from .guidance.target import TargetPose
 
 STRIDES = (16, 8)
 """Pixels between the rays that are computed, to a few hundredths of a pixel interpolated between them; the

@@ -1,11 +1,11 @@
 """Where to hold the board next: three ways to choose."""
 
-from ..target import TargetPose
 from .belief import LEAST_NOISE, Belief
 from .fixed_plan import FixedPlan
 from .guide import Guide
 from .pose_selection import PoseSelection
 from .projection_uncertainty import ProjectionUncertainty
+from .target import TargetPose
 
 GUIDES: dict[str, type[ProjectionUncertainty] | type[PoseSelection]] = {
     "projection-uncertainty": ProjectionUncertainty,

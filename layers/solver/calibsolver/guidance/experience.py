@@ -10,10 +10,10 @@ from ..arrays import Array
 from ..board import Board
 from ..camera import Camera
 from ..fitting.calibration import Calibration
-from ..target import TargetPose
 from .belief import LEAST_NOISE
 from .candidates import Range
 from .hints import Placement
+from .target import TargetPose
 
 WIDE, OBLIQUE = 0.75, 45.0
 """Apparent width / image, and tilt, degrees, beyond which fixed-focus lenses blur and glossy boards shine."""

@@ -13,12 +13,12 @@ import numpy as np
 from .. import rotation
 from ..board import Board
 from ..fitting.calibration import Calibration
-from ..target import TargetPose
 from ..view import View
 from .belief import Belief
 from .candidates import Range
 from .hints import Placement
 from .projection_uncertainty import ProjectionUncertainty
+from .target import TargetPose
 
 LENGTH = 10
 PLANNED = Range(width=(0.35, 1.1), tilt=50.0, roll=45.0, inside=0.75)

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from ..fitting.calibration import Calibration
-from ..target import TargetPose
 from ..view import View
+from .target import TargetPose
 
 
 class Guide(Protocol):

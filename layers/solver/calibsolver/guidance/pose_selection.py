@@ -19,10 +19,10 @@ from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..overlap import jaccard, seen_outline
-from ..target import TargetPose
 from ..view import View
 from .distorted_region import Box, next_region
 from .hints import Placement, turn_to
+from .target import TargetPose
 
 DISTANCE = 1.6
 """Board lengths at which tilted poses stand, whatever the lens."""

@@ -18,7 +18,6 @@ from ..board import Board
 from ..camera import Camera
 from ..fitting import normal_equations
 from ..fitting.calibration import Calibration
-from ..target import TargetPose
 from ..view import View
 from . import candidates
 from .belief import Belief
@@ -26,6 +25,7 @@ from .candidates import Lattice, Range
 from .experience import Experience
 from .hints import Placement
 from .search import Search, information
+from .target import TargetPose
 
 ANY = Range(inside=0.0, oblique=90.0, spacing=0.0)
 """Whatever comes: for a pose that has been chosen already."""

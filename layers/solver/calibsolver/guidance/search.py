@@ -9,11 +9,11 @@ from ..arrays import Array, IntArray, Mask
 from ..board import Board
 from ..fitting import normal_equations
 from ..fitting.normal_equations import Poses
-from ..target import TargetPose
 from . import candidates
 from .belief import Belief
 from .candidates import Lattice, Range
 from .experience import Experience
+from .target import TargetPose
 
 CANDIDATES = 128
 BEST, AROUND = 4, 16

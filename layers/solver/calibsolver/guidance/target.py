@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from . import rotation
-from .arrays import Array, frozen
-from .board import Board
-from .camera import Camera
-from .guidance.hints import TEXTS, Code, Hint, Placement, between
+from .. import rotation
+from ..arrays import Array, frozen
+from ..board import Board
+from ..camera import Camera
+from .hints import TEXTS, Code, Hint, Placement, between
 
 EDGE_SAMPLES = 12
 """Points along one edge of an outline: a bent edge is drawn to a fraction of a pixel."""
