@@ -9,8 +9,8 @@ from calibsolver.fitting import fit
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.guidance import Belief, PoseSelection, ProjectionUncertainty, TargetPose, candidates
 from calibsolver.guidance.candidates import Lattice, Range, Sight
+from calibsolver.guidance.overlap import jaccard, seen_outline
 from calibsolver.guidance.search import information
-from calibsolver.overlap import jaccard, seen_outline
 from tests.synthetic import Session, User, match_picture, seen
 
 PATIENCE = 8

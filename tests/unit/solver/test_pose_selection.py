@@ -6,8 +6,8 @@ import pytest
 from calibsolver import Board, Camera
 from calibsolver.guidance import PoseSelection
 from calibsolver.guidance.distorted_region import Box, next_region
+from calibsolver.guidance.overlap import jaccard
 from calibsolver.guidance.pose_selection import subdivision
-from calibsolver.overlap import jaccard
 from tests import peers, synthetic
 
 SIZE = (1280, 720)

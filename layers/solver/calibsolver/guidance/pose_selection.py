@@ -18,10 +18,10 @@ from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
-from ..overlap import jaccard, seen_outline
 from ..view import View
 from .distorted_region import Box, next_region
 from .hints import Placement, turn_to
+from .overlap import jaccard, seen_outline
 from .target import TargetPose
 
 DISTANCE = 1.6

@@ -4,10 +4,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from .arrays import Array
-from .board import Board
-from .guidance.target import edge_points
-from .view import View
+from ..arrays import Array
+from ..board import Board
+from ..view import View
+from .target import edge_points
 
 SCALE = 8
 """Pixels of the image a pixel of the masks."""
