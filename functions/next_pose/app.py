@@ -9,8 +9,9 @@ from starlette.responses import Response
 
 from calibdb import capture, http
 from calibdb.schema import Pose, SessionDocument
-from calibsolver import Board, Camera, guidance, overlay
+from calibsolver import Board, Camera, guidance
 from calibsolver.capture import Capture, SetAside
+from calibsolver.guidance import overlay
 
 Format = Literal["jpeg", "png"]
 FORMATS: dict[str, Format] = {"image/jpeg": "jpeg", "image/png": "png"}

@@ -13,8 +13,9 @@ from .fitting.uncertainty import Uncertainty
 from .view import View
 
 if TYPE_CHECKING:
-    from . import agreement, capture, consensus, guidance, models, overlay
+    from . import agreement, capture, consensus, guidance, models
     from .fitting import resection
+    from .guidance import overlay
     from .quality import assessment, cross_validation, model_selection, report
 
 __version__ = "0.1.0"

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
-from calibsolver import Board, Camera, guidance, overlay, rotation
-from calibsolver.guidance import ProjectionUncertainty, TargetPose
+from calibsolver import Board, Camera, guidance, rotation
+from calibsolver.guidance import ProjectionUncertainty, TargetPose, overlay
 from tests import synthetic
 from tests.machine import slowness
 

@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from . import rotation
-from .arrays import Array
-from .board import Board
-from .camera import Camera
-from .guidance.target import TargetPose
+from .. import rotation
+from ..arrays import Array
+from ..board import Board
+from ..camera import Camera
+from .target import TargetPose
 
 STRIDES = (16, 8)
 """Pixels between the rays that are computed, to a few hundredths of a pixel interpolated between them; the
