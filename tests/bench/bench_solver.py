@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from calibsolver import Board, Camera, View, guidance, rotation
-from calibsolver.capture import Capture
+from calibsolver.capture.rules import Capture
 from calibsolver.fitting import fit
 from calibsolver.guidance import overlay
 from tests import data, synthetic

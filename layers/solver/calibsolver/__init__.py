@@ -13,7 +13,8 @@ from .fitting.uncertainty import Uncertainty
 from .view import View
 
 if TYPE_CHECKING:
-    from . import agreement, capture, consensus, guidance, models
+    from . import agreement, consensus, guidance, models
+    from .capture import rules
     from .fitting import resection
     from .guidance import overlay
     from .quality import assessment, cross_validation, model_selection, report

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from calibsolver import Board, CalibrationError, Camera, View, guidance, models, rotation
 from calibsolver.agreement import compare
 from calibsolver.arrays import Array, symmetric_inverse
-from calibsolver.capture import Capture
+from calibsolver.capture.rules import Capture
 from calibsolver.consensus import Member, pool
 from calibsolver.fitting import fit
 from calibsolver.fitting.resection import score

@@ -5,23 +5,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import models, rotation
-from .admission import Reason, unfit
-from .advice import LIMIT, Advice, disagreement, suggestion
-from .board import Board
-from .camera import Camera
-from .consistency import PATIENCE, Consistency
-from .fitting import initial_guess, normal_equations
-from .fitting.calibration import Calibration
-from .fitting.observations import Observations
-from .fitting.resection import score
-from .fitting.uncertainty import Uncertainty
-from .guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
-from .guidance.hints import Hint, Placement, between
-from .guidance.target import TargetPose
-from .quality.prediction import DISAGREEMENT, surprise
-from .standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
-from .view import View
+from .. import models, rotation
+from ..admission import Reason, unfit
+from ..advice import LIMIT, Advice, disagreement, suggestion
+from ..board import Board
+from ..camera import Camera
+from ..consistency import PATIENCE, Consistency
+from ..fitting import initial_guess, normal_equations
+from ..fitting.calibration import Calibration
+from ..fitting.observations import Observations
+from ..fitting.resection import score
+from ..fitting.uncertainty import Uncertainty
+from ..guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
+from ..guidance.hints import Hint, Placement, between
+from ..guidance.target import TargetPose
+from ..quality.prediction import DISAGREEMENT, surprise
+from ..standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
+from ..view import View
 
 __all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Hint", "Reason", "SetAside", "Verdict"]
 

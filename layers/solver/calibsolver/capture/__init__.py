@@ -1,0 +1,1 @@
+"""Guided capture: acceptance rules of one session's views."""
