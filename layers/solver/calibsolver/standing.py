@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from .admission import Reason
 from .advice import Advice
+from .capture.admission import Reason
 from .fitting.calibration import Calibration
 from .fitting.uncertainty import Uncertainty
 from .guidance.hints import Hint

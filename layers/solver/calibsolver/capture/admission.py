@@ -4,9 +4,9 @@ from typing import Literal
 
 import numpy as np
 
-from .errors import CalibrationError
-from .fitting.validation import MIN_POINTS, check
-from .view import View
+from ..errors import CalibrationError
+from ..fitting.validation import MIN_POINTS, check
+from ..view import View
 
 Reason = Literal["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]
 
