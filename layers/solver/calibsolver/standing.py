@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from .advice import Advice
 from .capture.admission import Reason
+from .capture.advice import Advice
 from .fitting.calibration import Calibration
 from .fitting.uncertainty import Uncertainty
 from .guidance.hints import Hint

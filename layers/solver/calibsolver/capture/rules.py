@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from .. import models, rotation
-from ..advice import LIMIT, Advice, disagreement, suggestion
 from ..board import Board
 from ..camera import Camera
 from ..consistency import PATIENCE, Consistency
@@ -22,6 +21,7 @@ from ..quality.prediction import DISAGREEMENT, surprise
 from ..standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
 from ..view import View
 from .admission import Reason, unfit
+from .advice import LIMIT, Advice, disagreement, suggestion
 
 __all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Hint", "Reason", "SetAside", "Verdict"]
 

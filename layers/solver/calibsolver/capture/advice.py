@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from .errors import CalibrationError
-from .fitting.calibration import Calibration
-from .phrasing import times
-from .quality.model_selection import suggest_model
-from .view import View
+from ..errors import CalibrationError
+from ..fitting.calibration import Calibration
+from ..phrasing import times
+from ..quality.model_selection import suggest_model
+from ..view import View
 
 
 @dataclass(frozen=True)
