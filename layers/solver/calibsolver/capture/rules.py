@@ -18,10 +18,10 @@ from ..guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
 from ..guidance.hints import Hint, Placement, between
 from ..guidance.target import TargetPose
 from ..quality.prediction import DISAGREEMENT, surprise
-from ..standing import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
 from ..view import View
 from .admission import Reason, unfit
 from .advice import LIMIT, Advice, disagreement, suggestion
+from .decision import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
 
 __all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Hint", "Reason", "SetAside", "Verdict"]
 

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from .capture.admission import Reason
-from .capture.advice import Advice
-from .fitting.calibration import Calibration
-from .fitting.uncertainty import Uncertainty
-from .guidance.hints import Hint
+from ..fitting.calibration import Calibration
+from ..fitting.uncertainty import Uncertainty
+from ..guidance.hints import Hint
+from .admission import Reason
+from .advice import Advice
 
 
 @dataclass(frozen=True)
