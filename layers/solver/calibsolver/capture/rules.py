@@ -8,7 +8,6 @@ import numpy as np
 from .. import models, rotation
 from ..board import Board
 from ..camera import Camera
-from ..consistency import PATIENCE, Consistency
 from ..fitting import initial_guess, normal_equations
 from ..fitting.calibration import Calibration
 from ..fitting.observations import Observations
@@ -21,6 +20,7 @@ from ..quality.prediction import DISAGREEMENT, surprise
 from ..view import View
 from .admission import Reason, unfit
 from .advice import LIMIT, Advice, disagreement, suggestion
+from .consistency import PATIENCE, Consistency
 from .decision import DISAGREES, OUTLIER, Estimate, SetAside, Verdict
 
 __all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Hint", "Reason", "SetAside", "Verdict"]

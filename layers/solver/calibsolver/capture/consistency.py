@@ -10,12 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .arrays import Array
-from .camera import Camera
-from .errors import CalibrationError
-from .fitting.calibration import Calibration
-from .fitting.fit import fit
-from .view import View
+from ..arrays import Array
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..fitting.calibration import Calibration
+from ..fitting.fit import fit
+from ..view import View
 
 OUTLIER = 3.0
 """Times the others' error from which a view does not belong to them."""
