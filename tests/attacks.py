@@ -7,7 +7,7 @@ import numpy as np
 
 from calibsolver import CalibrationError, Camera, View
 from calibsolver.agreement import compare
-from calibsolver.consensus import Consensus, Member, Rule, pool
+from calibsolver.consensus.pooling import Consensus, Member, Rule, pool
 from tests import specimens, synthetic
 
 RULE = Rule(min_contributors=3)

@@ -11,7 +11,7 @@ from calibsolver import Board, CalibrationError, Camera, View, guidance, models,
 from calibsolver.agreement import compare
 from calibsolver.arrays import Array, symmetric_inverse
 from calibsolver.capture.rules import Capture
-from calibsolver.consensus import Member, pool
+from calibsolver.consensus.pooling import Member, pool
 from calibsolver.fitting import fit
 from calibsolver.fitting.resection import score
 from tests import specimens, synthetic

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calibsolver.agreement import compare, gather, without_two
-from calibsolver.consensus import Member, by_chance, pool
+from calibsolver.consensus.pooling import Member, by_chance, pool
 from calibsolver.fitting import fit
 from tests import attacks, specimens, synthetic
 

@@ -8,7 +8,7 @@ import pytest
 
 from calibsolver import CalibrationError, Camera, View
 from calibsolver.agreement import compare
-from calibsolver.consensus import Member, Rule, balanced, pool
+from calibsolver.consensus.pooling import Member, Rule, balanced, pool
 from calibsolver.fitting import fit
 from tests import specimens, synthetic
 from tests.data import corner_set

@@ -1,0 +1,1 @@
+"""Consensus of calibrations of one camera: agreement between them, and their pooled fit."""
