@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import CalibrationError, Camera, View
-from calibsolver.agreement import compare
+from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Consensus, Member, Rule, pool
 from tests import specimens, synthetic
 

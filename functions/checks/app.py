@@ -31,8 +31,8 @@ from calibdb.store import Mode
 from calibdb.tokens import Ticket, contributor, source
 from calibdb.votes import Own, expected, verdict, vote_id
 from calibsolver import Board, CalibrationError, Camera, View
-from calibsolver.agreement import difference
 from calibsolver.capture.admission import unfit
+from calibsolver.consensus.agreement import difference
 from calibsolver.fitting import fit
 from calibsolver.fitting.resection import score
 

@@ -38,8 +38,8 @@ from calibdb.store import Mode
 from calibdb.store.keys import consensus_id
 from calibdb.votes import Finding, Own, tally, verdict, with_votes
 from calibsolver import Board, CalibrationError, Camera, View, __version__
-from calibsolver.agreement import difference
 from calibsolver.consensus import pooling
+from calibsolver.consensus.agreement import difference
 from calibsolver.fitting.resection import score
 
 ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn

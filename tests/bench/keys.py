@@ -18,7 +18,7 @@ import numpy as np
 from calibdb.camera_key import Identity, identify
 from calibdb.camera_key.system import system_of
 from calibsolver import Camera
-from calibsolver.agreement import compare
+from calibsolver.consensus.agreement import compare
 from tests.bench import document
 from tests.data import ROOT, data_dir
 

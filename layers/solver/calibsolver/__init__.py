@@ -13,9 +13,9 @@ from .fitting.uncertainty import Uncertainty
 from .view import View
 
 if TYPE_CHECKING:
-    from . import agreement, guidance, models
+    from . import guidance, models
     from .capture import rules
-    from .consensus import pooling
+    from .consensus import agreement, pooling
     from .fitting import resection
     from .guidance import overlay
     from .quality import assessment, cross_validation, model_selection, report

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from calibsolver import Board, CalibrationError, Camera, View, guidance, models, rotation
-from calibsolver.agreement import compare
 from calibsolver.arrays import Array, symmetric_inverse
 from calibsolver.capture.rules import Capture
+from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, pool
 from calibsolver.fitting import fit
 from calibsolver.fitting.resection import score

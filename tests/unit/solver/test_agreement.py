@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from calibsolver.agreement import compare, gather, without_two
+from calibsolver.consensus.agreement import compare, gather, without_two
 from calibsolver.consensus.pooling import Member, by_chance, pool
 from calibsolver.fitting import fit
 from tests import attacks, specimens, synthetic

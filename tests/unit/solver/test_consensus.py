@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, Camera, View
-from calibsolver.agreement import compare
+from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, Rule, balanced, pool
 from calibsolver.fitting import fit
 from tests import specimens, synthetic

@@ -9,7 +9,6 @@ from typing import Literal
 import numpy as np
 
 from .. import models
-from ..agreement import FEWEST, compare, groups, sway
 from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
@@ -17,6 +16,7 @@ from ..fitting.calibration import Calibration
 from ..fitting.fit import fit, fit_again
 from ..fitting.resection import score
 from ..view import View
+from .agreement import FEWEST, compare, groups, sway
 
 Doubt = Literal["too_few", "disagree", "few_contributors"]
 

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import models, rotation
-from .arrays import Array, IntArray, Mask
-from .camera import Camera, pixel_grid
-from .fitting.calibration import Calibration
+from .. import models, rotation
+from ..arrays import Array, IntArray, Mask
+from ..camera import Camera, pixel_grid
+from ..fitting.calibration import Calibration
 
 GRID = (12, 9)
 SHARED = 0.5
