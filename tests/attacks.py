@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import CalibrationError, Camera, View
+from calibsolver.consensus import Consensus, Member, Rule, pool
 from calibsolver.consensus.agreement import compare
-from calibsolver.consensus.pooling import Consensus, Member, Rule, pool
 from tests import specimens, synthetic
 
 RULE = Rule(min_contributors=3)

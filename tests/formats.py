@@ -4,9 +4,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from calibsolver import Board, Camera, View, rotation
+from calibsolver import Board, Camera, View, fit, rotation
 from calibsolver.arrays import Array
-from calibsolver.fitting import fit
 from calibsolver.formats import Subject
 
 IMG_SIZE = (1280, 720)

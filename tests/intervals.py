@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibsolver import CalibrationError, Camera
-from calibsolver.fitting import fit
+from calibsolver import CalibrationError, Camera, fit
 from tests import specimens, synthetic
 
 POPULATIONS = {

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from calibsolver import Board, Calibration, CalibrationError, Camera, View, rotation
-from calibsolver.fitting import fit
+from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.guidance import Belief, PoseSelection, ProjectionUncertainty, TargetPose, candidates
 from calibsolver.guidance.candidates import Lattice, Range, Sight

@@ -9,8 +9,7 @@ from calibdb import schema
 from calibdb.camera_key import camera_key
 from calibdb.settings import Settings
 from calibdb.store import Mode, Store
-from calibsolver import Board
-from calibsolver.fitting import fit
+from calibsolver import Board, fit
 from infra.local import LocalStack
 from tests.client import Truth
 

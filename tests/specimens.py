@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from calibsolver import Board, Camera, View, models, rotation
-from calibsolver.consensus.pooling import Member
+from calibsolver.consensus import Member
 from tests import synthetic
 from tests.data import data_dir
 

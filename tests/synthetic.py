@@ -13,7 +13,7 @@ import numpy as np
 from calibsolver import Board, Calibration, Camera, View
 from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
-from calibsolver.capture.rules import Capture, Estimate
+from calibsolver.capture import Capture, Estimate
 from calibsolver.fitting.initial_guess import plane_poses
 from calibsolver.guidance import FixedPlan, Guide
 from calibsolver.guidance.target import TargetPose

@@ -30,10 +30,9 @@ from calibdb.schema import (
 from calibdb.store import Mode
 from calibdb.tokens import Ticket, contributor, source
 from calibdb.votes import Own, expected, verdict, vote_id
-from calibsolver import Board, CalibrationError, Camera, View
+from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.capture.admission import unfit
-from calibsolver.consensus.agreement import difference
-from calibsolver.fitting import fit
+from calibsolver.consensus import difference
 from calibsolver.fitting.resection import score
 
 _MOST_FIELDS = 20

@@ -41,8 +41,7 @@ def reported(document: CalibrationDocument) -> ReportedCalibration:
 
 def refitted(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
     """Return what the calibration would be had these views not been taken."""
-    from calibsolver import Board, CalibrationError
-    from calibsolver.fitting import fit
+    from calibsolver import Board, CalibrationError, fit
     from calibsolver.quality import report
 
     unknown = sorted(set(without) - {view.index for view in document.views})

@@ -10,7 +10,7 @@ from starlette.responses import Response
 from calibdb import capture, http
 from calibdb.schema import Pose, SessionDocument
 from calibsolver import Board, Camera, guidance
-from calibsolver.capture.rules import Capture, SetAside
+from calibsolver.capture import Capture, SetAside
 from calibsolver.guidance import overlay
 
 Format = Literal["jpeg", "png"]

@@ -37,9 +37,8 @@ from calibdb.settings import Thresholds
 from calibdb.store import Mode
 from calibdb.store.keys import consensus_id
 from calibdb.votes import Finding, Own, tally, verdict, with_votes
-from calibsolver import Board, CalibrationError, Camera, View, __version__
-from calibsolver.consensus import pooling
-from calibsolver.consensus.agreement import difference
+from calibsolver import Board, CalibrationError, Camera, View, __version__, consensus
+from calibsolver.consensus import difference
 from calibsolver.fitting.resection import score
 
 ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
@@ -153,7 +152,7 @@ def pool(
     members = [one for d in documents if (one := member(d)) is not None]
     rule = rule_of(thresholds)
     try:
-        agreed = pooling.pool(members, mode.img_size, model, rule)
+        agreed = consensus.pool(members, mode.img_size, model, rule)
     except CalibrationError:
         found = "too_few" if len(documents) < rule.min_calibrations else "disagree"
         return stored(found=found, reason=found), GroupsDocument(pooled=pooled)
@@ -182,10 +181,10 @@ def pool(
     )
 
 
-def consistent(members: Sequence[pooling.Member], mode: Mode, model: str, rule: pooling.Rule) -> bool:
+def consistent(members: Sequence[consensus.Member], mode: Mode, model: str, rule: consensus.Rule) -> bool:
     """Tell whether few calibrations would make a reliable consensus if they were enough."""
     few = dataclasses.replace(rule, min_calibrations=1, min_contributors=1)
-    return pooling.pool(members, mode.img_size, model, few).reliable
+    return consensus.pool(members, mode.img_size, model, few).reliable
 
 
 def count(
@@ -218,20 +217,20 @@ def count(
     return tally(findings, calibration.calibration_time, sources, apart=thresholds.contributor_period > 0)
 
 
-def rule_of(thresholds: Thresholds) -> pooling.Rule:
+def rule_of(thresholds: Thresholds) -> consensus.Rule:
     """Return the solver's rule by the deployment's thresholds."""
-    names = [field.name for field in dataclasses.fields(pooling.Rule)]
-    return pooling.Rule(**{name: getattr(thresholds, name) for name in names})
+    names = [field.name for field in dataclasses.fields(consensus.Rule)]
+    return consensus.Rule(**{name: getattr(thresholds, name) for name in names})
 
 
-def member(document: CalibrationDocument) -> pooling.Member | None:
+def member(document: CalibrationDocument) -> consensus.Member | None:
     """Return the keypoints of one calibration for the solver; None where they are not of their board.
 
     No session ends like that, but what was brought in from elsewhere may, and must not stand in the way of
     the others.
     """
     try:
-        return pooling.Member(document.id, document.counted_as, tuple(views_of(document)))
+        return consensus.Member(document.id, document.counted_as, tuple(views_of(document)))
     except ValueError:
         return None
 

@@ -27,8 +27,8 @@ from calibdb.schema.session import Advice, Hint, Refusal, SetAside
 from calibdb.state import state, view_answer
 from calibdb.tokens import contributor, source
 from calibsolver import Board, Camera, guidance
-from calibsolver.capture import rules as solver_capture
-from calibsolver.capture.rules import Capture, Estimate
+from calibsolver import capture as solver_capture
+from calibsolver.capture import Capture, Estimate
 from calibsolver.quality import report
 
 

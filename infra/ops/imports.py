@@ -11,8 +11,7 @@ from pydantic import ValidationError
 import calibsolver
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument, Track, ViewDocument
-from calibsolver import CalibrationError, Camera, View, models
-from calibsolver.fitting import fit
+from calibsolver import CalibrationError, Camera, View, fit, models
 from calibsolver.formats import Read
 from calibsolver.formats.grid import grid
 from calibsolver.quality.model_selection import suggest_model

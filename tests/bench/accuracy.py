@@ -15,8 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibsolver import CalibrationError, models
-from calibsolver.fitting import fit
+from calibsolver import CalibrationError, fit, models
 from calibsolver.fitting.resection import score
 from tests.bench import corners, document
 

@@ -7,9 +7,8 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 
-from calibsolver import Board, Camera, View, guidance, rotation
-from calibsolver.capture.rules import Capture
-from calibsolver.fitting import fit
+from calibsolver import Board, Camera, View, fit, guidance, rotation
+from calibsolver.capture import Capture
 from calibsolver.guidance import overlay
 from tests import data, synthetic
 from tests.bench.table import Row, p50, ratio

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import CalibrationError, Camera
-from calibsolver.consensus.pooling import Member, pool
+from calibsolver.consensus import Member, pool
 from tests import attacks, specimens, synthetic
 from tests.bench import document
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import Board, Camera
-from calibsolver.capture.rules import MAX_VIEWS
+from calibsolver.capture import MAX_VIEWS
 from calibsolver.guidance import FixedPlan, ProjectionUncertainty
 from tests import peers, specimens, synthetic
 from tests.bench import document

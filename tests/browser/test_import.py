@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
-from calibsolver import Board, View
-from calibsolver.fitting import fit
+from calibsolver import Board, View, fit
 from calibsolver.formats import Subject, write
 from tests.data import corner_set
 from tests.formats import subject

@@ -10,7 +10,7 @@ import pytest
 from calibdb import schema
 from calibdb.tokens import ApiToken, secret_hash
 from calibsolver import Camera
-from calibsolver.consensus.agreement import difference
+from calibsolver.consensus import difference
 from infra.local import LocalStack
 from tests.client import CAMERA, EDGE, Answer, Client, Truth, until
 from tests.published import PLATFORM, asked, calibration, held, mode_of, store

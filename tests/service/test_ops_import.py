@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calibsolver import View, formats
-from calibsolver.fitting import fit
+from calibsolver import View, fit, formats
 from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.client import TOKEN, Client

@@ -13,12 +13,7 @@ from .fitting.uncertainty import Uncertainty
 from .view import View
 
 if TYPE_CHECKING:
-    from . import guidance, models
-    from .capture import rules
-    from .consensus import agreement, pooling
-    from .fitting import resection
-    from .guidance import overlay
-    from .quality import assessment, cross_validation, model_selection, report
+    from . import capture, consensus, fitting, formats, guidance, models, quality
 
 __version__ = "0.1.0"
 
@@ -29,23 +24,19 @@ __all__ = [
     "Camera",
     "Uncertainty",
     "View",
-    "agreement",
     "capture",
-    "choice",
     "consensus",
     "fit",
+    "fitting",
+    "formats",
     "guidance",
-    "heldout",
     "models",
-    "overlay",
-    "report",
-    "score",
-    "verdict",
+    "quality",
 ]
 
 
 def __getattr__(name: str) -> ModuleType:
-    """Import a module when it is first asked for: a function that starts waits for no other's."""
+    """Import a package when it is first asked for: a function that starts waits for no other's."""
     if name in __all__:
         return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -8,7 +8,7 @@ import pytest
 from calibdb.relation import carried, relate, scaled
 from calibdb.schema import Calibration, FitRecord
 from calibsolver import View
-from calibsolver.fitting import fit as solve
+from calibsolver import fit as solve
 from tests.data import corner_set
 from tests.known import consensus, fit
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from calibdb.settings import Settings, SettingsError, Thresholds
-from calibsolver.consensus.pooling import Rule
+from calibsolver.consensus import Rule
 from infra.local.intrinsics import parse
 
 ROOT = Path(__file__).parents[3]

@@ -7,12 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from calibsolver import Board, CalibrationError, Camera, View, guidance, models, rotation
+from calibsolver import Board, CalibrationError, Camera, View, fit, guidance, models, rotation
 from calibsolver.arrays import Array, symmetric_inverse
-from calibsolver.capture.rules import Capture
+from calibsolver.capture import Capture
+from calibsolver.consensus import Member, pool
 from calibsolver.consensus.agreement import compare
-from calibsolver.consensus.pooling import Member, pool
-from calibsolver.fitting import fit
 from calibsolver.fitting.resection import score
 from tests import specimens, synthetic
 

@@ -5,9 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
+from calibsolver import fit
 from calibsolver.consensus.agreement import compare, gather, without_two
 from calibsolver.consensus.pooling import Member, by_chance, pool
-from calibsolver.fitting import fit
 from tests import attacks, specimens, synthetic
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, Camera, View, models, rotation
-from calibsolver.capture.rules import Capture
+from calibsolver.capture import Capture
 from calibsolver.guidance import TargetPose
 from tests import synthetic
 

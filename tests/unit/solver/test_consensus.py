@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibsolver import CalibrationError, Camera, View
+from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, Rule, balanced, pool
-from calibsolver.fitting import fit
 from tests import specimens, synthetic
 from tests.data import corner_set
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from calibsolver import View
-from calibsolver.fitting import fit
+from calibsolver import View, fit
 from tests import synthetic
 from tests.data import corner_set
 

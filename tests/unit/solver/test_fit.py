@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from calibsolver import Board, CalibrationError, Camera, View
-from calibsolver.fitting import fit, normal_equations
+from calibsolver import Board, CalibrationError, Camera, View, fit
+from calibsolver.fitting import normal_equations
 from calibsolver.fitting.fit import MIN_POINTS
 from tests import formats, synthetic
 from tests.data import corner_set

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from calibsolver import CalibrationError, Camera, View, rotation
-from calibsolver.fitting import fit
+from calibsolver import CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.resection import score
 from calibsolver.quality.cross_validation import held_out
 from tests import specimens, synthetic

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, Camera, View, rotation
-from calibsolver.capture.rules import MAX_VIEWS, Capture, Estimate, SetAside
+from calibsolver.capture import MAX_VIEWS, Capture, Estimate, SetAside
 from calibsolver.guidance import TargetPose
 from tests import synthetic
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from calibsolver import Board, Camera, models
+from calibsolver import Board, Camera, fit, models
 from calibsolver.arrays import Array
-from calibsolver.fitting import fit
 from calibsolver.models import Coefficient, Model, Prior
 from tests import synthetic
 from tests.bench.bench_solver import spread

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from calibsolver import Board, Camera, View
-from calibsolver.capture.rules import Capture
-from calibsolver.fitting import fit
+from calibsolver import Board, Camera, View, fit
+from calibsolver.capture import Capture
 from calibsolver.quality.prediction import DISAGREEMENT, surprise
 from tests import data, synthetic
 

@@ -6,8 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from calibsolver import Board, Calibration, View, rotation
-from calibsolver.fitting import fit
+from calibsolver import Board, Calibration, View, fit, rotation
 from calibsolver.quality.assessment import residual_vectors
 from calibsolver.quality.report import assess, describe
 from tests import specimens, synthetic

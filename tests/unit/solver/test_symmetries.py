@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from calibsolver import View, models
-from calibsolver.fitting import fit
+from calibsolver import View, fit, models
 from tests.data import corner_set
 
 budget = settings(max_examples=3)

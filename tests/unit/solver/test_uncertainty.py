@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from calibsolver import Calibration, models
+from calibsolver import Calibration, fit, models
 from calibsolver.camera import pixel_grid
-from calibsolver.fitting import fit
 from calibsolver.fitting.uncertainty import sensitivity
 from tests import intervals, specimens, synthetic
 

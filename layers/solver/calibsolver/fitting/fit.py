@@ -82,7 +82,7 @@ def fit(
     obs, order = given.ordered()
     # Far from the solution numbers may overflow; every step is tested before it is taken.
     with np.errstate(all="ignore"):
-        return _Fit(Problem(law, obs, img_size), order, turned[order.views], robust, initial_guess).run()
+        return _Fit(Problem(law, obs, img_size), order, turned[order.views], robust, start).run()
 
 
 def fit_again(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
