@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from urllib.parse import urlsplit
 
-from calibdb.plans import PLANS
+from calibdb.access.plans import PLANS
 from calibdb.tokens import ApiToken, secret_hash
 from infra.ops.desk import Desk, OpsError
 

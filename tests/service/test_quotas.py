@@ -3,8 +3,9 @@
 import boto3
 import pytest
 
-from calibdb import plans, token_memory
-from calibdb.plans import Allowance, Plan
+from calibdb import token_memory
+from calibdb.access import plans
+from calibdb.access.plans import Allowance, Plan
 from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.tokens import ApiToken, secret_hash

@@ -13,6 +13,7 @@ from pydantic_core import from_json
 from starlette.requests import Request
 
 from calibdb.accept import preferred
+from calibdb.access.plans import Kind
 from calibdb.errors import (
     CalibdbError,
     FieldError,
@@ -22,7 +23,6 @@ from calibdb.errors import (
     TooLargeError,
     UnauthenticatedError,
 )
-from calibdb.plans import Kind
 from calibdb.schema.fields import MAX_INDEX
 from calibdb.service import Service
 from calibdb.tokens import ApiToken, Ticket

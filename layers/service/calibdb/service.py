@@ -8,8 +8,8 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from calibdb.access.plans import Kind, plan
 from calibdb.errors import ForbiddenError, TooManyError
-from calibdb.plans import Kind, plan
 from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.secrets import with_secrets

@@ -13,8 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from calibdb.access.plans import Kind, plan
 from calibdb.errors import TooManyError, UnavailableError
-from calibdb.plans import Kind, plan
 from calibdb.tokens import ApiToken
 
 # Seconds for which a token is remembered. The edge keeps answers to GET lookups for 20 more: together less

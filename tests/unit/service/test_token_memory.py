@@ -5,9 +5,9 @@ from typing import Any, cast
 
 import pytest
 
-from calibdb import plans
+from calibdb.access import plans
+from calibdb.access.plans import Allowance, Plan
 from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
-from calibdb.plans import Allowance, Plan
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store

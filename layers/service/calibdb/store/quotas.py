@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 
-from calibdb.plans import Kind
+from calibdb.access.plans import Kind
 from calibdb.store.table import Table
 
 HOUR = 3600  # seconds

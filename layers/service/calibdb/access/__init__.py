@@ -1,0 +1,1 @@
+"""Access: API tokens, session tickets, plans and quotas."""
