@@ -14,6 +14,7 @@ import numpy as np
 from starlette.responses import Response
 
 from calibdb import http, resolution
+from calibdb.access.tokens import Ticket, contributor, source
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.corners import misplaced
 from calibdb.errors import FieldError, InvalidError, NotFoundError
@@ -28,7 +29,6 @@ from calibdb.schema import (
     VoteDocument,
 )
 from calibdb.store import Mode
-from calibdb.tokens import Ticket, contributor, source
 from calibdb.votes import Own, expected, verdict, vote_id
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.capture.admission import unfit

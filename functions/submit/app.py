@@ -15,6 +15,7 @@ from starlette.responses import Response
 
 import calibsolver
 from calibdb import capture, http, metrics
+from calibdb.access.tokens import contributor, source
 from calibdb.schema import (
     DISTORTION_MODELS,
     EstimateDocument,
@@ -25,7 +26,6 @@ from calibdb.schema import (
 )
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
 from calibdb.state import state, view_answer
-from calibdb.tokens import contributor, source
 from calibsolver import Board, Camera, guidance
 from calibsolver import capture as solver_capture
 from calibsolver.capture import Capture, Estimate

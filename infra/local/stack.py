@@ -149,9 +149,9 @@ class LocalStack:
         if "TABLE_NAME" not in self.environment:
             return  # another deployment, which knows no tokens
         # Here and not above: the layers are on the path only now.
+        from calibdb.access.tokens import ApiToken, secret_hash
         from calibdb.settings import Settings
         from calibdb.store import Store
-        from calibdb.tokens import ApiToken, secret_hash
 
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
         token = ApiToken(token_id, secret_hash(secret), plan="development", created=int(self._clock()))

@@ -8,7 +8,7 @@ from dataclasses import replace
 from urllib.parse import urlsplit
 
 from calibdb.access.plans import PLANS
-from calibdb.tokens import ApiToken, secret_hash
+from calibdb.access.tokens import ApiToken, secret_hash
 from infra.ops.desk import Desk, OpsError
 
 _SECRET = 24  # bytes

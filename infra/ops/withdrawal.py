@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
+from calibdb.access.tokens import contributor
 from calibdb.schema import CalibrationDocument, SessionDocument
 from calibdb.store import Mode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
-from calibdb.tokens import contributor
 from infra.ops import reindex
 from infra.ops.desk import Desk, OpsError
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from calibdb import schema
-from calibdb.tokens import ApiToken, secret_hash
+from calibdb.access.tokens import ApiToken, secret_hash
 from calibsolver import Camera
 from calibsolver.consensus import difference
 from infra.local import LocalStack

@@ -4,9 +4,9 @@ import time
 
 import pytest
 
+from calibdb.access.tokens import ApiToken, SessionIds, Ticket, secret_hash
 from calibdb.settings import Settings
 from calibdb.store import Store
-from calibdb.tokens import ApiToken, SessionIds, Ticket, secret_hash
 from infra.local import LocalStack
 from tests import faults
 from tests.client import CAMERA, TOKEN, Client

@@ -14,10 +14,10 @@ import boto3
 import pytest
 
 from calibdb import service as services
+from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.settings import Settings
 from calibdb.store import Store, Table
 from calibdb.store.table import Condition, Item
-from calibdb.tokens import ApiToken, secret_hash
 from infra.local import LocalStack
 from tests.client import CAMERA, Client, Truth, until
 from tests.iam import Grant, Needed, Recorder, grants, needs_of_machine, running

@@ -6,9 +6,9 @@ import pytest
 from calibdb import token_memory
 from calibdb.access import plans
 from calibdb.access.plans import Allowance, Plan
+from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.settings import Settings
 from calibdb.store import Store
-from calibdb.tokens import ApiToken, secret_hash
 from infra.local import LocalStack
 from tests.client import CAMERA, Answer, Client
 

@@ -11,8 +11,8 @@ import pytest
 from pyarrow import parquet
 
 from calibdb import schema
+from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.camera_key import camera_key
-from calibdb.tokens import ApiToken, secret_hash
 from calibsolver.formats import write
 from infra.local import LocalStack
 from infra.ops import imports, tokens, withdrawal

@@ -12,7 +12,7 @@ import pytest
 from cfnlint.decode.cfn_yaml import loads
 from moto import mock_aws
 
-from calibdb.tokens import SessionIds, Ticket
+from calibdb.access.tokens import SessionIds, Ticket
 from infra.deploy import aws, layers, rehearsal, smoke, steps
 from infra.deploy.__main__ import main
 from infra.deploy.site import FOREVER, Upload, uploads

@@ -14,6 +14,7 @@ from starlette.requests import Request
 
 from calibdb.accept import preferred
 from calibdb.access.plans import Kind
+from calibdb.access.tokens import ApiToken, Ticket
 from calibdb.errors import (
     CalibdbError,
     FieldError,
@@ -25,7 +26,6 @@ from calibdb.errors import (
 )
 from calibdb.schema.fields import MAX_INDEX
 from calibdb.service import Service
-from calibdb.tokens import ApiToken, Ticket
 
 MAX_BODY = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
 _MOST_FIELDS = 20  # of a body with ten thousand wrong points the first few say enough

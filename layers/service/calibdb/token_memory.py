@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from calibdb.access.plans import Kind, plan
+from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
-from calibdb.tokens import ApiToken
 
 # Seconds for which a token is remembered. The edge keeps answers to GET lookups for 20 more: together less
 # than the minute after which a revoked token opens nothing any more.

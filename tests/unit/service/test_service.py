@@ -5,11 +5,11 @@ from typing import Any, cast
 
 import pytest
 
+from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.errors import ForbiddenError
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
-from calibdb.tokens import ApiToken, secret_hash
 from tests.unit.service.test_settings import ENVIRONMENT
 
 SETTINGS = Settings.from_environment(ENVIRONMENT)

@@ -9,13 +9,13 @@ import pytest
 from botocore.exceptions import ClientError, EndpointConnectionError
 
 from calibdb import capture
+from calibdb.access.tokens import ApiToken
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
 from calibdb.schema import (
     SessionDocument,
     SessionRequest,
 )
 from calibdb.store import Objects, Quotas, Sessions, Table, Tokens
-from calibdb.tokens import ApiToken
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"

@@ -2,8 +2,17 @@
 
 import pytest
 
+from calibdb.access.tokens import (
+    ApiToken,
+    SessionIds,
+    Ticket,
+    contributor,
+    matches,
+    parse,
+    secret_hash,
+    source,
+)
 from calibdb.errors import ForbiddenError
-from calibdb.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse, secret_hash, source
 
 OLD, NEW = "old secret " * 4, "new secret " * 4
 TICKET = Ticket("6b0113478f87f366bd2f0a11", "dev")

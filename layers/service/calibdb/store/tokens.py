@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from calibdb.access.tokens import ApiToken
 from calibdb.schema import TokenDocument
 from calibdb.store.objects import Objects
 from calibdb.store.table import Item, Table
-from calibdb.tokens import ApiToken
 
 PREFIX = "tokens/"
 
