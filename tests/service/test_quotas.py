@@ -3,8 +3,7 @@
 import boto3
 import pytest
 
-from calibdb import token_memory
-from calibdb.access import plans
+from calibdb.access import plans, token_cache
 from calibdb.access.plans import Allowance, Plan
 from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.settings import Settings
@@ -97,7 +96,7 @@ def test_a_wrong_secret_counts_for_nothing(client: Client, token: str) -> None:
 def test_a_revoked_token_ends_its_sessions(
     client: Client, store: Store, token: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(token_memory, "MEMORY", 0)  # every call is one a minute later
+    monkeypatch.setattr(token_cache, "MEMORY", 0)  # every call is one a minute later
     client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
     assert client.call("POST", "/v1/session", CAMERA).status == 201
     assert client.pose().status == 200

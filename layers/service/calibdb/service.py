@@ -9,12 +9,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from calibdb.access.plans import Kind, plan
+from calibdb.access.token_cache import TokenMemory, retry_after
 from calibdb.access.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse
 from calibdb.errors import ForbiddenError, TooManyError
 from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.secrets import with_secrets
-from calibdb.token_memory import TokenMemory, retry_after
 
 
 @dataclass(frozen=True)

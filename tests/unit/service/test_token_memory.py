@@ -7,12 +7,12 @@ import pytest
 
 from calibdb.access import plans
 from calibdb.access.plans import Allowance, Plan
+from calibdb.access.token_cache import BATCH, MEMORY, PATIENCE, TokenMemory
 from calibdb.access.tokens import ApiToken, Ticket, contributor
 from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
-from calibdb.token_memory import BATCH, MEMORY, PATIENCE, TokenMemory
 from tests.unit.service.test_service import Clock
 from tests.unit.service.test_settings import ENVIRONMENT
 
