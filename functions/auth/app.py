@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb import http
+from calibdb.http import application
 from calibdb.schema import Health, SessionOpened
 
 
-def open_session(call: http.Call) -> Response:
+def open_session(call: application.Call) -> Response:
     """Answer with a session id. Only that one more was opened is written: the id carries the rest."""
     token = call.api_token(charge="sessions")
     session_id, expires_at = call.service.session_ids.issue(call.service.ticket(token, call.origin))
-    return http.answer(SessionOpened(session_id=session_id, expires_at=expires_at), 201)
+    return application.answer(SessionOpened(session_id=session_id, expires_at=expires_at), 201)
 
 
-def health(_: http.Call) -> Response:
+def health(_: application.Call) -> Response:
     """Answer that the service is there."""
-    return http.answer(Health())
+    return application.answer(Health())
 
 
-handler = http.handler(
-    http.resource("/v1/auth", POST=open_session),
-    http.resource("/healthz", GET=health),
+handler = application.handler(
+    application.resource("/v1/auth", POST=open_session),
+    application.resource("/healthz", GET=health),
 )

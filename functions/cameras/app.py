@@ -6,9 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 from starlette.responses import Response
 
-from calibdb import browse, http
+from calibdb import browse
 from calibdb.camera_key import PATTERN
 from calibdb.errors import InvalidError, NotFoundError
+from calibdb.http import application
 from calibdb.schema import ConsensusDocument
 from calibdb.schema.cameras import CameraDetail, CameraList, CameraMode, CamerasRequest
 from calibdb.store import Mode
@@ -20,7 +21,7 @@ _READERS = 8  # cameras, or modes of one, read at a time
 _CACHED = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
 
 
-def search(call: http.Call) -> Response:
+def search(call: application.Call) -> Response:
     """Answer with the cameras of whose names a word begins with every word asked for."""
     call.api_token()
     request = call.query(CamerasRequest)
@@ -39,10 +40,10 @@ def search(call: http.Call) -> Response:
         if browse.listed(consensuses, least) and browse.matches(wanted[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
-    return http.answer(answer, headers=_CACHED)
+    return application.answer(answer, headers=_CACHED)
 
 
-def show(call: http.Call) -> Response:
+def show(call: application.Call) -> Response:
     """Answer with one camera: what its calibrations are, and how far they agree."""
     call.api_token()
     key = call.path("key")
@@ -59,10 +60,12 @@ def show(call: http.Call) -> Response:
     shown = browse.best_known(known, _MOST_MODES)
     with ThreadPoolExecutor(_READERS) as readers:
         modes = tuple(readers.map(lambda found: _mode(call, Mode(key, *found[0]), found[1]), shown))
-    return http.answer(CameraDetail(key=key, camera=camera, platform=platform, modes=modes), headers=_CACHED)
+    return application.answer(
+        CameraDetail(key=key, camera=camera, platform=platform, modes=modes), headers=_CACHED
+    )
 
 
-def _mode(call: http.Call, mode: Mode, known: list[ConsensusDocument]) -> CameraMode:
+def _mode(call: application.Call, mode: Mode, known: list[ConsensusDocument]) -> CameraMode:
     store = call.service.store
     best = browse.leading(known)
     behind = store.consensuses.groups(best)
@@ -79,7 +82,7 @@ def _mode(call: http.Call, mode: Mode, known: list[ConsensusDocument]) -> Camera
     )
 
 
-handler = http.handler(
-    http.resource("/v1/cameras", GET=search),
-    http.resource("/v1/cameras/{key}", GET=show),
+handler = application.handler(
+    application.resource("/v1/cameras", GET=search),
+    application.resource("/v1/cameras/{key}", GET=show),
 )

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from starlette.responses import Response
 
-from calibdb import http, resolution
+from calibdb import resolution
 from calibdb.access.tokens import Ticket, contributor, source
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.corners import misplaced
 from calibdb.errors import FieldError, InvalidError, NotFoundError
+from calibdb.http import application
 from calibdb.schema import (
     Calibration,
     CheckAnswer,
@@ -63,7 +64,7 @@ class Examined:
     own: FitRecord | None
 
 
-def check(call: http.Call) -> Response:
+def check(call: application.Call) -> Response:
     """Answer whether the consensus fits the views, and what checks say of it by now."""
     ticket = call.session(charge="views")
     request = call.json(CheckRequest)
@@ -89,7 +90,7 @@ def check(call: http.Call) -> Response:
         current = one(call.service.store.consensuses.at(mode), request.distortion_model)
     if current is None or current.calibration is None:
         raise NotFoundError("The consensus was withdrawn meanwhile.", kind="no-calibration")
-    return http.answer(
+    return application.answer(
         CheckAnswer(
             fits="does_not_fit" if says is False else "fits",
             error=error,
@@ -101,7 +102,7 @@ def check(call: http.Call) -> Response:
     )
 
 
-def consensus(call: http.Call, request: CheckRequest) -> tuple[Mode, Calibration]:
+def consensus(call: application.Call, request: CheckRequest) -> tuple[Mode, Calibration]:
     """Return what to check, reliable or not, and what it is of; raises NotFoundError where there is nothing.
 
     It is found as a lookup would find it, but at no other size or zoom than the views'. As in a lookup, what
@@ -129,7 +130,7 @@ def one(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument
     return next((d for d in documents if d.distortion_model == model), None)
 
 
-def standing(call: http.Call, mode: Mode, model: str) -> ConsensusDocument | None:
+def standing(call: application.Call, mode: Mode, model: str) -> ConsensusDocument | None:
     """Return the consensus with all that is known by now."""
     asked = RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=(model,))
     return next(iter(call.service.store.refit.now(asked).models.values()), None)
@@ -165,7 +166,9 @@ def examine(request: CheckRequest) -> Examined:
     return Examined(tuple(kept), math.sqrt(2) * own.noise, record)
 
 
-def vote(call: http.Call, ticket: Ticket, request: CheckRequest, mode: Mode, examined: Examined) -> bool:
+def vote(
+    call: application.Call, ticket: Ticket, request: CheckRequest, mode: Mode, examined: Examined
+) -> bool:
     """Count the check as a vote, once; False where the contributor, by where they are, has none."""
     service = call.service
     thresholds = service.settings.thresholds
@@ -214,4 +217,4 @@ def seen(request: CheckRequest, examined: Examined) -> list[View]:
     return [board.view(view.ids, view.points) for view in examined.views]
 
 
-handler = http.handler(http.resource("/v1/checks", POST=check))
+handler = application.handler(application.resource("/v1/checks", POST=check))

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb import http
 from calibdb.camera_key import VERSION
 from calibdb.errors import GoneError, InvalidError, NotFoundError
+from calibdb.http import application
 from calibdb.schema import CalibrationDocument, ExportQuery, FitRecord, ReportedCalibration
 
 AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
 
 
-def show(call: http.Call) -> Response:
+def show(call: application.Call) -> Response:
     """Answer with the calibration in the format asked for; what is computed for it counts as a view does."""
     token = call.api_token()
     asked = call.query(ExportQuery)
@@ -31,7 +31,7 @@ def show(call: http.Call) -> Response:
         if document is None:
             raise InvalidError.field("without", "a consensus has no views of its own")
         found = found.model_copy(update={"id": None})  # it is stored nowhere
-    return http.answer(found, headers=AS_IT_IS) if asked.plain else file(found, document, asked)
+    return application.answer(found, headers=AS_IT_IS) if asked.plain else file(found, document, asked)
 
 
 def reported(document: CalibrationDocument) -> ReportedCalibration:
@@ -59,7 +59,7 @@ def refitted(document: CalibrationDocument, without: tuple[int, ...]) -> Calibra
     return document.model_copy(update={"views": left, "fits": fits, "report": described})
 
 
-def consensus(call: http.Call, calibration_id: str) -> ReportedCalibration | None:
+def consensus(call: application.Call, calibration_id: str) -> ReportedCalibration | None:
     """Return the consensus with this id, None when there is none."""
     store = call.service.store
     found = store.consensuses.get(calibration_id)
@@ -116,4 +116,4 @@ def file(found: ReportedCalibration, document: CalibrationDocument | None, asked
     return Response(written.content, 200, headers, written.media_type)
 
 
-handler = http.handler(http.resource("/v1/calibrations/{id}", GET=show))
+handler = application.handler(application.resource("/v1/calibrations/{id}", GET=show))

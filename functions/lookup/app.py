@@ -9,10 +9,11 @@ from urllib.parse import urlencode
 
 from starlette.responses import Response
 
-from calibdb import http, metrics, resolution
+from calibdb import metrics, resolution
 from calibdb.answer import answer, between, neighbours
 from calibdb.camera_key import identify
 from calibdb.errors import NotFoundError
+from calibdb.http import application
 from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
 from calibdb.store.keys import size_text, zoom_text
 
@@ -27,25 +28,25 @@ _DETAILS = {
 }
 
 
-def ask(call: http.Call) -> Response:
+def ask(call: application.Call) -> Response:
     """Answer a request in a body. The older public client sends its token there, too."""
     call.api_token(call.json_text("api_key"))
     return _answer(call, call.json(LookupRequest))
 
 
-def visit(call: http.Call) -> Response:
+def visit(call: application.Call) -> Response:
     """Answer a request in a query; with the token in `key`, a browser can navigate to it."""
     query = call.request.query_params
     call.api_token(query.get("key") or query.get("api_key"))
     return _answer(call, call.query(LookupRequest))
 
 
-def _answer(call: http.Call, request: LookupRequest) -> Response:
+def _answer(call: application.Call, request: LookupRequest) -> Response:
     found = _find(call, request)
     now = call.service.clock()
     if isinstance(found, LookupAnswer):
         metrics.count(now, Lookups=1, Hits=1)
-        return http.answer(found, headers=_CACHED if call.request.method != "POST" else None)
+        return application.answer(found, headers=_CACHED if call.request.method != "POST" else None)
     if not (request.redirect and call.flag("redirect", default=True)):
         metrics.count(now, Lookups=1, Misses=1)
         raise NotFoundError(
@@ -54,10 +55,10 @@ def _answer(call: http.Call, request: LookupRequest) -> Response:
             members={"guidance_url": found.guidance_url, "reason": found.reason},
         )
     metrics.count(now, Lookups=1, Misses=1, Redirects=1)
-    return http.answer(found, 307, {"Location": found.guidance_url})
+    return application.answer(found, 307, {"Location": found.guidance_url})
 
 
-def _find(call: http.Call, request: LookupRequest) -> LookupAnswer | Miss:
+def _find(call: application.Call, request: LookupRequest) -> LookupAnswer | Miss:
     url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
     private = call.service.settings.thresholds.min_contributors == 1
     identity = identify(request.camera, request.platform)
@@ -92,4 +93,4 @@ def _key(request: LookupRequest) -> dict[str, str]:
     }
 
 
-handler = http.handler(http.resource("/v1/lookup", POST=ask, GET=visit))
+handler = application.handler(application.resource("/v1/lookup", POST=ask, GET=visit))

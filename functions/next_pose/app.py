@@ -7,7 +7,8 @@ from typing import Literal
 from pydantic import JsonValue
 from starlette.responses import Response
 
-from calibdb import capture, http
+from calibdb import capture
+from calibdb.http import application
 from calibdb.schema import Pose, SessionDocument
 from calibsolver import Board, Camera, guidance
 from calibsolver.capture import Capture, SetAside
@@ -18,7 +19,7 @@ FORMATS: dict[str, Format] = {"image/jpeg": "jpeg", "image/png": "png"}
 TYPES = (*FORMATS, "application/json")  # the first is the default
 
 
-def show(call: http.Call) -> Response:
+def show(call: application.Call) -> Response:
     """Answer with the open target pose; with `skip=1`, open one of another kind."""
     sid = call.session(charge="poses").sid
     media_type = call.accepted(TYPES)
@@ -39,7 +40,7 @@ def show(call: http.Call) -> Response:
     headers = {"Vary": "Accept, Authorization"}
     if media_type == "application/json":
         pose = Pose.model_validate({**(document.target or {}), "index": document.next_index})
-        return http.answer(pose, headers=headers)
+        return application.answer(pose, headers=headers)
     return Response(draw(document, FORMATS[media_type]), headers=headers, media_type=media_type)
 
 
@@ -75,4 +76,4 @@ def solver_rules(document: SessionDocument) -> Capture:
     )
 
 
-handler = http.handler(http.resource("/v1/session/pose", GET=show))
+handler = application.handler(application.resource("/v1/session/pose", GET=show))

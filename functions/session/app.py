@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb import capture, http, metrics
+from calibdb import capture, metrics
 from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, NotFoundError
+from calibdb.http import application
 from calibdb.schema import FitRecord, SessionDocument, SessionRequest
 from calibdb.state import state
 from calibdb.store import Store
 
 
-def start(call: http.Call) -> Response:
+def start(call: application.Call) -> Response:
     """Start the session; asked again with the same content, answer again."""
     ticket = call.session(charge="poses")
     sid = ticket.sid
@@ -28,7 +29,7 @@ def start(call: http.Call) -> Response:
     if not capture.same_start(document, capture.begin(request, sid, document.first_version, now)):
         raise ConflictError("A session with other content runs under this session id.", kind="other-content")
     metrics.count(now, Sessions=1)
-    return http.answer(state(document), 201)
+    return application.answer(state(document), 201)
 
 
 def known(store: Store, request: SessionRequest) -> FitRecord | None:
@@ -38,17 +39,17 @@ def known(store: Store, request: SessionRequest) -> FitRecord | None:
     return capture.first_guess(store.consensuses.of(key), *place) or store.priors.find(key, *place)
 
 
-def show(call: http.Call) -> Response:
+def show(call: application.Call) -> Response:
     """Answer with the session's state."""
     document = call.service.store.sessions.get(call.session(charge="poses").sid)
-    return http.answer(state(document))
+    return application.answer(state(document))
 
 
-def forget(call: http.Call) -> Response:
+def forget(call: application.Call) -> Response:
     """Forget the session's views. What it published when it converged stays."""
     if not call.service.store.sessions.forget(call.session(charge="poses").sid, call.service.now):
         raise NotFoundError("No session was started under this session id.", kind="no-session")
-    return http.nothing()
+    return application.nothing()
 
 
-handler = http.handler(http.resource("/v1/session", POST=start, GET=show, DELETE=forget))
+handler = application.handler(application.resource("/v1/session", POST=start, GET=show, DELETE=forget))

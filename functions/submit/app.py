@@ -14,8 +14,9 @@ from pydantic import JsonValue
 from starlette.responses import Response
 
 import calibsolver
-from calibdb import capture, http, metrics
+from calibdb import capture, metrics
 from calibdb.access.tokens import contributor, source
+from calibdb.http import application
 from calibdb.schema import (
     DISTORTION_MODELS,
     EstimateDocument,
@@ -32,7 +33,7 @@ from calibsolver.capture import Capture, Estimate
 from calibsolver.quality import report
 
 
-def submit(call: http.Call) -> Response:
+def submit(call: application.Call) -> Response:
     """Answer whether the view became part of the session, and the session's state."""
     ticket = call.session(charge="views")
     view = call.json(ViewRequest)
@@ -55,10 +56,10 @@ def submit(call: http.Call) -> Response:
     document, judged = service.store.sessions.update(ticket.sid, service.now, change)
     if document.finish is not None:
         publish(call, document)
-    return http.answer(view_answer(document, judged.reason, judged.hint))
+    return application.answer(view_answer(document, judged.reason, judged.hint))
 
 
-def remove(call: http.Call) -> Response:
+def remove(call: application.Call) -> Response:
     """Undo: answer with the state of the session without one of its views."""
     sid = call.session(charge="views").sid
     index = call.index("index")
@@ -75,7 +76,7 @@ def remove(call: http.Call) -> Response:
         return changed, changed
 
     document = call.service.store.sessions.update(sid, call.service.now, change)
-    return http.answer(state(document))
+    return application.answer(state(document))
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ def measure(begun: float, ended: float, judged: Judged) -> None:
     metrics.count(ended, reason=judged.reason, **counted)
 
 
-def publish(call: http.Call, document: SessionDocument) -> None:
+def publish(call: application.Call, document: SessionDocument) -> None:
     """Make the calibration findable, and have every model's consensus computed."""
     store = call.service.store
     calibration = capture.calibration(document)
@@ -188,7 +189,7 @@ def recorded(estimate: Estimate, now: int) -> EstimateDocument:
     )
 
 
-handler = http.handler(
-    http.resource("/v1/session/views", POST=submit),
-    http.resource("/v1/session/views/{index}", DELETE=remove),
+handler = application.handler(
+    application.resource("/v1/session/views", POST=submit),
+    application.resource("/v1/session/views/{index}", DELETE=remove),
 )

@@ -6,34 +6,34 @@ from typing import Any
 import pytest
 from starlette.responses import Response
 
-from calibdb import http
 from calibdb.errors import ConflictError, NotFoundError
+from calibdb.http import application
 from tests.unit.service.test_settings import ENVIRONMENT
 
 TYPES = ("image/jpeg", "image/png", "application/json")
 
 
-def pick(call: http.Call) -> Response:
+def pick(call: application.Call) -> Response:
     return Response(call.accepted(TYPES))
 
 
-def conflict(_: http.Call) -> Response:
+def conflict(_: application.Call) -> Response:
     raise ConflictError("Not now.", kind="busy", members={"who": "you"}, headers={"X-Why": "because"})
 
 
-def crash(_: http.Call) -> Response:
+def crash(_: application.Call) -> Response:
     raise RuntimeError("the secret is 4711")
 
 
-def blob(_: http.Call) -> Response:
+def blob(_: application.Call) -> Response:
     return Response(b"\xff\xd8\xff", media_type="image/jpeg")
 
 
-HANDLER = http.handler(
-    http.resource("/pick", GET=pick),
-    http.resource("/conflict", POST=conflict, GET=pick),
-    http.resource("/crash", GET=crash),
-    http.resource("/blob", GET=blob),
+HANDLER = application.handler(
+    application.resource("/pick", GET=pick),
+    application.resource("/conflict", POST=conflict, GET=pick),
+    application.resource("/crash", GET=crash),
+    application.resource("/blob", GET=blob),
 )
 
 

@@ -1,0 +1,1 @@
+"""HTTP: calls parsed, media types negotiated, answers and problems sent, metrics counted."""
