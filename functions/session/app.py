@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb import capture, metrics
+from calibdb import capture
 from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, NotFoundError
-from calibdb.http import application
+from calibdb.http import application, metrics
 from calibdb.schema import FitRecord, SessionDocument, SessionRequest
 from calibdb.state import state
 from calibdb.store import Store

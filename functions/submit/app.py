@@ -14,9 +14,9 @@ from pydantic import JsonValue
 from starlette.responses import Response
 
 import calibsolver
-from calibdb import capture, metrics
+from calibdb import capture
 from calibdb.access.tokens import contributor, source
-from calibdb.http import application
+from calibdb.http import application, metrics
 from calibdb.schema import (
     DISTORTION_MODELS,
     EstimateDocument,

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from calibdb.metrics import document
+from calibdb.http.metrics import document
 from infra.local import LocalStack
 from tests.client import Client, Truth
 
