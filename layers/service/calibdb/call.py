@@ -12,7 +12,6 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json
 from starlette.requests import Request
 
-from calibdb.accept import preferred
 from calibdb.access.plans import Kind
 from calibdb.access.tokens import ApiToken, Ticket
 from calibdb.errors import (
@@ -24,6 +23,7 @@ from calibdb.errors import (
     TooLargeError,
     UnauthenticatedError,
 )
+from calibdb.http.content_negotiation import preferred
 from calibdb.schema.fields import MAX_INDEX
 from calibdb.service import Service
 
