@@ -8,7 +8,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from calibdb import schema
-from calibdb.call import MAX_BODY
+from calibdb.http.call import MAX_BODY
 from calibdb.schema.cameras import MOST_CAMERAS
 from calibdb.schema.fields import MAX_INDEX
 

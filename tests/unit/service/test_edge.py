@@ -6,7 +6,7 @@ from typing import Any, cast
 import pytest
 from starlette.requests import Request
 
-from calibdb.call import Call
+from calibdb.http.call import Call
 from calibdb.settings import Settings
 from tests.unit.service.test_settings import ENVIRONMENT
 

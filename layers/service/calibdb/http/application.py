@@ -23,9 +23,9 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from calibdb.call import Call as Call
 from calibdb.errors import PROBLEMS, CalibdbError
 from calibdb.http import metrics
+from calibdb.http.call import Call as Call
 from calibdb.service import Service
 
 _PROBLEM = "application/problem+json"
