@@ -18,10 +18,10 @@ from typing import Any
 from calibdb.answer import answer
 from calibdb.camera_key import current, identify, public_label
 from calibdb.camera_key.system import system_of
+from calibdb.lookup.selection import choose
 from calibdb.resolution import hopeless, resolve
 from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.fields import ImgSize
-from calibdb.selection import choose
 from infra.ops.desk import Desk
 
 #: what computers call themselves, one of each system: on each of them a camera can be plugged in

@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
+from calibdb.lookup.selection import closeness
 from calibdb.relation import carried, relate, same_aspect, scaled
 from calibdb.schema import Adapted, Calibration, ConsensusDocument, LookupAnswer, Uncertainty
 from calibdb.schema.calibration import Relation
-from calibdb.selection import closeness
 
 _EVIDENCE = 2  # calibrations at a size that is not reliable yet, so that they may verify a relation
 _FAR = 2.0  # ratio of focal lengths between which a lens is not interpolated

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from calibdb.camera_key import Identity
+from calibdb.lookup.selection import Choice, choose
 from calibdb.schema import ConsensusDocument
-from calibdb.selection import Choice, choose
 from calibdb.store import Known
 
 CROPPED = "crop-and-scale"

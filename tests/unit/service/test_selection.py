@@ -2,8 +2,8 @@
 
 import pytest
 
+from calibdb.lookup.selection import choose
 from calibdb.schema import Calibration, ConsensusDocument, Uncertainty
-from calibdb.selection import choose
 
 
 def stored(

@@ -1,0 +1,1 @@
+"""Lookup: camera identity, choice of a consensus, and its transfer to another size or zoom."""
