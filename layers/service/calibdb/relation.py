@@ -11,7 +11,7 @@ import functools
 import math
 from dataclasses import dataclass
 
-from calibdb.projection import distorted, rays_in_view
+from calibdb.lookup.projection import distorted, rays_in_view
 from calibdb.schema import Calibration
 from calibdb.schema.calibration import Relation
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from calibdb.projection import distorted, rays_in_view
+from calibdb.lookup.projection import distorted, rays_in_view
 from calibdb.schema import Calibration
 from calibsolver import Camera
 from tests.known import LENS, consensus, fit
