@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
+from calibdb.lookup.relation import carried, relate, same_aspect, scaled
 from calibdb.lookup.selection import closeness
-from calibdb.relation import carried, relate, same_aspect, scaled
 from calibdb.schema import Adapted, Calibration, ConsensusDocument, LookupAnswer, Uncertainty
 from calibdb.schema.calibration import Relation
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from calibdb.relation import carried, relate, scaled
+from calibdb.lookup.relation import carried, relate, scaled
 from calibdb.schema import Calibration, FitRecord
 from calibsolver import View
 from calibsolver import fit as solve
