@@ -10,10 +10,10 @@ from urllib.parse import urlencode
 from starlette.responses import Response
 
 from calibdb import resolution
-from calibdb.answer import answer, between, neighbours
 from calibdb.camera_key import identify
 from calibdb.errors import NotFoundError
 from calibdb.http import application, metrics
+from calibdb.lookup.answer import answer, between, neighbours
 from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
 from calibdb.store.keys import size_text, zoom_text
 

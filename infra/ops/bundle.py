@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from calibdb.answer import answer
 from calibdb.camera_key import current, identify, public_label
 from calibdb.camera_key.system import system_of
+from calibdb.lookup.answer import answer
 from calibdb.lookup.selection import choose
 from calibdb.resolution import hopeless, resolve
 from calibdb.schema import Calibration, ConsensusDocument

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calibdb.answer import answer, between, neighbours
+from calibdb.lookup.answer import answer, between, neighbours
 from calibdb.schema import Calibration, ConsensusDocument, LookupAnswer
 from tests.known import consensus, fit
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
-from calibdb.answer import answer
+from calibdb.lookup.answer import answer
 from calibdb.schema import CamerasRequest, LookupAnswer, LookupRequest
 from tests.known import consensus
 
