@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from starlette.responses import Response
 
-from calibdb import resolution
 from calibdb.access.tokens import Ticket, contributor, source
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.corners import misplaced
 from calibdb.errors import FieldError, InvalidError, NotFoundError
 from calibdb.http import application
+from calibdb.lookup import camera_lookup
 from calibdb.schema import (
     Calibration,
     CheckAnswer,
@@ -111,9 +111,9 @@ def consensus(call: application.Call, request: CheckRequest) -> tuple[Mode, Cali
     size, zoom, model = request.img_size, request.zoom, request.distortion_model
     private = call.service.settings.thresholds.min_contributors == 1
     identity = identify(request.camera, request.platform)
-    if resolution.hopeless(identity, private=private, resize_mode=request.resize_mode) is None:
+    if camera_lookup.hopeless(identity, private=private, resize_mode=request.resize_mode) is None:
         read = call.service.store.cameras.known
-        resolved = resolution.resolve(read, identity, size, zoom, model, private=private)
+        resolved = camera_lookup.resolve(read, identity, size, zoom, model, private=private)
         mode = Mode(resolved.key, size, zoom)
         here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
         known = one(here, model) or (standing(call, mode, model) if here else None)

@@ -9,10 +9,10 @@ from urllib.parse import urlencode
 
 from starlette.responses import Response
 
-from calibdb import resolution
 from calibdb.camera_key import identify
 from calibdb.errors import NotFoundError
 from calibdb.http import application, metrics
+from calibdb.lookup import camera_lookup
 from calibdb.lookup.answer import answer, between, neighbours
 from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
 from calibdb.store.keys import size_text, zoom_text
@@ -62,11 +62,11 @@ def _find(call: application.Call, request: LookupRequest) -> LookupAnswer | Miss
     url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
     private = call.service.settings.thresholds.min_contributors == 1
     identity = identify(request.camera, request.platform)
-    why = resolution.hopeless(identity, private=private, resize_mode=request.resize_mode)
+    why = camera_lookup.hopeless(identity, private=private, resize_mode=request.resize_mode)
     if why is not None:
         return Miss(guidance_url=url, reason="unknown_camera", detail=why)
     store, size, zoom, model = call.service.store, request.img_size, request.zoom, request.distortion_model
-    resolved = resolution.resolve(store.cameras.known, identity, size, zoom, model, private=private)
+    resolved = camera_lookup.resolve(store.cameras.known, identity, size, zoom, model, private=private)
     found, reason = resolved.choice.found, resolved.choice.reason
     if resolved.choice.missing_at is not None:
         # The keypoints are kept, so a model that nobody asked for yet is only a computation away.
@@ -79,7 +79,7 @@ def _find(call: application.Call, request: LookupRequest) -> LookupAnswer | Miss
     around = neighbours(resolved.known, size, zoom, model)
     if around is not None:
         return between(*around, zoom)
-    detail = resolution.SEVERAL if resolved.several else _DETAILS[reason]
+    detail = camera_lookup.SEVERAL if resolved.several else _DETAILS[reason]
     return Miss(guidance_url=url, reason=reason, detail=detail)
 
 

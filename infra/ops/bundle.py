@@ -18,8 +18,8 @@ from typing import Any
 from calibdb.camera_key import current, identify, public_label
 from calibdb.camera_key.system import system_of
 from calibdb.lookup.answer import answer
+from calibdb.lookup.camera_lookup import hopeless, resolve
 from calibdb.lookup.selection import choose
-from calibdb.resolution import hopeless, resolve
 from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.fields import ImgSize
 from infra.ops.desk import Desk

@@ -6,8 +6,9 @@ from urllib.parse import quote
 
 import pytest
 
-from calibdb import resolution, standing
+from calibdb import standing
 from calibdb.camera_key import camera_key, identify
+from calibdb.lookup import camera_lookup
 from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
@@ -150,7 +151,7 @@ def test_a_second_id_under_a_name_ends_what_the_name_alone_says(
         with storage_calls(stack) as asked:
             answer = ask(stack, label)
         assert (answer.status, len(asked)) == (status, 2 if status == 200 else 1)
-    assert (answer.json["reason"], answer.json["detail"]) == ("unknown_camera", resolution.SEVERAL)
+    assert (answer.json["reason"], answer.json["detail"]) == ("unknown_camera", camera_lookup.SEVERAL)
     assert ask(stack, known).status == 200
     # and back, when one of the three is withdrawn
     document = calibration(other, number=3)

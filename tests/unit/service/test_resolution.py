@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from calibdb import resolution
 from calibdb.camera_key import identify
+from calibdb.lookup import camera_lookup
 from calibdb.schema import ConsensusDocument
 from calibdb.store import Known
 from tests.known import C920, LINUX, consensus, fit
@@ -25,7 +25,7 @@ def resolve(
         asked.append(key)
         return index.get(key, Known([]))
 
-    found = resolution.resolve(read, identity, SIZE, 0.0, "rectilinear", private=private)  # type: ignore[arg-type]
+    found = camera_lookup.resolve(read, identity, SIZE, 0.0, "rectilinear", private=private)  # type: ignore[arg-type]
     assert len(asked) <= 2
     assert asked[0] == identity.key  # type: ignore[attr-defined]
     return found.key, found.choice.found, len(asked)
@@ -109,16 +109,16 @@ def test_a_name_that_many_products_bear_leads_nowhere_but_at_home() -> None:
     [
         ("HD Pro Webcam C920", False, None, None),
         ("HD Pro Webcam C920", False, "none", None),
-        ("HD Pro Webcam C920", False, "crop-and-scale", resolution.RESIZED),
-        ("Integrated Camera", False, None, resolution.AMBIGUOUS),
+        ("HD Pro Webcam C920", False, "crop-and-scale", camera_lookup.RESIZED),
+        ("Integrated Camera", False, None, camera_lookup.AMBIGUOUS),
         ("Integrated Camera", True, None, None),
-        ("OBS Virtual Camera", True, None, resolution.VIRTUAL),
+        ("OBS Virtual Camera", True, None, camera_lookup.VIRTUAL),
     ],
 )
 def test_cameras_that_the_database_cannot_know(
     label: str, private: bool, resize_mode: str | None, why: str | None
 ) -> None:
-    found = resolution.hopeless(identify(label, LINUX), private=private, resize_mode=resize_mode)
+    found = camera_lookup.hopeless(identify(label, LINUX), private=private, resize_mode=resize_mode)
     assert found == why
 
 
