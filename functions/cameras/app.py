@@ -6,10 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 from starlette.responses import Response
 
-from calibdb import browse
 from calibdb.camera_key import PATTERN
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application
+from calibdb.lookup import camera_search
 from calibdb.schema import ConsensusDocument
 from calibdb.schema.cameras import CameraDetail, CameraList, CameraMode, CamerasRequest
 from calibdb.store import Mode
@@ -25,7 +25,7 @@ def search(call: application.Call) -> Response:
     """Answer with the cameras of whose names a word begins with every word asked for."""
     call.api_token()
     request = call.query(CamerasRequest)
-    wanted = browse.asked(request.query)
+    wanted = camera_search.asked(request.query)
     least = call.service.settings.thresholds.min_contributors
     word = wanted[0] if wanted else ""
     if request.after is not None and not is_place(word, request.after):
@@ -35,9 +35,9 @@ def search(call: application.Call) -> Response:
     with ThreadPoolExecutor(_READERS) as readers:
         known = list(readers.map(lambda camera: store.known(camera[0]).consensuses, found))
     entries = (
-        browse.entry(key, name, consensuses)
+        camera_search.entry(key, name, consensuses)
         for (key, name), consensuses in zip(found, known, strict=True)
-        if browse.listed(consensuses, least) and browse.matches(wanted[1:], name, consensuses)
+        if camera_search.listed(consensuses, least) and camera_search.matches(wanted[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
     return application.answer(answer, headers=_CACHED)
@@ -56,8 +56,8 @@ def show(call: application.Call) -> Response:
     if name is None:
         raise NotFoundError("There is no camera with this key.")
     known = store.known(key).consensuses
-    camera, platform = browse.shown(name, known)
-    shown = browse.best_known(known, _MOST_MODES)
+    camera, platform = camera_search.shown(name, known)
+    shown = camera_search.best_known(known, _MOST_MODES)
     with ThreadPoolExecutor(_READERS) as readers:
         modes = tuple(readers.map(lambda found: _mode(call, Mode(key, *found[0]), found[1]), shown))
     return application.answer(
@@ -67,7 +67,7 @@ def show(call: application.Call) -> Response:
 
 def _mode(call: application.Call, mode: Mode, known: list[ConsensusDocument]) -> CameraMode:
     store = call.service.store
-    best = browse.leading(known)
+    best = camera_search.leading(known)
     behind = store.consensuses.groups(best)
     groups = behind.groups if behind else ()
     return CameraMode(
