@@ -18,8 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from calibdb import precision, standing
+from calibdb import precision
 from calibdb.errors import UnavailableError
+from calibdb.lookup import well_known_ids
 from calibdb.schema import (
     DISTORTION_MODELS,
     Calibration,
@@ -102,7 +103,7 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
         if not all(map(store.consensuses.drop, gone)):
             return None
         if gone:
-            standing.bring_up_to_date(store, mode.camera_key, thresholds)
+            well_known_ids.bring_up_to_date(store, mode.camera_key, thresholds)
         return dict.fromkeys(models)
     cast = store.votes.newest(mode, apart=thresholds.contributor_period > 0)
     pooled = digest(METHOD, [c.id for c in counted], rule_of(thresholds), thresholds, __version__)
@@ -131,7 +132,7 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
         answer[model] = document
     # Overtaken, too: who was quicker may have looked before the first of these was written.
     if any(known is not stored.get(model) for model, known in answer.items()):
-        standing.bring_up_to_date(store, mode.camera_key, thresholds)
+        well_known_ids.bring_up_to_date(store, mode.camera_key, thresholds)
     return None if overtaken else answer
 
 

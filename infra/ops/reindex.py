@@ -7,8 +7,9 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from calibdb import capture, standing
+from calibdb import capture
 from calibdb.errors import UnavailableError
+from calibdb.lookup import well_known_ids
 from calibdb.schema import CalibrationDocument, RefitRequest
 from calibdb.store import Calibrations, Condition, Mode, Priors, Table, Tokens, Votes, clients
 from calibdb.store.names import today
@@ -128,7 +129,7 @@ def refit(desk: Desk, wanted: Mode) -> int | None:
         desk.say(f"{wanted.camera_key} {wanted.text}: {error.detail}")
         return None
     # A computation with nothing new leaves this as it is, and here it may have been lost.
-    standing.bring_up_to_date(desk.store, wanted.camera_key, desk.settings.thresholds)
+    well_known_ids.bring_up_to_date(desk.store, wanted.camera_key, desk.settings.thresholds)
     return sum(1 for found in answer.models.values() if found is not None)
 
 

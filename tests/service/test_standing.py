@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from calibdb import standing
 from calibdb.camera_key import camera_key, identify
+from calibdb.lookup import well_known_ids
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
 from infra.local import LocalStack
@@ -42,7 +42,7 @@ def test_who_has_seen_less_and_writes_last_looks_again(
     if not reliable:
         put(store, stored)
     else:
-        standing.bring_up_to_date(store, key, RULES)
+        well_known_ids.bring_up_to_date(store, key, RULES)
     stand = stand_of(store)
     overtaken: list[bool] = []
 
@@ -53,11 +53,11 @@ def test_who_has_seen_less_and_writes_last_looks_again(
                 put(store, stored)
             else:
                 assert store.consensuses.drop(stored)
-            standing.bring_up_to_date(store, key, RULES)
+            well_known_ids.bring_up_to_date(store, key, RULES)
         return stand(camera, names, well_known=well_known)
 
     monkeypatch.setattr(store.cameras, "stand", slow)
-    standing.bring_up_to_date(store, key, RULES)
+    well_known_ids.bring_up_to_date(store, key, RULES)
     assert overtaken == [not reliable], "it had seen what was there before"
     assert well_known(store, label) is reliable
 
