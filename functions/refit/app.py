@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from calibdb import precision
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
+from calibdb.rules import quality_gates
 from calibdb.schema import (
     DISTORTION_MODELS,
     Calibration,
@@ -170,7 +170,7 @@ def pool(
         spread=within(agreed.spread, mode.img_size),
         held_out_error=within(agreed.held_out_error, mode.img_size),
     )
-    confirmable = precision.confirmable(calibration) and (
+    confirmable = quality_gates.confirmable(calibration) and (
         agreed.reason == "few_contributors"
         or (agreed.reason == "too_few" and consistent(members, mode, model, rule))
     )

@@ -21,7 +21,7 @@ from pydantic import JsonValue
 from calibdb.camera_key import camera_key, current, public_label, public_platform
 from calibdb.corners import misplaced
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
-from calibdb.precision import TARGET_ERROR
+from calibdb.rules.quality_gates import TARGET_ERROR
 from calibdb.schema import (
     CalibrationDocument,
     ConsensusDocument,

@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 from pydantic import ValidationError
 
-from calibdb.precision import precise
+from calibdb.rules.quality_gates import precise
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import (
     WITHDRAWN,

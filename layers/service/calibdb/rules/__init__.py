@@ -1,0 +1,1 @@
+"""Rules of sessions, checks and votes, on their documents alone."""
