@@ -15,10 +15,10 @@ from starlette.responses import Response
 
 from calibdb.access.tokens import Ticket, contributor, source
 from calibdb.camera_key import identify, public_label, public_platform
-from calibdb.corners import misplaced
 from calibdb.errors import FieldError, InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.lookup import camera_lookup
+from calibdb.rules.corners import misplaced
 from calibdb.schema import (
     Calibration,
     CheckAnswer,

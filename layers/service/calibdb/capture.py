@@ -19,8 +19,8 @@ from collections.abc import Mapping, Sequence
 from pydantic import JsonValue
 
 from calibdb.camera_key import camera_key, current, public_label, public_platform
-from calibdb.corners import misplaced
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
+from calibdb.rules.corners import misplaced
 from calibdb.rules.quality_gates import TARGET_ERROR
 from calibdb.schema import (
     CalibrationDocument,
