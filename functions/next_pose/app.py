@@ -7,8 +7,8 @@ from typing import Literal
 from pydantic import JsonValue
 from starlette.responses import Response
 
-from calibdb import capture
 from calibdb.http import application
+from calibdb.rules import session_rules
 from calibdb.schema import Pose, SessionDocument
 from calibsolver import Board, Camera, guidance
 from calibsolver.capture import Capture, SetAside
@@ -28,12 +28,12 @@ def show(call: application.Call) -> Response:
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
         nonlocal refused
-        capture.require_open(document)
+        session_rules.require_open(document)
         # When another request got ahead of ours, what it opened is not what the user wanted to skip.
         if document.target is not None and (not skip or refused not in (None, document.target)):
             return None, document
         refused = document.target
-        changed = choose(capture.without_target(document))
+        changed = choose(session_rules.without_target(document))
         return changed, changed
 
     document = call.service.store.sessions.update(sid, call.service.now, change)
@@ -52,7 +52,7 @@ def choose(document: SessionDocument) -> SessionDocument:
     skipped = tuple(guidance.TargetPose.from_dict(target) for target in document.skipped)
     unreached = tuple(guidance.TargetPose.from_dict(target) for target in document.unreached)
     target = rules.next_target(views, rules.estimate(views, aside), skipped, unreached)
-    return capture.with_target(document, target.to_dict())
+    return session_rules.with_target(document, target.to_dict())
 
 
 def draw(document: SessionDocument, image_format: Format) -> bytes:

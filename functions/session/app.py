@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb import capture
 from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, NotFoundError
 from calibdb.http import application, metrics
+from calibdb.rules import session_rules
 from calibdb.schema import FitRecord, SessionDocument, SessionRequest
 from calibdb.state import state
 from calibdb.store import Store
@@ -23,10 +23,10 @@ def start(call: application.Call) -> Response:
     who = call.service.contributor(call.address, ticket.token)
 
     def begin(version: int) -> SessionDocument:
-        return capture.begin(request, sid, version, now, known(store, request), who)
+        return session_rules.begin(request, sid, version, now, known(store, request), who)
 
     document = store.sessions.start(sid, now, begin)
-    if not capture.same_start(document, capture.begin(request, sid, document.first_version, now)):
+    if not session_rules.same_start(document, session_rules.begin(request, sid, document.first_version, now)):
         raise ConflictError("A session with other content runs under this session id.", kind="other-content")
     metrics.count(now, Sessions=1)
     return application.answer(state(document), 201)
@@ -36,7 +36,7 @@ def known(store: Store, request: SessionRequest) -> FitRecord | None:
     """Return what others measured of this camera, or the operator's guess, or None."""
     key = camera_key(request.camera, request.platform)
     place = (request.img_size, request.zoom, request.distortion_model)
-    return capture.first_guess(store.consensuses.of(key), *place) or store.priors.find(key, *place)
+    return session_rules.first_guess(store.consensuses.of(key), *place) or store.priors.find(key, *place)
 
 
 def show(call: application.Call) -> Response:

@@ -14,9 +14,9 @@ from pydantic import JsonValue
 from starlette.responses import Response
 
 import calibsolver
-from calibdb import capture
 from calibdb.access.tokens import contributor, source
 from calibdb.http import application, metrics
+from calibdb.rules import session_rules
 from calibdb.schema import (
     DISTORTION_MODELS,
     EstimateDocument,
@@ -43,9 +43,9 @@ def submit(call: application.Call) -> Response:
     where = source(secret, call.address)
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, tuple[SessionDocument, Judged]]:
-        if capture.repeated(document, view):
+        if session_rules.repeated(document, view):
             return None, (document, Judged())
-        capture.check(document, view)
+        session_rules.check(document, view)
         begun = service.clock()
         judged = judge(document, view, service.now, who, where)
         measure(begun, service.clock(), judged)
@@ -65,14 +65,16 @@ def remove(call: application.Call) -> Response:
     index = call.index("index")
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
-        left = capture.undo(document, index)
+        left = session_rules.undo(document, index)
         if left is None:
             return None, document
         rules, views, aside = solver(document, left)
         estimate = rules.settle(views, aside)
         target = rules.next_target(views, estimate, unreached=targets(document.unreached)).to_dict()
         now = call.service.now
-        changed = capture.with_views(document, left, recorded(estimate, now), standing(estimate), target)
+        changed = session_rules.with_views(
+            document, left, recorded(estimate, now), standing(estimate), target
+        )
         return changed, changed
 
     document = call.service.store.sessions.update(sid, call.service.now, change)
@@ -101,18 +103,20 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, wher
     estimate = verdict.estimate
     if not verdict.accepted or estimate is None:
         hint = Hint(code=verdict.hint.code, text=verdict.hint.text) if verdict.hint else None
-        return Judged(capture.with_doubt(document, view) if verdict.witness else None, verdict.reason, hint)
+        return Judged(
+            session_rules.with_doubt(document, view) if verdict.witness else None, verdict.reason, hint
+        )
     everything = [*views, seen]
     following = None
     if not estimate.converged:
         unreached = targets((*document.unreached, *document.skipped))
         following = rules.next_target(everything, estimate, unreached=unreached).to_dict()
-    changed = capture.with_view(document, view, recorded(estimate, now), standing(estimate), following)
+    changed = session_rules.with_view(document, view, recorded(estimate, now), standing(estimate), following)
     if estimate.converged and estimate.calibration is not None:
         indices = [known.index for known in changed.views if known.set_aside is None]
         used = [one for i, one in enumerate(everything) if i not in estimate.aside]
         described = report.describe(estimate.calibration, used, indices)
-        changed = capture.finished(changed, now, who, calibsolver.__version__, described, where)
+        changed = session_rules.finished(changed, now, who, calibsolver.__version__, described, where)
     return Judged(changed)
 
 
@@ -129,7 +133,7 @@ def measure(begun: float, ended: float, judged: Judged) -> None:
 def publish(call: application.Call, document: SessionDocument) -> None:
     """Make the calibration findable, and have every model's consensus computed."""
     store = call.service.store
-    calibration = capture.calibration(document)
+    calibration = session_rules.calibration(document)
     store.calibrations.publish(calibration)
     store.refit.later(
         RefitRequest(
@@ -167,7 +171,7 @@ def targets(stored: Sequence[dict[str, JsonValue]]) -> tuple[guidance.TargetPose
     return tuple(guidance.TargetPose.from_dict(target) for target in stored)
 
 
-def standing(estimate: Estimate) -> list[capture.Standing]:
+def standing(estimate: Estimate) -> list[session_rules.Standing]:
     """Return each view's error, and why it is set aside if it is."""
     reasons = [estimate.aside.get(i) for i in range(len(estimate.view_errors))]
     stored = [SetAside(reason=r.reason, detail=r.detail) if r else None for r in reasons]

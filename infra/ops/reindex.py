@@ -7,9 +7,9 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from calibdb import capture
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
+from calibdb.rules import session_rules
 from calibdb.schema import CalibrationDocument, RefitRequest
 from calibdb.store import Calibrations, Condition, Mode, Priors, Table, Tokens, Votes, clients
 from calibdb.store.names import today
@@ -111,7 +111,7 @@ def publish_finished(desk: Desk) -> int:
     published = 0
     for session in desk.store.sessions.all():
         if session.finish is not None and desk.store.calibrations.get(session.finish.calibration_id) is None:
-            desk.store.calibrations.publish(capture.calibration(session))
+            desk.store.calibrations.publish(session_rules.calibration(session))
             published += 1
     return published
 

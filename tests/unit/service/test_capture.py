@@ -4,14 +4,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibdb import capture
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
+from calibdb.rules import session_rules
 from calibdb.schema import EstimateDocument, SessionDocument, SessionRequest, ViewDocument, ViewRequest
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"
 REQUEST = SessionRequest(camera="Sam’s iPhone Camera", platform="iPhone", img_size=(1280, 720))
-DOCUMENT = capture.begin(REQUEST, SID, 1, NOW)
+DOCUMENT = session_rules.begin(REQUEST, SID, 1, NOW)
 
 
 def view(index: int, points: tuple[tuple[float, float], ...] = ((1.0, 2.0), (3.0, 4.0))) -> ViewRequest:
@@ -20,7 +20,7 @@ def view(index: int, points: tuple[tuple[float, float], ...] = ((1.0, 2.0), (3.0
 
 def accept(document: SessionDocument, index: int, progress: float) -> SessionDocument:
     standing = [(0.1, None)] * (len(document.views) + 1)
-    return capture.with_view(document, view(index), EstimateDocument(progress=progress), standing, {})
+    return session_rules.with_view(document, view(index), EstimateDocument(progress=progress), standing, {})
 
 
 def test_no_persons_name_enters_a_document() -> None:
@@ -40,56 +40,56 @@ def test_no_persons_name_enters_a_document() -> None:
 )
 def test_the_image_ends_half_a_pixel_beyond_its_centres(point: tuple[float, float], inside: bool) -> None:
     if inside:
-        capture.check(DOCUMENT, view(0, (point,)))
+        session_rules.check(DOCUMENT, view(0, (point,)))
         return
     with pytest.raises(InvalidError) as refused:
-        capture.check(DOCUMENT, view(0, (point,)))
+        session_rules.check(DOCUMENT, view(0, (point,)))
     assert [f.field for f in refused.value.fields] == ["points.0"]
 
 
 def test_a_session_holds_so_many_points() -> None:
     points = tuple((1.0, 1.0) for _ in range(40))
     full = tuple(ViewDocument(index=i, ids=tuple(range(40)), points=points) for i in range(500))
-    capture.check(DOCUMENT.model_copy(update={"views": full[:499]}), view(500, points))
+    session_rules.check(DOCUMENT.model_copy(update={"views": full[:499]}), view(500, points))
     with pytest.raises(ConflictError) as refused:
-        capture.check(DOCUMENT.model_copy(update={"views": full}), view(500))
+        session_rules.check(DOCUMENT.model_copy(update={"views": full}), view(500))
     assert refused.value.kind == "session-full"
 
 
 def test_indices_go_up_by_one_and_are_not_used_again() -> None:
     document = accept(accept(DOCUMENT, 0, 0.2), 1, 0.4)
     assert document.next_index == 2
-    assert capture.repeated(document, view(1)) is True
-    assert capture.repeated(document, view(2)) is False
+    assert session_rules.repeated(document, view(1)) is True
+    assert session_rules.repeated(document, view(2)) is False
     for index in (3, 77):
         with pytest.raises(ConflictError):
-            capture.repeated(document, view(index))
-    left = capture.undo(document, 1)
+            session_rules.repeated(document, view(index))
+    left = session_rules.undo(document, 1)
     assert left is not None
-    undone = capture.with_views(document, left, EstimateDocument(), [(0.1, None)], {})
+    undone = session_rules.with_views(document, left, EstimateDocument(), [(0.1, None)], {})
     assert undone.next_index == 2
     with pytest.raises(ConflictError):
-        capture.repeated(undone, view(1))
-    assert capture.undo(undone, 1) is None
+        session_rules.repeated(undone, view(1))
+    assert session_rules.undo(undone, 1) is None
     with pytest.raises(NotFoundError):
-        capture.undo(undone, 2)
+        session_rules.undo(undone, 2)
 
 
 def test_a_repeat_may_name_the_corners_in_another_order() -> None:
     points = ((1.0, 2.0), (3.0, 4.0), (5.0, 6.0))
-    document = capture.with_view(DOCUMENT, view(0, points), EstimateDocument(), [(None, None)], None)
+    document = session_rules.with_view(DOCUMENT, view(0, points), EstimateDocument(), [(None, None)], None)
     sent = ViewRequest(index=0, ids=(2, 0, 1), points=(points[2], points[0], points[1]))
-    assert capture.repeated(document, sent) is True
+    assert session_rules.repeated(document, sent) is True
     with pytest.raises(ConflictError):
-        capture.repeated(document, ViewRequest(index=0, ids=(2, 0, 1), points=points))
+        session_rules.repeated(document, ViewRequest(index=0, ids=(2, 0, 1), points=points))
     with pytest.raises(ConflictError):
-        capture.repeated(document, view(0, points[:2]))
+        session_rules.repeated(document, view(0, points[:2]))
 
 
 def test_progress_grows_and_an_undo_takes_it_back() -> None:
     document = accept(accept(DOCUMENT, 0, 0.5), 1, 0.4)
     assert document.estimate.progress == 0.5
-    undone = capture.with_views(
+    undone = session_rules.with_views(
         document, document.views[:1], EstimateDocument(progress=0.3), [(0.1, None)], {}
     )
     assert undone.estimate.progress == 0.3
@@ -98,7 +98,7 @@ def test_progress_grows_and_an_undo_takes_it_back() -> None:
 def test_targets_that_were_not_wanted_are_remembered_until_a_view_comes() -> None:
     document = DOCUMENT
     for n in range(12):
-        document = capture.without_target(capture.with_target(document, {"n": n}))
+        document = session_rules.without_target(session_rules.with_target(document, {"n": n}))
     assert [target["n"] for target in document.skipped] == list(range(4, 12))
     assert document.target is None
     assert accept(document, 0, 0.1).skipped == ()
@@ -106,15 +106,15 @@ def test_targets_that_were_not_wanted_are_remembered_until_a_view_comes() -> Non
 
 def test_the_calibrations_id_follows_from_the_session() -> None:
     def identify(document: SessionDocument, now: int) -> str:
-        finish = capture.finished(document, now, "contributor", "0.1.0").finish
+        finish = session_rules.finished(document, now, "contributor", "0.1.0").finish
         assert finish is not None
         return finish.calibration_id
 
     assert identify(DOCUMENT, NOW) == identify(DOCUMENT, NOW + 9)
     assert identify(DOCUMENT, NOW).startswith(f"{DOCUMENT.camera_key}-{SID[:8]}")
-    assert identify(capture.begin(REQUEST, SID, 5, NOW), NOW) != identify(DOCUMENT, NOW)
+    assert identify(session_rules.begin(REQUEST, SID, 5, NOW), NOW) != identify(DOCUMENT, NOW)
     with pytest.raises(ValueError, match="converged"):
-        capture.calibration(DOCUMENT)
+        session_rules.calibration(DOCUMENT)
 
 
 COORDINATE = st.floats(-1, 16384)
@@ -124,7 +124,7 @@ COORDINATE = st.floats(-1, 16384)
 def test_what_is_stored_is_what_was_sent(points: list[tuple[float, float]]) -> None:
     """To the last bit: otherwise a repeat would look like another view."""
     sent = view(0, tuple(points))
-    document = capture.with_view(DOCUMENT, sent, EstimateDocument(), [(None, None)], None)
+    document = session_rules.with_view(DOCUMENT, sent, EstimateDocument(), [(None, None)], None)
     read = SessionDocument.model_validate_json(document.model_dump_json())
     assert read == document
-    assert capture.repeated(read, ViewRequest.model_validate_json(sent.model_dump_json())) is True
+    assert session_rules.repeated(read, ViewRequest.model_validate_json(sent.model_dump_json())) is True

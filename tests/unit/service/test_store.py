@@ -8,9 +8,9 @@ import boto3
 import pytest
 from botocore.exceptions import ClientError, EndpointConnectionError
 
-from calibdb import capture
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
+from calibdb.rules import session_rules
 from calibdb.schema import (
     SessionDocument,
     SessionRequest,
@@ -29,7 +29,7 @@ def sessions(table: Table, objects: Objects) -> Sessions:
 
 
 def begin(version: int) -> SessionDocument:
-    return capture.begin(REQUEST, SID, version, NOW)
+    return session_rules.begin(REQUEST, SID, version, NOW)
 
 
 def opened(document: SessionDocument) -> tuple[SessionDocument, int]:

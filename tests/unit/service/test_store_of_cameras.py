@@ -2,8 +2,8 @@
 
 import pytest
 
-from calibdb import capture
 from calibdb.camera_key import camera_key
+from calibdb.rules import session_rules
 from calibdb.schema import (
     CalibrationDocument,
     ConsensusDocument,
@@ -40,13 +40,15 @@ def mode(document: CalibrationDocument) -> Mode:
 
 
 def finished(now: int = NOW, sid: str = SID) -> SessionDocument:
-    document = capture.begin(REQUEST, sid, 1, now).model_copy(update={"estimate": EstimateDocument(fit=FIT)})
-    return capture.finished(document, now, "contributor", "0.1.0")
+    document = session_rules.begin(REQUEST, sid, 1, now).model_copy(
+        update={"estimate": EstimateDocument(fit=FIT)}
+    )
+    return session_rules.finished(document, now, "contributor", "0.1.0")
 
 
 def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> None:
     calibrations = Calibrations(table, objects)
-    document = capture.calibration(finished())
+    document = session_rules.calibration(finished())
     calibrations.publish(document)
     calibrations.publish(document.model_copy(update={"time": NOW + 9}))
     assert calibrations.get(document.id) == document  # never overwritten
@@ -56,7 +58,7 @@ def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> 
 
 def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, objects: Objects) -> None:
     calibrations = Calibrations(table, objects)
-    documents = [capture.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}")) for n in range(12)]
+    documents = [session_rules.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}")) for n in range(12)]
     for document in documents:
         calibrations.publish(document)
     calibrations.publish(
@@ -70,7 +72,7 @@ def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, obje
 
 def calibrated(n: int, contributor: str = "", **changes: object) -> CalibrationDocument:
     """The `n`th calibration of one camera, finished n seconds from now."""
-    document = capture.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}"))
+    document = session_rules.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}"))
     return document.model_copy(update={"contributor": contributor or f"contributor {n}", **changes})
 
 
