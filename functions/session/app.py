@@ -8,8 +8,8 @@ from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, NotFoundError
 from calibdb.http import application, metrics
 from calibdb.rules import session_rules
+from calibdb.rules.session_state import state
 from calibdb.schema import FitRecord, SessionDocument, SessionRequest
-from calibdb.state import state
 from calibdb.store import Store
 
 

@@ -17,6 +17,7 @@ import calibsolver
 from calibdb.access.tokens import contributor, source
 from calibdb.http import application, metrics
 from calibdb.rules import session_rules
+from calibdb.rules.session_state import state, view_answer
 from calibdb.schema import (
     DISTORTION_MODELS,
     EstimateDocument,
@@ -26,7 +27,6 @@ from calibdb.schema import (
     ViewRequest,
 )
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
-from calibdb.state import state, view_answer
 from calibsolver import Board, Camera, guidance
 from calibsolver import capture as solver_capture
 from calibsolver.capture import Capture, Estimate
