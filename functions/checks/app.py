@@ -19,6 +19,7 @@ from calibdb.errors import FieldError, InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.lookup import camera_lookup
 from calibdb.rules.corners import misplaced
+from calibdb.rules.votes import Own, expected, verdict, vote_id
 from calibdb.schema import (
     Calibration,
     CheckAnswer,
@@ -30,7 +31,6 @@ from calibdb.schema import (
     VoteDocument,
 )
 from calibdb.store import Mode
-from calibdb.votes import Own, expected, verdict, vote_id
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.capture.admission import unfit
 from calibsolver.consensus import difference

@@ -21,6 +21,7 @@ import numpy as np
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import quality_gates
+from calibdb.rules.votes import Finding, Own, tally, verdict, with_votes
 from calibdb.schema import (
     DISTORTION_MODELS,
     Calibration,
@@ -37,7 +38,6 @@ from calibdb.service import Service
 from calibdb.settings import Thresholds
 from calibdb.store import Mode
 from calibdb.store.keys import consensus_id
-from calibdb.votes import Finding, Own, tally, verdict, with_votes
 from calibsolver import Board, CalibrationError, Camera, View, __version__, consensus
 from calibsolver.consensus import difference
 from calibsolver.fitting.resection import score

@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from calibdb.rules.votes import Finding, Own, fits, judged, tally, verdict, vote_id
 from calibdb.schema import CheckRequest, CheckView, Votes
 from calibdb.settings import Thresholds
-from calibdb.votes import Finding, Own, fits, judged, tally, verdict, vote_id
 
 NOW = 1_700_000_000
 DAY = 86_400
