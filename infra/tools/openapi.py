@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from calibdb import __version__, schema
-from infra.tools.calls import JSON, OPERATIONS, PROBLEM, PROBLEMS, Content, Node, Operation
+from infra.web_build.operations import JSON, OPERATIONS, PROBLEM, PROBLEMS, Content, Node, Operation
 
 __all__ = ["OPERATIONS", "TARGET", "document", "text"]
 

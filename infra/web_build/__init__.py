@@ -1,0 +1,1 @@
+"""Build steps of the web client: OpenAPI document, vendored packages, precache manifest, plan."""
