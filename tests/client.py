@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from infra.local import LocalStack
-from infra.tools.openapi import OPERATIONS
+from infra.web_build.openapi import OPERATIONS
 
 TOKEN = "cdb_dev_local"
 CAMERA = {"camera": "Test camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}

@@ -9,7 +9,7 @@ from calibdb import schema
 from calibsolver import Board, models
 from calibsolver.board import DICTIONARIES
 from infra.local import LocalStack
-from infra.tools import openapi
+from infra.web_build import openapi
 
 
 @pytest.fixture(scope="module")
