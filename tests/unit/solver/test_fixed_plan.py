@@ -6,7 +6,7 @@ import numpy as np
 
 from calibsolver import Board
 from calibsolver.guidance import FixedPlan
-from infra.tools import plan
+from infra.web_build import plan
 from tests import synthetic
 
 
