@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from infra.tools.vectors import TARGET, vectors
+from infra.web_build.vectors import TARGET, vectors
 
 
 def test_the_recorded_vectors_are_the_solvers() -> None:
