@@ -25,7 +25,7 @@ from infra.local.events import Request, Response
 from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY, Gateway
 from infra.local.pages import Pages
 from infra.local.workers import Workers
-from infra.tools.shell import shell
+from infra.web_build.precache_manifest import shell
 
 _access = logging.getLogger("infra.local.access")
 _FRESH = {"cache-control": "no-cache"}

@@ -3,7 +3,7 @@
 import hashlib
 from pathlib import Path
 
-from infra.tools.shell import WEB, shell
+from infra.web_build.precache_manifest import WEB, shell
 
 
 def test_every_file_of_the_pages_is_listed_with_its_hash() -> None:
