@@ -14,10 +14,10 @@ from collections.abc import Iterator
 
 import boto3
 
+from infra.ci import ministack
 from infra.deploy import aws
 from infra.deploy.__main__ import DeployError, deploy
 from infra.deploy.steps import ROOT, Target
-from infra.tools import ministack
 
 TARGET = Target("rehearsal", "us-east-1", {"AlarmEmail": "operator@example.org"})
 # Of the template, what ministack cannot make: budgets, rules of sampling, and alarms on a sum.

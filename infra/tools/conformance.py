@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from infra.tools import ministack
+from infra.ci import ministack
 
 ROOT = Path(__file__).resolve().parents[2]
 _TESTS = (

@@ -1,0 +1,1 @@
+"""Continuous integration: vulnerability audit, browsers, and another implementation of AWS."""
