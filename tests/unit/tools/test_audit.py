@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from infra.tools import audit
-from infra.tools.audit import Audit, pins, report
+from infra.ci import audit
+from infra.ci.audit import Audit, pins, report
 
 ROOT = Path(__file__).parents[3]
 # As pip-audit 2.10 and npm 10 write it.
