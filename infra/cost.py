@@ -20,7 +20,7 @@ from typing import Any
 import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
-from infra import load
+from infra import load_test
 from infra.local import LocalStack, intercept
 from infra.local.stack import DEVELOPMENT_TOKEN
 from infra.local.storage import Answer
@@ -226,7 +226,7 @@ def finished(meter: Meter, seed: int) -> None:
     session = json.loads(meter.ask("POST", "/v1/auth", token))["session_id"]
     meter.ask("POST", "/v1/session", session, {**_CAMERA, "target_error": 1.0})
     index = 0
-    for ids, points in load.seen(seed):
+    for ids, points in load_test.seen(seed):
         for _ in range(2):
             meter.ask("GET", "/v1/session/pose", session)
         view = {"index": index, "ids": ids, "points": points}

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.load import Heard, drive
+from infra.load_test import Heard, drive
 from infra.local import DEVELOPMENT_TOKEN, LocalStack
 from tests.processes import LocalProcess
 

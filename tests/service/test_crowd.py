@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from infra.load import drive, main
+from infra.load_test import drive, main
 from infra.local import DEVELOPMENT_TOKEN, LocalStack
 from tests.bench.crowd import missing_or_double
 from tests.processes import LocalProcess
