@@ -8,8 +8,8 @@ from infra.ops import cameras, tokens, withdrawal
 from infra.ops.backfill import backfill
 from infra.ops.bundle import bundle
 from infra.ops.desk import Desk, OpsError
-from infra.ops.load import load
 from infra.ops.reindex import reindex
+from infra.ops.restore import load
 from infra.ops.seed import seed
 
 

@@ -14,7 +14,7 @@ from pyarrow import parquet
 from calibdb.camera_key import public_label, public_platform
 from calibdb.schema import CalibrationDocument, VoteDocument
 from infra.ops.desk import Desk, OpsError
-from infra.ops.load import CALIBRATIONS, VOTES
+from infra.ops.restore import CALIBRATIONS, VOTES
 
 _ROWS = 500  # calibrations written to Parquet together
 

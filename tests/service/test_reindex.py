@@ -18,8 +18,8 @@ from infra.local import LocalStack
 from infra.ops import imports, tokens, withdrawal
 from infra.ops.desk import Desk
 from infra.ops.dump import dump
-from infra.ops.load import load
 from infra.ops.reindex import reindex
+from infra.ops.restore import load
 from tests.client import CAMERA, EDGE, Client, Truth
 from tests.formats import subject
 from tests.known import fit
