@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import CalibrationError, Camera, fit
-from tests import specimens, synthetic
+from tests import specimens
+from tests.helpers.solver import synthetic
 
 POPULATIONS = {
     "rectilinear": synthetic.rectilinear_cameras,

@@ -10,7 +10,7 @@ from calibsolver.guidance import Belief, PoseSelection, ProjectionUncertainty, T
 from calibsolver.guidance.candidates import Lattice, Range, Sight
 from calibsolver.guidance.overlap import jaccard, seen_outline
 from calibsolver.guidance.search import information
-from tests.synthetic import Session, User, match_picture, seen
+from tests.helpers.solver.synthetic import Session, User, match_picture, seen
 
 PATIENCE = 8
 COMFORTABLE = Range(width=(0.30, 0.75), tilt=45.0, inside=0.9)

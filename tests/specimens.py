@@ -8,8 +8,8 @@ import numpy as np
 
 from calibsolver import Board, Camera, View, models, rotation
 from calibsolver.consensus import Member
-from tests import synthetic
 from tests.data import data_dir
+from tests.helpers.solver import synthetic
 
 Mode = tuple[str, ...]
 BOARD = Board()

@@ -8,7 +8,8 @@ import pytest
 from calibsolver import fit
 from calibsolver.consensus.agreement import compare, gather, without_two
 from calibsolver.consensus.pooling import Member, by_chance, pool
-from tests import attacks, specimens, synthetic
+from tests import attacks, specimens
+from tests.helpers.solver import synthetic
 
 
 @pytest.mark.parametrize("kind", attacks.KINDS)

@@ -8,7 +8,7 @@ import pytest
 from calibsolver import Board, Camera, View, models, rotation
 from calibsolver.capture import Capture
 from calibsolver.guidance import TargetPose
-from tests import synthetic
+from tests.helpers.solver import synthetic
 
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]

@@ -5,8 +5,9 @@ import pytest
 
 from calibsolver import CalibrationError, View, models
 from calibsolver.quality.model_selection import suggest_model
-from tests import specimens, synthetic
+from tests import specimens
 from tests.data import corner_set
+from tests.helpers.solver import synthetic
 
 WIDE = {"fisheye", "rational", "omnidirectional"}
 EXPECTED = {

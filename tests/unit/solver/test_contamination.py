@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from calibsolver import View, fit
-from tests import synthetic
 from tests.data import corner_set
+from tests.helpers.solver import synthetic
 
 MODELS = {
     "opencv_left": "rectilinear",

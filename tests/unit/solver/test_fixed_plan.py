@@ -7,7 +7,7 @@ import numpy as np
 from calibsolver import Board
 from calibsolver.guidance import FixedPlan
 from infra.web_build import plan
-from tests import synthetic
+from tests.helpers.solver import synthetic
 
 
 def test_the_committed_file_is_what_the_plan_gives() -> None:

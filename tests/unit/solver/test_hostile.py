@@ -9,7 +9,7 @@ import pytest
 from calibsolver import Board, Camera, View, rotation
 from calibsolver.capture import MAX_VIEWS, Capture, Estimate, SetAside
 from calibsolver.guidance import TargetPose
-from tests import synthetic
+from tests.helpers.solver import synthetic
 
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]

@@ -6,8 +6,8 @@ import pytest
 from calibsolver import Board, Camera, fit, models
 from calibsolver.arrays import Array
 from calibsolver.models import Coefficient, Model, Prior
-from tests import synthetic
 from tests.bench.bench_solver import spread
+from tests.helpers.solver import synthetic
 
 
 class Division(Model):

@@ -9,7 +9,7 @@ import pytest
 
 from calibsolver import Board, Camera, guidance, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose, overlay
-from tests import synthetic
+from tests.helpers.solver import synthetic
 from tests.machine import slowness
 
 BOARD = Board()

@@ -1,0 +1,1 @@
+"""Helpers of the solver's tests: synthetic cameras, users, exports."""
