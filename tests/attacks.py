@@ -8,8 +8,7 @@ import numpy as np
 from calibsolver import CalibrationError, Camera, View
 from calibsolver.consensus import Consensus, Member, Rule, pool
 from calibsolver.consensus.agreement import compare
-from tests import specimens
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import specimens, synthetic
 
 RULE = Rule(min_contributors=3)
 MOVED = 0.5

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import CalibrationError, Camera, fit
-from tests import specimens
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import specimens, synthetic
 
 POPULATIONS = {
     "rectilinear": synthetic.rectilinear_cameras,

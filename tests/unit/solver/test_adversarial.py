@@ -13,8 +13,7 @@ from calibsolver.capture import Capture
 from calibsolver.consensus import Member, pool
 from calibsolver.consensus.agreement import compare
 from calibsolver.fitting.resection import score
-from tests import specimens
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import specimens, synthetic
 
 BOARD = Board()
 SIZE = synthetic.IMG_SIZE

@@ -5,9 +5,8 @@ import pytest
 
 from calibsolver import CalibrationError, View, models
 from calibsolver.quality.model_selection import suggest_model
-from tests import specimens
 from tests.data import corner_set
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import specimens, synthetic
 
 WIDE = {"fisheye", "rational", "omnidirectional"}
 EXPECTED = {

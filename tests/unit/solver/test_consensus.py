@@ -9,9 +9,8 @@ import pytest
 from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, Rule, balanced, pool
-from tests import specimens
 from tests.data import corner_set
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import specimens, synthetic
 
 SIZE = (1280, 720)
 

@@ -6,9 +6,8 @@ import pytest
 from calibsolver import CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.resection import score
 from calibsolver.quality.cross_validation import held_out
-from tests import specimens
 from tests.data import corner_set
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import specimens, synthetic
 
 
 def real(name: str) -> tuple[list[View], tuple[int, int]]:

@@ -9,9 +9,8 @@ import pytest
 from calibsolver import Board, Calibration, View, fit, rotation
 from calibsolver.quality.assessment import residual_vectors
 from calibsolver.quality.report import assess, describe
-from tests import specimens
 from tests.data import corner_set
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import specimens, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[5]
 
