@@ -15,9 +15,8 @@ import numpy as np
 
 from calibsolver import CalibrationError, Camera
 from calibsolver.consensus import Member, pool
-from tests import attacks
 from tests.bench import document
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import attacks, specimens, synthetic
 
 DRAWS = 60
 """Of one mode at most; of the smaller ones all there are."""

@@ -8,8 +8,7 @@ import pytest
 from calibsolver import fit
 from calibsolver.consensus.agreement import compare, gather, without_two
 from calibsolver.consensus.pooling import Member, by_chance, pool
-from tests import attacks
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import attacks, specimens, synthetic
 
 
 @pytest.mark.parametrize("kind", attacks.KINDS)
