@@ -3,8 +3,8 @@
 import numpy as np
 
 from calibsolver import models
-from tests import intervals
 from tests.bench import document
+from tests.helpers.solver import intervals
 
 CAPTURES = 200
 

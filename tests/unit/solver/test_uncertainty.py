@@ -6,8 +6,7 @@ import pytest
 from calibsolver import Calibration, fit, models
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting.uncertainty import sensitivity
-from tests import intervals
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import intervals, specimens, synthetic
 
 
 @pytest.mark.parametrize("model", models.NAMES)
