@@ -14,12 +14,11 @@ import numpy as np
 from calibsolver import Board, Camera
 from calibsolver.capture import MAX_VIEWS
 from calibsolver.guidance import FixedPlan, ProjectionUncertainty
-from tests import peers
 from tests.bench import document
 from tests.bench.bound import bound
 from tests.bench.plots import Line, plot
 from tests.data import ROOT
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import peers, specimens, synthetic
 from tests.helpers.solver.synthetic import Session, User
 
 NOISES = (0.1, 0.2, 0.5)

@@ -10,8 +10,8 @@ from calibsolver import Board, Calibration, Camera, guidance, models, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose
 from calibsolver.guidance.hints import TEXTS, Placement, between
 from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver.peers import Comfortable
 from tests.machine import slowness
-from tests.peers import Comfortable
 
 
 @pytest.fixture(scope="module")

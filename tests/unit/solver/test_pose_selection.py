@@ -8,8 +8,7 @@ from calibsolver.guidance import PoseSelection
 from calibsolver.guidance.distorted_region import Box, next_region
 from calibsolver.guidance.overlap import jaccard
 from calibsolver.guidance.pose_selection import subdivision
-from tests import peers
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import peers, synthetic
 
 SIZE = (1280, 720)
 
