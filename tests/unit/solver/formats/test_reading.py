@@ -17,7 +17,7 @@ from calibsolver.formats.reading import read, read_text
 from infra.ops.desk import OpsError
 from infra.ops.files import read_file
 from tests.data import data_dir
-from tests.formats import IMG_SIZE, subject
+from tests.helpers.solver.formats import IMG_SIZE, subject
 
 READABLE = {
     "calibdb": ".json",

@@ -9,7 +9,7 @@ import pytest
 
 from calibsolver import formats, models
 from tests.data import ROOT
-from tests.formats import IMG_SIZE, subject
+from tests.helpers.solver.formats import IMG_SIZE, subject
 
 PROGRAM = """
 import { readFileSync } from 'node:fs';
