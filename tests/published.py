@@ -11,7 +11,7 @@ from calibdb.settings import Settings
 from calibdb.store import Mode, Store
 from calibsolver import Board, fit
 from infra.local import LocalStack
-from tests.client import Truth
+from tests.helpers.service.client import Truth
 
 NOW = 1_700_000_000
 PLATFORM = "X11; Linux x86_64"

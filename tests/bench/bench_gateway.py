@@ -8,7 +8,7 @@ from urllib.parse import urlencode
 from infra.local import LocalStack
 from tests.bench.load import drive
 from tests.bench.table import Row
-from tests.client import CAMERA, TOKEN, Client, Truth, until
+from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
 from tests.processes import LocalProcess
 from tests.published import store
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from infra.local import LocalStack
 from tests.bench.table import Row
-from tests.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.processes import LocalProcess
 
 REQUESTS, WARM = 10_000, 2_000

@@ -11,7 +11,7 @@ from calibdb import schema
 from infra.cost import Meter
 from infra.local import LocalStack
 from tests.bench.table import Row, p50
-from tests.client import Client, Truth
+from tests.helpers.service.client import Client, Truth
 from tests.published import PLATFORM, asked, calibration, mode_of, store
 
 ROOT = Path(__file__).parents[2]

@@ -10,7 +10,7 @@ import cv2
 import httpx
 import numpy as np
 
-from tests.client import until
+from tests.helpers.service.client import until
 
 from .truth import Truth
 from .waiting import PATIENCE

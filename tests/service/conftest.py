@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from infra.local import LocalStack
-from tests.client import Client
+from tests.helpers.service.client import Client
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from infra.local import LocalStack
-from tests.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 
 MISSING = object()
 MALFORMED = [

@@ -12,7 +12,7 @@ import pytest
 from calibdb import schema
 from calibdb.store import Mode
 from infra.local import LocalStack
-from tests.client import CAMERA, TOKEN, Answer, Client, Truth, until
+from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth, until
 from tests.published import NOW, TILTS, asked, calibration, held, mode_of, store
 
 FLAT = ((0.01, 0.0, 0.0),)

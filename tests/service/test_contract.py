@@ -6,7 +6,7 @@ import pytest
 
 from calibdb import schema
 from infra.local import LocalStack
-from tests.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 
 BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
 

@@ -12,7 +12,7 @@ from calibdb.access.tokens import ApiToken, secret_hash
 from calibsolver import Camera
 from calibsolver.consensus import difference
 from infra.local import LocalStack
-from tests.client import CAMERA, EDGE, Answer, Client, Truth, until
+from tests.helpers.service.client import CAMERA, EDGE, Answer, Client, Truth, until
 from tests.published import PLATFORM, asked, calibration, held, mode_of, store
 
 TOKENS = ("cdb_a_secret", "cdb_b_secret", "cdb_c_secret")

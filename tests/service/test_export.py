@@ -10,7 +10,7 @@ from calibdb.schema import FORMATS
 from calibsolver import Camera, formats
 from calibsolver.formats.reading import read
 from infra.local import LocalStack
-from tests.client import TOKEN, Client, Truth
+from tests.helpers.service.client import TOKEN, Client, Truth
 
 
 @pytest.fixture(scope="module")

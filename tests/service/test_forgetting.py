@@ -7,7 +7,7 @@ import pytest
 
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.client import CAMERA, Client, Truth, until
+from tests.helpers.service.client import CAMERA, Client, Truth, until
 from tests.published import asked, calibration, held, mode_of, store
 
 

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from infra.local import LocalStack
-from tests.client import CAMERA, TOKEN, Client
+from tests.helpers.service.client import CAMERA, TOKEN, Client
 
 FUZZ = settings(
     max_examples=120,

@@ -9,7 +9,7 @@ from calibdb.schema import SessionDocument
 from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
-from tests.client import Client, Truth, until
+from tests.helpers.service.client import Client, Truth, until
 
 
 def store(stack: LocalStack) -> Store:

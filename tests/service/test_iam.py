@@ -19,7 +19,7 @@ from calibdb.settings import Settings
 from calibdb.store import Store, Table
 from calibdb.store.table import Condition, Item
 from infra.local import LocalStack
-from tests.client import CAMERA, Client, Truth, until
+from tests.helpers.service.client import CAMERA, Client, Truth, until
 from tests.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
 from tests.published import PLATFORM, asked, calibration, held, mode_of, store
 

@@ -21,7 +21,7 @@ from calibdb import schema
 from infra.local import LocalStack
 from infra.local.invokes import INVOKE
 from infra.ops.__main__ import main
-from tests.client import CAMERA, Client, Truth, until
+from tests.helpers.service.client import CAMERA, Client, Truth, until
 from tests.processes import LocalProcess
 from tests.published import store
 

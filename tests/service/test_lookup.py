@@ -12,7 +12,7 @@ from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
 from infra.local import LocalStack
-from tests.client import TOKEN, Answer, Client
+from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.known import C920, LINUX, calibration, consensus, fit, storage_calls
 
 WINDOWS = "Windows NT 10.0; Win64; x64"

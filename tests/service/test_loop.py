@@ -17,8 +17,8 @@ from calibdb import schema
 from calibdb.settings import Settings
 from calibdb.store import Store, clients
 from infra.local import LocalStack
-from tests.client import CAMERA, TOKEN, Client, Truth, until
 from tests.data import corner_set
+from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
 
 
 def published(stack: LocalStack, calibration_id: str, total: int) -> None:

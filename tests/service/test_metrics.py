@@ -7,7 +7,7 @@ import pytest
 
 from calibdb.http.metrics import document
 from infra.local import LocalStack
-from tests.client import Client, Truth
+from tests.helpers.service.client import Client, Truth
 
 PLATFORM = "X11; Linux x86_64"
 

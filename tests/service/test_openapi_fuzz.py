@@ -22,7 +22,7 @@ from schemathesis.specs.openapi.checks import (
 )
 
 from infra.local import LocalStack
-from tests.client import TOKEN, Client, Truth, until
+from tests.helpers.service.client import TOKEN, Client, Truth, until
 
 CASES = int(os.environ.get("CASES", "500"))
 ROOT = Path(__file__).parents[2]

@@ -15,7 +15,7 @@ import pytest
 from calibdb.schema import DISTORTION_MODELS
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.client import Client, Truth, until
+from tests.helpers.service.client import Client, Truth, until
 from tests.table import items, remove
 
 

@@ -15,8 +15,8 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.client import Client, Truth, until
 from tests.data import data_dir as shared
+from tests.helpers.service.client import Client, Truth, until
 from tests.published import calibration
 
 LABEL = "Anna's iPhone Camera"

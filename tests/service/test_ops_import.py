@@ -9,8 +9,8 @@ import pytest
 from calibsolver import View, fit, formats
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.client import TOKEN, Client
 from tests.data import data_dir as shared
+from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.solver.formats import subject
 
 WHOSE = ["--camera", "Microsoft LifeCam HD-3000 (045e:0779)", "--platform", "X11; Linux x86_64"]

@@ -9,7 +9,7 @@ from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
-from tests.client import CAMERA, Answer, Client
+from tests.helpers.service.client import CAMERA, Answer, Client
 
 SMALL = Plan(Allowance(3, 4, 5, 6), Allowance(3, 4, 5, 6))
 

@@ -20,7 +20,7 @@ from infra.ops.desk import Desk
 from infra.ops.dump import dump
 from infra.ops.reindex import reindex
 from infra.ops.restore import load
-from tests.client import CAMERA, EDGE, Client, Truth
+from tests.helpers.service.client import CAMERA, EDGE, Client, Truth
 from tests.helpers.solver.formats import subject
 from tests.known import fit
 from tests.published import PLATFORM, asked, calibration, held, mode_of, store

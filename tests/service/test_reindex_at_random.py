@@ -9,7 +9,7 @@ from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.desk import Desk
 from infra.ops.reindex import reindex
-from tests.client import Truth
+from tests.helpers.service.client import Truth
 from tests.published import asked, calibration, held, mode_of, store
 from tests.table import items
 

@@ -8,7 +8,7 @@ import pytest
 from calibdb.errors import UnavailableError
 from calibdb.store import Calibrations, Refit
 from infra.local import LocalStack
-from tests.client import CAMERA, TOKEN, Client, Truth, until
+from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
 
 
 def objects(stack: LocalStack, prefix: str) -> list[str]:

@@ -10,7 +10,7 @@ import pytest
 
 from infra.local import LocalStack
 from infra.local.intrinsics import parse
-from tests.client import TOKEN, Client
+from tests.helpers.service.client import TOKEN, Client
 
 ROOT = Path(__file__).parents[2]
 

@@ -13,7 +13,7 @@ from moto.dynamodb.models.table import Table
 
 from infra.local.intrinsics import ACCOUNT, REGION
 from infra.local.journal import Journal
-from tests.client import until
+from tests.helpers.service.client import until
 from tests.toy_storage import BUCKET, TABLE, dynamodb, get, put, s3, storage
 
 

@@ -1,0 +1,1 @@
+"""Helpers of the service's tests: a client, stored documents, IAM."""
