@@ -9,8 +9,8 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
 from tests.bench.table import Row, p50
-from tests.crowd import crowd
 from tests.helpers.service.client import Client
+from tests.helpers.service.crowd import crowd
 from tests.known import C920, LINUX, calibration, consensus
 
 CAMERAS = 100_000
