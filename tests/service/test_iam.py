@@ -20,7 +20,7 @@ from calibdb.store import Store, Table
 from calibdb.store.table import Condition, Item
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, Client, Truth, until
-from tests.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
+from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
 from tests.published import PLATFORM, asked, calibration, held, mode_of, store
 
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
