@@ -11,7 +11,7 @@ from infra.local import LocalStack
 from tests.bench.table import Row, p50
 from tests.helpers.service.client import Client
 from tests.helpers.service.crowd import crowd
-from tests.known import C920, LINUX, calibration, consensus
+from tests.helpers.service.known import C920, LINUX, calibration, consensus
 
 CAMERAS = 100_000
 

@@ -19,7 +19,7 @@ from infra.ops.bundle import Bundled, bundle
 from infra.ops.desk import Desk
 from tests.data import ROOT, data_dir
 from tests.helpers.service.client import Client
-from tests.known import LENS, LINUX, calibration, consensus, fit
+from tests.helpers.service.known import LENS, LINUX, calibration, consensus, fit
 from tests.service.test_lookup import put
 
 PLATFORMS = {

@@ -6,7 +6,7 @@ from itertools import pairwise
 from calibdb.camera_key import camera_key
 from infra.local import LocalStack
 from tests.helpers.service.client import TOKEN, Client
-from tests.known import LINUX, calibration, consensus, fit, storage_calls
+from tests.helpers.service.known import LINUX, calibration, consensus, fit, storage_calls
 from tests.published import store
 from tests.service.test_lookup import put
 

@@ -21,8 +21,8 @@ from infra.ops.dump import dump
 from infra.ops.reindex import reindex
 from infra.ops.restore import load
 from tests.helpers.service.client import CAMERA, EDGE, Client, Truth
+from tests.helpers.service.known import fit
 from tests.helpers.solver.formats import subject
-from tests.known import fit
 from tests.published import PLATFORM, asked, calibration, held, mode_of, store
 from tests.table import Key, items, remove
 

@@ -10,7 +10,7 @@ from calibdb.lookup import well_known_ids
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
 from infra.local import LocalStack
-from tests.known import LINUX, calibration, consensus, fit
+from tests.helpers.service.known import LINUX, calibration, consensus, fit
 from tests.service.test_lookup import put
 
 RULES = Thresholds(min_contributors=3, contributor_period=0)

@@ -5,7 +5,7 @@ import json
 from calibdb.settings import Settings
 from infra.local import LocalStack
 from infra.local.journal import ITEM, Address, Change, Content
-from tests.known import consensus
+from tests.helpers.service.known import consensus
 
 
 def crowd(stack: LocalStack, count: int) -> None:

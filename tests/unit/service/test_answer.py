@@ -4,7 +4,7 @@ import pytest
 
 from calibdb.lookup.answer import answer, between, neighbours
 from calibdb.schema import Calibration, ConsensusDocument, LookupAnswer
-from tests.known import consensus, fit
+from tests.helpers.service.known import consensus, fit
 
 Size = tuple[int, int]
 F = 900.0  # px at 1280

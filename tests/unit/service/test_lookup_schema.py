@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 
 from calibdb.lookup.answer import answer
 from calibdb.schema import CamerasRequest, LookupAnswer, LookupRequest
-from tests.known import consensus
+from tests.helpers.service.known import consensus
 
 NAMES = (
     *("camera", "platform", "userAgent", "img_size", "imsize", "zoom", "distortion_model", "redirect"),

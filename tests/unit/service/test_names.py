@@ -9,7 +9,7 @@ from calibdb.camera_key import camera_key, identify
 from calibdb.camera_key.names import words
 from calibdb.store import Calibrations, Cameras, Objects, Table
 from calibdb.store.cameras import is_place
-from tests.known import C920, LINUX, calibration
+from tests.helpers.service.known import C920, LINUX, calibration
 from tests.unit.service.conftest import REGION
 
 MAC = "Macintosh; Intel Mac OS X 10_15_7"

@@ -8,7 +8,7 @@ import pytest
 from calibdb.lookup.projection import distorted, rays_in_view
 from calibdb.schema import Calibration
 from calibsolver import Camera
-from tests.known import LENS, consensus, fit
+from tests.helpers.service.known import LENS, consensus, fit
 
 LENSES = {
     "rectilinear": LENS,

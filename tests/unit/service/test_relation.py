@@ -10,7 +10,7 @@ from calibdb.schema import Calibration, FitRecord
 from calibsolver import View
 from calibsolver import fit as solve
 from tests.data import corner_set
-from tests.known import consensus, fit
+from tests.helpers.service.known import consensus, fit
 
 Size = tuple[int, int]
 

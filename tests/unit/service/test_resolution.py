@@ -8,7 +8,7 @@ from calibdb.camera_key import identify
 from calibdb.lookup import camera_lookup
 from calibdb.schema import ConsensusDocument
 from calibdb.store import Known
-from tests.known import C920, LINUX, consensus, fit
+from tests.helpers.service.known import C920, LINUX, consensus, fit
 
 FIREFOX = identify("HD Pro Webcam C920", "Windows NT 10.0; Win64; x64")
 CHROME = identify(C920, LINUX)
