@@ -12,7 +12,7 @@ from infra.cost import Meter
 from infra.local import LocalStack
 from tests.bench.table import Row, p50
 from tests.helpers.service.client import Client, Truth
-from tests.published import PLATFORM, asked, calibration, mode_of, store
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
 
 ROOT = Path(__file__).parents[2]
 

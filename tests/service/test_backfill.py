@@ -12,7 +12,7 @@ from calibdb import schema
 from infra.local import LocalStack
 from infra.local.intrinsics import parse
 from infra.ops.__main__ import main
-from tests.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import asked, calibration, mode_of, store
 
 ROOT = Path(__file__).parents[2]
 CAMERAS = ("Backfilled one", "Backfilled two", "Backfilled three")

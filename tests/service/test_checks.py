@@ -13,7 +13,7 @@ from calibdb import schema
 from calibdb.store import Mode
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth, until
-from tests.published import NOW, TILTS, asked, calibration, held, mode_of, store
+from tests.helpers.service.published import NOW, TILTS, asked, calibration, held, mode_of, store
 
 FLAT = ((0.01, 0.0, 0.0),)
 

@@ -13,7 +13,7 @@ from calibsolver import Camera
 from calibsolver.consensus import difference
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, EDGE, Answer, Client, Truth, until
-from tests.published import PLATFORM, asked, calibration, held, mode_of, store
+from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 
 TOKENS = ("cdb_a_secret", "cdb_b_secret", "cdb_c_secret")
 CHECKERS = ("192.0.2.1", "192.0.2.2", "2001:db8:7::1")

@@ -22,7 +22,7 @@ from calibdb.store import Store
 from infra.local import LocalStack
 from tests import faults
 from tests.helpers.service.client import TOKEN, Answer, Client, Truth, until
-from tests.published import PLATFORM, asked, calibration, mode_of, store
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
 
 PATIENCE = 60  # times that a client asks again
 

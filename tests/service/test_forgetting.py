@@ -8,7 +8,7 @@ import pytest
 from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.helpers.service.client import CAMERA, Client, Truth, until
-from tests.published import asked, calibration, held, mode_of, store
+from tests.helpers.service.published import asked, calibration, held, mode_of, store
 
 
 def stored(stack: LocalStack) -> tuple[set[str], set[tuple[str, str]]]:

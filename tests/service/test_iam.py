@@ -21,7 +21,7 @@ from calibdb.store.table import Condition, Item
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, Client, Truth, until
 from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
-from tests.published import PLATFORM, asked, calibration, held, mode_of, store
+from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
 #: granted and not asked for in a local stack, and why it is granted nevertheless

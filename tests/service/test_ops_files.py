@@ -17,7 +17,7 @@ from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.data import data_dir as shared
 from tests.helpers.service.client import Client, Truth, until
-from tests.published import calibration
+from tests.helpers.service.published import calibration
 
 LABEL = "Anna's iPhone Camera"
 PLATFORM = "iPhone; CPU iPhone OS 17_1 like Mac OS X"

@@ -16,7 +16,7 @@ from calibdb.settings import Settings
 from calibdb.store import Store, clients
 from infra.local import LocalStack
 from tests.helpers.service.client import Client, Truth, until
-from tests.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import asked, calibration, mode_of, store
 
 MODELS = len(schema.DISTORTION_MODELS)
 

@@ -10,7 +10,7 @@ from infra.ops import withdrawal
 from infra.ops.desk import Desk
 from infra.ops.reindex import reindex
 from tests.helpers.service.client import Truth
-from tests.published import asked, calibration, held, mode_of, store
+from tests.helpers.service.published import asked, calibration, held, mode_of, store
 from tests.table import items
 
 ROUNDS = int(os.environ.get("CALIBDB_ROUNDS", "8"))
