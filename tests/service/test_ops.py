@@ -16,7 +16,7 @@ from calibdb.schema import DISTORTION_MODELS
 from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.helpers.service.client import Client, Truth, until
-from tests.table import items, remove
+from tests.helpers.service.table import items, remove
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from infra.ops.desk import Desk
 from infra.ops.reindex import reindex
 from tests.helpers.service.client import Truth
 from tests.helpers.service.published import asked, calibration, held, mode_of, store
-from tests.table import items
+from tests.helpers.service.table import items
 
 ROUNDS = int(os.environ.get("CALIBDB_ROUNDS", "8"))
 LABELS = "Webcam Z77 (1111:0001)", "Webcam Z77 (1111:0002)", "Webcam Z77", "Integrated Camera (2222:0003)"
