@@ -8,8 +8,8 @@ from calibdb.access.tokens import ApiToken, SessionIds, Ticket, secret_hash
 from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
-from tests import faults
 from tests.helpers.service.client import CAMERA, TOKEN, Client
+from tests.helpers.stack import faults
 
 VIEW = {"index": 0, "ids": [0], "points": [[1, 1]]}
 QUERY = "camera=Test&platform=X11&img_size=1280x720"

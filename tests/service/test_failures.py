@@ -20,9 +20,9 @@ from calibdb import service as services
 from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
-from tests import faults
 from tests.helpers.service.client import TOKEN, Answer, Client, Truth, until
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
+from tests.helpers.stack import faults
 
 PATIENCE = 60  # times that a client asks again
 

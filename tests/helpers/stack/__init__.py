@@ -1,0 +1,1 @@
+"""Helpers around the local stack: processes, faults, a toy deployment."""
