@@ -10,7 +10,7 @@ from tests.bench.load import drive
 from tests.bench.table import Row
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
 from tests.helpers.service.published import store
-from tests.processes import LocalProcess
+from tests.helpers.stack.processes import LocalProcess
 
 REQUESTS = 2000
 RATE = 150  # lookups a second

@@ -12,7 +12,7 @@ from typing import Any
 from infra.local import LocalStack
 from tests.bench.table import Row
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
-from tests.processes import LocalProcess
+from tests.helpers.stack.processes import LocalProcess
 
 REQUESTS, WARM = 10_000, 2_000
 GUIDED = 32

@@ -14,7 +14,7 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.load_test import Heard, drive
 from infra.local import DEVELOPMENT_TOKEN, LocalStack
-from tests.processes import LocalProcess
+from tests.helpers.stack.processes import LocalProcess
 
 
 def missing_or_double(data_dir: Path, heard: list[Heard]) -> list[str]:

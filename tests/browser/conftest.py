@@ -11,7 +11,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Playwright, sync_playwright
 
-from tests.processes import LocalProcess
+from tests.helpers.stack.processes import LocalProcess
 
 from .waiting import PATIENCE
 

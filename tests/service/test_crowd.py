@@ -7,7 +7,7 @@ import pytest
 from infra.load_test import drive, main
 from infra.local import DEVELOPMENT_TOKEN, LocalStack
 from tests.bench.crowd import missing_or_double
-from tests.processes import LocalProcess
+from tests.helpers.stack.processes import LocalProcess
 
 
 def test_what_was_acknowledged_is_there_once(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import httpx
 import pytest
 
 from infra.local import LocalStack
-from tests.processes import LocalProcess
+from tests.helpers.stack.processes import LocalProcess
 
 TOKEN = {"authorization": "Bearer cdb_dev_local"}
 

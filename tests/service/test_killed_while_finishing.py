@@ -23,7 +23,7 @@ from infra.local.invokes import INVOKE
 from infra.ops.__main__ import main
 from tests.helpers.service.client import CAMERA, Client, Truth, until
 from tests.helpers.service.published import store
-from tests.processes import LocalProcess
+from tests.helpers.stack.processes import LocalProcess
 
 AT_ONCE = 6  # captures that end when the server is killed: each is cut off at a moment of its own
 KILLS = max(1, int(os.environ.get("CALIBDB_KILLS", "12")) // AT_ONCE)
