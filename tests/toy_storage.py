@@ -14,7 +14,7 @@ from infra.local.intercept import intercepting
 from infra.local.journal import Journal
 from infra.local.storage import Storage
 from infra.local.template import load
-from tests.toy_stack import deploy
+from tests.helpers.stack.toy_stack import deploy
 
 TABLE, BUCKET = "calibdb-things", "calibdb-files"
 

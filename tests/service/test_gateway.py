@@ -15,7 +15,7 @@ from infra.local.events import Response
 from infra.local.gateway import MAX_BODY
 from infra.local.server import Front
 from infra.local.workers import Workers
-from tests.toy_stack import deploy
+from tests.helpers.stack.toy_stack import deploy
 
 ECHO = """
     import json

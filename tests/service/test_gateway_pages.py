@@ -14,7 +14,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from infra.local import LocalStack
 from infra.local.server import Front, bind, serving
 from tests.helpers.service.client import until
-from tests.toy_stack import deploy
+from tests.helpers.stack.toy_stack import deploy
 
 ECHO = """
     import json

@@ -14,7 +14,7 @@ import pytest
 
 from infra.local import LocalStack
 from infra.local.intrinsics import TemplateError
-from tests.toy_stack import deploy
+from tests.helpers.stack.toy_stack import deploy
 
 READ = """
     import boto3, os

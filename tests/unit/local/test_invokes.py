@@ -14,7 +14,7 @@ from botocore.exceptions import ClientError
 from infra.local import LocalStack, invokes
 from infra.local.invokes import Invokes
 from tests.helpers.service.client import until
-from tests.toy_stack import deploy
+from tests.helpers.stack.toy_stack import deploy
 
 #: appends every call to a file; fails as often as the event says, and asks others
 RECORD = """
