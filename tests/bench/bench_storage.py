@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.bench.table import Row, p50
-from tests.toy_storage import BUCKET, TABLE, dynamodb, put, s3, storage
+from tests.helpers.stack.toy_storage import BUCKET, TABLE, dynamodb, put, s3, storage
 
 WRITES = 20_000
 FEW = 100

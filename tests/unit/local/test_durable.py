@@ -14,7 +14,7 @@ from moto.dynamodb.models.table import Table
 from infra.local.intrinsics import ACCOUNT, REGION
 from infra.local.journal import Journal
 from tests.helpers.service.client import until
-from tests.toy_storage import BUCKET, TABLE, dynamodb, get, put, s3, storage
+from tests.helpers.stack.toy_storage import BUCKET, TABLE, dynamodb, get, put, s3, storage
 
 
 def test_a_full_disk_fails_the_write_and_takes_it_back(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from infra.local.journal import ITEM, Journal, JournalError
 from infra.local.server import PortInUseError, bind
-from tests.toy_storage import dynamodb, put, storage
+from tests.helpers.stack.toy_storage import dynamodb, put, storage
 
 
 def test_one_process_a_journal(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from moto.dynamodb.models.dynamo_type import Item
 from moto.dynamodb.models.table import Table
 from moto.s3.models import FakeKey
 
-from tests.toy_storage import BUCKET, TABLE, dynamodb, get, put, s3, storage
+from tests.helpers.stack.toy_storage import BUCKET, TABLE, dynamodb, get, put, s3, storage
 
 
 def test_items_and_objects_survive_in_all_their_types(tmp_path: Path) -> None:
