@@ -11,7 +11,7 @@ from calibsolver.guidance import ProjectionUncertainty, TargetPose
 from calibsolver.guidance.hints import TEXTS, Placement, between
 from tests.helpers.solver import specimens, synthetic
 from tests.helpers.solver.peers import Comfortable
-from tests.machine import slowness
+from tests.helpers.stack.machine import slowness
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import pytest
 from calibsolver import Board, Camera, guidance, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose, overlay
 from tests.helpers.solver import synthetic
-from tests.machine import slowness
+from tests.helpers.stack.machine import slowness
 
 BOARD = Board()
 
