@@ -10,8 +10,8 @@ import numpy as np
 from calibsolver import Board, Camera, View, fit, guidance, rotation
 from calibsolver.capture import Capture
 from calibsolver.guidance import overlay
-from tests import data
 from tests.bench.table import Row, p50, ratio
+from tests.helpers import data
 from tests.helpers.solver import synthetic
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from calibsolver import View
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 
 NAMES = (
     "opencv_left",

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from tests.data import ROOT
+from tests.helpers.data import ROOT
 
 ACCURACY = ROOT / "docs" / "accuracy.md"
 

@@ -17,7 +17,7 @@ from calibsolver.guidance import FixedPlan, ProjectionUncertainty
 from tests.bench import document
 from tests.bench.bound import bound
 from tests.bench.plots import Line, plot
-from tests.data import ROOT
+from tests.helpers.data import ROOT
 from tests.helpers.solver import peers, specimens, synthetic
 from tests.helpers.solver.synthetic import Session, User
 

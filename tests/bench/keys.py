@@ -20,7 +20,7 @@ from calibdb.camera_key.system import system_of
 from calibsolver import Camera
 from calibsolver.consensus.agreement import compare
 from tests.bench import document
-from tests.data import ROOT, data_dir
+from tests.helpers.data import ROOT, data_dir
 
 DOCUMENT = ROOT / "docs" / "camera-keys.md"
 SAME_LENS = 0.01  # of the width, rms over the image: what may pass for one lens

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, FilePayload, Page
 
-from tests.data import data_dir
+from tests.helpers.data import data_dir
 
 from .conftest import OUTPUT
 from .interruptions import SHOWN_TARGET, TURN, UNPLUG, done

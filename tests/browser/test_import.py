@@ -11,7 +11,7 @@ from playwright.sync_api import BrowserContext, Page, Request
 
 from calibsolver import Board, View, fit
 from calibsolver.formats import Subject, write
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 from tests.helpers.solver.formats import subject
 
 from .pictures import picture

@@ -7,7 +7,7 @@ import httpx
 import numpy as np
 from playwright.sync_api import BrowserContext, Page
 
-from tests.data import data_dir
+from tests.helpers.data import data_dir
 
 from .captures import begin
 

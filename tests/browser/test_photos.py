@@ -9,7 +9,7 @@ import cv2
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, Route
 
-from tests.data import data_dir
+from tests.helpers.data import data_dir
 
 from .pictures import picture
 from .waiting import until

@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Page
 
 from calibsolver import Camera
-from tests.data import data_dir
+from tests.helpers.data import data_dir
 
 from .conftest import CHROMIUM, executable
 from .firefox import in_firefox

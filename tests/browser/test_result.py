@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Download, Page
 
 from calibsolver.formats import NAMES
-from tests.data import data_dir
+from tests.helpers.data import data_dir
 
 from .captures import capture
 from .pictures import picture

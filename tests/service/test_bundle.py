@@ -17,7 +17,7 @@ from calibdb.store import Store
 from infra.local import LocalStack
 from infra.ops.bundle import Bundled, bundle
 from infra.ops.desk import Desk
-from tests.data import ROOT, data_dir
+from tests.helpers.data import ROOT, data_dir
 from tests.helpers.service.client import Client
 from tests.helpers.service.known import LENS, LINUX, calibration, consensus, fit
 from tests.service.test_lookup import put

@@ -17,7 +17,7 @@ from calibdb import schema
 from calibdb.settings import Settings
 from calibdb.store import Store, clients
 from infra.local import LocalStack
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
 
 

@@ -15,7 +15,7 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.data import data_dir as shared
+from tests.helpers.data import data_dir as shared
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.published import calibration
 

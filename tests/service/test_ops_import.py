@@ -9,7 +9,7 @@ import pytest
 from calibsolver import View, fit, formats
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.data import data_dir as shared
+from tests.helpers.data import data_dir as shared
 from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.solver.formats import subject
 

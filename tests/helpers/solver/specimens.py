@@ -8,7 +8,7 @@ import numpy as np
 
 from calibsolver import Board, Camera, View, models, rotation
 from calibsolver.consensus import Member
-from tests.data import data_dir
+from tests.helpers.data import data_dir
 from tests.helpers.solver import synthetic
 
 Mode = tuple[str, ...]

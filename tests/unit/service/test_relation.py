@@ -9,7 +9,7 @@ from calibdb.lookup.relation import carried, relate, scaled
 from calibdb.schema import Calibration, FitRecord
 from calibsolver import View
 from calibsolver import fit as solve
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 from tests.helpers.service.known import consensus, fit
 
 Size = tuple[int, int]

@@ -5,7 +5,7 @@ import pytest
 
 from calibsolver import CalibrationError, View, models
 from calibsolver.quality.model_selection import suggest_model
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 from tests.helpers.solver import specimens, synthetic
 
 WIDE = {"fisheye", "rational", "omnidirectional"}

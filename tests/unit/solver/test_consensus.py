@@ -9,7 +9,7 @@ import pytest
 from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, Rule, balanced, pool
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 from tests.helpers.solver import specimens, synthetic
 
 SIZE = (1280, 720)

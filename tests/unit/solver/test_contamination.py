@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calibsolver import View, fit
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 from tests.helpers.solver import synthetic
 
 MODELS = {

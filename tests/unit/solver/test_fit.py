@@ -7,7 +7,7 @@ import pytest
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.fitting import normal_equations
 from calibsolver.fitting.fit import MIN_POINTS
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 from tests.helpers.solver import formats, synthetic
 
 RECTILINEAR = [

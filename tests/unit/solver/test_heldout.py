@@ -6,7 +6,7 @@ import pytest
 from calibsolver import CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.resection import score
 from calibsolver.quality.cross_validation import held_out
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 from tests.helpers.solver import specimens, synthetic
 
 

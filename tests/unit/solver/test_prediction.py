@@ -6,7 +6,7 @@ import pytest
 from calibsolver import Board, Camera, View, fit
 from calibsolver.capture import Capture
 from calibsolver.quality.prediction import DISAGREEMENT, surprise
-from tests import data
+from tests.helpers import data
 from tests.helpers.solver import synthetic
 
 BOARD = Board()

@@ -9,7 +9,7 @@ import pytest
 from calibsolver import Board, Calibration, View, fit, rotation
 from calibsolver.quality.assessment import residual_vectors
 from calibsolver.quality.report import assess, describe
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 from tests.helpers.solver import specimens, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[5]

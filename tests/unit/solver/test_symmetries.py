@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from calibsolver import View, fit, models
-from tests.data import corner_set
+from tests.helpers.data import corner_set
 
 budget = settings(max_examples=3)
 SETS = {"rectilinear": "opencv_right", "fisheye": "jy_left", "rational": "jy_left"}

@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 
 from calibsolver import formats
-from tests.data import ROOT
+from tests.helpers.data import ROOT
 from tests.helpers.solver.formats import IMG_SIZE, subject
 
 W, H = IMG_SIZE

@@ -16,7 +16,7 @@ from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
 from infra.ops.desk import OpsError
 from infra.ops.files import read_file
-from tests.data import data_dir
+from tests.helpers.data import data_dir
 from tests.helpers.solver.formats import IMG_SIZE, subject
 
 READABLE = {

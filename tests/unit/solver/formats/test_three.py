@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from calibsolver import formats, models
-from tests.data import ROOT
+from tests.helpers.data import ROOT
 from tests.helpers.solver.formats import IMG_SIZE, subject
 
 PROGRAM = """
