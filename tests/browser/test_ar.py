@@ -15,7 +15,7 @@ import numpy.typing as npt
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
-from .captures import capture
+from ..helpers.browser.captures import capture
 from .firefox import in_firefox
 from .pictures import picture
 from .specimens import answer, result

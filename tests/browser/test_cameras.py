@@ -4,7 +4,7 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .captures import capture, listed
+from ..helpers.browser.captures import capture, listed
 from .pictures import picture
 from .specimens import answer, camera, cameras
 from .truth import Truth

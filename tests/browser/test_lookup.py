@@ -6,7 +6,7 @@ from urllib.parse import parse_qs, urlsplit
 import httpx
 from playwright.sync_api import Page
 
-from .captures import agreed, capture
+from ..helpers.browser.captures import agreed, capture
 from .truth import Truth
 
 TRUTH = Truth(fx=960, k1=-0.22)

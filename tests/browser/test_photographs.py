@@ -9,7 +9,7 @@ from playwright.sync_api import BrowserContext, Page
 
 from tests.helpers.data import data_dir
 
-from .captures import begin
+from ..helpers.browser.captures import begin
 
 BOARD = {"squares": [8, 8], "marker_ratio": 0.75, "dictionary": "DICT_4X4_1000", "legacy": False}
 SIZE = (640, 480)

@@ -15,7 +15,7 @@ from playwright.sync_api import BrowserContext, Download, Page
 from calibsolver.formats import NAMES
 from tests.helpers.data import data_dir
 
-from .captures import capture
+from ..helpers.browser.captures import capture
 from .pictures import picture
 from .specimens import answer, result
 from .truth import Truth

@@ -12,7 +12,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, Playwright
 
-from .captures import agreed, capture
+from ..helpers.browser.captures import agreed, capture
 from .conftest import CHROMIUM, ROOT, TOKEN, executable
 from .elsewhere import serving
 from .pictures import picture

@@ -6,7 +6,7 @@ from typing import Any
 
 import httpx
 
-from .captures import agreed, capture
+from ..helpers.browser.captures import agreed, capture
 from .truth import Truth
 
 LABEL = "WebXR Test Camera (1234:0a0b)"
