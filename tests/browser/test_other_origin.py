@@ -8,8 +8,8 @@ from urllib.parse import parse_qs, urlsplit
 import pytest
 from playwright.sync_api import Playwright
 
+from ..helpers.browser.elsewhere import serving
 from .conftest import CHROMIUM, ROOT, executable
-from .elsewhere import serving
 from .waiting import PATIENCE
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]

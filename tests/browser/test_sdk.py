@@ -13,8 +13,8 @@ import pytest
 from playwright.sync_api import Page, Playwright
 
 from ..helpers.browser.captures import agreed, capture
+from ..helpers.browser.elsewhere import serving
 from .conftest import CHROMIUM, ROOT, TOKEN, executable
-from .elsewhere import serving
 from .pictures import picture
 from .test_ar import WEBCAM
 from .truth import Truth

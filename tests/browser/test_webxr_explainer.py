@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
+from ..helpers.browser.elsewhere import serving
 from .conftest import ROOT
-from .elsewhere import serving
 from .webxr import LABEL, SHARED, calibrated, script
 
 TEXT = (ROOT / "docs/webxr.md").read_text()
