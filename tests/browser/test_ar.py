@@ -16,7 +16,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
 from ..helpers.browser.captures import capture
-from .firefox import in_firefox
+from ..helpers.browser.firefox import in_firefox
 from .pictures import picture
 from .specimens import answer, result
 from .truth import Truth

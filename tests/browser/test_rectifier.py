@@ -15,8 +15,8 @@ from playwright.sync_api import Page
 from calibsolver import Camera
 from tests.helpers.data import data_dir
 
+from ..helpers.browser.firefox import in_firefox
 from .conftest import CHROMIUM, executable
-from .firefox import in_firefox
 from .pace import TRIES, USUAL, WORK
 
 LENSES = {

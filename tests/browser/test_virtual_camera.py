@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
-from .firefox import driven
+from ..helpers.browser.firefox import driven
 from .interruptions import views
 from .pace import WATCH
 from .truth import Truth, projection_errors

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .firefox import in_firefox
+from ..helpers.browser.firefox import in_firefox
 from .webxr import LABEL, TRUTH, calibrated, script
 
 NATIVE = """

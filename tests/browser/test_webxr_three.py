@@ -10,8 +10,8 @@ import numpy.typing as npt
 import pytest
 from playwright.sync_api import Page, Route
 
+from ..helpers.browser.firefox import in_firefox
 from .conftest import OUTPUT, ROOT
-from .firefox import in_firefox
 from .waiting import until
 from .webxr import LABEL, calibrated, script
 

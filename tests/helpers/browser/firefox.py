@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from .conftest import executable
-from .waiting import PATIENCE
+from ...browser.conftest import executable
+from ...browser.waiting import PATIENCE
 
 SCRIPT = Path(__file__).with_name("firefox_evaluate.mjs")
 
