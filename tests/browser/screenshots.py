@@ -15,8 +15,8 @@ from playwright.sync_api import BrowserContext, FilePayload, Page
 
 from tests.helpers.data import data_dir
 
+from ..helpers.browser.interruptions import SHOWN_TARGET, TURN, UNPLUG, done
 from .conftest import OUTPUT
-from .interruptions import SHOWN_TARGET, TURN, UNPLUG, done
 from .pictures import SIZES, picture
 from .scenes import CAMERA, UNANSWERED, no_network, unreadable
 from .specimens import CAMERAS, answer, camera, cameras, result

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import Playwright
 
-from .interruptions import stop
+from ..helpers.browser.interruptions import stop
 from .pace import HEIGHT, WIDTH, board_seen, camera
 
 

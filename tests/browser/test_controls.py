@@ -5,7 +5,7 @@ import re
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .interruptions import ENDLESS, HIDE, UNPLUG, views, wait_for_views
+from ..helpers.browser.interruptions import ENDLESS, HIDE, UNPLUG, views, wait_for_views
 from .pictures import picture
 from .scenes import CAMERA
 from .waiting import hear, listen, until

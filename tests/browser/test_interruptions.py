@@ -6,7 +6,7 @@ import re
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, Route
 
-from .interruptions import (
+from ..helpers.browser.interruptions import (
     ENDLESS,
     FOCUS,
     FULL,

@@ -2,7 +2,7 @@
 
 from playwright.sync_api import BrowserContext, Page
 
-from .interruptions import ENDLESS
+from ..helpers.browser.interruptions import ENDLESS
 from .scenes import no_network, unreadable
 from .waiting import address
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import BrowserContext, Page, Route
 
-from .interruptions import ENDLESS, KEPT, WRITTEN, sent_views, views, wait_for_views
+from ..helpers.browser.interruptions import ENDLESS, KEPT, WRITTEN, sent_views, views, wait_for_views
 from .waiting import hear, listen, until
 
 

@@ -6,7 +6,7 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .interruptions import ENDLESS, SHOWN_TARGET, UNPLUG, VIRTUAL, done
+from ..helpers.browser.interruptions import ENDLESS, SHOWN_TARGET, UNPLUG, VIRTUAL, done
 from .pictures import picture, violations
 from .waiting import address, hear, listen, until
 

@@ -3,7 +3,7 @@
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .interruptions import ENDLESS, HIDE, sessions, views, wait_for_views
+from ..helpers.browser.interruptions import ENDLESS, HIDE, sessions, views, wait_for_views
 from .waiting import hear, listen, until
 
 CLAIMED = """async (busy) => {

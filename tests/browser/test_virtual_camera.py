@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
 from ..helpers.browser.firefox import driven
-from .interruptions import views
+from ..helpers.browser.interruptions import views
 from .pace import WATCH
 from .truth import Truth, projection_errors
 from .waiting import address
