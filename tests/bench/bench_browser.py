@@ -11,8 +11,8 @@ from playwright.sync_api import sync_playwright
 from infra.local import LocalStack
 from tests.bench.table import Row
 from tests.browser.conftest import CHROMIUM
-from tests.browser.pace import best_pace, camera, first_detection
 from tests.browser.test_detector import WATCH
+from tests.helpers.browser.pace import best_pace, camera, first_detection
 
 FRAMES = 2_000
 

@@ -7,7 +7,7 @@ import numpy as np
 from playwright.sync_api import Playwright
 
 from ..helpers.browser.interruptions import stop
-from .pace import HEIGHT, WIDTH, board_seen, camera
+from ..helpers.browser.pace import HEIGHT, WIDTH, board_seen, camera
 
 
 def test_first_view_and_lookup_through_a_real_camera(

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Response, Route
 
+from ..helpers.browser.pace import detection_kept
 from .conftest import ROOT, close
-from .pace import detection_kept
 from .waiting import PATIENCE, until
 
 # Not localhost by name, where the network would come first; browsers take it to this machine all the same.

@@ -16,8 +16,8 @@ from calibsolver import Camera
 from tests.helpers.data import data_dir
 
 from ..helpers.browser.firefox import in_firefox
+from ..helpers.browser.pace import TRIES, USUAL, WORK
 from .conftest import CHROMIUM, executable
-from .pace import TRIES, USUAL, WORK
 
 LENSES = {
     "rectilinear": (900.0, [-0.28, 0.09, 0.001, -0.0005, -0.01]),

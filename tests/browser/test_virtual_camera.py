@@ -12,7 +12,7 @@ from playwright.sync_api import BrowserContext, Page, Request
 
 from ..helpers.browser.firefox import driven
 from ..helpers.browser.interruptions import views
-from .pace import WATCH
+from ..helpers.browser.pace import WATCH
 from .truth import Truth, projection_errors
 from .waiting import address
 

@@ -15,8 +15,8 @@ import cv2
 import numpy as np
 from playwright.sync_api import Page, Playwright
 
-from .conftest import CHROMIUM, executable
-from .waiting import PATIENCE
+from ...browser.conftest import CHROMIUM, executable
+from ...browser.waiting import PATIENCE
 
 WIDTH, HEIGHT = 1280, 720
 SQUARE = 80  # texture pixels
