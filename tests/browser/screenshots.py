@@ -16,8 +16,8 @@ from playwright.sync_api import BrowserContext, FilePayload, Page
 from tests.helpers.data import data_dir
 
 from ..helpers.browser.interruptions import SHOWN_TARGET, TURN, UNPLUG, done
+from ..helpers.browser.pictures import SIZES, picture
 from .conftest import OUTPUT
-from .pictures import SIZES, picture
 from .scenes import CAMERA, UNANSWERED, no_network, unreadable
 from .specimens import CAMERAS, answer, camera, cameras, result
 from .truth import Truth

@@ -17,7 +17,7 @@ from playwright.sync_api import BrowserContext, Page, Request
 
 from ..helpers.browser.captures import capture
 from ..helpers.browser.firefox import in_firefox
-from .pictures import picture
+from ..helpers.browser.pictures import picture
 from .specimens import answer, result
 from .truth import Truth
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from .pictures import SIZES, picture
+from ..helpers.browser.pictures import SIZES, picture
 from .waiting import address, until
 
 FOUND = """async (dictionaries) => {

@@ -5,7 +5,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.captures import capture, listed
-from .pictures import picture
+from ..helpers.browser.pictures import picture
 from .specimens import answer, camera, cameras
 from .truth import Truth
 

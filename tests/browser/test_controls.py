@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.interruptions import ENDLESS, HIDE, UNPLUG, views, wait_for_views
-from .pictures import picture
+from ..helpers.browser.pictures import picture
 from .scenes import CAMERA
 from .waiting import hear, listen, until
 

@@ -5,7 +5,7 @@ import json
 import pytest
 from playwright.sync_api import Page
 
-from .pictures import picture
+from ..helpers.browser.pictures import picture
 from .truth import Truth
 from .waiting import hear, listen
 

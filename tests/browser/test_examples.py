@@ -8,7 +8,7 @@ import numpy.typing as npt
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .pictures import picture
+from ..helpers.browser.pictures import picture
 from .test_ar import WEBCAM
 from .truth import Truth
 from .waiting import until

@@ -5,7 +5,7 @@ import json
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .pictures import picture
+from ..helpers.browser.pictures import picture
 from .scenes import CAMERA, no_network, unreadable
 
 SAID = {

@@ -14,7 +14,7 @@ from calibsolver.formats import Subject, write
 from tests.helpers.data import corner_set
 from tests.helpers.solver.formats import subject
 
-from .pictures import picture
+from ..helpers.browser.pictures import picture
 
 NAME = "LifeCam HD-3000 (045e:0779)"
 SENT = {

@@ -23,7 +23,7 @@ from ..helpers.browser.interruptions import (
     views,
     wait_for_views,
 )
-from .pictures import picture
+from ..helpers.browser.pictures import picture
 from .waiting import address, hear, heard, listen, until
 
 

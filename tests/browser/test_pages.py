@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.interruptions import ENDLESS, SHOWN_TARGET, UNPLUG, VIRTUAL, done
-from .pictures import picture, violations
+from ..helpers.browser.pictures import picture, violations
 from .waiting import address, hear, listen, until
 
 

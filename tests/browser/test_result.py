@@ -16,7 +16,7 @@ from calibsolver.formats import NAMES
 from tests.helpers.data import data_dir
 
 from ..helpers.browser.captures import capture
-from .pictures import picture
+from ..helpers.browser.pictures import picture
 from .specimens import answer, result
 from .truth import Truth
 from .waiting import until

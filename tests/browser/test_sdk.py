@@ -14,8 +14,8 @@ from playwright.sync_api import Page, Playwright
 
 from ..helpers.browser.captures import agreed, capture
 from ..helpers.browser.elsewhere import serving
+from ..helpers.browser.pictures import picture
 from .conftest import CHROMIUM, ROOT, TOKEN, executable
-from .pictures import picture
 from .test_ar import WEBCAM
 from .truth import Truth
 from .waiting import PATIENCE

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from playwright.sync_api import Page, ViewportSize
 
-from .conftest import OUTPUT, ROOT
+from ...browser.conftest import OUTPUT, ROOT
 
 AXE = ROOT / "node_modules" / "axe-core" / "axe.min.js"
 SIZES: dict[str, ViewportSize] = {
