@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.pictures import picture
-from .scenes import CAMERA, no_network, unreadable
+from ..helpers.browser.scenes import CAMERA, no_network, unreadable
 
 SAID = {
     "de": {

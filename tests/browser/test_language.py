@@ -3,7 +3,7 @@
 from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.interruptions import ENDLESS
-from .scenes import no_network, unreadable
+from ..helpers.browser.scenes import no_network, unreadable
 from .waiting import address
 
 
