@@ -18,8 +18,8 @@ from tests.helpers.data import data_dir
 from ..helpers.browser.interruptions import SHOWN_TARGET, TURN, UNPLUG, done
 from ..helpers.browser.pictures import SIZES, picture
 from ..helpers.browser.scenes import CAMERA, UNANSWERED, no_network, unreadable
+from ..helpers.browser.specimens import CAMERAS, answer, camera, cameras, result
 from .conftest import OUTPUT
-from .specimens import CAMERAS, answer, camera, cameras, result
 from .truth import Truth
 
 READ = {

@@ -18,7 +18,7 @@ from playwright.sync_api import BrowserContext, Page, Request
 from ..helpers.browser.captures import capture
 from ..helpers.browser.firefox import in_firefox
 from ..helpers.browser.pictures import picture
-from .specimens import answer, result
+from ..helpers.browser.specimens import answer, result
 from .truth import Truth
 
 Array = npt.NDArray[np.float64]

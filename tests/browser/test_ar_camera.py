@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from .specimens import answer, result
+from ..helpers.browser.specimens import answer, result
 from .test_ar import WEBCAM
 from .waiting import until
 

@@ -17,7 +17,7 @@ from tests.helpers.data import data_dir
 
 from ..helpers.browser.captures import capture
 from ..helpers.browser.pictures import picture
-from .specimens import answer, result
+from ..helpers.browser.specimens import answer, result
 from .truth import Truth
 from .waiting import until
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from playwright.sync_api import Page, Route
 
-from .conftest import ROOT
+from ...browser.conftest import ROOT
 
 CAMERAS = [
     ("HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64"),
