@@ -19,8 +19,8 @@ from ..helpers.browser.interruptions import SHOWN_TARGET, TURN, UNPLUG, done
 from ..helpers.browser.pictures import SIZES, picture
 from ..helpers.browser.scenes import CAMERA, UNANSWERED, no_network, unreadable
 from ..helpers.browser.specimens import CAMERAS, answer, camera, cameras, result
+from ..helpers.browser.truth import Truth
 from .conftest import OUTPUT
-from .truth import Truth
 
 READ = {
     "landing": ("/", "#lens polyline"),

@@ -19,7 +19,7 @@ from ..helpers.browser.captures import capture
 from ..helpers.browser.firefox import in_firefox
 from ..helpers.browser.pictures import picture
 from ..helpers.browser.specimens import answer, result
-from .truth import Truth
+from ..helpers.browser.truth import Truth
 
 Array = npt.NDArray[np.float64]
 

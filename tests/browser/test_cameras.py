@@ -7,7 +7,7 @@ from playwright.sync_api import BrowserContext, Page
 from ..helpers.browser.captures import capture, listed
 from ..helpers.browser.pictures import picture
 from ..helpers.browser.specimens import answer, camera, cameras
-from .truth import Truth
+from ..helpers.browser.truth import Truth
 
 KEY = {"camera": "Shelf Test Camera (1234:0002)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 

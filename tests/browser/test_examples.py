@@ -9,8 +9,8 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.pictures import picture
+from ..helpers.browser.truth import Truth
 from .test_ar import WEBCAM
-from .truth import Truth
 from .waiting import until
 
 Array = npt.NDArray[np.float64]

@@ -7,7 +7,7 @@ import httpx
 from playwright.sync_api import Page
 
 from ..helpers.browser.captures import agreed, capture
-from .truth import Truth
+from ..helpers.browser.truth import Truth
 
 TRUTH = Truth(fx=960, k1=-0.22)
 

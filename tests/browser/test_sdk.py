@@ -15,9 +15,9 @@ from playwright.sync_api import Page, Playwright
 from ..helpers.browser.captures import agreed, capture
 from ..helpers.browser.elsewhere import serving
 from ..helpers.browser.pictures import picture
+from ..helpers.browser.truth import Truth
 from .conftest import CHROMIUM, ROOT, TOKEN, executable
 from .test_ar import WEBCAM
-from .truth import Truth
 from .waiting import PATIENCE
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]

@@ -13,7 +13,7 @@ from playwright.sync_api import BrowserContext, Page, Request
 from ..helpers.browser.firefox import driven
 from ..helpers.browser.interruptions import views
 from ..helpers.browser.pace import WATCH
-from .truth import Truth, projection_errors
+from ..helpers.browser.truth import Truth, projection_errors
 from .waiting import address
 
 TRUTH = Truth()
