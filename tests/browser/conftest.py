@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, P
 
 from tests.helpers.stack.processes import LocalProcess
 
-from .waiting import PATIENCE
+from ..helpers.browser.waiting import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 OUTPUT = Path(__file__).parent / "output"

@@ -6,8 +6,8 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.specimens import answer, result
+from ..helpers.browser.waiting import until
 from .test_ar import WEBCAM
-from .waiting import until
 
 #: one camera that is there or not, and what was asked of it
 PLUGGED = f"""{WEBCAM}

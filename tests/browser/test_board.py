@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page
 
 from ..helpers.browser.pictures import SIZES, picture
-from .waiting import address, until
+from ..helpers.browser.waiting import address, until
 
 FOUND = """async (dictionaries) => {
   const { Detector } = await import("/calibrate/detector.js");

@@ -8,7 +8,7 @@ from playwright.sync_api import BrowserContext, Page
 from ..helpers.browser.interruptions import ENDLESS, HIDE, UNPLUG, views, wait_for_views
 from ..helpers.browser.pictures import picture
 from ..helpers.browser.scenes import CAMERA
-from .waiting import hear, listen, until
+from ..helpers.browser.waiting import hear, listen, until
 
 # One device that is there or not, and what was asked of it. It has neither id nor name until permitted.
 PLUGGED = f"""{CAMERA}

@@ -7,7 +7,7 @@ from playwright.sync_api import Page
 
 from ..helpers.browser.pictures import picture
 from ..helpers.browser.truth import Truth
-from .waiting import hear, listen
+from ..helpers.browser.waiting import hear, listen
 
 SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))
 

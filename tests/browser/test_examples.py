@@ -10,8 +10,8 @@ from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.pictures import picture
 from ..helpers.browser.truth import Truth
+from ..helpers.browser.waiting import until
 from .test_ar import WEBCAM
-from .waiting import until
 
 Array = npt.NDArray[np.float64]
 TRUTH = Truth(k1=-0.2)

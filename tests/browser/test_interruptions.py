@@ -24,7 +24,7 @@ from ..helpers.browser.interruptions import (
     wait_for_views,
 )
 from ..helpers.browser.pictures import picture
-from .waiting import address, hear, heard, listen, until
+from ..helpers.browser.waiting import address, hear, heard, listen, until
 
 
 @pytest.mark.thorough

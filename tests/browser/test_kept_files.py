@@ -11,8 +11,8 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Response, Route
 
 from ..helpers.browser.pace import detection_kept
+from ..helpers.browser.waiting import PATIENCE, until
 from .conftest import ROOT, close
-from .waiting import PATIENCE, until
 
 # Not localhost by name, where the network would come first; browsers take it to this machine all the same.
 HOST = "pages.localhost"

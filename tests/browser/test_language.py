@@ -4,7 +4,7 @@ from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.interruptions import ENDLESS
 from ..helpers.browser.scenes import no_network, unreadable
-from .waiting import address
+from ..helpers.browser.waiting import address
 
 
 def speak(page: Page, language: str) -> None:

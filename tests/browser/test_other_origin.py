@@ -9,8 +9,8 @@ import pytest
 from playwright.sync_api import Playwright
 
 from ..helpers.browser.elsewhere import serving
+from ..helpers.browser.waiting import PATIENCE
 from .conftest import CHROMIUM, ROOT, executable
-from .waiting import PATIENCE
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 

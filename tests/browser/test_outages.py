@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Route
 
 from ..helpers.browser.interruptions import ENDLESS, KEPT, WRITTEN, sent_views, views, wait_for_views
-from .waiting import hear, listen, until
+from ..helpers.browser.waiting import hear, listen, until
 
 
 @pytest.mark.parametrize(

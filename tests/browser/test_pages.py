@@ -8,7 +8,7 @@ from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.interruptions import ENDLESS, SHOWN_TARGET, UNPLUG, VIRTUAL, done
 from ..helpers.browser.pictures import picture, violations
-from .waiting import address, hear, listen, until
+from ..helpers.browser.waiting import address, hear, listen, until
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

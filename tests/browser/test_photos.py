@@ -12,7 +12,7 @@ from playwright.sync_api import BrowserContext, Page, Request, Route
 from tests.helpers.data import data_dir
 
 from ..helpers.browser.pictures import picture
-from .waiting import until
+from ..helpers.browser.waiting import until
 
 BOARD = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
 PAGE = f"/photos/?{BOARD}"

@@ -19,7 +19,7 @@ from ..helpers.browser.captures import capture
 from ..helpers.browser.pictures import picture
 from ..helpers.browser.specimens import answer, result
 from ..helpers.browser.truth import Truth
-from .waiting import until
+from ..helpers.browser.waiting import until
 
 KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 RECTIFIED = """async ([calibration, file, balance]) => {

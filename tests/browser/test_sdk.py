@@ -16,9 +16,9 @@ from ..helpers.browser.captures import agreed, capture
 from ..helpers.browser.elsewhere import serving
 from ..helpers.browser.pictures import picture
 from ..helpers.browser.truth import Truth
+from ..helpers.browser.waiting import PATIENCE
 from .conftest import CHROMIUM, ROOT, TOKEN, executable
 from .test_ar import WEBCAM
-from .waiting import PATIENCE
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 KEY = {"camera": "SDK Test Camera (1234:0007)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}

@@ -4,7 +4,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.interruptions import ENDLESS, HIDE, sessions, views, wait_for_views
-from .waiting import hear, listen, until
+from ..helpers.browser.waiting import hear, listen, until
 
 CLAIMED = """async (busy) => {
   const held = window.held = new AbortController();

@@ -14,7 +14,7 @@ from ..helpers.browser.firefox import driven
 from ..helpers.browser.interruptions import views
 from ..helpers.browser.pace import WATCH
 from ..helpers.browser.truth import Truth, projection_errors
-from .waiting import address
+from ..helpers.browser.waiting import address
 
 TRUTH = Truth()
 #: at half the size, so that three can be tried at once on two cores

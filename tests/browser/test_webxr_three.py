@@ -11,8 +11,8 @@ import pytest
 from playwright.sync_api import Page, Route
 
 from ..helpers.browser.firefox import in_firefox
+from ..helpers.browser.waiting import until
 from .conftest import OUTPUT, ROOT
-from .waiting import until
 from .webxr import LABEL, calibrated, script
 
 Array = npt.NDArray[np.float64]

@@ -12,8 +12,8 @@ import numpy as np
 
 from tests.helpers.service.client import until
 
-from ...browser.waiting import PATIENCE
 from .truth import Truth
+from .waiting import PATIENCE
 
 BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
 POINTS = np.array([(x, y, 0.0) for y in range(1, 6) for x in range(1, 9)])

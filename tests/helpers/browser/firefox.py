@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ...browser.conftest import executable
-from ...browser.waiting import PATIENCE
+from .waiting import PATIENCE
 
 SCRIPT = Path(__file__).with_name("firefox_evaluate.mjs")
 

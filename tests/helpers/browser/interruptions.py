@@ -5,8 +5,8 @@ from typing import Any
 
 from playwright.sync_api import Page, Request
 
-from ...browser.waiting import until
 from .truth import Truth
+from .waiting import until
 
 VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
 #: not reached in the time that a test takes

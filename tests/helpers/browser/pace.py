@@ -16,7 +16,7 @@ import numpy as np
 from playwright.sync_api import Page, Playwright
 
 from ...browser.conftest import CHROMIUM, executable
-from ...browser.waiting import PATIENCE
+from .waiting import PATIENCE
 
 WIDTH, HEIGHT = 1280, 720
 SQUARE = 80  # texture pixels
