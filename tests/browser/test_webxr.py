@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from ..helpers.browser.firefox import in_firefox
-from .webxr import LABEL, TRUTH, calibrated, script
+from ..helpers.browser.webxr import LABEL, TRUTH, calibrated, script
 
 NATIVE = """
   const { extend } = await import("/webxr/extension.js");

@@ -12,8 +12,8 @@ import pytest
 from playwright.sync_api import Page
 
 from ..helpers.browser.elsewhere import serving
+from ..helpers.browser.webxr import LABEL, SHARED, calibrated, script
 from .conftest import ROOT
-from .webxr import LABEL, SHARED, calibrated, script
 
 TEXT = (ROOT / "docs/webxr.md").read_text()
 PAGE, *_ = re.findall(r"^```html\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)

@@ -12,8 +12,8 @@ from playwright.sync_api import Page, Route
 
 from ..helpers.browser.firefox import in_firefox
 from ..helpers.browser.waiting import until
+from ..helpers.browser.webxr import LABEL, calibrated, script
 from .conftest import OUTPUT, ROOT
-from .webxr import LABEL, calibrated, script
 
 Array = npt.NDArray[np.float64]
 

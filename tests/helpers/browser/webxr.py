@@ -6,8 +6,8 @@ from typing import Any
 
 import httpx
 
-from ..helpers.browser.captures import agreed, capture
-from ..helpers.browser.truth import Truth
+from .captures import agreed, capture
+from .truth import Truth
 
 LABEL = "WebXR Test Camera (1234:0a0b)"
 KEY = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [1280, 720], "zoom": 0}
