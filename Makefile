@@ -31,7 +31,7 @@ lint: setup
 	.venv/bin/cfn-lint template.yaml
 	npx --no-install tsc -p web
 	@test -x $(AUDIT) || ($(PYTHON) -m venv .build/audit && .build/audit/bin/pip install --quiet --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
-	@$(PY) -m infra.tools.audit
+	@$(PY) -m infra.ci.audit
 
 unit: setup
 	node --test tests/web/
@@ -42,7 +42,7 @@ service: setup
 
 # What measures time has the machine to itself.
 browser: setup
-	@bash infra/tools/browsers.sh
+	@bash infra/ci/browsers.sh
 	$(PYTEST) $(TWO) -m "not alone" tests/browser
 	$(PYTEST) -m alone tests/browser
 
@@ -53,7 +53,7 @@ thorough: browser
 
 # Every page in every state, to be looked at: tests/browser/output/
 screenshots: setup
-	@bash infra/tools/browsers.sh
+	@bash infra/ci/browsers.sh
 	$(PY) -m pytest tests/browser/screenshots.py
 
 # One core for both sides of every ratio: libraries differ in how many they would take.
@@ -83,7 +83,7 @@ bench-load: setup
 
 # Captures from many clients at once, of any stack: ARGS="http://127.0.0.1:8000 --sessions 20"; --help says more
 load: .venv/.made
-	@$(PY) -m infra.load $(ARGS)
+	@$(PY) -m infra.load_test $(ARGS)
 
 # Requests made of the OpenAPI document, and values of every schema, as many as CASES
 fuzz: setup
@@ -102,10 +102,10 @@ bundle: .venv/.made
 	@$(PY) -m infra.ops bundle $(or $(FILE),.build/cameras.json) --most $(or $(MOST),500)
 
 openapi: .venv/.made
-	$(PY) -m infra.tools.openapi
+	$(PY) -m infra.web_build.openapi
 
 plan: .venv/.made
-	$(PY) -m infra.tools.plan
+	$(PY) -m infra.web_build.plan
 
 # ---- what the above need, made once and again when its lock file changes
 # (the marks stand inside what they mark, so that removing it is enough to have it made anew)
@@ -121,8 +121,8 @@ node_modules/.made: package-lock.json
 	npm ci --silent --fetch-retries 5
 	@touch $@
 
-web/vendor/api.d.ts: node_modules/.made infra/tools/vendor.mjs infra/tools/engines.mjs web/openapi.json
-	node infra/tools/vendor.mjs
+web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs web/openapi.json
+	node infra/web_build/vendor.mjs
 	@touch $@
 
 # ---- upkeep
@@ -137,10 +137,10 @@ lock: $(UV)
 	$(COMPILE) --group service -c requirements.lock -o layers/service/requirements.lock
 	$(COMPILE) --group solver -c requirements.lock -o layers/solver/requirements.lock
 	npm install --package-lock-only
-	node infra/tools/lock.mjs
+	node infra/ci/lock.mjs
 
 # Both layers for Lambda's arm64 in .build/layers
-LAYER = env -u PYTHONPATH $(MAKE) --silent UV=$(abspath $(UV)) COMPILE="node $(abspath infra/tools/compile.mjs)"
+LAYER = env -u PYTHONPATH $(MAKE) --silent UV=$(abspath $(UV)) COMPILE="node $(abspath infra/deploy/compile.mjs)"
 
 layers: $(UV) .venv/.made node_modules/.made
 	@rm -rf .build/layers
@@ -176,7 +176,7 @@ cost: setup
 
 # The storage tests against another implementation of AWS than moto
 conformance: setup $(MINISTACK)
-	@$(PY) -m infra.tools.conformance
+	@$(PY) -m infra.ci.conformance
 
 CHECKOV := .build/checkov/bin/checkov
 

@@ -1,4 +1,4 @@
-"""`python -m infra.load`: many captures at once against a running stack, on a line that drops.
+"""`python -m infra.load_test`: many captures at once against a running stack, on a line that drops.
 
 Each client opens sessions, submits views of a camera that does not exist, and looks it up. Some requests are
 cut off half way, sent without waiting for an answer, or sent twice at once; like a page that lost its
@@ -230,7 +230,7 @@ def seen(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Drive the stack that is named; return the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m infra.load", description="Many captures at once.")
+    parser = argparse.ArgumentParser(prog="python -m infra.load_test", description="Many captures at once.")
     parser.add_argument("url", help="of the API, without /v1: http://127.0.0.1:8000")
     parser.add_argument("--token", default="cdb_dev_local")
     parser.add_argument("--sessions", type=int, default=200)

@@ -1,7 +1,7 @@
 // Keeps the pages' files for the next visit, by what is in them. Nothing of the API is ever kept.
 //
-// `shell.json` names every file with the hash of its content; it is written by whoever serves the pages (infra/tools/
-// shell.py). A visit is served from the files of one such list, all old or all new: the next list is taken up only once
+// `shell.json` names every file with the hash of its content; it is written by whoever serves the pages
+// (infra/web_build/precache_manifest.py). A visit is served from the files of one such list, all old or all new: the next list is taken up only once
 // all of its files are here. OpenCV is kept when it is first used, or while a page is open that will use it.
 // Where pages are developed, on this very machine, the network comes first and what is kept only stands in for it.
 

@@ -1,7 +1,7 @@
 """Does what the database holds fit this camera? Scores a consensus on fresh views, and counts as a vote.
 
 The consensus is taken as it is, reliable or not; only the poses are fitted to the views. A vote keeps the
-views, so that it can be counted anew for whatever the consensus becomes (`calibdb.votes`).
+views, so that it can be counted anew for whatever the consensus becomes (`calibdb.rules.votes`).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`python -m infra.tools.audit`: whether anything that the lock files name is known to be vulnerable.
+"""`python -m infra.ci.audit`: whether anything that the lock files name is known to be vulnerable.
 
 pip-audit and npm ask services that are not to be had everywhere. Where they do not answer, that is said, and
 nothing else depends on it; what they do say has to be heeded.

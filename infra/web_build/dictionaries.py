@@ -4,7 +4,7 @@ OpenCV's own dictionaries of one marker size are prefixes of the largest, so fou
 the original one and AprilTag's families have one each. Bits are packed row by row, marker after marker, most
 significant bit first, 1 = white, without the black border.
 
-    python -m infra.tools.dictionaries        (again only when OpenCV's tables change, which they must not)
+    python -m infra.web_build.dictionaries        (again only when OpenCV's tables change, which they must not)
 """
 
 import base64
@@ -41,7 +41,7 @@ def bits(name: str) -> np.ndarray:
 
 def text() -> str:
     """Return the JavaScript module."""
-    lines = ["// Made by infra/tools/dictionaries.py from OpenCV's ArUco dictionaries: do not edit."]
+    lines = ["// Made by infra/web_build/dictionaries.py from OpenCV's ArUco dictionaries: do not edit."]
     lines.append("/** @type {Record<string, {side: number, count: number, bits: string}>} */")
     lines.append("export const TABLES = {")
     for key, (name, side) in TABLES.items():

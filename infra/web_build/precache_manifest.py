@@ -1,6 +1,6 @@
 """Lists the files of the web client with the hashes of their contents: what its service worker goes by.
 
-    python -m infra.tools.shell > shell.json
+    python -m infra.web_build.precache_manifest > shell.json
 
 The local stack answers `/shell.json` itself; a deployment uploads the file beside the pages.
 """

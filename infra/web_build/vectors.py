@@ -1,6 +1,6 @@
 """Writes tests/web/vectors.json: rays and pixels of every camera model, as the solver computes them.
 
-    python -m infra.tools.vectors
+    python -m infra.web_build.vectors
 
 The pages and the SDK compute projections themselves; their tests compare with these.
 """

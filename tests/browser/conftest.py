@@ -11,9 +11,8 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Playwright, sync_playwright
 
+from tests.helpers.browser.waiting import PATIENCE
 from tests.helpers.stack.processes import LocalProcess
-
-from ..helpers.browser.waiting import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 OUTPUT = Path(__file__).parent / "output"

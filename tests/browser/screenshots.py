@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, FilePayload, Page
 
+from tests.helpers.browser.interruptions import SHOWN_TARGET, TURN, UNPLUG, done
+from tests.helpers.browser.pictures import SIZES, picture
+from tests.helpers.browser.scenes import CAMERA, UNANSWERED, no_network, unreadable
+from tests.helpers.browser.specimens import CAMERAS, answer, camera, cameras, result
+from tests.helpers.browser.truth import Truth
 from tests.helpers.data import data_dir
 
-from ..helpers.browser.interruptions import SHOWN_TARGET, TURN, UNPLUG, done
-from ..helpers.browser.pictures import SIZES, picture
-from ..helpers.browser.scenes import CAMERA, UNANSWERED, no_network, unreadable
-from ..helpers.browser.specimens import CAMERAS, answer, camera, cameras, result
-from ..helpers.browser.truth import Truth
 from .conftest import OUTPUT
 
 READ = {

@@ -15,11 +15,11 @@ import numpy.typing as npt
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
-from ..helpers.browser.captures import capture
-from ..helpers.browser.firefox import in_firefox
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.specimens import answer, result
-from ..helpers.browser.truth import Truth
+from tests.helpers.browser.captures import capture
+from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.specimens import answer, result
+from tests.helpers.browser.truth import Truth
 
 Array = npt.NDArray[np.float64]
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.specimens import answer, result
-from ..helpers.browser.waiting import until
+from tests.helpers.browser.specimens import answer, result
+from tests.helpers.browser.waiting import until
+
 from .test_ar import WEBCAM
 
 #: one camera that is there or not, and what was asked of it

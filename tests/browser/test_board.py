@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from ..helpers.browser.pictures import SIZES, picture
-from ..helpers.browser.waiting import address, until
+from tests.helpers.browser.pictures import SIZES, picture
+from tests.helpers.browser.waiting import address, until
 
 FOUND = """async (dictionaries) => {
   const { Detector } = await import("/calibrate/detector.js");

@@ -4,10 +4,10 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.captures import capture, listed
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.specimens import answer, camera, cameras
-from ..helpers.browser.truth import Truth
+from tests.helpers.browser.captures import capture, listed
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.specimens import answer, camera, cameras
+from tests.helpers.browser.truth import Truth
 
 KEY = {"camera": "Shelf Test Camera (1234:0002)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 

@@ -5,10 +5,10 @@ import re
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.interruptions import ENDLESS, HIDE, UNPLUG, views, wait_for_views
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.scenes import CAMERA
-from ..helpers.browser.waiting import hear, listen, until
+from tests.helpers.browser.interruptions import ENDLESS, HIDE, UNPLUG, views, wait_for_views
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.scenes import CAMERA
+from tests.helpers.browser.waiting import hear, listen, until
 
 # One device that is there or not, and what was asked of it. It has neither id nor name until permitted.
 PLUGGED = f"""{CAMERA}

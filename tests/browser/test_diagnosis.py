@@ -5,9 +5,9 @@ import json
 import pytest
 from playwright.sync_api import Page
 
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.truth import Truth
-from ..helpers.browser.waiting import hear, listen
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.waiting import hear, listen
 
 SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))
 

@@ -8,9 +8,10 @@ import numpy.typing as npt
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.truth import Truth
-from ..helpers.browser.waiting import until
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.waiting import until
+
 from .test_ar import WEBCAM
 
 Array = npt.NDArray[np.float64]

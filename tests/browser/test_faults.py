@@ -5,8 +5,8 @@ import json
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.scenes import CAMERA, no_network, unreadable
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.scenes import CAMERA, no_network, unreadable
 
 SAID = {
     "de": {

@@ -11,10 +11,9 @@ from playwright.sync_api import BrowserContext, Page, Request
 
 from calibsolver import Board, View, fit
 from calibsolver.formats import Subject, write
+from tests.helpers.browser.pictures import picture
 from tests.helpers.data import corner_set
 from tests.helpers.solver.formats import subject
-
-from ..helpers.browser.pictures import picture
 
 NAME = "LifeCam HD-3000 (045e:0779)"
 SENT = {

@@ -6,7 +6,7 @@ import re
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, Route
 
-from ..helpers.browser.interruptions import (
+from tests.helpers.browser.interruptions import (
     ENDLESS,
     FOCUS,
     FULL,
@@ -23,8 +23,8 @@ from ..helpers.browser.interruptions import (
     views,
     wait_for_views,
 )
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.waiting import address, hear, heard, listen, until
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.waiting import address, hear, heard, listen, until
 
 
 @pytest.mark.thorough

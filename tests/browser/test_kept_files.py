@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Response, Route
 
-from ..helpers.browser.pace import detection_kept
-from ..helpers.browser.waiting import PATIENCE, until
+from tests.helpers.browser.pace import detection_kept
+from tests.helpers.browser.waiting import PATIENCE, until
+
 from .conftest import ROOT, close
 
 # Not localhost by name, where the network would come first; browsers take it to this machine all the same.

@@ -2,9 +2,9 @@
 
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.interruptions import ENDLESS
-from ..helpers.browser.scenes import no_network, unreadable
-from ..helpers.browser.waiting import address
+from tests.helpers.browser.interruptions import ENDLESS
+from tests.helpers.browser.scenes import no_network, unreadable
+from tests.helpers.browser.waiting import address
 
 
 def speak(page: Page, language: str) -> None:

@@ -2,7 +2,7 @@
 
 from playwright.sync_api import Page
 
-from ..helpers.browser.interruptions import ENDLESS, HIDE
+from tests.helpers.browser.interruptions import ENDLESS, HIDE
 
 # What leaves the window, is cut off, or lies over something else.
 AMISS = """() => {

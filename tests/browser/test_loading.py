@@ -2,7 +2,7 @@
 
 from playwright.sync_api import BrowserContext
 
-from ..helpers.browser.truth import Truth
+from tests.helpers.browser.truth import Truth
 
 VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
 

@@ -6,8 +6,8 @@ from urllib.parse import parse_qs, urlsplit
 import httpx
 from playwright.sync_api import Page
 
-from ..helpers.browser.captures import agreed, capture
-from ..helpers.browser.truth import Truth
+from tests.helpers.browser.captures import agreed, capture
+from tests.helpers.browser.truth import Truth
 
 TRUTH = Truth(fx=960, k1=-0.22)
 

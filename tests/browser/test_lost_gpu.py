@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.firefox import in_firefox
+from tests.helpers.browser.firefox import in_firefox
+
 from .test_rectifier import calibration
 
 ADDRESS = "/ar/?virtual=1&k1=-0.3&error=0"

@@ -8,8 +8,9 @@ from urllib.parse import parse_qs, urlsplit
 import pytest
 from playwright.sync_api import Playwright
 
-from ..helpers.browser.elsewhere import serving
-from ..helpers.browser.waiting import PATIENCE
+from tests.helpers.browser.elsewhere import serving
+from tests.helpers.browser.waiting import PATIENCE
+
 from .conftest import CHROMIUM, ROOT, executable
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]

@@ -6,8 +6,8 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import BrowserContext, Page, Route
 
-from ..helpers.browser.interruptions import ENDLESS, KEPT, WRITTEN, sent_views, views, wait_for_views
-from ..helpers.browser.waiting import hear, listen, until
+from tests.helpers.browser.interruptions import ENDLESS, KEPT, WRITTEN, sent_views, views, wait_for_views
+from tests.helpers.browser.waiting import hear, listen, until
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, Playwright
 
-from ..helpers.browser.pace import camera, detection_kept, first_detection, pace_kept
+from tests.helpers.browser.pace import camera, detection_kept, first_detection, pace_kept
 
 RATE = 15  # detections/s
 RESPONSIVE = 50  # ms

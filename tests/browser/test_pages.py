@@ -6,9 +6,9 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.interruptions import ENDLESS, SHOWN_TARGET, UNPLUG, VIRTUAL, done
-from ..helpers.browser.pictures import picture, violations
-from ..helpers.browser.waiting import address, hear, listen, until
+from tests.helpers.browser.interruptions import ENDLESS, SHOWN_TARGET, UNPLUG, VIRTUAL, done
+from tests.helpers.browser.pictures import picture, violations
+from tests.helpers.browser.waiting import address, hear, listen, until
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -9,10 +9,9 @@ import cv2
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, Route
 
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.waiting import until
 from tests.helpers.data import data_dir
-
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.waiting import until
 
 BOARD = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
 PAGE = f"/photos/?{BOARD}"

@@ -13,10 +13,10 @@ import pytest
 from playwright.sync_api import Page
 
 from calibsolver import Camera
+from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.pace import TRIES, USUAL, WORK
 from tests.helpers.data import data_dir
 
-from ..helpers.browser.firefox import in_firefox
-from ..helpers.browser.pace import TRIES, USUAL, WORK
 from .conftest import CHROMIUM, executable
 
 LENSES = {

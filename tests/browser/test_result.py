@@ -13,13 +13,12 @@ import pytest
 from playwright.sync_api import BrowserContext, Download, Page
 
 from calibsolver.formats import NAMES
+from tests.helpers.browser.captures import capture
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.specimens import answer, result
+from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.waiting import until
 from tests.helpers.data import data_dir
-
-from ..helpers.browser.captures import capture
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.specimens import answer, result
-from ..helpers.browser.truth import Truth
-from ..helpers.browser.waiting import until
 
 KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 RECTIFIED = """async ([calibration, file, balance]) => {

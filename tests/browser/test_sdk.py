@@ -12,11 +12,12 @@ import httpx
 import pytest
 from playwright.sync_api import Page, Playwright
 
-from ..helpers.browser.captures import agreed, capture
-from ..helpers.browser.elsewhere import serving
-from ..helpers.browser.pictures import picture
-from ..helpers.browser.truth import Truth
-from ..helpers.browser.waiting import PATIENCE
+from tests.helpers.browser.captures import agreed, capture
+from tests.helpers.browser.elsewhere import serving
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.waiting import PATIENCE
+
 from .conftest import CHROMIUM, ROOT, TOKEN, executable
 from .test_ar import WEBCAM
 

@@ -3,8 +3,8 @@
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.interruptions import ENDLESS, HIDE, sessions, views, wait_for_views
-from ..helpers.browser.waiting import hear, listen, until
+from tests.helpers.browser.interruptions import ENDLESS, HIDE, sessions, views, wait_for_views
+from tests.helpers.browser.waiting import hear, listen, until
 
 CLAIMED = """async (busy) => {
   const held = window.held = new AbortController();

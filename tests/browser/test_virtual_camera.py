@@ -1,7 +1,6 @@
 """The whole guided capture, hands-free: a camera that is known, a board in hands that are not perfect."""
 
 import json
-from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -10,11 +9,11 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
-from ..helpers.browser.firefox import driven
-from ..helpers.browser.interruptions import views
-from ..helpers.browser.pace import WATCH
-from ..helpers.browser.truth import Truth, projection_errors
-from ..helpers.browser.waiting import address
+from tests.helpers.browser.firefox import driven
+from tests.helpers.browser.interruptions import views
+from tests.helpers.browser.pace import WATCH
+from tests.helpers.browser.truth import Truth, projection_errors
+from tests.helpers.browser.waiting import address
 
 TRUTH = Truth()
 #: at half the size, so that three can be tried at once on two cores
@@ -79,7 +78,7 @@ def test_chromium_hands_free_and_nothing_but_keypoints_leaves(page: Page, api: h
 
 def test_firefox_hands_free(stack: str) -> None:
     there = f"{stack}/calibrate/?{TRUTH.query(seed=5, hand='person')}"
-    script = Path(__file__).with_name("firefox.mjs")
+    script = ROOT / "tests/helpers/browser/firefox.mjs"
     outcome = driven(script, there)
     assert outcome["failure"] == ""
     count = int(outcome["counts"].split()[0])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from ..helpers.browser.firefox import in_firefox
-from ..helpers.browser.webxr import LABEL, TRUTH, calibrated, script
+from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.webxr import LABEL, TRUTH, calibrated, script
 
 NATIVE = """
   const { extend } = await import("/webxr/extension.js");

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from ..helpers.browser.elsewhere import serving
-from ..helpers.browser.webxr import LABEL, SHARED, calibrated, script
+from tests.helpers.browser.elsewhere import serving
+from tests.helpers.browser.webxr import LABEL, SHARED, calibrated, script
+
 from .conftest import ROOT
 
 TEXT = (ROOT / "docs/webxr.md").read_text()

@@ -10,9 +10,10 @@ import numpy.typing as npt
 import pytest
 from playwright.sync_api import Page, Route
 
-from ..helpers.browser.firefox import in_firefox
-from ..helpers.browser.waiting import until
-from ..helpers.browser.webxr import LABEL, calibrated, script
+from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.waiting import until
+from tests.helpers.browser.webxr import LABEL, calibrated, script
+
 from .conftest import OUTPUT, ROOT
 
 Array = npt.NDArray[np.float64]

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { splitOpenCV } from "../../infra/tools/vendor.mjs";
+import { splitOpenCV } from "../../infra/web_build/vendor.mjs";
 
 // The smallest module there is, written as the package writes its own: each byte turned into a character.
 const BYTES = [0x00, 0x61, 0x73, 0x6d, 1, 0, 0, 0];

@@ -15,7 +15,7 @@ from botocore.client import BaseClient
 from infra.local.functions import Function
 from infra.local.intrinsics import ACCOUNT, REGION, Resolver, parse
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[3]
 _running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)
 # Operations that are granted under another name than their own.
 _ACTIONS = {"invoke": "InvokeFunction", "delete_objects": "DeleteObject", "transact_write_items": "PutItem"}

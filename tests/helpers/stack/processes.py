@@ -14,7 +14,7 @@ from typing import Self
 
 import httpx
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[3]
 
 #: the same under a limit on the size of files; Python lets the write fail instead of ending the process
 LIMITED = """

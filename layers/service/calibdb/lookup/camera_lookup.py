@@ -1,7 +1,7 @@
 """Under which key a camera is found: by USB id and name; by the name alone where it says which product it is.
 
 Never a guess: a name that many products bear answers nobody, and one that two USB ids bear neither. Since
-anybody can invent an id, only those that are well known (`calibdb.standing`) rival each other.
+anybody can invent an id, only those that are well known (`calibdb.lookup.well_known_ids`) rival each other.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ any, even one that is reliable, until new calibrations agree with it: its lookup
 then, so that these will come. What is at stake is an answer withheld, never a wrong one given:
 
 * who contributed a calibration of this camera has had their say and votes neither for it nor against;
-* contributors are counted by where they are (`calibdb.tokens.source`), here as in the consensus;
+* contributors are counted by where they are (`calibdb.access.tokens.source`), here as in the consensus;
 * votes against count from the newest calibration that agrees on, and as many as there are for it must be
   there, and a third as many as contributed to it;
 * what a consensus is measured by is the checker's own: the noise of the views, and the camera that they

@@ -1,4 +1,4 @@
-// node infra/tools/compile.mjs FOLDER: byte-compiles a folder for Lambda's Python where no such Python is installed.
+// node infra/deploy/compile.mjs FOLDER: byte-compiles a folder for Lambda's Python where no such Python is installed.
 // What is compiled depends on Python's version alone, not on the machine: CPython 3.13 as WebAssembly writes the same.
 // Dates do not survive packing, so nothing compares what is compiled to its source.
 import { resolve } from "node:path";

@@ -109,7 +109,7 @@ function vendorWebXR() {
 function vendorFormats({ paths }) {
   const { parameters } = paths["/v1/calibrations/{id}"].get;
   const { schema } = parameters.find((/** @type {{name: string}} */ { name }) => name === "format");
-  const banner = "// Made from web/openapi.json by infra/tools/vendor.mjs.\n";
+  const banner = "// Made from web/openapi.json by infra/web_build/vendor.mjs.\n";
   writeFileSync(`${vendor}formats.js`, `${banner}export const FORMATS = ${JSON.stringify(schema.enum)};\n`);
   writeFileSync(`${vendor}formats.d.ts`, `${banner}export const FORMATS: string[];\n`);
 }
@@ -120,7 +120,7 @@ async function vendorTypes({ components }) {
     Object.entries(components.schemas).map(([name, schema]) => [name, plainSchema(schema, true)]),
   );
   const types = await compile({ title: "Api", type: "object", definitions }, "Api", {
-    bannerComment: "// Made from web/openapi.json by infra/tools/vendor.mjs.",
+    bannerComment: "// Made from web/openapi.json by infra/web_build/vendor.mjs.",
     unreachableDefinitions: true,
     additionalProperties: false,
   });
