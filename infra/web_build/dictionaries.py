@@ -4,7 +4,7 @@ OpenCV's own dictionaries of one marker size are prefixes of the largest, so fou
 the original one and AprilTag's families have one each. Bits are packed row by row, marker after marker, most
 significant bit first, 1 = white, without the black border.
 
-    python -m infra.web_build.dictionaries        (again only when OpenCV's tables change, which they must not)
+    python -m infra.web_build.dictionaries   (again only when OpenCV's tables change, which they must not)
 """
 
 import base64

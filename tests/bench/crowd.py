@@ -1,7 +1,7 @@
 """`make bench-load`: many clients at once on a line that drops; what was acknowledged must be there, once.
 
-64 clients run 2,000 captures against a server of its own, by `infra.load_test`, one request in five on a failing
-line. `make bench-load SESSIONS=500 CLIENTS=64` runs a part.
+64 clients run 2,000 captures against a server of its own, by `infra.load_test`, one request in five on a
+failing line. `make bench-load SESSIONS=500 CLIENTS=64` runs a part.
 """
 
 import os

@@ -15,6 +15,8 @@ from tests.helpers.browser.pace import WATCH
 from tests.helpers.browser.truth import Truth, projection_errors
 from tests.helpers.browser.waiting import address
 
+ROOT = Path(__file__).resolve().parents[2]
+
 TRUTH = Truth()
 #: at half the size, so that three can be tried at once on two cores
 SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))
