@@ -2,7 +2,8 @@
 
 Held out: five folds (view i in fold i mod 5) or the split of the set's authors; intrinsics from the training
 views, the poses of the views left out fitted by `calibsolver.fitting.resection` for both sides. OpenCV runs
-in a process of its own and is stopped after TIMEOUT seconds: training and folds together. Writes docs/accuracy.md.
+in a process of its own and is stopped after TIMEOUT seconds: training and folds together. Writes
+docs/accuracy.md.
 """
 
 import json

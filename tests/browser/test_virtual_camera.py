@@ -1,6 +1,7 @@
 """The whole guided capture, hands-free: a camera that is known, a board in hands that are not perfect."""
 
 import json
+from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
