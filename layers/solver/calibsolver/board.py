@@ -2,9 +2,10 @@
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -61,6 +62,18 @@ class Board:
         if w * h // 2 > DICTIONARIES[self.dictionary]:
             raise ValueError(f"{w} x {h} squares need {w * h // 2} markers, {self.dictionary} has fewer")
 
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> "Board":
+        """Board of plain values under the names of its attributes; missing ones have their defaults.
+
+        Raises ValueError for a board that cannot exist.
+        """
+        values = dict(record)
+        if "squares" in values:
+            w, h = values["squares"]
+            values["squares"] = (w, h)
+        return cls(**values)
+
     @property
     def size(self) -> tuple[int, int]:
         """Width and height in squares."""
@@ -106,3 +119,10 @@ class Board:
         if len(np.unique(index)) != len(index):
             raise ValueError("a corner id is given twice")
         return View(self.points[index], np.asarray(points, dtype=np.float64).reshape(-1, 2))
+
+    def views(self, records: Iterable[Mapping[str, Any]]) -> list[View]:
+        """Build views of records of plain values: `ids` (n), `points` (n, 2) px; other members are ignored.
+
+        Raises ValueError as `view` does.
+        """
+        return [self.view(record["ids"], record["points"]) for record in records]

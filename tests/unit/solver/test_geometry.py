@@ -43,6 +43,23 @@ def test_corners_are_opencvs(squares: tuple[int, int]) -> None:
         np.testing.assert_array_equal(board.points[identity], [column + 1, row + 1, 0])
 
 
+def test_board_and_views_are_made_of_records() -> None:
+    record = {"squares": [5, 7], "marker_ratio": 0.7, "dictionary": "DICT_5X5_100", "legacy": True}
+    board = Board.from_record(record)
+    assert board == Board(squares=(5, 7), marker_ratio=0.7, dictionary="DICT_5X5_100", legacy=True)
+    assert hash(board) == hash(Board.from_record({**record, "squares": (5, 7)}))
+    assert Board.from_record({}) == Board()
+    views = board.views(
+        [{"index": 3, "ids": [0, 5], "points": [[1.0, 2.0], [3, 4]]}, {"ids": [], "points": []}]
+    )
+    np.testing.assert_array_equal(views[0].object_points, [[1, 1, 0], [2, 2, 0]])
+    np.testing.assert_array_equal(views[0].image_points, [[1, 2], [3, 4]])
+    assert len(views) == 2
+    assert len(views[1]) == 0
+    with pytest.raises(ValueError, match="corner ids run from 0 to 23"):
+        board.views([{"ids": [24], "points": [[0, 0]]}])
+
+
 @pytest.mark.parametrize(
     "values",
     [
