@@ -82,6 +82,12 @@ class Camera:
         return np.concatenate([[m[0, 0], m[1, 1], m[0, 2], m[1, 2]], self.distortion])
 
     @property
+    def focal(self) -> tuple[float, float]:
+        """Focal lengths along x and y: px per radian at the axis (see `Model.focal`)."""
+        fx, fy = models.get(self.model).focal(self.intrinsics).tolist()
+        return fx, fy
+
+    @property
     def magnification(self) -> float:
         """Pixels per radian at the axis / focal length: 1 but for models that measure it differently."""
         return models.get(self.model).magnification(self.distortion)[0]

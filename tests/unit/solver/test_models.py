@@ -50,6 +50,19 @@ def test_jacobians_equal_finite_differences(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", models.NAMES)
+def test_focal_length_is_in_pixels_per_radian_at_the_axis(name: str) -> None:
+    k, small = INTRINSICS[name], 1e-5
+    camera = Camera.from_intrinsics(name, k, (1280, 720))
+    ahead = np.array([np.cos(small)])
+    for axis in (0, 1):
+        ray = np.insert(ahead, 0, [0.0, 0.0])
+        ray[axis] = np.sin(small)
+        seen = camera.project(ray[None])[0]
+        # The image is flat to first order; the tangential part is of second.
+        assert (seen[axis] - k[2 + axis]) / small == pytest.approx(camera.focal[axis], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", models.NAMES)
 def test_axis_is_no_exception(name: str) -> None:
     model, k = models.get(name), INTRINSICS[name]
     q, by_k, by_p = model.jacobian(k, np.array([[0.0], [0.0], [2.0]]))

@@ -115,6 +115,14 @@ class Model(ABC):
         """Image radius / angle at the axis for unit focal lengths, and its derivatives by d (m,)."""
         return 1.0, np.zeros(len(d))
 
+    def focal(self, k: Array) -> Array:
+        """Focal lengths (2,) along x and y at k (p,): px per radian at the axis.
+
+        `k[:2]` are these lengths for models that magnify by 1; for others they are generalised ones.
+        """
+        out: Array = k[:2] * self.magnification(k[4:])[0]
+        return out
+
     def stretch(self, d: Array, s: Array) -> tuple[Array, Array, Array] | None:  # noqa: ARG002
         """Radial stretch, d(distorted)/d(undistorted radius), at squared radii s (n,).
 
