@@ -8,7 +8,7 @@ from tests.helpers.browser.waiting import hear, listen, until
 
 CLAIMED = """async (busy) => {
   const held = window.held = new AbortController();
-  const { claim } = await import("/calibrate/claim.js");
+  const { claim } = await import("/calibrate/capture-lock.js");
   const claimed = claim("a capture", held.signal);
   for (const start = performance.now(); performance.now() - start < busy;);
   return claimed;

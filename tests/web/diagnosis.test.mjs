@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
-import { arrows } from "../../web/calibrate/cue.js";
+import { arrows } from "../../web/calibrate/hint-arrows.js";
 import { HEALTHY, PROBES, diagnose, nextProbe } from "../../web/calibrate/diagnosis.js";
-import { blackSquares } from "../../web/calibrate/ghost.js";
-import { exposure, sharpness, signsOf, stripes } from "../../web/calibrate/signs.js";
+import { blackSquares } from "../../web/calibrate/target-preview.js";
+import { exposure, sharpness, signsOf, stripes } from "../../web/calibrate/frame-metrics.js";
 import { Painter } from "../../web/virtual/painter.js";
 import { project } from "../../web/virtual/lens.js";
 import { transform } from "../../web/virtual/pose.js";

@@ -5,7 +5,7 @@ import { Announcer } from "../../web/calibrate/announcer.js";
 import { propose } from "../../web/calibrate/camera.js";
 import { setLanguage } from "../../web/i18n.js";
 import { initial } from "../../web/calibrate/state.js";
-import * as words from "../../web/calibrate/words.js";
+import * as words from "../../web/calibrate/status-text.js";
 import { labelOf, setupFrom } from "../../web/virtual/camera.js";
 
 setLanguage("en");

@@ -32,7 +32,7 @@ export class Captures {
   #known = new Set();
 
   /**
-   * @param {import("./kept.js").Cupboard} cupboard
+   * @param {import("./capture-store.js").Cupboard} cupboard
    * @param {{address: () => string, onUnkept: () => void}} page address: of the page that can go on with what is kept;
    *   onUnkept: called where there is no room for it
    */

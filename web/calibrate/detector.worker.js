@@ -1,7 +1,7 @@
 // Finds the ChArUco board in camera frames. Runs in a Worker of its own: OpenCV.js blocks while it computes, and its
 // bindings need `unsafe-eval`, which this file alone is served with.
 import createOpenCV from "../vendor/opencv/opencv.js";
-import { signsOf } from "./signs.js";
+import { signsOf } from "./frame-metrics.js";
 import { refine } from "./subpixel.js";
 
 /**

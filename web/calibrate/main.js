@@ -7,22 +7,22 @@ import { cameraKey, platformHere } from "../sdk/key.js";
 import { isVirtual } from "../virtual/camera.js";
 import captureWords from "../words/capture.js";
 import { Announcer } from "./announcer.js";
-import { targetError, wantedFrom } from "./asked.js";
+import { targetError, wantedFrom } from "./query.js";
 import { CameraError, cameras, facts, open, play } from "./camera.js";
 import { Captures, aboutOf } from "./captures.js";
-import { claim, claimed } from "./claim.js";
+import { claim, claimed } from "./capture-lock.js";
 import { Detector, DetectorError } from "./detector.js";
-import { openDrawers } from "./drawers.js";
+import { openDrawers } from "./popovers.js";
 import { failureOf } from "./failure.js";
 import { Feedback } from "./feedback.js";
-import { Guide } from "./guide.js";
-import { openCupboard } from "./kept.js";
+import { Guide } from "./capture-loop.js";
+import { openCupboard } from "./capture-store.js";
 import { loadPlan } from "./plan.js";
-import { address, atCapture, atResult, GO_ON, goTo } from "./place.js";
+import { address, atCapture, atResult, GO_ON, goTo } from "./history.js";
 import { findParts, render, renderChoice } from "./render.js";
 import { Sizes } from "./sizes.js";
 import { initial, reduce } from "./state.js";
-import * as words from "./words.js";
+import * as words from "./status-text.js";
 
 /**
  * @typedef {import("./state.js").State} State

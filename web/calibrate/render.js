@@ -3,9 +3,9 @@ import { t } from "../i18n.js";
 import { isVirtual } from "../virtual/camera.js";
 import { propose } from "./camera.js";
 import { holdProgress, requiredHold } from "./hold.js";
-import { renderSeen, renderTarget } from "./marks.js";
+import { renderSeen, renderTarget } from "./overlay-layer.js";
 import { viewCount } from "./session.js";
-import * as words from "./words.js";
+import * as words from "./status-text.js";
 
 /** @typedef {import("./state.js").State} State */
 

@@ -4,7 +4,7 @@ import { showProblem } from "../board/problem.js";
 import { Api } from "../calibrate/api.js";
 import { observedOutline } from "../calibrate/area.js";
 import { Detector, DetectorError } from "../calibrate/detector.js";
-import { blackSquares } from "../calibrate/ghost.js";
+import { blackSquares } from "../calibrate/target-preview.js";
 import { el, part } from "../dom.js";
 import { explain as fault } from "../faults.js";
 import { sayChosen } from "../file-input.js";

@@ -1,8 +1,8 @@
 // What is drawn over the video: the target, its ghost, the corners seen, the arrows. Kept elements are moved: making a
 // hundred a frame would cost more than finding the board.
-import { arrows } from "./cue.js";
-import { blackSquares } from "./ghost.js";
-import { unmirrored } from "./words.js";
+import { arrows } from "./hint-arrows.js";
+import { blackSquares } from "./target-preview.js";
+import { unmirrored } from "./status-text.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./render.js").Parts} Parts */
@@ -44,7 +44,7 @@ function circles(group, points) {
   });
 }
 
-/** @param {SVGElement} group @param {import("./cue.js").Arrow[]} ways */
+/** @param {SVGElement} group @param {import("./hint-arrows.js").Arrow[]} ways */
 function lines(group, ways) {
   keep(group, "line", ways.length, { "marker-end": "url(#arrowhead)" });
   ways.forEach((way, index) => {

@@ -1,6 +1,6 @@
 // The loop of one capture: looks, sends what is held still, follows the targets, and goes on when something fails.
 import { facts, lockFocus } from "./camera.js";
-import { Conversation } from "./conversation.js";
+import { Conversation } from "./request-queue.js";
 import { DetectorError, grab } from "./detector.js";
 import { nextProbe } from "./diagnosis.js";
 import { Pace, nextFrame } from "./frames.js";

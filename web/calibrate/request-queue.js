@@ -1,6 +1,6 @@
 // What a capture says to the service, one thing at a time, and how it does without where nothing comes back.
 import { ApiError } from "./api.js";
-import { Patience } from "./patience.js";
+import { Patience } from "./response-timeout.js";
 import { isAway } from "./session.js";
 
 /**
@@ -24,7 +24,7 @@ export class Conversation {
   /** Was something asked that is not waited for any more? */
   late = false;
 
-  /** @param {import("./guide.js").Page} page @param {import("./session.js").CaptureSession} session @param {Means} means */
+  /** @param {import("./capture-loop.js").Page} page @param {import("./session.js").CaptureSession} session @param {Means} means */
   constructor(page, session, means) {
     this.#page = page;
     this.#session = session;
