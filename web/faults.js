@@ -4,7 +4,7 @@ import { known, learn, t } from "./i18n.js";
 import { OfflineError } from "./network.js";
 import { LookupError } from "./sdk/request.js";
 import { SettingsError } from "./settings.js";
-import words from "./words/faults.js";
+import words from "./messages/faults.js";
 
 learn({ faults: words });
 

@@ -8,7 +8,7 @@ import { openPage } from "./page.js";
 import { lookup } from "./sdk/calibdb.js";
 import { loadSettings } from "./settings.js";
 import { sayIn } from "./spoken.js";
-import landing from "./words/landing.js";
+import landing from "./messages/landing.js";
 
 /** @type {[number, number]} */
 const SIZE = [640, 400];

@@ -1,6 +1,6 @@
 // What every page does: speaks the visitor's language, and keeps its files for the next visit.
 import { learn, offerLanguages, translate } from "./i18n.js";
-import common from "./words/common.js";
+import common from "./messages/common.js";
 
 /** @param {Record<string, import("./i18n.js").Room>} rooms the words of this page */
 export function openPage(rooms) {

@@ -5,7 +5,7 @@ import { grid } from "../../web/import/grid.js";
 import { MalformedError } from "../../web/import/malformed.js";
 import { prepare, read } from "../../web/import/read.js";
 import { isTable, squaresIn, table } from "../../web/import/table.js";
-import words from "../../web/words/import.js";
+import words from "../../web/messages/import.js";
 
 const SIZE = [1280, 720];
 const BOARD = { squares: [9, 6] };

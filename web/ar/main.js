@@ -10,7 +10,7 @@ import { openPage } from "../page.js";
 import { keyOf } from "../sdk/key.js";
 import { RectifierError } from "../sdk/warp.js";
 import { isVirtual } from "../virtual/name.js";
-import words from "../words/ar.js";
+import words from "../messages/ar.js";
 import { Live } from "./live.js";
 import { MODES } from "./modes.js";
 import { calibrationOf } from "./source.js";

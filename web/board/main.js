@@ -2,7 +2,7 @@
 import { number, onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { sayIn } from "../spoken.js";
-import words from "../words/board.js";
+import words from "../messages/board.js";
 import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery } from "./geometry.js";
 import { lettering } from "./lettering.js";
 import { PAPERS, boardPdf, squareSide } from "./pdf.js";

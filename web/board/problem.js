@@ -1,6 +1,6 @@
 // Why a board cannot be, in the language of the page.
 import { learn, onLanguage, t } from "../i18n.js";
-import words from "../words/impossible.js";
+import words from "../messages/impossible.js";
 
 /** @typedef {import("./geometry.js").Problem} Problem */
 

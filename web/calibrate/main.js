@@ -5,7 +5,7 @@ import { language, onLanguage } from "../i18n.js";
 import { openPage } from "../page.js";
 import { cameraKey, platformHere } from "../sdk/key.js";
 import { isVirtual } from "../virtual/camera.js";
-import captureWords from "../words/capture.js";
+import captureWords from "../messages/capture.js";
 import { Announcer } from "./announcer.js";
 import { targetError, wantedFrom } from "./query.js";
 import { CameraError, cameras, facts, open, play } from "./camera.js";

@@ -6,7 +6,7 @@ import { load } from "../result/source.js";
 import { ResultView } from "../result/view.js";
 import { SettingsError, loadSettings } from "../settings.js";
 import { isVirtual } from "../virtual/camera.js";
-import words from "../words/result.js";
+import words from "../messages/result.js";
 
 /** @typedef {import("./state.js").State} State */
 

@@ -6,8 +6,8 @@ import { onLanguage, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { sayIn } from "../spoken.js";
 import { isVirtual } from "../virtual/name.js";
-import words from "../words/cameras.js";
-import result from "../words/result.js";
+import words from "../messages/cameras.js";
+import result from "../messages/result.js";
 import { cameraView, nameOf } from "./camera.js";
 import { camera, search } from "./source.js";
 

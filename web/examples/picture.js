@@ -9,7 +9,7 @@ import { openPage } from "../page.js";
 import { lookup } from "../sdk/calibdb.js";
 import { loadSettings } from "../settings.js";
 import { setupFrom } from "../virtual/camera.js";
-import words from "../words/examples.js";
+import words from "../messages/examples.js";
 
 /**
  * @typedef {object} Pinhole the straightened picture's

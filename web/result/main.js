@@ -7,7 +7,7 @@ import { sized, t } from "../i18n.js";
 import { openPage } from "../page.js";
 import { loadSettings } from "../settings.js";
 import { sayIn } from "../spoken.js";
-import words from "../words/result.js";
+import words from "../messages/result.js";
 import { load } from "./source.js";
 import { ResultView } from "./view.js";
 

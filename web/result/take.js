@@ -3,7 +3,7 @@ import { ApiError } from "../calibrate/api.js";
 import { el } from "../dom.js";
 import { learn, number, t } from "../i18n.js";
 import { FORMATS } from "../vendor/formats.js";
-import words from "../words/formats.js";
+import words from "../messages/formats.js";
 import { save } from "./source.js";
 
 /**
