@@ -30,11 +30,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             # Here and not above: the stack has put the layers on the path.
             from calibdb.errors import CalibdbError
             from infra.ops.commands import run
-            from infra.ops.desk import Desk
+            from infra.ops.context import OpsContext
 
             try:
                 known = stack.embedded or "CONTRIBUTOR_SECRET" in os.environ
-                run(asked, Desk.of(stack.environment, secret_known=known))
+                run(asked, OpsContext.of(stack.environment, secret_known=known))
             except CalibdbError as error:
                 print(f"calibDB: {error.detail}", file=sys.stderr)
                 return 1

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from calibdb.errors import UnavailableError
 from calibdb.schema import DISTORTION_MODELS, BackfillAnswer, RefitRequest
 from calibdb.store import clients
-from infra.ops.desk import Desk, OpsError
+from infra.ops.context import OpsContext, OpsError
 
 BATCH = 1000  # names that the state machine hands on together
 _FUNCTION = "BackfillFunction"
@@ -29,45 +29,45 @@ class Report:
     failed: int
 
 
-def backfill(desk: Desk, after: str = "") -> Report:
+def backfill(context: OpsContext, after: str = "") -> Report:
     """Bring every consensus up to date.
 
     Parameters
     ----------
-    desk
+    context
         The deployment.
     after
         Key of a camera: it and those before it, in the order of the keys, are left out.
     """
     modes = changed = failed = 0
-    names = desk.objects.names("calibrations/")
+    names = context.objects.names("calibrations/")
     wanted = (name for name in names if not after or name.split("/")[1] > after)
     done: RefitRequest | None = None
     for batch in _batches(wanted):
-        for request in _requests(desk, batch):
+        for request in _requests(context, batch):
             if request == done:  # on the border of two batches
                 continue
             done = request
             modes += 1
-            found = _refit(desk, request)
+            found = _refit(context, request)
             failed += found is None
             changed += found or 0
             size = f"{request.img_size[0]}x{request.img_size[1]}"
-            desk.say(f"{request.camera} {size}: {'failed' if found is None else f'{found} changed'}")
+            context.echo(f"{request.camera} {size}: {'failed' if found is None else f'{found} changed'}")
     return Report(modes, changed, failed)
 
 
-def _refit(desk: Desk, request: RefitRequest) -> int | None:
+def _refit(context: OpsContext, request: RefitRequest) -> int | None:
     """Ask for one mode, model by model; return how many consensuses changed, None where it failed."""
     before = {
         known.distortion_model: known.basis
-        for known in desk.store.consensuses.of(request.camera)
+        for known in context.store.consensuses.of(request.camera)
         if (known.img_size, known.zoom) == (request.img_size, request.zoom)
     }
     changed = 0
     try:
         for model in DISTORTION_MODELS:
-            answer = desk.store.refit.now(request.model_copy(update={"models": (model,)}))
+            answer = context.store.refit.now(request.model_copy(update={"models": (model,)}))
             changed += sum(
                 1 for c in answer.models.values() if c and before.get(c.distortion_model) != c.basis
             )
@@ -76,9 +76,9 @@ def _refit(desk: Desk, request: RefitRequest) -> int | None:
     return changed
 
 
-def _requests(desk: Desk, names: Iterable[str]) -> Iterator[RefitRequest]:
+def _requests(context: OpsContext, names: Iterable[str]) -> Iterator[RefitRequest]:
     asked = json.dumps({"Items": [{"Key": name} for name in names]}).encode()
-    answer = clients.lambda_(desk.settings.region).invoke(FunctionName=_FUNCTION, Payload=asked)
+    answer = clients.lambda_(context.settings.region).invoke(FunctionName=_FUNCTION, Payload=asked)
     content = answer["Payload"].read()
     if "FunctionError" in answer:
         raise OpsError(f"{_FUNCTION} failed: {content.decode()[:500]}")

@@ -22,7 +22,7 @@ from calibdb.lookup.camera_lookup import hopeless, resolve
 from calibdb.lookup.selection import choose
 from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.fields import ImgSize
-from infra.ops.desk import Desk
+from infra.ops.context import OpsContext
 
 #: what computers call themselves, one of each system: on each of them a camera can be plugged in
 COMPUTERS = {
@@ -56,16 +56,16 @@ class Bundled:
     compressed: int
 
 
-def bundle(desk: Desk, path: Path, most: int) -> Bundled:
+def bundle(context: OpsContext, path: Path, most: int) -> Bundled:
     """Write the `most` cameras with the most contributors; their order is the same for the same database."""
-    read = functools.cache(desk.store.cameras.known)
-    names = _labels(desk)
+    read = functools.cache(context.store.cameras.known)
+    names = _labels(context)
     reliable = {key: [c for c in read(key).consensuses if c.reliable] for key in names}
     popular = sorted((key for key, found in reliable.items() if found), key=lambda k: (_rank(reliable[k]), k))
     chosen = popular[:most]
     labels: dict[str, int] = {}
     places: defaultdict[str, dict[str, int]] = defaultdict(dict)
-    meant = _meanings(desk, read, {key: (names[key], reliable[key]) for key in chosen})
+    meant = _meanings(context, read, {key: (names[key], reliable[key]) for key in chosen})
     for label, by_place in sorted(meant.items()):
         everywhere = {by_place.get(place) for place in COMPUTERS}
         if len(everywhere) == 1 and (key := everywhere.pop()):
@@ -77,7 +77,7 @@ def bundle(desk: Desk, path: Path, most: int) -> Bundled:
     document = {
         "format": "calibdb-bundle",
         "version": 1,
-        "created": desk.now,
+        "created": context.now,
         "columns": COLUMNS,
         "cameras": cameras,
         "labels": labels,
@@ -95,10 +95,10 @@ def bundle(desk: Desk, path: Path, most: int) -> Bundled:
     )
 
 
-def _labels(desk: Desk) -> dict[str, set[tuple[str, str]]]:
+def _labels(context: OpsContext) -> dict[str, set[tuple[str, str]]]:
     """Return labels and platforms with which each camera was calibrated; a label also without its USB id."""
     found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
-    for document, withdrawn in desk.store.calibrations.everything():
+    for document, withdrawn in context.store.calibrations.everything():
         if not withdrawn:
             key = current(document.camera_key, document.camera, document.platform)
             label = public_label(document.camera)
@@ -110,12 +110,12 @@ def _labels(desk: Desk) -> dict[str, set[tuple[str, str]]]:
 
 
 def _meanings(
-    desk: Desk,
+    context: OpsContext,
     read: Any,
     cameras: dict[str, tuple[set[tuple[str, str]], list[ConsensusDocument]]],
 ) -> dict[str, dict[str, str]]:
     """Return by label, and by where it is said, the camera that a lookup finds; none where it finds two."""
-    private = desk.settings.thresholds.min_contributors == 1
+    private = context.settings.thresholds.min_contributors == 1
     meant: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
 
     def found(label: str, platform: str, c: ConsensusDocument) -> str | None:

@@ -10,16 +10,16 @@ from calibdb.camera_key.visible import visible
 from calibdb.schema import CalibrationDocument
 from calibdb.store import Mode
 from calibdb.store.keys import WITHDRAWN
-from infra.ops.desk import Desk, OpsError
+from infra.ops.context import OpsContext, OpsError
 
 _CALIBRATIONS = "calibrations/"
 
 
-def listed(desk: Desk, text: str) -> list[str]:
+def listed(context: OpsContext, text: str) -> list[str]:
     """Return a line for each camera whose key holds `text`: key and number of calibrations."""
     counts: Counter[str] = Counter()
     withdrawn: Counter[str] = Counter()
-    for name in desk.objects.names(_CALIBRATIONS):
+    for name in context.objects.names(_CALIBRATIONS):
         key = name.split("/")[1]
         if text.lower() in key:
             (withdrawn if name.endswith(WITHDRAWN) else counts)[key] += 1
@@ -30,9 +30,9 @@ def listed(desk: Desk, text: str) -> list[str]:
     ]
 
 
-def shown(desk: Desk, camera_key: str) -> Iterator[str]:
+def shown(context: OpsContext, camera_key: str) -> Iterator[str]:
     """Yield lines that say what agrees, and list every calibration. Raises OpsError for an unknown key."""
-    found = list(calibrations(desk, camera_key))
+    found = list(calibrations(context, camera_key))
     if not found:
         raise OpsError(f"nothing is known of a camera {camera_key}")
     # Stored before labels were cleaned, it may hold what a terminal would obey.
@@ -43,24 +43,24 @@ def shown(desk: Desk, camera_key: str) -> Iterator[str]:
         modes.setdefault(key, []).append((document, withdrawn))
     for mode, members in modes.items():
         yield f"{mode.img_size[0]} x {mode.img_size[1]}, zoom {mode.zoom:g}"
-        yield from (f"  {line}" for line in _consensuses(desk, mode))
+        yield from (f"  {line}" for line in _consensuses(context, mode))
         yield from (f"  {_calibration(document, withdrawn)}" for document, withdrawn in members)
 
 
-def calibrations(desk: Desk, camera_key: str) -> Iterator[tuple[CalibrationDocument, bool]]:
+def calibrations(context: OpsContext, camera_key: str) -> Iterator[tuple[CalibrationDocument, bool]]:
     """Yield the calibrations of one camera in the bucket, oldest first, and whether they were withdrawn."""
-    names = sorted(desk.objects.names(f"{_CALIBRATIONS}{camera_key}/"))
+    names = sorted(context.objects.names(f"{_CALIBRATIONS}{camera_key}/"))
     tombstones = {name.removesuffix(WITHDRAWN) for name in names if name.endswith(WITHDRAWN)}
     for name in names:
         if name.endswith(WITHDRAWN):
             continue
-        document = desk.store.calibrations.get(name.rpartition("/")[2].removesuffix(".json"))
+        document = context.store.calibrations.get(name.rpartition("/")[2].removesuffix(".json"))
         if document is not None:
             yield document, name.removesuffix(".json") in tombstones
 
 
-def _consensuses(desk: Desk, mode: Mode) -> Iterator[str]:
-    for consensus in desk.store.consensuses.at(mode):
+def _consensuses(context: OpsContext, mode: Mode) -> Iterator[str]:
+    for consensus in context.store.consensuses.at(mode):
         known = consensus.calibration
         what = "reliable" if consensus.reliable else f"not reliable ({consensus.reason})"
         line = f"{consensus.distortion_model}: {what}"

@@ -7,106 +7,106 @@ import argparse
 from infra.ops import cameras, tokens, withdrawal
 from infra.ops.backfill import backfill
 from infra.ops.bundle import bundle
-from infra.ops.desk import Desk, OpsError
+from infra.ops.context import OpsContext, OpsError
 from infra.ops.reindex import reindex
 from infra.ops.restore import load
 from infra.ops.seed import seed
 
 
-def run(asked: argparse.Namespace, desk: Desk) -> None:
+def run(asked: argparse.Namespace, context: OpsContext) -> None:
     """Do what was asked; raises OpsError where it cannot be done."""
     match asked.command, getattr(asked, "action", None):
         case "token", _:
-            _token(asked, desk)
+            _token(asked, context)
         case "camera", "list":
-            for line in cameras.listed(desk, asked.text):
-                desk.say(line)
+            for line in cameras.listed(context, asked.text):
+                context.echo(line)
         case "camera", "show":
-            for line in cameras.shown(desk, asked.key):
-                desk.say(line)
+            for line in cameras.shown(context, asked.key):
+                context.echo(line)
         case "calibration", "withdraw":
-            if not withdrawal.withdraw(desk, asked.id, asked.reason):
-                desk.say("it was withdrawn before")
+            if not withdrawal.withdraw(context, asked.id, asked.reason):
+                context.echo("it was withdrawn before")
         case "calibration", "restore":
-            withdrawal.restore(desk, asked.id)
+            withdrawal.restore(context, asked.id)
         case "contributor", "forget":
-            _forget(asked, desk)
+            _forget(asked, context)
         case "reindex", _:
-            _reindex(desk)
+            _reindex(context)
         case "backfill", _:
-            _backfill(asked, desk)
+            _backfill(asked, context)
         case "dump", _:
             from infra.ops.dump import dump  # pyarrow takes its time
 
-            calibrations, votes = dump(desk, asked.folder)
-            desk.say(f"{calibrations} calibrations and {votes} votes written to {asked.folder}")
+            calibrations, votes = dump(context, asked.folder)
+            context.echo(f"{calibrations} calibrations and {votes} votes written to {asked.folder}")
         case "bundle", _:
-            _bundle(asked, desk)
+            _bundle(asked, context)
         case "load", _:
-            calibrations, votes = load(desk, asked.folder)
-            desk.say(f"{calibrations} calibrations and {votes} votes taken in")
+            calibrations, votes = load(context, asked.folder)
+            context.echo(f"{calibrations} calibrations and {votes} votes taken in")
         case "import", _:
             from infra.ops.imports import Whose, take_in  # the solver takes its time
 
             whose = Whose(asked.camera, asked.platform, asked.zoom)
-            desk.say(take_in(desk, asked.file, whose, asked.img_size, asked.squares, asked.model))
+            context.echo(take_in(context, asked.file, whose, asked.img_size, asked.squares, asked.model))
         case "seed", _:
-            done = seed(desk, asked.file, asked.camera, asked.platform, asked.model, asked.source)
-            desk.say(f"{done.rows} rows: {done.priors} first guesses for {done.cameras} cameras")
+            done = seed(context, asked.file, asked.camera, asked.platform, asked.model, asked.source)
+            context.echo(f"{done.rows} rows: {done.priors} first guesses for {done.cameras} cameras")
             for why, count in done.skipped.items():
-                desk.say(f"{count} passed over: {why}")
+                context.echo(f"{count} passed over: {why}")
         case command, _:
             raise OpsError(f"{command} is not known")
 
 
-def _token(asked: argparse.Namespace, desk: Desk) -> None:
+def _token(asked: argparse.Namespace, context: OpsContext) -> None:
     match asked.action:
         case "create":
-            desk.say(tokens.create(desk, asked.origin, asked.plan))
+            context.echo(tokens.create(context, asked.origin, asked.plan))
         case "list":
-            for line in tokens.listed(desk):
-                desk.say(line)
+            for line in tokens.listed(context):
+                context.echo(line)
         case "revoke":
-            tokens.revoke(desk, asked.id)
+            tokens.revoke(context, asked.id)
         case "rotate":
-            desk.say(tokens.rotate(desk, asked.id, asked.grace))
+            context.echo(tokens.rotate(context, asked.id, asked.grace))
 
 
-def _forget(asked: argparse.Namespace, desk: Desk) -> None:
+def _forget(asked: argparse.Namespace, context: OpsContext) -> None:
     if (asked.id is None) == (asked.address is None):
         raise OpsError("say either which contributor, or which address")
     if asked.id is not None:
-        who = {withdrawal.named(desk, asked.id)}
-    elif not desk.secret_known:
+        who = {withdrawal.named(context, asked.id)}
+    elif not context.secret_known:
         raise OpsError("CONTRIBUTOR_SECRET is not set, without which no address can be told")
     else:
-        who = withdrawal.at_address(desk, asked.address, asked.token)
+        who = withdrawal.at_address(context, asked.address, asked.token)
     if not who:
         raise OpsError("nothing came from there")
-    done = withdrawal.forget(desk, who)
-    desk.say(f"removed {done.calibrations} calibrations, {done.sessions} sessions, {done.votes} votes")
+    done = withdrawal.forget(context, who)
+    context.echo(f"removed {done.calibrations} calibrations, {done.sessions} sessions, {done.votes} votes")
 
 
-def _bundle(asked: argparse.Namespace, desk: Desk) -> None:
-    done = bundle(desk, asked.file, asked.most)
+def _bundle(asked: argparse.Namespace, context: OpsContext) -> None:
+    done = bundle(context, asked.file, asked.most)
     for camera, size in done.cameras.items():
-        desk.say(f"{size:6} bytes  {camera}")
-    desk.say(
+        context.echo(f"{size:6} bytes  {camera}")
+    context.echo(
         f"{len(done.cameras)} cameras, {done.calibrations} calibrations, {done.labels} labels written to "
         f"{asked.file}: {done.size} bytes, {done.compressed} compressed"
     )
 
 
-def _backfill(asked: argparse.Namespace, desk: Desk) -> None:
-    done = backfill(desk, asked.after)
-    desk.say(f"{done.modes} modes of cameras looked at, {done.changed} consensuses computed")
+def _backfill(asked: argparse.Namespace, context: OpsContext) -> None:
+    done = backfill(context, asked.after)
+    context.echo(f"{done.modes} modes of cameras looked at, {done.changed} consensuses computed")
     if done.failed:
         raise OpsError(f"of {done.failed} modes the consensus could not be computed; run it again")
 
 
-def _reindex(desk: Desk) -> None:
-    done = reindex(desk)
-    desk.say(
+def _reindex(context: OpsContext) -> None:
+    done = reindex(context)
+    context.echo(
         f"{done.calibrations} calibrations indexed, {done.published} of them published only now; "
         f"{done.votes} votes, {done.tokens} tokens, {done.sessions} sessions; "
         f"{done.consensuses} consensuses computed, {done.removed} stale entries removed"

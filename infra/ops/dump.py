@@ -13,7 +13,7 @@ from pyarrow import parquet
 
 from calibdb.camera_key import public_label, public_platform
 from calibdb.schema import CalibrationDocument, VoteDocument
-from infra.ops.desk import Desk, OpsError
+from infra.ops.context import OpsContext, OpsError
 from infra.ops.restore import CALIBRATIONS, VOTES
 
 _ROWS = 500  # calibrations written to Parquet together
@@ -67,7 +67,7 @@ _CORNERS = pa.schema(
 )
 
 
-def dump(desk: Desk, folder: Path) -> tuple[int, int]:
+def dump(context: OpsContext, folder: Path) -> tuple[int, int]:
     """Write everything that counts to a new folder; return how many calibrations and votes.
 
     Withdrawn calibrations are left out. Contributors are named by a hash whose key is thrown away, and the
@@ -77,7 +77,7 @@ def dump(desk: Desk, folder: Path) -> tuple[int, int]:
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")
-    alias = _aliases(desk.random_hex(32))
+    alias = _aliases(context.random_hex(32))
     draft = folder.with_name(folder.name + ".partial")  # a dump is whole or it is not there
     draft.mkdir(parents=True, exist_ok=True)
     with (
@@ -87,7 +87,7 @@ def dump(desk: Desk, folder: Path) -> tuple[int, int]:
     ):
         count = 0
         batch: list[CalibrationDocument] = []
-        for document in _public(desk, alias):
+        for document in _public(context, alias):
             lines.write(document.model_dump_json() + "\n")
             count += 1
             batch.append(document)
@@ -95,14 +95,14 @@ def dump(desk: Desk, folder: Path) -> tuple[int, int]:
                 _write(table, corners, batch)
                 batch = []
         _write(table, corners, batch)
-    votes = _votes(desk, alias, draft / VOTES)
+    votes = _votes(context, alias, draft / VOTES)
     (draft / "README.txt").write_text(ABOUT, encoding="utf-8")
     draft.rename(folder)
     return count, votes
 
 
-def _public(desk: Desk, alias: Callable[[str], str]) -> Iterator[CalibrationDocument]:
-    for document, withdrawn in desk.store.calibrations.everything():
+def _public(context: OpsContext, alias: Callable[[str], str]) -> Iterator[CalibrationDocument]:
+    for document, withdrawn in context.store.calibrations.everything():
         if not withdrawn:
             yield document.model_copy(
                 update={
@@ -114,10 +114,10 @@ def _public(desk: Desk, alias: Callable[[str], str]) -> Iterator[CalibrationDocu
             )
 
 
-def _votes(desk: Desk, alias: Callable[[str], str], path: Path) -> int:
+def _votes(context: OpsContext, alias: Callable[[str], str], path: Path) -> int:
     count = 0
     with path.open("w", encoding="utf-8") as lines:
-        for vote in desk.store.votes.all():
+        for vote in context.store.votes.all():
             named: VoteDocument = vote.model_copy(
                 update={
                     "camera": public_label(vote.camera),

@@ -12,7 +12,7 @@ from yaml.nodes import MappingNode, Node
 from calibsolver import CalibrationError
 from calibsolver.formats import Read
 from calibsolver.formats.reading import read, read_text
-from infra.ops.desk import OpsError
+from infra.ops.context import OpsError
 
 _MOST_JSON = 64 * 2**20  # bytes; keypoints make files large
 _MOST_YAML = 2**20  # bytes; a camera alone is a few hundred

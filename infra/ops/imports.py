@@ -17,7 +17,7 @@ from calibsolver.formats.grid import grid
 from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
 from infra.ops import reindex
-from infra.ops.desk import Desk, OpsError
+from infra.ops.context import OpsContext, OpsError
 from infra.ops.files import read_file
 from infra.ops.seed import UNKNOWN
 
@@ -37,7 +37,7 @@ class Whose:
 
 
 def take_in(
-    desk: Desk,
+    context: OpsContext,
     path: Path,
     whose: Whose,
     img_size: tuple[int, int] | None = None,
@@ -57,19 +57,19 @@ def take_in(
     if identity.ambiguous or identity.virtual:
         raise OpsError(f"{whose.camera!r} does not say which camera it is")
     if not read.views:
-        return _guess(desk, path, whose, read)
+        return _guess(context, path, whose, read)
     size = read.camera.img_size if read.camera else read.img_size or img_size
     if size is None:
         raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
-    document = _document(desk, path, whose, read.views, size, model)
+    document = _document(context, path, whose, read.views, size, model)
     taken = fingerprint(document)
     mode = reindex.mode(document)
-    counted = desk.store.calibrations.newest(mode, desk.settings.thresholds.most_calibrations)
-    for known in desk.store.calibrations.read([c.id for c in counted]):
+    counted = context.store.calibrations.newest(mode, context.settings.thresholds.most_calibrations)
+    for known in context.store.calibrations.read([c.id for c in counted]):
         if known.id != document.id and fingerprint(known) == taken:
             raise OpsError(f"these keypoints are known already: calibration {known.id}")
-    desk.store.calibrations.publish(document)
-    reindex.refit(desk, mode)
+    context.store.calibrations.publish(document)
+    reindex.refit(context, mode)
     fitted = document.fits[document.distortion_model]
     return (
         f"calibration {document.id}: {len(document.views)} views, {document.distortion_model}, "
@@ -84,7 +84,7 @@ def fingerprint(document: CalibrationDocument) -> str:
 
 
 def _document(
-    desk: Desk, path: Path, whose: Whose, views: tuple[View, ...], size: tuple[int, int], model: str
+    context: OpsContext, path: Path, whose: Whose, views: tuple[View, ...], size: tuple[int, int], model: str
 ) -> CalibrationDocument:
     """Fit the keypoints, and put everything that is known into a document."""
     if len(views) < FEWEST:
@@ -130,14 +130,14 @@ def _document(
             report=describe(calibration, ours),
             solver=calibsolver.__version__,
             contributor=f"import-{digest[:12]}",
-            time=desk.now,
+            time=context.now,
         )
     except ValidationError as error:
         what = error.errors(include_url=False)[0]
         raise OpsError(f"{path}: {'.'.join(map(str, what['loc']))}: {what['msg']}") from error
 
 
-def _guess(desk: Desk, path: Path, whose: Whose, read: Read) -> str:
+def _guess(context: OpsContext, path: Path, whose: Whose, read: Read) -> str:
     camera = read.camera
     if camera is None:
         raise OpsError(f"{path} holds neither a camera nor keypoints")
@@ -145,7 +145,7 @@ def _guess(desk: Desk, path: Path, whose: Whose, read: Read) -> str:
         record = FitRecord.model_validate(_record(camera))
     except ValidationError as error:
         raise OpsError(f"{path}: {error.errors(include_url=False)[0]['msg']}") from error
-    desk.store.priors.keep(
+    context.store.priors.keep(
         PriorDocument(
             camera_key=identify(whose.camera, whose.platform).key,
             camera=public_label(whose.camera),

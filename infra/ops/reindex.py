@@ -14,7 +14,7 @@ from calibdb.schema import CalibrationDocument, RefitRequest
 from calibdb.store import Calibrations, Condition, Mode, Priors, Table, Tokens, Votes, clients
 from calibdb.store.names import today
 from calibdb.store.table import Item
-from infra.ops.desk import Desk
+from infra.ops.context import OpsContext
 from infra.ops.index import Key
 
 # What a computation writes; everything else beside a camera follows from single objects.
@@ -38,8 +38,8 @@ class Report:
 class _Noting(Table):
     """A table that notes what is written to it."""
 
-    def __init__(self, desk: Desk) -> None:
-        settings = desk.settings
+    def __init__(self, context: OpsContext) -> None:
+        settings = context.settings
         super().__init__(functools.partial(clients.dynamodb, settings.region), settings.table_name)
         self.written: set[Key] = set()
 
@@ -49,7 +49,7 @@ class _Noting(Table):
         return super().put(item, condition)
 
 
-def reindex(desk: Desk, only: Iterable[Mode] | None = None) -> Report:
+def reindex(context: OpsContext, only: Iterable[Mode] | None = None) -> Report:
     """Let the index name exactly what is in the bucket, and compute every consensus that is not of it.
 
     Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
@@ -58,16 +58,16 @@ def reindex(desk: Desk, only: Iterable[Mode] | None = None) -> Report:
 
     Parameters
     ----------
-    desk
+    context
         The deployment.
     only
         Modes whose consensus is computed again; None: all.
     """
     # First, so that what is published from here on cannot be mistaken for something that the bucket lacks.
-    indexed = set(desk.index.keys("CAMERA"))
-    published = publish_finished(desk)
-    table = _Noting(desk)
-    calibrations, votes = Calibrations(table, desk.objects), Votes(table, desk.objects)
+    indexed = set(context.index.keys("CAMERA"))
+    published = publish_finished(context)
+    table = _Noting(context)
+    calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
     modes: Counter[Mode] = Counter()
     for document, withdrawn in calibrations.everything():
         calibrations.index(document, withdrawn=withdrawn)
@@ -76,21 +76,21 @@ def reindex(desk: Desk, only: Iterable[Mode] | None = None) -> Report:
     for vote in votes.all():
         votes.index(vote)
         cast += 1
-    issued = Tokens(table, desk.objects).reindex()
-    priors = Priors(table, desk.objects)
+    issued = Tokens(table, context.objects).reindex()
+    priors = Priors(table, context.objects)
     for prior in priors.all():
         priors.index(prior)
-    sessions = desk.store.sessions.index(desk.now)
+    sessions = context.store.sessions.index(context.now)
     computed = {(known.pk, known.text) for known in modes}
     stale = {key for key in indexed if key not in table.written and _computed_of(key) not in computed}
-    desk.index.remove(stale)
+    context.index.remove(stale)
     consensuses = failed = 0
     for wanted in modes if only is None else [known for known in only if known in modes]:
-        found = refit(desk, wanted)
+        found = refit(context, wanted)
         failed += found is None
         consensuses += found or 0
         count = modes[wanted]
-        desk.say(f"{wanted.camera_key} {wanted.text}: {count} calibration{'' if count == 1 else 's'}")
+        context.echo(f"{wanted.camera_key} {wanted.text}: {count} calibration{'' if count == 1 else 's'}")
     return Report(
         calibrations=sum(modes.values()),
         published=published,
@@ -103,20 +103,21 @@ def reindex(desk: Desk, only: Iterable[Mode] | None = None) -> Report:
     )
 
 
-def publish_finished(desk: Desk) -> int:
+def publish_finished(context: OpsContext) -> int:
     """Publish what converged and, for a crash, was not published; return how many calibrations.
 
     The client that repeats its last view does the same; one that never comes back cannot.
     """
     published = 0
-    for session in desk.store.sessions.all():
-        if session.finish is not None and desk.store.calibrations.get(session.finish.calibration_id) is None:
-            desk.store.calibrations.publish(session_rules.calibration(session))
+    for session in context.store.sessions.all():
+        finish = session.finish
+        if finish is not None and context.store.calibrations.get(finish.calibration_id) is None:
+            context.store.calibrations.publish(session_rules.calibration(session))
             published += 1
     return published
 
 
-def refit(desk: Desk, wanted: Mode) -> int | None:
+def refit(context: OpsContext, wanted: Mode) -> int | None:
     """Have the consensus of every model computed; return of how many there is one, None where it failed."""
     request = RefitRequest(
         camera=wanted.camera_key,
@@ -124,12 +125,12 @@ def refit(desk: Desk, wanted: Mode) -> int | None:
         zoom=wanted.zoom,
     )
     try:
-        answer = desk.store.refit.now(request)
+        answer = context.store.refit.now(request)
     except UnavailableError as error:
-        desk.say(f"{wanted.camera_key} {wanted.text}: {error.detail}")
+        context.echo(f"{wanted.camera_key} {wanted.text}: {error.detail}")
         return None
     # A computation with nothing new leaves this as it is, and here it may have been lost.
-    well_known_ids.bring_up_to_date(desk.store, wanted.camera_key, desk.settings.thresholds)
+    well_known_ids.bring_up_to_date(context.store, wanted.camera_key, context.settings.thresholds)
     return sum(1 for found in answer.models.values() if found is not None)
 
 

@@ -11,14 +11,14 @@ from pydantic import BaseModel, ValidationError
 
 from calibdb.schema import CalibrationDocument, VoteDocument
 from infra.ops import reindex
-from infra.ops.desk import Desk, OpsError
+from infra.ops.context import OpsContext, OpsError
 
 CALIBRATIONS, VOTES = "calibrations.jsonl", "votes.jsonl"
 
 Document = TypeVar("Document", bound=BaseModel)
 
 
-def load(desk: Desk, folder: Path) -> tuple[int, int]:
+def load(context: OpsContext, folder: Path) -> tuple[int, int]:
     """Store what `dump` wrote and have every consensus computed; return how many calibrations and votes.
 
     What is there already under its id stays as it is, so that a load that was cut short is simply repeated.
@@ -33,14 +33,14 @@ def load(desk: Desk, folder: Path) -> tuple[int, int]:
     modes = set()
     calibrations = votes = 0
     for document in _lines(folder / CALIBRATIONS, CalibrationDocument):
-        desk.store.calibrations.publish(document)
+        context.store.calibrations.publish(document)
         modes.add(reindex.mode(document))
         calibrations += 1
     for vote in _lines(folder / VOTES, VoteDocument):
-        desk.store.votes.cast(vote)
+        context.store.votes.cast(vote)
         votes += 1
     failed = sum(
-        reindex.refit(desk, mode) is None for mode in sorted(modes, key=lambda m: (m.camera_key, m.text))
+        reindex.refit(context, mode) is None for mode in sorted(modes, key=lambda m: (m.camera_key, m.text))
     )
     if failed:
         raise OpsError(f"of {failed} modes the consensus could not be computed; `reindex` tries again")

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import FitRecord, PriorDocument
-from infra.ops.desk import Desk, OpsError
+from infra.ops.context import OpsContext, OpsError
 
 #: columns that hold the coefficients, in their order
 COEFFICIENTS = {
@@ -46,7 +46,7 @@ class _Row:
     fit: FitRecord
 
 
-def seed(desk: Desk, path: Path, camera: str, platform: str, model: str, source: str) -> Seeded:
+def seed(context: OpsContext, path: Path, camera: str, platform: str, model: str, source: str) -> Seeded:
     """Store a guess for every camera, size, zoom and model in a CSV file.
 
     Columns: `w h fx fy cx cy`, the coefficients by their names, optionally `zoom` and `distortion_model`,
@@ -55,7 +55,7 @@ def seed(desk: Desk, path: Path, camera: str, platform: str, model: str, source:
 
     Parameters
     ----------
-    desk
+    context
         The deployment.
     path
         The file.
@@ -88,7 +88,7 @@ def seed(desk: Desk, path: Path, camera: str, platform: str, model: str, source:
             skipped["several lenses or modes under one name"] += len(members)
             continue
         middle = sorted(members, key=_focal)[len(members) // 2]
-        desk.store.priors.keep(
+        context.store.priors.keep(
             PriorDocument(
                 camera_key=key,
                 camera=public_label(middle.camera),

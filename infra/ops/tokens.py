@@ -9,12 +9,12 @@ from urllib.parse import urlsplit
 
 from calibdb.access.plans import PLANS
 from calibdb.access.tokens import ApiToken, secret_hash
-from infra.ops.desk import Desk, OpsError
+from infra.ops.context import OpsContext, OpsError
 
 _SECRET = 24  # bytes
 
 
-def create(desk: Desk, origins: Sequence[str], plan: str) -> str:
+def create(context: OpsContext, origins: Sequence[str], plan: str) -> str:
     """Store a new token and return it. Only its hash is kept: this is the one time that it can be seen.
 
     Raises OpsError where an origin is none, or the plan is not known.
@@ -24,13 +24,13 @@ def create(desk: Desk, origins: Sequence[str], plan: str) -> str:
     if plan not in PLANS:
         raise OpsError(f"there is no plan {plan!r}; there are {', '.join(PLANS)}")
     while True:
-        token_id, secret = desk.random_hex(8), desk.random_hex(_SECRET)
-        token = ApiToken(token_id, secret_hash(secret), tuple(origins), plan, desk.now)
-        if desk.store.tokens.create(token):
+        token_id, secret = context.random_hex(8), context.random_hex(_SECRET)
+        token = ApiToken(token_id, secret_hash(secret), tuple(origins), plan, context.now)
+        if context.store.tokens.create(token):
             return f"cdb_{token_id}_{secret}"
 
 
-def listed(desk: Desk) -> list[str]:
+def listed(context: OpsContext) -> list[str]:
     """Return a line for each token, oldest first."""
     return [
         "  ".join(
@@ -41,35 +41,35 @@ def listed(desk: Desk) -> list[str]:
                 " ".join(token.origins) or "any origin",
             )
         )
-        for token in sorted(desk.store.tokens.all(), key=lambda token: (token.created, token.id))
+        for token in sorted(context.store.tokens.all(), key=lambda token: (token.created, token.id))
     ]
 
 
-def rotate(desk: Desk, token_id: str, grace: float) -> str:
+def rotate(context: OpsContext, token_id: str, grace: float) -> str:
     """Give the token another secret and return it; the one before opens for `grace` hours more.
 
     A third is refused at once: of two exchanges within the grace, the second ends what the first left open.
     """
-    token = _known(desk, token_id)
-    secret = desk.random_hex(_SECRET)
-    desk.store.tokens.change(
+    token = _known(context, token_id)
+    secret = context.random_hex(_SECRET)
+    context.store.tokens.change(
         replace(
             token,
             secret_sha256=secret_hash(secret),
             former_sha256=token.secret_sha256,
-            former_until=desk.now + int(grace * 3600),
+            former_until=context.now + int(grace * 3600),
         )
     )
     return f"cdb_{token_id}_{secret}"
 
 
-def revoke(desk: Desk, token_id: str) -> None:
+def revoke(context: OpsContext, token_id: str) -> None:
     """Refuse the token from now on, for good: its id is never another's."""
-    desk.store.tokens.revoke(_known(desk, token_id), desk.now)
+    context.store.tokens.revoke(_known(context, token_id), context.now)
 
 
-def _known(desk: Desk, token_id: str) -> ApiToken:
-    token = desk.store.tokens.get(token_id)
+def _known(context: OpsContext, token_id: str) -> ApiToken:
+    token = context.store.tokens.get(token_id)
     if token is None:
         raise OpsError(f"there is no token {token_id}")
     return token

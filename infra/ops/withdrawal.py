@@ -10,7 +10,7 @@ from calibdb.schema import CalibrationDocument, SessionDocument
 from calibdb.store import Mode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from infra.ops import reindex
-from infra.ops.desk import Desk, OpsError
+from infra.ops.context import OpsContext, OpsError
 
 _SHORTEST = 12  # hex digits of a contributor that name one
 
@@ -24,53 +24,53 @@ class Forgotten:
     votes: int
 
 
-def withdraw(desk: Desk, calibration_id: str, reason: str) -> bool:
+def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
     """Let a calibration count for nothing, and have the consensus computed without it.
 
     The calibration stays, a tombstone beside it. False when it was withdrawn before.
     """
-    document = _calibration(desk, calibration_id)
-    done = desk.store.calibrations.withdraw(document, reason, desk.now)
-    _refit(desk, reindex.mode(document))
+    document = _calibration(context, calibration_id)
+    done = context.store.calibrations.withdraw(document, reason, context.now)
+    _refit(context, reindex.mode(document))
     return done
 
 
-def restore(desk: Desk, calibration_id: str) -> None:
+def restore(context: OpsContext, calibration_id: str) -> None:
     """Let a calibration that was withdrawn count again."""
-    document = _calibration(desk, calibration_id)
+    document = _calibration(context, calibration_id)
     tombstone = tombstone_object(calibration_id)
-    if tombstone is None or desk.objects.get(tombstone) is None:
+    if tombstone is None or context.objects.get(tombstone) is None:
         raise OpsError(f"{calibration_id} is not withdrawn")
-    desk.objects.erase([tombstone])
+    context.objects.erase([tombstone])
     mode = reindex.mode(document)
     # Its item is marked, and nothing unmarks an item: it is made anew.
-    desk.index.remove([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
-    desk.store.calibrations.index(document)
-    _refit(desk, mode)
+    context.index.remove([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
+    context.store.calibrations.index(document)
+    _refit(context, mode)
 
 
-def named(desk: Desk, start: str) -> str:
+def named(context: OpsContext, start: str) -> str:
     """Return the contributor whose id begins with `start`; raises OpsError where there is not just one."""
     if len(start) < _SHORTEST:
         raise OpsError(f"a contributor is named by {_SHORTEST} digits or more")
-    found = {one for one in _contributors(desk) if one.startswith(start.lower())}
+    found = {one for one in _contributors(context) if one.startswith(start.lower())}
     if len(found) != 1:
         raise OpsError(f"{len(found) or 'no'} contributors begin with {start}")
     return found.pop()
 
 
-def at_address(desk: Desk, address: str, token_id: str | None) -> set[str]:
+def at_address(context: OpsContext, address: str, token_id: str | None) -> set[str]:
     """Return the contributors that someone at `address` is, with one token or with any.
 
     Addresses are not stored: who they are can only be told by making the keyed hash again, also with tokens
     that were revoked since.
     """
-    tokens = [token_id] if token_id else desk.store.tokens.ids()
-    known = set(_contributors(desk))
-    return {contributor(desk.settings.contributor_secret, address, token) for token in tokens} & known
+    tokens = [token_id] if token_id else context.store.tokens.ids()
+    known = set(_contributors(context))
+    return {contributor(context.settings.contributor_secret, address, token) for token in tokens} & known
 
 
-def forget(desk: Desk, contributors: set[str]) -> Forgotten:
+def forget(context: OpsContext, contributors: set[str]) -> Forgotten:
     """Remove everything that these contributors sent, in every version, and what was computed from it.
 
     A session is theirs who started it, or sent its last view. A copy that someone made by `dump` is theirs.
@@ -78,33 +78,33 @@ def forget(desk: Desk, contributors: set[str]) -> Forgotten:
     touched: set[Mode] = set()
     counts: Counter[str] = Counter()
     # Sessions first: what is published follows from them, and must not be published again.
-    for session in list(desk.store.sessions.all()):
+    for session in list(context.store.sessions.all()):
         if _whose(session) & contributors:
-            desk.store.sessions.erase(session.session)
+            context.store.sessions.erase(session.session)
             counts["sessions"] += 1
-    for document, _ in list(desk.store.calibrations.everything()):
+    for document, _ in list(context.store.calibrations.everything()):
         if document.contributor in contributors:
             names = (calibration_object(document.id), tombstone_object(document.id))
-            desk.objects.erase([name for name in names if name])
+            context.objects.erase([name for name in names if name])
             touched.add(reindex.mode(document))
             counts["calibrations"] += 1
-    for vote in list(desk.store.votes.all()):
+    for vote in list(context.store.votes.all()):
         if vote.contributor in contributors:
-            desk.objects.erase([vote_object(vote.camera_key, vote.id)])
+            context.objects.erase([vote_object(vote.camera_key, vote.id)])
             touched.add(Mode(vote.camera_key, vote.img_size, vote.zoom))
             counts["votes"] += 1
     # Their shares of the hour.
-    used = (key for key in desk.index.keys("TOKEN#") if key[1].startswith("QUOTA#"))
-    desk.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
-    reindex.reindex(desk, only=touched)
+    used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("QUOTA#"))
+    context.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
+    reindex.reindex(context, only=touched)
     return Forgotten(counts["calibrations"], counts["sessions"], counts["votes"])
 
 
-def _contributors(desk: Desk) -> set[str]:
+def _contributors(context: OpsContext) -> set[str]:
     return {
-        *(document.contributor for document, _ in desk.store.calibrations.everything()),
-        *(vote.contributor for vote in desk.store.votes.all()),
-        *(who for session in desk.store.sessions.all() for who in _whose(session)),
+        *(document.contributor for document, _ in context.store.calibrations.everything()),
+        *(vote.contributor for vote in context.store.votes.all()),
+        *(who for session in context.store.sessions.all() for who in _whose(session)),
     }
 
 
@@ -113,13 +113,13 @@ def _whose(session: SessionDocument) -> set[str]:
     return {who for who in (session.contributor, last) if who is not None}
 
 
-def _calibration(desk: Desk, calibration_id: str) -> CalibrationDocument:
-    document = desk.store.calibrations.get(calibration_id)
+def _calibration(context: OpsContext, calibration_id: str) -> CalibrationDocument:
+    document = context.store.calibrations.get(calibration_id)
     if document is None:
         raise OpsError(f"there is no calibration {calibration_id}")
     return document
 
 
-def _refit(desk: Desk, mode: Mode) -> None:
-    if reindex.refit(desk, mode) is None:
+def _refit(context: OpsContext, mode: Mode) -> None:
+    if reindex.refit(context, mode) is None:
         raise OpsError("the consensus could not be computed; `reindex` tries again")

@@ -16,7 +16,7 @@ from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
 from infra.local import LocalStack
 from infra.ops.bundle import Bundled, bundle
-from infra.ops.desk import Desk
+from infra.ops.context import OpsContext
 from tests.helpers.data import ROOT, data_dir
 from tests.helpers.service.client import Client
 from tests.helpers.service.known import LENS, LINUX, calibration, consensus, fit
@@ -141,7 +141,7 @@ def both(
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MIN_CONTRIBUTORS", request.param)
         environment = filled.environment | {"MIN_CONTRIBUTORS": request.param}
-        written = bundle(Desk.of(environment, secret_known=True), path, most=500)
+        written = bundle(OpsContext.of(environment, secret_known=True), path, most=500)
         asked, client = requests(), Client(filled)
         answers = [client.lookup(**each, redirect=False) for each in asked]
     assert {answer.status for answer in answers} == {200, 404}

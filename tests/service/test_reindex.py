@@ -16,7 +16,7 @@ from calibdb.camera_key import camera_key
 from calibsolver.formats import write
 from infra.local import LocalStack
 from infra.ops import imports, tokens, withdrawal
-from infra.ops.desk import Desk
+from infra.ops.context import OpsContext
 from infra.ops.dump import dump
 from infra.ops.reindex import reindex
 from infra.ops.restore import load
@@ -45,28 +45,28 @@ def history(tmp_path_factory: pytest.TempPathFactory) -> History:
     """A database to which everything has happened, where contributors are told apart."""
     folder = tmp_path_factory.mktemp("history")
     with LocalStack(environment=RULES) as stack:
-        desk = desk_of(stack)
+        context = context_of(stack)
         calibrated(stack)
         checked(stack)
         captured(stack)
-        withdrawn(desk)
-        from_elsewhere(desk, folder)
-        desk.store.tokens.create(ApiToken("page", secret_hash("secret"), ("https://a.example",), "free"))
-        tokens.rotate(desk, "page", 24)
-        tokens.revoke(desk, tokens.create(desk, (), "free").split("_")[1])
+        withdrawn(context)
+        from_elsewhere(context, folder)
+        context.store.tokens.create(ApiToken("page", secret_hash("secret"), ("https://a.example",), "free"))
+        tokens.rotate(context, "page", 24)
+        tokens.revoke(context, tokens.create(context, (), "free").split("_")[1])
         before, anew = items(stack), []
         for key in before:
             remove(stack, key)
         assert items(stack) == {}
         for _ in range(2):
-            assert reindex(desk).failed == 0
+            assert reindex(context).failed == 0
             anew.append(items(stack))
-        dump(desk, folder / "dump")
+        dump(context, folder / "dump")
         return History(before, anew, answers(stack), folder / "dump")
 
 
-def desk_of(stack: LocalStack) -> Desk:
-    return Desk.of(stack.environment, secret_known=True, say=lambda _: None)
+def context_of(stack: LocalStack) -> OpsContext:
+    return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
 
 
 def published(stack: LocalStack, *documents: schema.CalibrationDocument) -> None:
@@ -116,28 +116,28 @@ def captured(stack: LocalStack) -> None:
         assert end is None or client.call("DELETE", end).status in (200, 204)
 
 
-def withdrawn(desk: Desk) -> None:
+def withdrawn(context: OpsContext) -> None:
     """One of two, the only one of a camera, and one that counts again."""
     of_two, alone, again = (calibration(f"Withdrawn {name} Z77", 0) for name in ("first", "alone", "awhile"))
     for document in (of_two, calibration(of_two.camera, 1), alone, again):
-        desk.store.calibrations.publish(document)
+        context.store.calibrations.publish(document)
     for document in (of_two, alone, again):
-        withdrawal.withdraw(desk, document.id, "wrong")
-    withdrawal.restore(desk, again.id)
-    desk.store.calibrations.publish(alone)  # by a client that repeats its last view
+        withdrawal.withdraw(context, document.id, "wrong")
+    withdrawal.restore(context, again.id)
+    context.store.calibrations.publish(alone)  # by a client that repeats its last view
 
 
-def from_elsewhere(desk: Desk, folder: Path) -> None:
+def from_elsewhere(context: OpsContext, folder: Path) -> None:
     """A file with keypoints, one without, and a guess of the operator's."""
     whose = imports.Whose("Imported Z77 (1234:5678)", PLATFORM)
     known = subject("rectilinear")
     for name, kept in (("with", known), ("without", replace(known, views=(), board=None))):
         path = folder / f"{name}.json"
         path.write_bytes(write(kept, "photonvision").content)
-        imports.take_in(desk, path, whose, model="rectilinear")
+        imports.take_in(context, path, whose, model="rectilinear")
     key = camera_key("Seeded Z77", PLATFORM)
     guess = {"camera": "Seeded Z77", "platform": PLATFORM, "zoom": 0.0, "source": "a test", "measured": 3}
-    desk.store.priors.keep(schema.PriorDocument(camera_key=key, fit=fit(), **guess))
+    context.store.priors.keep(schema.PriorDocument(camera_key=key, fit=fit(), **guess))
 
 
 def answers(stack: LocalStack) -> dict[str, Any]:
@@ -185,10 +185,10 @@ def test_it_was_a_history_worth_it(history: History) -> None:
 
 def test_a_dump_taken_in_answers_alike_and_is_dumped_alike(history: History, tmp_path: Path) -> None:
     with LocalStack(environment=RULES) as stack:
-        desk = desk_of(stack)
-        assert load(desk, history.dumped) == (20, 6)
+        context = context_of(stack)
+        assert load(context, history.dumped) == (20, 6)
         assert answers(stack) == history.answers
-        dump(desk, tmp_path / "again")
+        dump(context, tmp_path / "again")
     for name in ("calibrations.jsonl", "votes.jsonl"):
         one, other = (list(unnamed(folder / name)) for folder in (history.dumped, tmp_path / "again"))
         assert one == other

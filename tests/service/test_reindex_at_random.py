@@ -7,7 +7,7 @@ from calibdb import schema
 from calibdb.store.names import today
 from infra.local import LocalStack
 from infra.ops import withdrawal
-from infra.ops.desk import Desk
+from infra.ops.context import OpsContext
 from infra.ops.reindex import reindex
 from tests.helpers.service.client import Truth
 from tests.helpers.service.published import asked, calibration, held, mode_of, store
@@ -42,20 +42,20 @@ def test_nothing_is_found_that_the_table_did_not_say() -> None:
     rng, documents = random.Random(3), candidates()
     done: set[str] = set()
     with LocalStack(environment=RULES) as stack:
-        desk = Desk.of(stack.environment, secret_known=True, say=lambda _: None)
+        context = OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
         for _ in range(ROUNDS):
             for document in rng.choices(documents, k=4):
                 what = rng.choice(("publish", "publish", "withdraw", "restore", "vote"))
                 if what == "publish":
-                    desk.store.calibrations.publish(document)
+                    context.store.calibrations.publish(document)
                     done.add(document.id)
                 elif what == "vote":
                     store(stack).votes.cast(vote(document, rng))
                 elif document.id in done and what == "withdraw":
-                    withdrawal.withdraw(desk, document.id, "wrong")
-                elif document.id in done and desk.store.calibrations.withdrawn(document):
-                    withdrawal.restore(desk, document.id)
-                desk.store.refit.now(asked(mode_of(today(document))))
+                    withdrawal.withdraw(context, document.id, "wrong")
+                elif document.id in done and context.store.calibrations.withdrawn(document):
+                    withdrawal.restore(context, document.id)
+                context.store.refit.now(asked(mode_of(today(document))))
             before = items(stack)
-            reindex(desk)
+            reindex(context)
             assert items(stack) == before

@@ -1,4 +1,4 @@
-"""What a command works with, put together once; and the errors that it ends with."""
+"""The context of a command: storage, clock and output; and the error that ends it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class OpsError(ValueError):
 
 
 @dataclass(frozen=True)
-class Desk:
+class OpsContext:
     """One deployment's storage, from the operator's side."""
 
     settings: Settings
@@ -28,13 +28,13 @@ class Desk:
     index: Index
     now: int  # unix seconds
     random_hex: Callable[[int], str]  # of so many bytes
-    say: Callable[[str], None]
+    echo: Callable[[str], None]
 
     @classmethod
     def of(
-        cls, environment: Mapping[str, str], *, secret_known: bool, say: Callable[[str], None] = print
-    ) -> Desk:
-        """Return the desk of the deployment that `environment` names."""
+        cls, environment: Mapping[str, str], *, secret_known: bool, echo: Callable[[str], None] = print
+    ) -> OpsContext:
+        """Make the context of the deployment that `environment` names."""
         settings = Settings.from_environment(environment)
         return cls(
             settings=settings,
@@ -44,5 +44,5 @@ class Desk:
             index=Index(functools.partial(clients.dynamodb, settings.region), settings.table_name),
             now=int(time.time()),
             random_hex=secrets.token_hex,
-            say=say,
+            echo=echo,
         )
