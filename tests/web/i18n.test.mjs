@@ -8,10 +8,10 @@ const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: t
   .map((name) => name.replaceAll("\\", "/"))
   .filter((name) => name.endsWith(kind) && !name.startsWith("vendor/"));
 // A large room has a file a language, "capture.de.js"; the room itself is what has no dot.
-const names = files("words/", ".js").map((name) => name.slice(0, -3)).filter((name) => !name.includes("."));
+const names = files("messages/", ".js").map((name) => name.slice(0, -3)).filter((name) => !name.includes("."));
 const rooms = Object.fromEntries(await Promise.all(names.map(async (name) =>
-  [name, (await import(new URL(`words/${name}.js`, WEB))).default])));
-const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("words/") && name !== "i18n.js")
+  [name, (await import(new URL(`messages/${name}.js`, WEB))).default])));
+const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("messages/") && name !== "i18n.js")
   .map((name) => readFileSync(new URL(name, WEB), "utf8"));
 const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
 /** What a text needs of whoever says it: values in braces, children of the element. */
