@@ -6,12 +6,12 @@ from playwright.sync_api import BrowserContext, Page
 from tests.helpers.browser.interruptions import ENDLESS, HIDE, sessions, views, wait_for_views
 from tests.helpers.browser.waiting import hear, listen, until
 
-CLAIMED = """async (busy) => {
+ACQUIRE = """async (busy) => {
   const held = window.held = new AbortController();
-  const { claim } = await import("/calibrate/capture-lock.js");
-  const claimed = claim("a capture", held.signal);
+  const { acquireLock } = await import("/calibrate/capture-lock.js");
+  const isAcquired = acquireLock("a capture", held.signal);
   for (const start = performance.now(); performance.now() - start < busy;);
-  return claimed;
+  return isAcquired;
 }"""
 
 
@@ -21,15 +21,15 @@ def test_a_capture_is_one_tabs_and_a_busy_tab_is_not_told_otherwise(
     first, second = context.new_page(), context.new_page()
     for page in (first, second):
         page.goto("/board/")
-    assert first.evaluate(CLAIMED, 2_000) is True, "longer than another tab would be waited for"
-    assert second.evaluate(CLAIMED, 0) is False
+    assert first.evaluate(ACQUIRE, 2_000) is True, "longer than another tab would be waited for"
+    assert second.evaluate(ACQUIRE, 0) is False
     # Who is gone before it is his turn does not keep the others out.
-    late = second.evaluate_handle(f"() => [({CLAIMED})(0)]")
+    late = second.evaluate_handle(f"() => [({ACQUIRE})(0)]")
     until(second, lambda: second.evaluate("async () => (await navigator.locks.query()).pending.length"))
     second.evaluate("window.held.abort()")
     first.evaluate("window.held.abort()")
-    late.evaluate("async ([claimed]) => await claimed")
-    assert first.evaluate(CLAIMED, 0) is True
+    late.evaluate("async ([isAcquired]) => await isAcquired")
+    assert first.evaluate(ACQUIRE, 0) is True
 
 
 @pytest.mark.thorough

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Captures, aboutOf } from "../../web/calibrate/captures.js";
+import { Captures, captureKey } from "../../web/calibrate/captures.js";
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
@@ -38,10 +38,10 @@ for (const room of [true, false]) {
     for (const id of [1, 2, 3]) await session.submit(id - 1, view(id));
     const fisheye = { ...REQUEST, distortion_model: "fisheye" };
     await captures.move(session, fisheye, [1]);
-    assert.deepEqual([kept.has(aboutOf(REQUEST)), kept.has(aboutOf(fisheye)), unkept.length > 0], [false, room, !room]);
+    assert.deepEqual([kept.has(captureKey(REQUEST)), kept.has(captureKey(fisheye)), unkept.length > 0], [false, room, !room]);
     await captures.open(fisheye, run);
     assert.deepEqual(sent, [[1, 2, 3], [1, 3]]);
-    await captures.forget(aboutOf(fisheye));
+    await captures.forget(captureKey(fisheye));
     await captures.open(fisheye, run);
     assert.deepEqual(sent, [[1, 2, 3], [1, 3], []], "what was taken up is not taken up twice");
   });

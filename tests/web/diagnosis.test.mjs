@@ -4,7 +4,7 @@ import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
 import { arrows } from "../../web/calibrate/hint-arrows.js";
 import { HEALTHY, PROBES, diagnose, nextProbe } from "../../web/calibrate/diagnosis.js";
 import { blackSquares } from "../../web/calibrate/target-preview.js";
-import { exposure, sharpness, signsOf, stripes } from "../../web/calibrate/frame-metrics.js";
+import { exposure, sharpness, frameMetrics, moire } from "../../web/calibrate/frame-metrics.js";
 import { Painter } from "../../web/virtual/painter.js";
 import { project } from "../../web/virtual/lens.js";
 import { transform } from "../../web/virtual/pose.js";
@@ -38,23 +38,23 @@ test("edges in focus are sharp, smeared ones are not, in either direction", () =
   assert.equal(sharpness(seen(null), []), null, "a wall has no edges");
 });
 
-test("stripes show in the white of the board, and noise of the sensor does not", () => {
+test("moiré shows in the white of the board, and sensor noise does not", () => {
   let seed = 1;
   const random = () => ((seed = (seed * 16807) % 2147483647) / 2147483647);
   for (const pose of POSES) {
     const found = foundAt(pose);
-    assert.ok(stripes(seen(pose), DEFAULT_BOARD, found) < 0.01);
-    assert.ok(stripes(seen(pose, (picture) => spoil(picture, "moire")), DEFAULT_BOARD, found) > 0.09);
+    assert.ok(moire(seen(pose), DEFAULT_BOARD, found) < 0.01);
+    assert.ok(moire(seen(pose, (picture) => spoil(picture, "moire")), DEFAULT_BOARD, found) > 0.09);
     const noisy = seen(pose);
     noisy.data.forEach((value, at) => (noisy.data[at] = Math.max(0, Math.min(255, value + 20 * (random() + random() + random() - 1.5)))));
-    assert.ok(stripes(noisy, DEFAULT_BOARD, found) < 0.05);
+    assert.ok(moire(noisy, DEFAULT_BOARD, found) < 0.05);
   }
 });
 
 test("exposure is what the picture's histogram says", () => {
   const flat = (value) => exposure({ width: 64, height: 64, data: new Uint8Array(4096).fill(value) });
-  assert.deepEqual(flat(20), { middle: 20, high: 20, burnt: 0 });
-  assert.equal(flat(255).burnt, 1);
+  assert.deepEqual(flat(20), { median: 20, high: 20, overexposed: 0 });
+  assert.equal(flat(255).overexposed, 1);
 });
 
 /** What is said after two seconds of such frames at 20 a second. */
@@ -63,22 +63,22 @@ function said(detection, { motion = 0, from = HEALTHY } = {}) {
   for (let time = 1000; time <= 3400; time += 50) state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], probe: null, ...detection }, motion, time);
   return state.trouble;
 }
-const signs = { middle: 110, high: 220, burnt: 0, sharpness: 0.15, square: 0, stripes: null };
+const metrics = { median: 110, high: 220, overexposed: 0, sharpness: 0.15, square: 0, moire: null };
 
 test("each trouble is named once it lasts", () => {
-  const board = { ...foundAt(POSES[0]), signs: { ...signs, square: 60, stripes: 0.01 } };
+  const board = { ...foundAt(POSES[0]), metrics: { ...metrics, square: 60, moire: 0.01 } };
   assert.equal(said(board), null);
-  assert.equal(said({ signs }), null);
-  assert.equal(said({ signs: { ...signs, middle: 12, high: 30 } }), "dark");
-  assert.equal(said({ signs: { ...signs, burnt: 0.4 } }), "bright");
-  assert.equal(said({ signs: { ...signs, sharpness: 0.06 } }), "blurred");
-  assert.equal(said({ markers: 9, signs: { ...signs, square: 12 } }), "far");
-  assert.equal(said({ ...board, signs: { ...board.signs, square: 12 } }), "far");
-  assert.equal(said({ ...board, signs: { ...board.signs, stripes: 0.1 } }), "moire");
-  assert.equal(said({ ...board, signs: { ...board.signs, sharpness: 0.06 } }), "blurred");
+  assert.equal(said({ metrics }), null);
+  assert.equal(said({ metrics: { ...metrics, median: 12, high: 30 } }), "dark");
+  assert.equal(said({ metrics: { ...metrics, overexposed: 0.4 } }), "bright");
+  assert.equal(said({ metrics: { ...metrics, sharpness: 0.06 } }), "blurred");
+  assert.equal(said({ markers: 9, metrics: { ...metrics, square: 12 } }), "far");
+  assert.equal(said({ ...board, metrics: { ...board.metrics, square: 12 } }), "far");
+  assert.equal(said({ ...board, metrics: { ...board.metrics, moire: 0.1 } }), "moire");
+  assert.equal(said({ ...board, metrics: { ...board.metrics, sharpness: 0.06 } }), "blurred");
   assert.equal(said(board, { motion: 20 }), "moving");
   assert.equal(said(board, { motion: 5 }), null);
-  const probe = (kind, markers, corners) => ({ signs, probe: { kind, markers, corners } });
+  const probe = (kind, markers, corners) => ({ metrics, probe: { kind, markers, corners } });
   assert.equal(said(probe("mirrored", 20, 30)), "mirrored");
   assert.equal(said(probe("legacy", 20, 30)), "legacy");
   assert.equal(said(probe("DICT_5X5_1000", 20, 0)), "wrong_board");
@@ -86,9 +86,9 @@ test("each trouble is named once it lasts", () => {
 });
 
 test("what is wrong is forgotten as soon as the board is well seen, and nothing is said at once", () => {
-  const dark = diagnose(HEALTHY, { size: SIZE, markers: 0, ids: [], points: [], signs: { ...signs, middle: 9, high: 20 } }, 0, 1000);
+  const dark = diagnose(HEALTHY, { size: SIZE, markers: 0, ids: [], points: [], metrics: { ...metrics, median: 9, high: 20 } }, 0, 1000);
   assert.equal(dark.trouble, null);
-  const board = { ...foundAt(POSES[0]), markers: 27, size: SIZE, signs: { ...signs, square: 60, stripes: 0 } };
+  const board = { ...foundAt(POSES[0]), markers: 27, size: SIZE, metrics: { ...metrics, square: 60, moire: 0 } };
   assert.equal(diagnose({ ...dark, trouble: "dark" }, board, 0, 5000).trouble, null);
 });
 
@@ -100,16 +100,16 @@ test("something else is looked for only where no corner has been seen for a whil
   for (let time = 1300; time < 1300 + 700 * PROBES.length; time += 700) {
     const kind = nextProbe(state, time);
     asked.push(kind);
-    state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], signs, probe: { kind, markers: 0, corners: 0 } }, 0, time);
+    state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], metrics, probe: { kind, markers: 0, corners: 0 } }, 0, time);
   }
   assert.deepEqual(asked, PROBES);
 });
 
-test("the signs of a frame are read from it", () => {
-  const { square, stripes: uneven } = signsOf(seen(POSES[0]), DEFAULT_BOARD, foundAt(POSES[0]), 0);
+test("the metrics of a frame are read from it", () => {
+  const { square, moire: unevenness } = frameMetrics(seen(POSES[0]), DEFAULT_BOARD, foundAt(POSES[0]), 0);
   assert.ok(square > 60 && square < 90);
-  assert.equal(uneven, 0);
-  assert.equal(signsOf(seen(null), DEFAULT_BOARD, { ids: [], points: [] }, 13).square, 20, "of markers alone: 13 px at 0.65");
+  assert.equal(unevenness, 0);
+  assert.equal(frameMetrics(seen(null), DEFAULT_BOARD, { ids: [], points: [] }, 13).square, 20, "of markers alone: 13 px at 0.65");
 });
 
 test("arrows go from the board as seen to the target, about what is said", () => {

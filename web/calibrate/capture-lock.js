@@ -9,7 +9,7 @@ const GRACE = 6; // turns in which a page that is just left lets go; time that t
  * @param {string} about what the capture is of @param {AbortSignal} signal after which it is let go
  * @returns {Promise<boolean>} false: another tab has it. True where the browser cannot tell
  */
-export function claim(about, signal) {
+export function acquireLock(about, signal) {
   if (!navigator.locks || signal.aborted) return Promise.resolve(true);
   const over = new AbortController();
   let turns = 0;
@@ -23,7 +23,7 @@ export function claim(about, signal) {
 }
 
 /** What captures go on now are about, in whichever tab. @returns {Promise<Set<string>>} */
-export async function claimed() {
+export async function heldLocks() {
   const { held = [] } = (await navigator.locks?.query()) ?? {};
   return new Set(held.map(({ name = "" }) => name).filter((name) => name.startsWith(NAME)).map((name) => name.slice(NAME.length)));
 }

@@ -1,6 +1,6 @@
 // The loop of one capture: looks, sends what is held still, follows the targets, and goes on when something fails.
 import { facts, lockFocus } from "./camera.js";
-import { Conversation } from "./request-queue.js";
+import { RequestQueue } from "./request-queue.js";
 import { DetectorError, grab } from "./detector.js";
 import { nextProbe } from "./diagnosis.js";
 import { Pace, nextFrame } from "./frames.js";
@@ -32,7 +32,7 @@ const REMEMBERED = 12; // frames
 const RESTARTS = 3; // of the detector in one capture: a fourth would not help
 
 /** The loop of one capture. */
-export class Guide {
+export class CaptureLoop {
   #page;
   #session;
   #detector;
@@ -47,7 +47,7 @@ export class Guide {
   /** @type {number[]} of the last frames */
   #sharpness = [];
   #pace = new Pace();
-  #talk;
+  #queue;
 
   /**
    * @param {Page} page
@@ -60,7 +60,7 @@ export class Guide {
     this.#camera = camera;
     this.#plan = plan;
     this.#signal = signal;
-    this.#talk = new Conversation(page, session, {
+    this.#queue = new RequestQueue(page, session, {
       tell: (event) => this.#tell(event), signal, onAway: () => this.#planPose(), onBack: () => this.#nextPose(),
     });
     const on = (/** @type {HTMLElement} */ button, /** @type {() => void} */ action) =>
@@ -83,7 +83,7 @@ export class Guide {
    * @returns {Promise<"relayout" | null>} relayout: the capture is to begin again with the board's other layout
    */
   async run() {
-    if (this.#state.away) this.#talk.alone();
+    if (this.#state.away) this.#queue.goOffline();
     else void this.#nextPose();
     while (this.#state.phase === "capturing" && !this.#signal.aborted) {
       await nextFrame(this.#video);
@@ -96,7 +96,7 @@ export class Guide {
       if (!this.#state.plain && this.#pace.isSlow(performance.now() - began)) this.#tell({ type: "slow" });
       if (!this.#looked) performance.mark("first detection");
       this.#looked = true;
-      if (detection.signs?.sharpness) this.#sharpness = [...this.#sharpness, detection.signs.sharpness].slice(-REMEMBERED);
+      if (detection.metrics?.sharpness) this.#sharpness = [...this.#sharpness, detection.metrics.sharpness].slice(-REMEMBERED);
       this.#tell({ type: "frame", detection, time: performance.now() });
       this.#focus();
       const action = decide(this.#state, performance.now());
@@ -149,14 +149,14 @@ export class Guide {
     await lockFocus(this.#camera.track);
     const track = facts(this.#camera.track);
     if (this.#signal.aborted || JSON.stringify(track) === before) return;
-    await this.#talk.silence();
+    await this.#queue.drained();
     if (this.#signal.aborted) return;
     this.#session.track(track);
     const { phase, session, away } = this.#state;
     if (phase !== "capturing" || (session && (away || viewCount(this.#state) > 0))) return;
     this.#tell({ type: "request", request: this.#session.request });
     if (!session) return; // it is begun once the service is there
-    await this.#talk.ask(() => this.#session.start(), (begun) => this.#tell({ type: "session", session: begun }));
+    await this.#queue.ask(() => this.#session.start(), (begun) => this.#tell({ type: "session", session: begun }));
     if (this.#state.phase === "capturing") await this.#nextPose();
   }
 
@@ -165,11 +165,11 @@ export class Guide {
     if (!pose || !key) return;
     const detection = await this.#look({ full: true });
     if (!detection || this.#signal.aborted) return;
-    const { ids, points, size, signs } = detection;
+    const { ids, points, size, metrics } = detection;
     // Between the two frames the device may have been turned, the hold may have ended, the hand may have jerked.
     if (!isOfSize(size, key)) return this.#tell({ type: "frame", detection, time: performance.now() });
     const usual = [...this.#sharpness].sort((a, b) => a - b)[this.#sharpness.length >> 1];
-    if (signs?.sharpness && usual && signs.sharpness < CRISP * usual) return;
+    if (metrics?.sharpness && usual && metrics.sharpness < CRISP * usual) return;
     const view = { ids, points };
     const steady = (STEADY * key.img_size[0] * lenience(this.#state, performance.now())) / 1280;
     if (ids.length === 0 || motion(corners, view) > steady) return;
@@ -178,7 +178,7 @@ export class Guide {
       this.#tell({ type: "stored", corners: view, stored: this.#session.stored(this.#state), time: performance.now() });
     } else {
       // Looking goes on meanwhile: the service may take its time, or be away.
-      void this.#talk.ask(
+      void this.#queue.ask(
         () => {
           this.#tell({ type: "sent", corners: view });
           return this.#session.submit(pose.index, view);
@@ -197,7 +197,7 @@ export class Guide {
   /** @param {{skip?: boolean}} [options] */
   #nextPose(options) {
     if (this.#state.away) return Promise.resolve(this.#planPose());
-    return this.#talk.ask(async () => {
+    return this.#queue.ask(async () => {
       const { pose, picture } = await this.#session.pose(options);
       return { pose, tinted: await tint(picture) };
     }, ({ pose, tinted }) => {
@@ -220,18 +220,18 @@ export class Guide {
   }
 
   async #skip() {
-    await this.#talk.silence();
+    await this.#queue.drained();
     if (this.#state.phase === "capturing") await this.#nextPose({ skip: true });
   }
 
   async #undo() {
-    await this.#talk.silence();
+    await this.#queue.drained();
     if (this.#state.phase !== "capturing" || viewCount(this.#state) === 0) return;
     // What the service has, or is just being sent, only the service can take back.
-    if (this.#state.away && (this.#state.sending || this.#talk.late || this.#session.lastIsTaken)) {
+    if (this.#state.away && (this.#state.sending || this.#queue.late || this.#session.lastIsTaken)) {
       return this.#tell({ type: "told", notice: { key: "capture.undo_away", kind: "plain" }, time: performance.now() });
     }
-    await this.#talk.ask(
+    await this.#queue.ask(
       () => this.#session.undo(),
       (session) => this.#tell({ type: "undone", session, stored: this.#session.stored(this.#state), time: performance.now() }),
     );

@@ -4,7 +4,7 @@
  * @typedef {import("./session.js").Kept} Kept
  * @typedef {Kept & {time: number}} Dated ms since 1970, when it was saved
  *
- * @typedef {object} Cupboard
+ * @typedef {object} CaptureStore
  * @property {(about: string) => Promise<Kept | null>} load
  * @property {(except?: Set<string>) => Promise<Kept | null>} last the one that was saved last; except: what those are about that others have
  * @property {(kept: Kept) => Promise<boolean>} save false: it could not be kept, the storage is full or refused
@@ -17,14 +17,14 @@ const OLD = 24 * 3600 * 1000; // ms; nobody goes on with yesterday's capture
 
 /**
  * @param {IDBFactory | undefined} factory @param {() => number} now ms
- * @returns {Cupboard} one that keeps nothing where the browser refuses
+ * @returns {CaptureStore} one that keeps nothing where the browser refuses
  */
-export function openCupboard(factory = globalThis.indexedDB, now = Date.now) {
+export function openCaptureStore(factory = globalThis.indexedDB, now = Date.now) {
   /** @type {Promise<IDBDatabase | null> | null} */
   let opening = null;
   const database = () => (opening ??= open(factory).catch(refused));
-  /** @type {Cupboard} */
-  const cupboard = {
+  /** @type {CaptureStore} */
+  const captureStore = {
     async load(about) {
       const store = (await database())?.transaction(STORE).objectStore(STORE);
       const kept = store ? await done(store.get(about)).catch(refused) : null;
@@ -34,7 +34,7 @@ export function openCupboard(factory = globalThis.indexedDB, now = Date.now) {
       const store = (await database())?.transaction(STORE).objectStore(STORE);
       const all = /** @type {Dated[]} */ ((store && (await done(store.getAll()).catch(refused))) ?? []);
       const fresh = all.filter(({ time }) => now() - time < OLD).sort((a, b) => b.time - a.time);
-      for (const { about, time } of all) if (now() - time >= OLD) await cupboard.remove(about);
+      for (const { about, time } of all) if (now() - time >= OLD) await captureStore.remove(about);
       return fresh.find(({ about }) => !except.has(about)) ?? null;
     },
     async save(kept) {
@@ -53,7 +53,7 @@ export function openCupboard(factory = globalThis.indexedDB, now = Date.now) {
       if (base) await done(base.transaction(STORE, "readwrite").objectStore(STORE).delete(about)).catch(refused);
     },
   };
-  return cupboard;
+  return captureStore;
 }
 
 /** @param {IDBFactory | undefined} factory @returns {Promise<IDBDatabase | null>} */

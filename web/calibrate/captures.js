@@ -18,10 +18,10 @@ const ANSWER = 10_000;
 const SETTINGS = 5_000; // ms
 
 /** What a capture is about, as text: how it was focused does not belong to it. @param {Request} request */
-export const aboutOf = ({ track, ...request }) => JSON.stringify(request);
+export const captureKey = ({ track, ...request }) => JSON.stringify(request);
 
 export class Captures {
-  #cupboard;
+  #store;
   #address;
   #onUnkept;
   /** @type {Map<string, CaptureSession>} */
@@ -32,12 +32,12 @@ export class Captures {
   #known = new Set();
 
   /**
-   * @param {import("./capture-store.js").Cupboard} cupboard
+   * @param {import("./capture-store.js").CaptureStore} captureStore
    * @param {{address: () => string, onUnkept: () => void}} page address: of the page that can go on with what is kept;
    *   onUnkept: called where there is no room for it
    */
-  constructor(cupboard, { address, onUnkept }) {
-    this.#cupboard = cupboard;
+  constructor(captureStore, { address, onUnkept }) {
+    this.#store = captureStore;
     this.#address = address;
     this.#onUnkept = onUnkept;
   }
@@ -50,8 +50,8 @@ export class Captures {
   async open(request, run) {
     const { api: base, token } = await settings(run);
     const api = new Api(base, { ...run, patience: ANSWER });
-    const about = aboutOf(request);
-    const kept = this.#moved.get(about) ?? await this.#cupboard.load(about);
+    const about = captureKey(request);
+    const kept = this.#moved.get(about) ?? await this.#store.load(about);
     const same = this.#sessions.get(about);
     const session = same ?? new CaptureSession(api, token, request, { about, kept, save: (now) => this.#save(now), known: this.#known });
     this.#sessions.set(about, session);
@@ -71,7 +71,7 @@ export class Captures {
   async forget(about) {
     this.#sessions.delete(about);
     this.#moved.delete(about);
-    await this.#cupboard.remove(about);
+    await this.#store.remove(about);
   }
 
   /**
@@ -79,15 +79,15 @@ export class Captures {
    * @param {CaptureSession} session @param {Request} request @param {number[]} [without] indices of views that are left behind
    */
   async move(session, request, without = []) {
-    const kept = { ...session.unsent(without), about: aboutOf(request) };
-    await this.forget(aboutOf(session.request));
+    const kept = { ...session.unsent(without), about: captureKey(request) };
+    await this.forget(captureKey(session.request));
     this.#moved.set(kept.about, kept);
     await this.#save(kept);
   }
 
   /** @param {import("./session.js").Kept} kept */
   async #save(kept) {
-    const saved = kept.views.length ? await this.#cupboard.save({ ...kept, address: this.#address() }) : (await this.#cupboard.remove(kept.about), true);
+    const saved = kept.views.length ? await this.#store.save({ ...kept, address: this.#address() }) : (await this.#store.remove(kept.about), true);
     if (!saved) this.#onUnkept();
   }
 }

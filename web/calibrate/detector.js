@@ -8,7 +8,7 @@ import { reach } from "../network.js";
  * @property {number[]} ids board corners, id = row * (columns - 1) + column
  * @property {number[][]} points px, pixel centres at whole numbers
  * @property {number} markers how many markers were recognised
- * @property {import("./frame-metrics.js").Signs} [signs] what the frame looks like
+ * @property {import("./frame-metrics.js").FrameMetrics} [metrics] what the frame looks like
  * @property {{kind: string, markers: number, corners: number} | null} [probe] what was found of something else, where that was asked for
  * @property {[number, number]} size of the frame
  * @property {number} elapsed ms in the worker

@@ -1,7 +1,7 @@
 // Finds the ChArUco board in camera frames. Runs in a Worker of its own: OpenCV.js blocks while it computes, and its
 // bindings need `unsafe-eval`, which this file alone is served with.
 import createOpenCV from "../vendor/opencv/opencv.js";
-import { signsOf } from "./frame-metrics.js";
+import { frameMetrics } from "./frame-metrics.js";
 import { refine } from "./subpixel.js";
 
 /**
@@ -130,7 +130,7 @@ function createFinder(board) {
     find(image, full) {
       const { ids, points, markers, side } = detect(full ? detectors.full : detectors.tracking, image);
       const seen = full ? refine(image, { ids, points }, columns - 1) : { ids, points };
-      return { ...seen, markers, signs: signsOf(image, board, seen, side) };
+      return { ...seen, markers, metrics: frameMetrics(image, board, seen, side) };
     },
     /** Looks for something else than the board. @param {Grey} image @param {string} kind "mirrored", "legacy", a dictionary */
     probe(image, kind) {

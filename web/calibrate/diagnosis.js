@@ -81,20 +81,20 @@ function found({ kind, markers, corners }) {
  * @param {number[]} motions
  * @returns {string | null}
  */
-function suspect({ ids, markers, signs }, blind, probed, motions) {
-  if (!signs) return null;
+function suspect({ ids, markers, metrics }, blind, probed, motions) {
+  if (!metrics) return null;
   if (ids.length === 0) {
     if (blind < PERSISTS) return null;
     if (probed) return probed;
-    if (markers > 0 && signs.square > 0 && signs.square < SMALL) return "far";
-    if (signs.high < 2 * DARK && signs.middle < DARK) return "dark";
-    if (signs.burnt > BURNT) return "bright";
-    return signs.sharpness !== null && signs.sharpness < BLURRED ? "blurred" : null;
+    if (markers > 0 && metrics.square > 0 && metrics.square < SMALL) return "far";
+    if (metrics.high < 2 * DARK && metrics.median < DARK) return "dark";
+    if (metrics.overexposed > BURNT) return "bright";
+    return metrics.sharpness !== null && metrics.sharpness < BLURRED ? "blurred" : null;
   }
-  if (signs.square > 0 && signs.square < SMALL) return "far";
+  if (metrics.square > 0 && metrics.square < SMALL) return "far";
   if (motions.length >= RECENT / 2 && median(motions) > FAST) return "moving";
-  if (signs.sharpness !== null && signs.sharpness < BLURRED) return "blurred";
-  return signs.stripes !== null && signs.stripes > STRIPES ? "moire" : null;
+  if (metrics.sharpness !== null && metrics.sharpness < BLURRED) return "blurred";
+  return metrics.moire !== null && metrics.moire > STRIPES ? "moire" : null;
 }
 
 /** @param {number[]} values */

@@ -1,4 +1,4 @@
-// What a frame looks like, in a few numbers: exposure, sharpness, size of the squares, stripes. Cheap: every frame pays.
+// Image quality of a frame in a few numbers: exposure, sharpness, size of the squares, moiré. Cheap enough for every frame.
 import { isBlack } from "../board/geometry.js";
 import { squareSizes } from "./subpixel.js";
 
@@ -6,33 +6,33 @@ import { squareSizes } from "./subpixel.js";
  * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {import("../board/geometry.js").Board} Board
  *
- * @typedef {object} Signs
- * @property {number} middle median brightness, 0…255
+ * @typedef {object} FrameMetrics
+ * @property {number} median brightness, 0…255
  * @property {number} high brightness that 5 % of the picture exceed
- * @property {number} burnt share of the picture that is as white as can be
+ * @property {number} overexposed share of the picture that is saturated
  * @property {number | null} sharpness of the edges: about 0.2 in focus, 0.06 where they are 7 px wide; null where there are none
  * @property {number} square median side of the squares or, where no corner was found, of the markers, px; 0: none
- * @property {number | null} stripes in what should be evenly white, of the board's contrast; null where no board is seen
+ * @property {number | null} moire unevenness of the board's white, as a share of its contrast; null where no board is seen
  */
 
-const STEP = 4; // every fourth pixel of every fourth row
-const SPAN = 4; // px: an edge in focus is narrower
-const EDGE = 32; // of 255 over the span: less is noise, or shading
-const FEWEST = 60; // places with an edge
+const SUBSAMPLING = 4; // every fourth pixel of every fourth row
+const EDGE_SPAN = 4; // px: an edge in focus is narrower
+const MIN_EDGE_CONTRAST = 32; // of 255 over the span: less is noise, or shading
+const MIN_EDGE_PIXELS = 60;
 
-/** @param {Grey} image @returns {Pick<Signs, "middle" | "high" | "burnt">} */
+/** @param {Grey} image @returns {Pick<FrameMetrics, "median" | "high" | "overexposed">} */
 export function exposure({ width, height, data }) {
   const counts = new Uint32Array(256);
   let total = 0;
-  for (let y = 0; y < height; y += STEP) {
-    for (let at = y * width; at < (y + 1) * width; at += STEP, total++) counts[data[at]] += 1;
+  for (let y = 0; y < height; y += SUBSAMPLING) {
+    for (let at = y * width; at < (y + 1) * width; at += SUBSAMPLING, total++) counts[data[at]] += 1;
   }
-  const below = (/** @type {number} */ share) => {
+  const quantile = (/** @type {number} */ share) => {
     let [sum, value] = [0, 0];
     while (value < 255 && (sum += counts[value]) < share * total) value += 1;
     return value;
   };
-  return { middle: below(0.5), high: below(0.95), burnt: (counts[255] + counts[254] + counts[253]) / total };
+  return { median: quantile(0.5), high: quantile(0.95), overexposed: (counts[255] + counts[254] + counts[253]) / total };
 }
 
 /**
@@ -42,28 +42,28 @@ export function exposure({ width, height, data }) {
  * @returns {number | null}
  */
 export function sharpness({ width, height, data }, points) {
-  const [left, top, right, bottom] = around(points, width, height);
+  const [left, top, right, bottom] = boundingBox(points, width, height);
   const ratios = [[1, width], [width, 1]].map(([along]) => {
-    const [stepX, stepY] = along === 1 ? [1, 2 * STEP] : [2 * STEP, 1];
+    const [stepX, stepY] = along === 1 ? [1, 2 * SUBSAMPLING] : [2 * SUBSAMPLING, 1];
     let [near, far, places] = [0, 0, 0];
-    for (let y = top; y < bottom - SPAN; y += stepY) {
-      for (let x = left; x < right - SPAN; x += stepX) {
+    for (let y = top; y < bottom - EDGE_SPAN; y += stepY) {
+      for (let x = left; x < right - EDGE_SPAN; x += stepX) {
         const at = y * width + x;
-        const wide = data[at + SPAN * along] - data[at];
-        if (wide < EDGE && wide > -EDGE) continue;
+        const wide = data[at + EDGE_SPAN * along] - data[at];
+        if (wide < MIN_EDGE_CONTRAST && wide > -MIN_EDGE_CONTRAST) continue;
         const narrow = data[at + along] - data[at];
         near += narrow * narrow;
         far += wide * wide;
         places += 1;
       }
     }
-    return places < FEWEST ? null : near / far;
+    return places < MIN_EDGE_PIXELS ? null : near / far;
   }).filter((ratio) => ratio !== null);
   return ratios.length ? Math.min(...ratios) : null;
 }
 
 /** @param {number[][]} points @param {number} width @param {number} height */
-function around(points, width, height) {
+function boundingBox(points, width, height) {
   if (points.length < 6) return [0, 0, width - 1, height - 1];
   const [xs, ys] = [points.map(([x]) => x), points.map(([, y]) => y)];
   return [
@@ -73,16 +73,16 @@ function around(points, width, height) {
 }
 
 /**
- * How uneven the white around the markers is, square by square. A screen filmed by a camera beats against its pixels.
+ * Unevenness of the white around the markers, square by square: the pixels of a filmed screen beat against the camera's.
  * @param {Grey} image @param {Board} board @param {{ids: number[], points: number[][]}} found
  * @returns {number | null} standard deviation, of the contrast between white and black; median over the squares
  */
-export function stripes(image, board, { ids, points }) {
+export function moire(image, board, { ids, points }) {
   const [columns, rows] = board.squares;
   const place = new Map(ids.map((id, index) => [id, points[index]]));
   const ring = (1 - board.marker_ratio) / 4; // middle of the white around a marker
   /** @type {number[]} */
-  const uneven = [];
+  const ratios = [];
   for (let y = 1; y < rows - 1; y++) {
     for (let x = 1; x < columns - 1; x++) {
       if (isBlack(board, x, y)) continue;
@@ -95,12 +95,12 @@ export function stripes(image, board, { ids, points }) {
       const white = along((s) => [at(s, ring), at(s, 1 - ring), at(ring, s), at(1 - ring, s)], image);
       const black = sample(image, at(0.5, -0.5)); // the middle of the black square above
       const mean = white.reduce((sum, value) => sum + value, 0) / white.length;
-      if (mean - black < 2 * EDGE / 3) continue;
+      if (mean - black < 2 * MIN_EDGE_CONTRAST / 3) continue;
       const variance = white.reduce((sum, value) => sum + (value - mean) ** 2, 0) / white.length;
-      uneven.push(Math.sqrt(variance) / (mean - black));
+      ratios.push(Math.sqrt(variance) / (mean - black));
     }
   }
-  return uneven.length < 3 ? null : uneven.sort((p, q) => p - q)[uneven.length >> 1];
+  return ratios.length < 3 ? null : ratios.sort((p, q) => p - q)[ratios.length >> 1];
 }
 
 /** @param {(s: number) => number[][]} places @param {Grey} image */
@@ -117,14 +117,14 @@ function sample({ width, height, data }, [x, y]) {
 /**
  * @param {Grey} image @param {Board} board @param {{ids: number[], points: number[][]}} found
  * @param {number} markerSide median side of the markers found, px; 0: none
- * @returns {Signs}
+ * @returns {FrameMetrics}
  */
-export function signsOf(image, board, found, markerSide) {
+export function frameMetrics(image, board, found, markerSide) {
   const sizes = squareSizes(found.ids, found.points, board.squares[0] - 1).sort((a, b) => a - b);
   return {
     ...exposure(image),
     sharpness: sharpness(image, found.points),
     square: sizes[sizes.length >> 1] || markerSide / board.marker_ratio,
-    stripes: stripes(image, board, found),
+    moire: moire(image, board, found),
   };
 }

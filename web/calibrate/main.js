@@ -9,14 +9,14 @@ import captureWords from "../messages/capture.js";
 import { Announcer } from "./announcer.js";
 import { targetError, wantedFrom } from "./query.js";
 import { CameraError, cameras, facts, open, play } from "./camera.js";
-import { Captures, aboutOf } from "./captures.js";
-import { claim, claimed } from "./capture-lock.js";
+import { Captures, captureKey } from "./captures.js";
+import { acquireLock, heldLocks } from "./capture-lock.js";
 import { Detector, DetectorError } from "./detector.js";
 import { openDrawers } from "./popovers.js";
 import { failureOf } from "./failure.js";
 import { Feedback } from "./feedback.js";
-import { Guide } from "./capture-loop.js";
-import { openCupboard } from "./capture-store.js";
+import { CaptureLoop } from "./capture-loop.js";
+import { openCaptureStore } from "./capture-store.js";
 import { loadPlan } from "./plan.js";
 import { address, atCapture, atResult, GO_ON, goTo } from "./history.js";
 import { findParts, render, renderChoice } from "./render.js";
@@ -34,8 +34,8 @@ openPage({ capture: captureWords });
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
-const cupboard = openCupboard();
-const captures = new Captures(cupboard, { address: () => address(parameters), onUnkept: () => dispatch({ type: "unkept" }) });
+const captureStore = openCaptureStore();
+const captures = new Captures(captureStore, { address: () => address(parameters), onUnkept: () => dispatch({ type: "unkept" }) });
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
 /** What shows the result: it arrives while the capture goes on. @type {import("./outcome.js").Outcome | null} */
@@ -125,7 +125,7 @@ async function capture(choice, opened = null) {
     dispatch({ type: "opened", key, request, mirrored: camera.mirrored, cropped: camera.cropped });
     camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
 
-    if (!await claim(aboutOf(request), signal)) throw new CameraError("elsewhere");
+    if (!await acquireLock(captureKey(request), signal)) throw new CameraError("elsewhere");
     dispatch({ type: "waiting", waiting: "detector" });
     const plan = loadPlan().catch(() => []);
     const finder = await openDetector();
@@ -137,14 +137,14 @@ async function capture(choice, opened = null) {
       tell("capture.got_size", { size: img_size.join(" × ") });
     }
     const means = { session, detector: finder, camera, plan: await plan, signal };
-    const end = state.phase === "capturing" ? await new Guide(page, means).run() : null;
+    const end = state.phase === "capturing" ? await new CaptureLoop(page, means).run() : null;
     if (signal.aborted) return;
     const resized = state.phase === "failed" && state.failure?.code === "resized";
     if (resized) signal.removeEventListener("abort", letGo);
     own.abort();
     if (resized) await again("capture.resized", camera);
     else if (end === "relayout") await relayout();
-    else await captures.forget(aboutOf(request));
+    else await captures.forget(captureKey(request));
   } catch (error) {
     fail(error, signal);
   }
@@ -224,7 +224,7 @@ function restart() {
 /** What a failure interrupted is kept; what a person ended is not. @param {State["key"]} key */
 async function end(key) {
   run?.abort();
-  if (key) await captures.forget(aboutOf(requestFor(key)));
+  if (key) await captures.forget(captureKey(requestFor(key)));
   restart();
 }
 
@@ -262,7 +262,7 @@ async function listCameras() {
 }
 
 async function listInterrupted() {
-  const kept = await cupboard.last(await claimed());
+  const kept = await captureStore.last(await heldLocks());
   dispatch({
     type: "interrupted",
     interrupted: kept && { camera: kept.camera, views: kept.views.length, about: kept.about, address: kept.address ?? address(parameters) },

@@ -1,6 +1,6 @@
 // What a capture says to the service, one thing at a time, and how it does without where nothing comes back.
 import { ApiError } from "./api.js";
-import { Patience } from "./response-timeout.js";
+import { ResponseTimeout } from "./response-timeout.js";
 import { isAway } from "./session.js";
 
 /**
@@ -15,12 +15,12 @@ const PATIENCE = 2_000; // ms without an answer: then it goes on without the ser
 const AT_FIRST = 5_000; // ms the first time: a function that nobody has asked for a while has to start
 const RECONNECT = [1, 2, 3, 4, 5]; // s between attempts; the last one again and again
 
-export class Conversation {
+export class RequestQueue {
   #page;
   #session;
   #means;
   /** What is being asked. */
-  #talk = Promise.resolve();
+  #inFlight = Promise.resolve();
   /** Was something asked that is not waited for any more? */
   late = false;
 
@@ -40,20 +40,20 @@ export class Conversation {
    * @template T @param {() => Promise<T>} ask @param {(answer: T) => void} tell called where the answer came in time
    */
   ask(ask, tell) {
-    if (!this.#state.busy) this.#talk = this.#converse(ask, tell);
-    return this.#talk;
+    if (!this.#state.busy) this.#inFlight = this.#run(ask, tell);
+    return this.#inFlight;
   }
 
   /** @template T @param {() => Promise<T>} ask @param {(answer: T) => void} tell */
-  async #converse(ask, tell) {
+  async #run(ask, tell) {
     this.#means.tell({ type: "busy" });
     const { restored } = this.#session;
-    const patience = new Patience(PATIENCE, () => this.#leave());
+    const patience = new ResponseTimeout(PATIENCE, () => this.#leave());
     this.#session.onAsk = (isFirst) => patience.renew(isFirst ? AT_FIRST : PATIENCE);
     this.#session.onAnswer = () => patience.renew();
     try {
       const answer = await ask();
-      // How many of its views a new session took, it alone knows.
+      // How many of its views a new session took, only it knows.
       const anew = this.#session.restored > restored ? (await this.#session.resume()).state : null;
       if (patience.lost) return this.#return([0, ...RECONNECT]);
       tell(answer);
@@ -105,11 +105,11 @@ export class Conversation {
   #goAway() {
     if (this.#state.away) return this.#means.tell({ type: "idle" });
     this.#means.tell({ type: "away", stored: this.#session.stored(this.#state) });
-    this.alone();
+    this.goOffline();
   }
 
   /** Without the service: targets from the plan, views kept, and asking every now and then. */
-  alone() {
+  goOffline() {
     this.#means.onAway();
     void this.#reconnect();
   }
@@ -135,7 +135,7 @@ export class Conversation {
   }
 
   /** What a person asked for waits for its turn. */
-  async silence() {
-    while (this.#state.busy && !this.#means.signal.aborted) await this.#talk;
+  async drained() {
+    while (this.#state.busy && !this.#means.signal.aborted) await this.#inFlight;
   }
 }

@@ -1,6 +1,6 @@
-// Patience with a service that says nothing: renewed by each answer and by each new question, and then at an end.
+// ResponseTimeout with a service that says nothing: renewed by each answer and by each new question, and then at an end.
 
-export class Patience {
+export class ResponseTimeout {
   #ms;
   #onEnd;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
