@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from calibdb.access.tokens import contributor
+from calibdb.camera_key import current
 from calibdb.schema import CalibrationDocument, SessionDocument
 from calibdb.store import Mode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
@@ -75,7 +76,7 @@ def forget(context: OpsContext, contributors: set[str]) -> Forgotten:
 
     A session is theirs who started it, or sent its last view. A copy that someone made by `dump` is theirs.
     """
-    touched: set[Mode] = set()
+    affected: set[Mode] = set()
     counts: Counter[str] = Counter()
     # Sessions first: what is published follows from them, and must not be published again.
     for session in list(context.store.sessions.all()):
@@ -86,17 +87,18 @@ def forget(context: OpsContext, contributors: set[str]) -> Forgotten:
         if document.contributor in contributors:
             names = (calibration_object(document.id), tombstone_object(document.id))
             context.objects.erase([name for name in names if name])
-            touched.add(reindex.mode(document))
+            affected.add(reindex.mode(document))
             counts["calibrations"] += 1
     for vote in list(context.store.votes.all()):
         if vote.contributor in contributors:
             context.objects.erase([vote_object(vote.camera_key, vote.id)])
-            touched.add(Mode(vote.camera_key, vote.img_size, vote.zoom))
+            key = current(vote.camera_key, vote.camera, vote.platform)
+            affected.add(Mode(key, vote.img_size, vote.zoom))
             counts["votes"] += 1
     # Their shares of the hour.
     used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("QUOTA#"))
     context.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
-    reindex.reindex(context, only=touched)
+    reindex.reindex(context, only=affected)
     return Forgotten(counts["calibrations"], counts["sessions"], counts["votes"])
 
 

@@ -5,10 +5,13 @@ from pathlib import Path
 import boto3
 import pytest
 
+from calibdb.store.keys import vote_object
 from infra.local import LocalStack
+from infra.ops import withdrawal
 from infra.ops.__main__ import main
+from infra.ops.context import OpsContext
 from tests.helpers.service.client import CAMERA, Client, Truth, until
-from tests.helpers.service.published import asked, calibration, held, mode_of, store
+from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 
 
 def stored(stack: LocalStack) -> tuple[set[str], set[tuple[str, str]]]:
@@ -57,4 +60,27 @@ def test_also_what_was_sent_with_a_token_that_was_revoked_since(
         more = {key for key in items - before[1] if not key[0].startswith("REFIT#")}
         assert {(pk, sk.count("#")) for pk, sk in more} == {(of_token, 1)}
         (left,) = (c for c in store(stack).consensuses.at(mode_of(others)) if c.distortion_model == "fisheye")
+        assert (left.total, left.votes.agree) == (1, 0)
+
+
+def test_a_vote_under_an_earlier_key_version_leaves_the_consensus_that_it_decided() -> None:
+    """The vote is stored under the key that the camera had then, its consensus under today's."""
+    document = calibration("Voted on Z77", 0)
+    earlier = f"c1-{document.camera_key[3:]}"
+    with LocalStack() as stack:
+        store(stack).calibrations.publish(document)
+        store(stack).refit.now(asked(mode_of(document)))
+        client = Client(stack)
+        client.session_id = client.call("POST", "/v1/auth", token=client.api_token).json["session_id"]
+        views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=1), 3)]
+        body = {**CAMERA, "camera": document.camera, "platform": PLATFORM, "views": views}
+        assert client.call("POST", "/v1/checks", body).json["votes"]["agree"] == 1
+        (vote,) = store(stack).votes.all()
+        context = OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
+        context.objects.erase([vote_object(vote.camera_key, vote.id)])
+        store(stack).votes.cast(vote.model_copy(update={"camera_key": earlier}))
+        assert withdrawal.forget(context, {vote.contributor}).votes == 1
+        (left,) = (
+            c for c in store(stack).consensuses.at(mode_of(document)) if c.distortion_model == "rectilinear"
+        )
         assert (left.total, left.votes.agree) == (1, 0)
