@@ -32,7 +32,15 @@ def parse(path: Path) -> dict[str, Any]:
 
 
 def text(value: Any) -> str:
-    """Return a value as CloudFormation writes it where a string is wanted: as JSON, where it is none."""
+    """Convert a scalar to the string that CloudFormation makes of it.
+
+    Raises
+    ------
+    TemplateError
+        If the value is a list or a map, of which CloudFormation makes no string either.
+    """
+    if not isinstance(value, bool | int | float | str):
+        raise TemplateError(f"{value!r} stands where a string is wanted")
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 

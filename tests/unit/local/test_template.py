@@ -109,6 +109,8 @@ def test_values_go_over_defaults_and_one_is_needed(tmp_path: Path) -> None:
         ("!ImportValue Other", "does not know Fn::ImportValue"),
         ("!GetAtt Index.StreamArn", "does not know !GetAtt Index.StreamArn"),
         ("!If [IsProd, a, b]", "does not know Fn::If"),
+        ("[1, 2]", "stands where a string is wanted"),
+        ("{a: 1}", "stands where a string is wanted"),
     ],
 )
 def test_what_is_not_known_is_said(tmp_path: Path, value: str, complaint: str) -> None:
