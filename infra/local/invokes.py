@@ -14,6 +14,7 @@ import threading
 import time
 import uuid
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -25,7 +26,6 @@ from infra.local.intrinsics import ACCOUNT, REGION
 from infra.local.journal import Address, Change, Content
 from infra.local.storage import Answer, NotDurableError, Storage
 from infra.local.template import FunctionSpec
-from infra.local.workers import Workers
 
 INVOKE = "invoke"
 FAILURE = "failure"
@@ -66,7 +66,7 @@ class Invokes:
         self._deadline = 0.0
         self._closing = threading.Event()
         # Two at once: more would only take the processor from the requests that someone waits for.
-        self._workers = Workers(2, "invoke")
+        self._workers = ThreadPoolExecutor(2, thread_name_prefix="invoke")
 
     def handle(self, operation: str, request: AWSPreparedRequest) -> Answer:
         """Answer a request to "lambda" in the place of AWS."""
@@ -105,7 +105,7 @@ class Invokes:
         """Finish what is under way or has its turn soon; the rest, and retries, wait for the next start."""
         self._deadline = time.monotonic() + GRACE
         self._closing.set()
-        self._workers.close()
+        self._workers.shutdown()
 
     def _call(self, name: str, event: Any) -> Answer:
         try:
@@ -124,7 +124,7 @@ class Invokes:
         return Answer(202, {}, b"")
 
     def _submit(self, address: Address, event: Any) -> None:
-        self._workers.pool.submit(self._deliver, address, event)
+        self._workers.submit(self._deliver, address, event)
 
     def _deliver(self, address: Address, event: Any) -> None:
         function = self._functions[address.container]

@@ -8,6 +8,7 @@ import socket
 import threading
 import time
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from infra.local.events import Request, Response
 from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY, Gateway
 from infra.local.pages import Pages
-from infra.local.workers import Workers
 from infra.web_build.precache_manifest import shell
 
 _access = logging.getLogger("infra.local.access")
@@ -55,7 +55,7 @@ class Front:
     def __init__(
         self,
         gateway: Gateway,
-        workers: Workers,
+        workers: ThreadPoolExecutor,
         web: Path,
         settings: Mapping[str, Any],
         timeout: float = INTEGRATION_TIMEOUT,
@@ -113,7 +113,7 @@ class Front:
 
     async def _answer(self, request: Request) -> Response:
         loop = asyncio.get_running_loop()
-        call = loop.run_in_executor(self._workers.pool, self._gateway.handle, request)
+        call = loop.run_in_executor(self._workers, self._gateway.handle, request)
         try:
             return await asyncio.wait_for(asyncio.shield(call), self._timeout)
         except TimeoutError:

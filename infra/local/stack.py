@@ -7,6 +7,7 @@ import sys
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -25,7 +26,6 @@ from infra.local.pages import public_settings
 from infra.local.server import Front, bind, serving
 from infra.local.storage import Storage
 from infra.local.template import Template, load
-from infra.local.workers import Workers
 
 ROOT = Path(__file__).resolve().parents[2]
 # Accepted by a local stack only, where whoever can ask is on the machine anyway.
@@ -131,8 +131,8 @@ class LocalStack:
         stack.callback(invokes.close)
         self.failures = invokes.failures
         """Returns the asynchronous calls that failed every time, as Lambda records them."""
-        self._workers = Workers(_THREADS, "function")
-        stack.callback(self._workers.close)
+        self._workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
+        stack.callback(self._workers.shutdown)
         self._gateway = Gateway(self.template, self.functions, self._clock, lambda: str(uuid.uuid4()))
         if self.embedded:
             self._admit_development_token()
@@ -184,7 +184,7 @@ class LocalStack:
         host = {"host": self.url.removeprefix("http://")}
         request = Request(method, path, query, tuple((host | dict(headers or {})).items()), body)
         try:
-            return self._workers.pool.submit(self._gateway.handle, request).result(INTEGRATION_TIMEOUT)
+            return self._workers.submit(self._gateway.handle, request).result(INTEGRATION_TIMEOUT)
         except TimeoutError:
             return message(503, "Service Unavailable")
 

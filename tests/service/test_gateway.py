@@ -4,6 +4,7 @@ import asyncio
 import base64
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,6 @@ from infra.local import LocalStack
 from infra.local.events import Response
 from infra.local.gateway import MAX_BODY
 from infra.local.server import Front
-from infra.local.workers import Workers
 from tests.helpers.stack.toy_stack import deploy
 
 ECHO = """
@@ -285,7 +285,7 @@ def test_a_body_without_end_is_cut_off(stack: LocalStack) -> None:
 
 
 def test_the_gateway_gives_up_on_a_slow_function(stack: LocalStack, tmp_path: Path) -> None:
-    workers = Workers(1, "slow")
+    workers = ThreadPoolExecutor(1)
     front = Front(stack._gateway, workers, tmp_path, {}, timeout=0.05)
 
     async def ask() -> httpx.Response:
@@ -298,4 +298,4 @@ def test_the_gateway_gives_up_on_a_slow_function(stack: LocalStack, tmp_path: Pa
     assert time.monotonic() - start < 2.5
     assert (response.status_code, response.json()) == (503, {"message": "Service Unavailable"})
     assert "access-control-allow-origin" in response.headers  # or the page could not read it
-    workers.close()
+    workers.shutdown()
