@@ -10,7 +10,6 @@ from infra.ops.bundle import bundle
 from infra.ops.context import OpsContext, OpsError
 from infra.ops.reindex import reindex
 from infra.ops.restore import load
-from infra.ops.seed import seed
 
 
 def run(asked: argparse.Namespace, context: OpsContext) -> None:
@@ -51,6 +50,8 @@ def run(asked: argparse.Namespace, context: OpsContext) -> None:
             whose = Whose(asked.camera, asked.platform, asked.zoom)
             context.echo(take_in(context, asked.file, whose, asked.img_size, asked.squares, asked.model))
         case "seed", _:
+            from infra.ops.seed import seed  # the solver takes its time
+
             done = seed(context, asked.file, asked.camera, asked.platform, asked.model, asked.source)
             context.echo(f"{done.rows} rows: {done.priors} first guesses for {done.cameras} cameras")
             for why, count in done.skipped.items():

@@ -13,15 +13,9 @@ from pydantic import ValidationError
 
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import FitRecord, PriorDocument
+from calibsolver import models
 from infra.ops.context import OpsContext, OpsError
 
-#: columns that hold the coefficients, in their order
-COEFFICIENTS = {
-    "rectilinear": ("k1", "k2", "p1", "p2", "k3"),
-    "fisheye": ("k1", "k2", "k3", "k4"),
-    "rational": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
-    "omnidirectional": ("xi", "k1", "k2", "p1", "p2"),
-}
 # Ratio of focal lengths beyond which rows are of several lenses or modes under one name: no guess at all.
 _ONE_LENS = 1.1
 # Nobody knows how good they are: of the image's width, about what a guess without any knowledge misses by.
@@ -122,9 +116,10 @@ def _fields(path: Path, labels: tuple[str, str]) -> Iterator[tuple[int, dict[str
 
 def _row(fields: Mapping[str, str], camera: str, platform: str, model: str, number: int) -> _Row | str:
     model = fields.get("distortion_model") or model
-    if model not in COEFFICIENTS:
+    if model not in models.REGISTRY:
         raise OpsError(f"line {number}: there is no distortion model {model!r}")
-    absent = [name for name in COEFFICIENTS[model] if name not in fields]
+    coefficients = models.get(model).coefficients
+    absent = [name for name in coefficients if name not in fields]
     if absent:
         raise OpsError(f"there is no column {absent[0]}, which {model} needs; see --model")
     if any(fields.get(name, "") not in ("", "1", "1.0") for name in ("hstretch", "vstretch")):
@@ -137,7 +132,7 @@ def _row(fields: Mapping[str, str], camera: str, platform: str, model: str, numb
         fit = FitRecord(
             img_size=size,
             camera_matrix=((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0)),
-            distortion_coefficients=tuple(_number(fields[name]) for name in COEFFICIENTS[model]),
+            distortion_coefficients=tuple(_number(fields[name]) for name in coefficients),
             distortion_model=model,
             avg_reprojection_error=_number(fields.get("rms") or "0"),
             uncertainty={"rms": UNKNOWN * size[0], "max": UNKNOWN * size[0]},

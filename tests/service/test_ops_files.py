@@ -13,6 +13,8 @@ from calibdb.camera_key import camera_key
 from calibdb.schema import DISTORTION_MODELS, VoteDocument
 from calibdb.settings import Settings
 from calibdb.store import Store
+from calibsolver import models
+from calibsolver.models.rectilinear import Rectilinear
 from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.helpers.data import data_dir as shared
@@ -287,3 +289,19 @@ def test_the_operator_hears_what_a_camera_takes_in_a_bundle(
         with pytest.raises(SystemExit):
             main(["bundle", str(file), f"--most={most}"])
     assert json.loads(file.read_text()) == data
+
+
+def test_a_model_that_the_solver_learns_can_be_seeded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The columns of a model are its own; the schema's list of models is the one thing that must follow."""
+
+    class Division(Rectilinear):
+        name = "division"
+        coefficients = ("lambda",)
+
+    monkeypatch.setitem(models.REGISTRY, "division", Division())
+    file = tmp_path / "some.csv"
+    file.write_text("camera,platform,w,h,fx,fy,cx,cy,k1\nA camera,Linux,640,480,500,500,320,240,0\n")
+    assert main(["seed", str(file), "--model", "division"]) == 1
+    assert "there is no column lambda, which division needs" in capsys.readouterr().err
