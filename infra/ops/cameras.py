@@ -1,4 +1,4 @@
-"""What is known of cameras, for an operator's eyes."""
+"""Listings of cameras and their calibrations, for the operator."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from collections.abc import Iterator
 from calibdb.camera_key.visible import visible
 from calibdb.schema import CalibrationDocument
 from calibdb.store import Mode
-from calibdb.store.keys import WITHDRAWN
+from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
+from infra.ops import reindex
 from infra.ops.context import OpsContext, OpsError
 
 _CALIBRATIONS = "calibrations/"
 
 
 def listed(context: OpsContext, text: str) -> list[str]:
-    """Return a line for each camera whose key holds `text`: key and number of calibrations."""
+    """Make a line for each camera whose key holds `text`: key and number of calibrations."""
     counts: Counter[str] = Counter()
     withdrawn: Counter[str] = Counter()
     for name in context.objects.names(_CALIBRATIONS):
@@ -31,7 +32,15 @@ def listed(context: OpsContext, text: str) -> list[str]:
 
 
 def shown(context: OpsContext, camera_key: str) -> Iterator[str]:
-    """Yield lines that say what agrees, and list every calibration. Raises OpsError for an unknown key."""
+    """Yield the lines of one camera: its consensuses, and every calibration.
+
+    A key of earlier rules shows the camera that is known under today's.
+
+    Raises
+    ------
+    OpsError
+        If no calibration of the camera is stored.
+    """
     found = list(calibrations(context, camera_key))
     if not found:
         raise OpsError(f"nothing is known of a camera {camera_key}")
@@ -39,8 +48,7 @@ def shown(context: OpsContext, camera_key: str) -> Iterator[str]:
     yield visible(f"{found[-1][0].camera}, {found[-1][0].platform}")
     modes: dict[Mode, list[tuple[CalibrationDocument, bool]]] = {}
     for document, withdrawn in found:
-        key = Mode(camera_key, document.img_size, document.zoom)
-        modes.setdefault(key, []).append((document, withdrawn))
+        modes.setdefault(reindex.mode(document), []).append((document, withdrawn))
     for mode, members in modes.items():
         yield f"{mode.img_size[0]} x {mode.img_size[1]}, zoom {mode.zoom:g}"
         yield from (f"  {line}" for line in _consensuses(context, mode))
@@ -48,15 +56,40 @@ def shown(context: OpsContext, camera_key: str) -> Iterator[str]:
 
 
 def calibrations(context: OpsContext, camera_key: str) -> Iterator[tuple[CalibrationDocument, bool]]:
-    """Yield the calibrations of one camera in the bucket, oldest first, and whether they were withdrawn."""
-    names = sorted(context.objects.names(f"{_CALIBRATIONS}{camera_key}/"))
-    tombstones = {name.removesuffix(WITHDRAWN) for name in names if name.endswith(WITHDRAWN)}
+    """Yield the calibrations of one camera, oldest first, and whether they were withdrawn.
+
+    An object stays in the folder of the key that the camera had when it was stored.
+    """
+    under_key = dict(_stored_under(context, camera_key))
+    keys = {camera_key, *(document.camera_key for document, _ in under_key.values())}
+    ids = {calibration_id for key in keys for calibration_id in _indexed(context, key)}
+    folders = {calibration_id.rpartition("-")[0] for calibration_id in ids} - {camera_key}
+    found = under_key | {
+        calibration_id: known
+        for folder in folders
+        for calibration_id, known in _stored_under(context, folder)
+        if known[0].camera_key in keys
+    }
+    yield from (found[one] for one in sorted(found, key=lambda one: one.rpartition("-")[2]))
+
+
+def _stored_under(
+    context: OpsContext, camera_key: str
+) -> Iterator[tuple[str, tuple[CalibrationDocument, bool]]]:
+    """Yield id, document and whether it was withdrawn of each calibration in the folder of a key."""
+    names = set(context.objects.names(f"{_CALIBRATIONS}{camera_key}/"))
     for name in names:
-        if name.endswith(WITHDRAWN):
-            continue
-        document = context.store.calibrations.get(name.rpartition("/")[2].removesuffix(".json"))
-        if document is not None:
-            yield document, name.removesuffix(".json") in tombstones
+        calibration_id = name.rpartition("/")[2].removesuffix(".json")
+        if not name.endswith(WITHDRAWN):
+            document = context.store.calibrations.get(calibration_id)
+            if document is not None:
+                yield calibration_id, (document, tombstone_object(calibration_id) in names)
+
+
+def _indexed(context: OpsContext, camera_key: str) -> Iterator[str]:
+    """Yield the ids of the calibrations that the index knows under a key."""
+    for sk in context.index.sort_keys(camera_pk(camera_key), "CALIBRATION#"):
+        yield sk.rpartition("#")[2]
 
 
 def _consensuses(context: OpsContext, mode: Mode) -> Iterator[str]:

@@ -34,6 +34,19 @@ class Index:
                     if pk.startswith(prefixes):
                         yield pk, sk
 
+    def sort_keys(self, pk: str, prefix: str) -> Iterator[str]:
+        """Yield the `sk` of one partition that begin with `prefix`, in their order."""
+        with available():
+            pages = self._client().get_paginator("query")
+            for page in pages.paginate(
+                TableName=self._name,
+                KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
+                ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
+                ProjectionExpression="sk",
+                ConsistentRead=True,
+            ):
+                yield from (item["sk"]["S"] for item in page["Items"])
+
     def remove(self, keys: Iterable[Key]) -> int:
         """Remove the items under these keys; return how many keys they were."""
         wanted = sorted(set(keys))

@@ -16,6 +16,7 @@ from calibdb.schema import DISTORTION_MODELS
 from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.helpers.service.client import Client, Truth, until
+from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.service.table import items, remove
 
 
@@ -190,6 +191,26 @@ def test_cameras_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> Non
     assert len(re.findall(rf"{key}-[0-9a-f]{{20}}  .* contributor [0-9a-f]{{12}}  rectilinear", shown)) == 3
     assert main(["camera", "show", "c1-none-000000000000"]) == 1
     assert "nothing is known of a camera" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("asked_by", ["today's key", "the earlier key"])
+def test_a_camera_shows_what_was_stored_under_an_earlier_key(
+    asked_by: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
+    one, two = calibration("Renamed Z77", 0), calibration("Renamed Z77", 1)
+    key = one.camera_key
+    earlier = f"c1-{key[3:]}"
+    old = one.model_copy(update={"camera_key": earlier, "id": one.id.replace(key, earlier)})
+    with LocalStack(tmp_path / "data") as stack:
+        for document in (old, two):
+            store(stack).calibrations.publish(document)
+        store(stack).refit.now(asked(mode_of(two)))
+    assert main(["camera", "show", key if asked_by == "today's key" else earlier]) == 0
+    shown = capsys.readouterr().out
+    assert "rectilinear: not reliable (too_few); 2 of 2 agree" in shown
+    assert [shown.count(f"  {document.id}  ") for document in (old, two)] == [1, 1]
+    assert shown.index(old.id) < shown.index(two.id)
 
 
 def totals(stack: LocalStack) -> set[int]:
