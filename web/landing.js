@@ -1,13 +1,13 @@
 // The landing page: the figure, and a lookup of the visitor's own camera.
-import { CameraError, open } from "./calibrate/camera.js";
-import { DEFAULT_BOARD } from "./board/geometry.js";
-import { explain } from "./faults.js";
-import { drawLine, gridThrough } from "./figure.js";
-import { known, t } from "./i18n.js";
-import { openPage } from "./page.js";
+import { CameraError, open } from "./lib/camera.js";
+import { DEFAULT_BOARD } from "./lib/board.js";
+import { explain } from "./lib/faults.js";
+import { drawLine, gridThrough } from "./lib/figure.js";
+import { known, t } from "./lib/i18n.js";
+import { openPage } from "./lib/page.js";
 import { lookup } from "./sdk/calibdb.js";
-import { loadSettings } from "./settings.js";
-import { sayIn } from "./spoken.js";
+import { loadSettings } from "./lib/settings.js";
+import { sayIn } from "./lib/live-region.js";
 import landing from "./messages/landing.js";
 
 /** @type {[number, number]} */

@@ -12,8 +12,8 @@ from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.waiting import address, until
 
 FOUND = """async (dictionaries) => {
-  const { Detector } = await import("/calibrate/detector.js");
-  const { raster } = await import("/board/drawing.js");
+  const { Detector } = await import("/lib/detector.js");
+  const { raster } = await import("/lib/board-drawing.js");
   const found = {};
   for (const dictionary of dictionaries) {
     const board = { squares: [9, 6], marker_ratio: 0.65, dictionary, legacy: false };

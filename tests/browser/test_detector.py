@@ -5,11 +5,11 @@ import pytest
 from playwright.sync_api import Page
 
 WATCH = """async (frames) => {
-  const { DEFAULT_BOARD, corners } = await import("/board/geometry.js");
-  const { Painter } = await import("/virtual/painter.js");
-  const { project } = await import("/virtual/lens.js");
-  const { transform } = await import("/virtual/pose.js");
-  const { Detector } = await import("/calibrate/detector.js");
+  const { DEFAULT_BOARD, corners } = await import("/lib/board.js");
+  const { Painter } = await import("/lib/virtual/painter.js");
+  const { project } = await import("/lib/virtual/lens.js");
+  const { transform } = await import("/lib/pose.js");
+  const { Detector } = await import("/lib/detector.js");
   const size = [1280, 720];
   const lens = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
   const pose = { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] };
@@ -60,8 +60,8 @@ def test_a_detector_that_never_answers_is_reported(page: Page) -> None:
     page.route("**/detector.worker.js", lambda route: route.fulfill(body="", content_type="text/javascript"))
     page.evaluate(
         """async () => {
-          const { Detector } = await import("/calibrate/detector.js");
-          const { DEFAULT_BOARD } = await import("/board/geometry.js");
+          const { Detector } = await import("/lib/detector.js");
+          const { DEFAULT_BOARD } = await import("/lib/board.js");
           window.outcome = Detector.open(DEFAULT_BOARD).catch((error) => error.message);
           await new Promise((done) => requestAnimationFrame(done));
         }"""

@@ -17,10 +17,10 @@ def address(**more: object) -> str:
 
 
 WATCH = """async (faults) => {
-  const { DEFAULT_BOARD } = await import("/board/geometry.js");
-  const { Painter } = await import("/virtual/painter.js");
-  const { spoil } = await import("/virtual/spoil.js");
-  const { Detector } = await import("/calibrate/detector.js");
+  const { DEFAULT_BOARD } = await import("/lib/board.js");
+  const { Painter } = await import("/lib/virtual/painter.js");
+  const { spoil } = await import("/lib/virtual/degrade.js");
+  const { Detector } = await import("/lib/detector.js");
   const { HEALTHY, diagnose, nextProbe } = await import("/calibrate/diagnosis.js");
   const size = [1280, 720];
   const lens = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };

@@ -22,7 +22,7 @@ MARKS = np.array([(-4.5, -3), (4.5, -3), (4.5, 3), (-4.5, 3)])
 CORNERS = np.array([(x - 4.5, y - 3.0) for y in range(1, 6) for x in range(1, 9)])
 AMBER = np.array([0, 176, 255])  # as OpenCV has it: blue first
 STRAIGHT = """async (lens) => {
-  const { rectifiedMatrix } = await import("/sdk/straight.js");
+  const { rectifiedMatrix } = await import("/sdk/rectification.js");
   return rectifiedMatrix(lens, 0);
 }"""
 RATIOS = ("16 / 9", "4 / 3", "2 / 1")  # the last two cut the picture, at its sides and above and below

@@ -16,7 +16,7 @@ FEWEST = 6
 POINTS = np.array([(x, y, 0) for y in range(1, 8) for x in range(1, 8)], dtype=np.float32)
 
 DETECT = """async ([count, board]) => {
-  const { Detector } = await import("/calibrate/detector.js");
+  const { Detector } = await import("/lib/detector.js");
   const detector = await Detector.open(board);
   const found = [];
   for (let index = 0; index < count; index++) {

@@ -31,7 +31,7 @@ LARGEST = (2564, 1444)  # of a scene's picture
 BALANCED = {"balance": 0.3, "zoom": 1.1, "scale": 0.5}
 WARPED = """async ([asked, png]) => {
   const { Calibration } = await import("/sdk/calibdb.js");
-  const { widePinhole } = await import("/sdk/straight.js");
+  const { widePinhole } = await import("/sdk/rectification.js");
   const bytes = Uint8Array.from(atob(png), (letter) => letter.charCodeAt(0));
   const blob = new Blob([bytes], { type: "image/png" });
   const made = [];

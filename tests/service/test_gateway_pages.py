@@ -42,9 +42,10 @@ def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalStack]:
     template = deploy(place, {"Echo": (ECHO, ("GET /v1/echo",)), "Slow": (SLOW, ("GET /v1/slow",))})
     web = place / "web"
     (web / "calibrate").mkdir(parents=True)
+    (web / "lib").mkdir()
     (web / "index.html").write_text("<!doctype html>home")
     (web / "calibrate" / "index.html").write_text("<!doctype html>calibrate")
-    (web / "calibrate" / "detector.worker.js").write_text("self.x = 1")
+    (web / "lib" / "detector.worker.js").write_text("self.x = 1")
     (web / "sdk").mkdir()
     for name in (
         "sdk/calibdb.js",
@@ -113,7 +114,7 @@ def test_scripts_may_not_eval_but_the_opencv_worker_may(client: httpx.Client) ->
     assert "script-src 'self' 'wasm-unsafe-eval';" in page
     assert "'unsafe-eval'" not in page
     assert "frame-ancestors 'none'" in page
-    worker = client.get("/calibrate/detector.worker.js").headers["content-security-policy"]
+    worker = client.get("/lib/detector.worker.js").headers["content-security-policy"]
     assert "script-src 'self' 'unsafe-eval' 'wasm-unsafe-eval';" in worker
 
 

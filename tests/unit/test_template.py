@@ -115,7 +115,7 @@ def test_every_path_answers_a_wrong_method_itself(source: dict) -> None:
 def test_the_edge_serves_pages_as_the_local_stack_does(transformed: dict) -> None:
     for name, file in (
         ("PageHeaders", "calibrate/main.js"),
-        ("WorkerHeaders", "calibrate/detector.worker.js"),
+        ("WorkerHeaders", "lib/detector.worker.js"),
     ):
         config = transformed["Resources"][name]["Properties"]["ResponseHeadersPolicyConfig"]
         policy = config["SecurityHeadersConfig"]["ContentSecurityPolicy"]["ContentSecurityPolicy"]

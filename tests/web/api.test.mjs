@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { createServer } from "node:http";
 import { test } from "node:test";
-import { reach } from "../../web/network.js";
-import { Api, ApiError, OfflineError } from "../../web/calibrate/api.js";
-import { CaptureSession, isAway, viewCount } from "../../web/calibrate/session.js";
+import { reach } from "../../web/lib/network.js";
+import { Api, ApiError, OfflineError } from "../../web/lib/api.js";
+import { CaptureSession, isAway, viewCount } from "../../web/lib/session.js";
 
 const json = (status, body, headers = {}) =>
   new Response(body === null ? null : JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });

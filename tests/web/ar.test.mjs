@@ -4,9 +4,9 @@ import { misalignment } from "../../web/ar/misalignment.js";
 import { model } from "../../web/ar/model.js";
 import { placing, poseOf } from "../../web/ar/pose.js";
 import { stopAt } from "../../web/ar/tour.js";
-import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
+import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { lensOf } from "../../web/sdk/projection.js";
-import { rotationMatrix } from "../../web/virtual/pose.js";
+import { rotationMatrix } from "../../web/lib/pose.js";
 
 const SIZE = [1280, 720];
 const MATRIX = [[1000, 0, 650], [0, 1010, 352], [0, 0, 1]];

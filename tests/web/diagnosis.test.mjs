@@ -1,14 +1,14 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
+import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { arrows } from "../../web/calibrate/hint-arrows.js";
 import { HEALTHY, PROBES, diagnose, nextProbe } from "../../web/calibrate/diagnosis.js";
-import { blackSquares } from "../../web/calibrate/target-preview.js";
-import { exposure, sharpness, frameMetrics, moire } from "../../web/calibrate/frame-metrics.js";
-import { Painter } from "../../web/virtual/painter.js";
-import { project } from "../../web/virtual/lens.js";
-import { transform } from "../../web/virtual/pose.js";
-import { smear, spoil } from "../../web/virtual/spoil.js";
+import { blackSquares } from "../../web/lib/target-preview.js";
+import { exposure, sharpness, frameMetrics, moire } from "../../web/lib/frame-metrics.js";
+import { Painter } from "../../web/lib/virtual/painter.js";
+import { project } from "../../web/lib/virtual/lens.js";
+import { transform } from "../../web/lib/pose.js";
+import { smear, spoil } from "../../web/lib/virtual/degrade.js";
 
 const SIZE = [1280, 720];
 const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };

@@ -4,11 +4,11 @@ import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { TABLES } from "../../web/board/dictionaries.js";
-import { blackRectangles, raster } from "../../web/board/drawing.js";
-import { say } from "../../web/i18n.js";
-import "../../web/board/problem.js";
-import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery, corners, dictionaryOf, markers } from "../../web/board/geometry.js";
+import { TABLES } from "../../web/lib/dictionaries.js";
+import { blackRectangles, raster } from "../../web/lib/board-drawing.js";
+import { say } from "../../web/lib/i18n.js";
+import "../../web/lib/board-problem.js";
+import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery, corners, dictionaryOf, markers } from "../../web/lib/board.js";
 
 const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));
 

@@ -1,16 +1,16 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
+import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { decide, lenience } from "../../web/calibrate/hold.js";
 import { nextPlanned } from "../../web/calibrate/plan.js";
-import { isEnough } from "../../web/calibrate/session.js";
+import { isEnough } from "../../web/lib/session.js";
 import { initial, reduce } from "../../web/calibrate/state.js";
 import { motion } from "../../web/calibrate/stillness.js";
-import { Hand } from "../../web/virtual/hand.js";
-import { project } from "../../web/virtual/lens.js";
-import { matched } from "../../web/virtual/match.js";
-import { seeded, transform } from "../../web/virtual/pose.js";
+import { Hand } from "../../web/lib/virtual/hand.js";
+import { project } from "../../web/lib/virtual/lens.js";
+import { matched } from "../../web/lib/virtual/match.js";
+import { seeded, transform } from "../../web/lib/pose.js";
 
 const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
 const [WIDTH, HEIGHT] = [1280, 720];

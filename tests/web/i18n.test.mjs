@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import { test } from "node:test";
-import { LANGUAGES, choose, known, learn, number, rough, say, setLanguage } from "../../web/i18n.js";
+import { LANGUAGES, choose, known, learn, number, rough, say, setLanguage } from "../../web/lib/i18n.js";
 
 const WEB = new URL("../../web/", import.meta.url);
 const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: true })
@@ -11,7 +11,7 @@ const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: t
 const names = files("messages/", ".js").map((name) => name.slice(0, -3)).filter((name) => !name.includes("."));
 const rooms = Object.fromEntries(await Promise.all(names.map(async (name) =>
   [name, (await import(new URL(`messages/${name}.js`, WEB))).default])));
-const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("messages/") && name !== "i18n.js")
+const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("messages/") && name !== "lib/i18n.js")
   .map((name) => readFileSync(new URL(name, WEB), "utf8"));
 const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
 /** What a text needs of whoever says it: values in braces, children of the element. */

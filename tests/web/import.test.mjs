@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { corners } from "../../web/board/geometry.js";
+import { corners } from "../../web/lib/board.js";
 import { grid } from "../../web/import/grid.js";
 import { MalformedError } from "../../web/import/malformed.js";
 import { prepare, read } from "../../web/import/read.js";

@@ -3,8 +3,8 @@ import { test } from "node:test";
 import { UnreadableError } from "../../web/photos/files.js";
 import { cameraName, readExif, unturned } from "../../web/photos/exif.js";
 import { groups } from "../../web/photos/group.js";
-import { byGain, ranked } from "../../web/photos/rank.js";
-import { calibrate } from "../../web/photos/series.js";
+import { byGain, ranked } from "../../web/lib/rank.js";
+import { calibrate } from "../../web/lib/series.js";
 
 /** A TIFF block with what a camera writes. */
 function tiff({ little, make = "Canon", model = "Canon EOS R6", lens = "RF24-70mm F2.8 L IS USM", orientation = 6, focal = [243, 10] }) {

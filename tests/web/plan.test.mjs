@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { DEFAULT_BOARD } from "../../web/board/geometry.js";
-import { observedOutline } from "../../web/calibrate/area.js";
+import { DEFAULT_BOARD } from "../../web/lib/board.js";
+import { observedOutline } from "../../web/lib/board-outline.js";
 import { nextPlanned, plannedPose, trusted } from "../../web/calibrate/plan.js";
 
 const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));

@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { returnAddress, withResult } from "../../web/result/back.js";
-import { complaint, covered, digitsFor, digitsOf, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/result/numbers.js";
-import { ticks } from "../../web/result/svg.js";
+import { returnAddress, withResult } from "../../web/lib/result/return-address.js";
+import { complaint, covered, digitsFor, digitsOf, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
+import { ticks } from "../../web/lib/svg.js";
 
 const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
 

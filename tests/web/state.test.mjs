@@ -1,13 +1,13 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { DEFAULT_BOARD, corners, outline } from "../../web/board/geometry.js";
+import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
 import { HOLD, LONG_HOLD, decide, holdProgress, lenience } from "../../web/calibrate/hold.js";
 import { initial, reduce } from "../../web/calibrate/state.js";
-import { isEnough, wantedAway } from "../../web/calibrate/session.js";
+import { isEnough, wantedAway } from "../../web/lib/session.js";
 import { HEALTHY } from "../../web/calibrate/diagnosis.js";
 import { asMirrored } from "../../web/calibrate/instruction.js";
-import { project } from "../../web/virtual/lens.js";
-import { transform } from "../../web/virtual/pose.js";
+import { project } from "../../web/lib/virtual/lens.js";
+import { transform } from "../../web/lib/pose.js";
 
 const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
 const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };

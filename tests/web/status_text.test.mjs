@@ -1,12 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { DEFAULT_BOARD } from "../../web/board/geometry.js";
+import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { Announcer } from "../../web/calibrate/announcer.js";
-import { propose } from "../../web/calibrate/camera.js";
-import { setLanguage } from "../../web/i18n.js";
+import { propose } from "../../web/lib/camera.js";
+import { setLanguage } from "../../web/lib/i18n.js";
 import { initial } from "../../web/calibrate/state.js";
 import * as words from "../../web/calibrate/status-text.js";
-import { labelOf, setupFrom } from "../../web/virtual/camera.js";
+import { labelOf, setupFrom } from "../../web/lib/virtual/camera.js";
 
 setLanguage("en");
 const VIRTUAL = { id: "virtual", label: labelOf(setupFrom(new URLSearchParams())) };

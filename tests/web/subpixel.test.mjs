@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { refine, refineCorner, squareSizes } from "../../web/calibrate/subpixel.js";
-import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
-import { Painter } from "../../web/virtual/painter.js";
-import { project } from "../../web/virtual/lens.js";
-import { transform } from "../../web/virtual/pose.js";
+import { refine, refineCorner, squareSizes } from "../../web/lib/subpixel.js";
+import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
+import { Painter } from "../../web/lib/virtual/painter.js";
+import { project } from "../../web/lib/virtual/lens.js";
+import { transform } from "../../web/lib/pose.js";
 
 const SIZE = [640, 360];
 const LENS = { fx: 500, fy: 505, cx: 327.3, cy: 172.8, k1: -0.25, k2: 0.05, p1: 0.001, p2: -0.002, k3: 0 };

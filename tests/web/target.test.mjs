@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { DEFAULT_BOARD, outline } from "../../web/board/geometry.js";
+import { DEFAULT_BOARD, outline } from "../../web/lib/board.js";
 import { jaccard } from "../../web/calibrate/jaccard.js";
 import { advice, difference } from "../../web/calibrate/target.js";
-import { project } from "../../web/virtual/lens.js";
-import { misplaced, seeded, transform } from "../../web/virtual/pose.js";
+import { project } from "../../web/lib/virtual/lens.js";
+import { misplaced, seeded, transform } from "../../web/lib/pose.js";
 
 const LENS = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 };
 const CENTRE = [4.5, 3, 0];

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { distort, project, unproject } from "../../web/virtual/lens.js";
-import { between, misplaced, rotationMatrix, seeded, transform } from "../../web/virtual/pose.js";
-import { labelOf, setupFrom } from "../../web/virtual/camera.js";
+import { distort, project, unproject } from "../../web/lib/virtual/lens.js";
+import { between, misplaced, rotationMatrix, seeded, transform } from "../../web/lib/pose.js";
+import { labelOf, setupFrom } from "../../web/lib/virtual/camera.js";
 
 const LENS = { fx: 1000, fy: 990, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0.002, p2: -0.001, k3: 0.01 };
 

@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { DEFAULT_BOARD, corners } from "../../web/board/geometry.js";
-import { HANDS, Hand } from "../../web/virtual/hand.js";
-import { project } from "../../web/virtual/lens.js";
-import { matched } from "../../web/virtual/match.js";
-import { transform } from "../../web/virtual/pose.js";
+import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
+import { HANDS, Hand } from "../../web/lib/virtual/hand.js";
+import { project } from "../../web/lib/virtual/lens.js";
+import { matched } from "../../web/lib/virtual/match.js";
+import { transform } from "../../web/lib/pose.js";
 
 const LENS = { fx: 640, fy: 640, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0, p2: 0, k3: 0 };
 const PIVOT = [4.5, 3, 0];

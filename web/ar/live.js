@@ -1,8 +1,8 @@
 // One camera's pictures with what is drawn over them. A picture is shown together with what was seen in that very
 // picture: what is left between the two is the calibration's, not the computer's being late.
-import { corners as boardCorners } from "../board/geometry.js";
-import { grab } from "../calibrate/detector.js";
-import { nextFrame } from "../calibrate/frames.js";
+import { corners as boardCorners } from "../lib/board.js";
+import { grab } from "../lib/detector.js";
+import { nextFrame } from "../lib/frames.js";
 import { misalignment } from "./misalignment.js";
 import { model } from "./model.js";
 import { MODES } from "./modes.js";
@@ -11,14 +11,14 @@ import { RectifierError } from "../sdk/warp.js";
 import { Scene } from "./scene.js";
 
 /**
- * @typedef {import("../sdk/straight.js").Calibration} Calibration
+ * @typedef {import("../sdk/rectification.js").Calibration} Calibration
  * @typedef {{rms: number, outermost: number} | null} Misalignment null: no board is seen
  *
  * @typedef {object} Setup
  * @property {HTMLVideoElement} video
  * @property {HTMLElement} layers where the pictures go
- * @property {import("../board/geometry.js").Board} board
- * @property {import("../calibrate/detector.js").Detector} detector
+ * @property {import("../lib/board.js").Board} board
+ * @property {import("../lib/detector.js").Detector} detector
  * @property {Calibration} calibration
  * @property {string} mode of `MODES`
  * @property {number} balance how much of the edge the straightened picture keeps, 0…1

@@ -1,15 +1,15 @@
 // The page that shows what a calibration is for: the same drawing in three ways over the camera's picture.
-import { boardFrom, boardQuery } from "../board/geometry.js";
-import { showProblem } from "../board/problem.js";
-import { CameraError, cameras, open, play, propose } from "../calibrate/camera.js";
-import { Detector, DetectorError } from "../calibrate/detector.js";
-import { part } from "../dom.js";
-import { explain } from "../faults.js";
-import { onLanguage, rough, t } from "../i18n.js";
-import { openPage } from "../page.js";
+import { boardFrom, boardQuery } from "../lib/board.js";
+import { showProblem } from "../lib/board-problem.js";
+import { CameraError, cameras, open, play, propose } from "../lib/camera.js";
+import { Detector, DetectorError } from "../lib/detector.js";
+import { part } from "../lib/dom.js";
+import { explain } from "../lib/faults.js";
+import { onLanguage, rough, t } from "../lib/i18n.js";
+import { openPage } from "../lib/page.js";
 import { keyOf } from "../sdk/key.js";
 import { RectifierError } from "../sdk/warp.js";
-import { isVirtual } from "../virtual/name.js";
+import { isVirtual } from "../lib/virtual/name.js";
 import words from "../messages/ar.js";
 import { Live } from "./live.js";
 import { MODES } from "./modes.js";
@@ -132,7 +132,7 @@ async function start(choice) {
 }
 
 /**
- * @param {import("../calibrate/camera.js").OpenCamera} opened @param {AbortSignal} signal
+ * @param {import("../lib/camera.js").OpenCamera} opened @param {AbortSignal} signal
  * @returns {Promise<"resized" | null>}
  */
 async function show({ track, virtual }, signal) {

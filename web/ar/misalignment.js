@@ -3,7 +3,7 @@ import { placing } from "./pose.js";
 
 /**
  * @param {Pick<import("./modes.js").Mode, "seen" | "drawn">} mode
- * @param {import("../virtual/pose.js").Pose} pose
+ * @param {import("../lib/pose.js").Pose} pose
  * @param {readonly (readonly number[])[]} points on the board @param {readonly (readonly number[])[]} pixels of the camera
  * @param {readonly [number, number]} size of the camera's picture, px
  * @returns {{rms: number, outermost: number} | null} px of what is shown: over all points, and of the one nearest to a

@@ -20,7 +20,7 @@ const LIGHT = unit([-0.5, 0.45, -0.75]);
 const AMBIENT = 0.4;
 
 /**
- * @param {import("../board/geometry.js").Board} board
+ * @param {import("../lib/board.js").Board} board
  * @returns {Float32Array} six numbers a vertex, place and colour; three vertices a triangle
  */
 export function model({ squares: [columns, rows] }) {

@@ -5,8 +5,8 @@ import { Distorter } from "../sdk/distorter.js";
 import { Rectifier } from "../sdk/rectifier.js";
 
 /**
- * @typedef {import("../sdk/straight.js").Calibration} Calibration
- * @typedef {import("../sdk/straight.js").Pinhole} Pinhole
+ * @typedef {import("../sdk/rectification.js").Calibration} Calibration
+ * @typedef {import("../sdk/rectification.js").Pinhole} Pinhole
  *
  * @typedef {object} Mode
  * @property {import("../sdk/projection.js").Lens} lens what the board's pose is found with

@@ -1,10 +1,10 @@
 // Where the board is, from its corners in a picture: by a homography through the lens, then by least squares in pixels.
-import { homography } from "../calibrate/homography.js";
-import { fitted } from "../virtual/match.js";
-import { rotationMatrix, rotationVectorOf } from "../virtual/pose.js";
+import { homography } from "../lib/homography.js";
+import { minimize } from "../lib/least-squares.js";
+import { rotationMatrix, rotationVectorOf } from "../lib/pose.js";
 
 /**
- * @typedef {import("../virtual/pose.js").Pose} Pose
+ * @typedef {import("../lib/pose.js").Pose} Pose
  * @typedef {import("../sdk/projection.js").Lens} Lens
  */
 
@@ -35,7 +35,7 @@ export function poseOf(lens, points, pixels) {
     });
   };
   const { rvec, tvec } = decomposed(h);
-  const at = fitted(residuals, [...rvec, ...tvec]);
+  const at = minimize(residuals, [...rvec, ...tvec]);
   return { rvec: at.slice(0, 3), tvec: at.slice(3) };
 }
 

@@ -1,13 +1,14 @@
 // Where the calibration of the camera that is open comes from.
-import { loadSettings } from "../settings.js";
-import { Calibration, LookupError, lookup, returned } from "../sdk/calibdb.js";
-import { isVirtual, setupFrom } from "../virtual/camera.js";
+import { loadSettings } from "../lib/settings.js";
+import { LookupError, lookup, returned } from "../sdk/calibdb.js";
+import { isVirtual, setupFrom } from "../lib/virtual/camera.js";
+import { trueCalibration } from "../lib/virtual/truth.js";
 
 /**
  * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey
  *
  * @typedef {object} Known
- * @property {import("../sdk/straight.js").Calibration | null} calibration
+ * @property {import("../sdk/rectification.js").Calibration | null} calibration
  * @property {"returned" | "known" | "truth" | ""} origin measured just now, looked up, or what the virtual camera is made from
  * @property {string} guidance address where the camera can be calibrated, and that leads back here
  */
@@ -21,7 +22,7 @@ export async function calibrationOf(key, parameters) {
   const guidance = guidanceFor(key, parameters);
   const brought = await result(key, parameters);
   if (brought) return { calibration: brought, origin: "returned", guidance };
-  if (isVirtual(key.camera)) return { calibration: truthOf(setupFrom(parameters)), origin: "truth", guidance };
+  if (isVirtual(key.camera)) return { calibration: trueCalibration(setupFrom(parameters)), origin: "truth", guidance };
   const { calibration } = await lookup(key, { ...(await manner()), exact: true });
   return { calibration, origin: calibration ? "known" : "", guidance };
 }
@@ -45,14 +46,6 @@ function gone(error) {
 async function manner() {
   const { api, token } = await loadSettings();
   return { token, api: new URL(api, location.href) };
-}
-
-/** What the virtual camera is made from: a practice needs no database. @param {import("../virtual/camera.js").Setup} setup */
-export function truthOf({ size, lens: { fx, fy, cx, cy, k1, k2, p1, p2, k3 } }) {
-  return new Calibration(/** @type {import("../sdk/calibdb.js").CalibrationData} */ ({
-    img_size: size, camera_matrix: [[fx, 0, cx], [0, fy, cy], [0, 0, 1]],
-    distortion_model: "rectilinear", distortion_coefficients: [k1, k2, p1, p2, k3],
-  }));
 }
 
 /**

@@ -1,5 +1,5 @@
 // Where the virtual camera's board goes: so that it fills the picture, to a side, and farther away.
-import { rotationMatrix } from "../virtual/pose.js";
+import { rotationMatrix } from "../lib/pose.js";
 
 /** Turned by degrees; its middle at so many times the distance from the axis; so far away, in squares for a lens of 0.8 widths. */
 const STOPS = [
@@ -10,9 +10,9 @@ const STOPS = [
 ];
 
 /**
- * @param {import("../board/geometry.js").Board} board @param {import("../sdk/straight.js").Calibration} calibration
+ * @param {import("../lib/board.js").Board} board @param {import("../sdk/rectification.js").Calibration} calibration
  * @param {number} stop any whole number
- * @returns {import("../virtual/pose.js").Pose} board → camera, squares
+ * @returns {import("../lib/pose.js").Pose} board → camera, squares
  */
 export function stopAt({ squares: [columns, rows] }, { img_size: [width], camera_matrix: [[fx]] }, stop) {
   const { turn, aside, distance } = STOPS[stop % STOPS.length];

@@ -1,12 +1,12 @@
 // The board page: full screen, on another device, on paper; any ChArUco board.
-import { number, onLanguage, t } from "../i18n.js";
-import { openPage } from "../page.js";
-import { sayIn } from "../spoken.js";
+import { number, onLanguage, t } from "../lib/i18n.js";
+import { openPage } from "../lib/page.js";
+import { sayIn } from "../lib/live-region.js";
 import words from "../messages/board.js";
-import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery } from "./geometry.js";
+import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery } from "../lib/board.js";
 import { lettering } from "./lettering.js";
 import { PAPERS, boardPdf, squareSide } from "./pdf.js";
-import { reason, showProblem } from "./problem.js";
+import { reason, showProblem } from "../lib/board-problem.js";
 import { drawQr } from "./qr.js";
 import { BoardScreen } from "./screen.js";
 
@@ -24,7 +24,7 @@ function part(id, type) {
 
 const query = new URLSearchParams(location.search);
 let { board, problem } = boardFrom(query);
-/** @type {import("./geometry.js").Problem | null} what is wrong with what the form says now */
+/** @type {import("../lib/board.js").Problem | null} what is wrong with what the form says now */
 let wrong = null;
 openPage({ board: words });
 

@@ -1,7 +1,7 @@
 // The board on this screen: at whole device pixels, as large as there is room, and awake.
-import { raster } from "./drawing.js";
+import { raster } from "../lib/board-drawing.js";
 
-/** @typedef {import("./geometry.js").Board} Board */
+/** @typedef {import("../lib/board.js").Board} Board */
 
 const MARGIN = 0.5; // squares of white around the board
 const READING = 6000; // ms that the way back is told; a board is looked at without words on it

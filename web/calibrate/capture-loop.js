@@ -1,12 +1,12 @@
 // The loop of one capture: looks, sends what is held still, follows the targets, and goes on when something fails.
-import { facts, lockFocus } from "./camera.js";
+import { facts, lockFocus } from "../lib/camera.js";
 import { RequestQueue } from "./request-queue.js";
-import { DetectorError, grab } from "./detector.js";
+import { DetectorError, grab } from "../lib/detector.js";
 import { nextProbe } from "./diagnosis.js";
-import { Pace, nextFrame } from "./frames.js";
+import { Pace, nextFrame } from "../lib/frames.js";
 import { decide, isSettled, lenience } from "./hold.js";
 import { nextPlanned, trusted } from "./plan.js";
-import { isEnough, viewCount } from "./session.js";
+import { isEnough, viewCount } from "../lib/session.js";
 import { isOfSize } from "./state.js";
 import { motion } from "./stillness.js";
 import { tint } from "./tint.js";
@@ -21,9 +21,9 @@ import { tint } from "./tint.js";
  * @property {(error: unknown, signal: AbortSignal) => void} fail
  * @property {() => Promise<Detector>} openDetector a new one where the last has failed
  *
- * @typedef {import("./session.js").CaptureSession} CaptureSession
- * @typedef {import("./detector.js").Detector} Detector
- * @typedef {import("./camera.js").OpenCamera} OpenCamera
+ * @typedef {import("../lib/session.js").CaptureSession} CaptureSession
+ * @typedef {import("../lib/detector.js").Detector} Detector
+ * @typedef {import("../lib/camera.js").OpenCamera} OpenCamera
  */
 
 const STEADY = 3; // px between the hold's last frame and the one that is sent, at 1280 px width

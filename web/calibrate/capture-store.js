@@ -1,7 +1,7 @@
 // What a capture has so far, kept on this device: a reload, a crash or a flat battery loses nothing.
 
 /**
- * @typedef {import("./session.js").Kept} Kept
+ * @typedef {import("../lib/session.js").Kept} Kept
  * @typedef {Kept & {time: number}} Dated ms since 1970, when it was saved
  *
  * @typedef {object} CaptureStore

@@ -1,12 +1,12 @@
 // The captures of this page and of earlier ones, by what they are about: each can be taken up again.
-import { OfflineError } from "../network.js";
-import { keptSettings, loadSettings } from "../settings.js";
-import { Api, ApiError, PAUSES } from "./api.js";
-import { CaptureSession, isAway } from "./session.js";
+import { OfflineError } from "../lib/network.js";
+import { keptSettings, loadSettings } from "../lib/settings.js";
+import { Api, ApiError, PAUSES } from "../lib/api.js";
+import { CaptureSession, isAway } from "../lib/session.js";
 
 /**
- * @typedef {import("./session.js").SessionRequest} Request
- * @typedef {import("./session.js").SessionState} SessionState
+ * @typedef {import("../lib/session.js").SessionRequest} Request
+ * @typedef {import("../lib/session.js").SessionState} SessionState
  *
  * @typedef {object} Run
  * @property {AbortSignal} signal
@@ -26,7 +26,7 @@ export class Captures {
   #onUnkept;
   /** @type {Map<string, CaptureSession>} */
   #sessions = new Map();
-  /** Moved here, and not taken up yet: the device may have no room to keep them. @type {Map<string, import("./session.js").Kept>} */
+  /** Moved here, and not taken up yet: the device may have no room to keep them. @type {Map<string, import("../lib/session.js").Kept>} */
   #moved = new Map();
   /** What the service has answered in this page, by kind. @type {Set<string>} */
   #known = new Set();
@@ -85,7 +85,7 @@ export class Captures {
     await this.#save(kept);
   }
 
-  /** @param {import("./session.js").Kept} kept */
+  /** @param {import("../lib/session.js").Kept} kept */
   async #save(kept) {
     const saved = kept.views.length ? await this.#store.save({ ...kept, address: this.#address() }) : (await this.#store.remove(kept.about), true);
     if (!saved) this.#onUnkept();

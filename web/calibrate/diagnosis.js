@@ -1,7 +1,7 @@
 // Why the board is not seen, or not seen well: what the worker measures, over time. Pure: the time comes in.
 
 /**
- * @typedef {import("./detector.js").Detection} Detection
+ * @typedef {import("../lib/detector.js").Detection} Detection
  *
  * @typedef {object} Diagnosis
  * @property {string | null} trouble what is said: "dark", "bright", "blurred", "far", "wrong_board", "legacy", "mirrored", "moire", "moving"

@@ -1,10 +1,10 @@
 // Why a capture ended: a code that names a text, `capture.fault_<code>`, and what stands in it.
-import { explain } from "../faults.js";
-import { OfflineError } from "../network.js";
-import { SettingsError } from "../settings.js";
-import { ApiError } from "./api.js";
-import { CameraError } from "./camera.js";
-import { DetectorError } from "./detector.js";
+import { explain } from "../lib/faults.js";
+import { OfflineError } from "../lib/network.js";
+import { SettingsError } from "../lib/settings.js";
+import { ApiError } from "../lib/api.js";
+import { CameraError } from "../lib/camera.js";
+import { DetectorError } from "../lib/detector.js";
 
 /** @param {unknown} error @returns {{code: string, detail: string}} */
 export function failureOf(error) {

@@ -1,6 +1,6 @@
 // The page's address: of the capture while there is one, of its result afterwards, so that a reload shows what is there.
 
-import { asked, inLanguage } from "../i18n.js";
+import { asked, inLanguage } from "../lib/i18n.js";
 
 /** Says that the page is opened to go on with what is kept. */
 export const GO_ON = "#go-on";

@@ -1,7 +1,7 @@
 // Is the board where it is to be, is it held still there, and what does the page do about it by itself? Pure.
-import { foreshortening } from "./area.js";
+import { foreshortening } from "../lib/board-outline.js";
 import { difference } from "./target.js";
-import { viewCount } from "./session.js";
+import { viewCount } from "../lib/session.js";
 import { motion } from "./stillness.js";
 
 /** @typedef {import("./state.js").State} State */

@@ -1,5 +1,5 @@
 // One short instruction at a time, the largest difference first, and none that flickers.
-import { isEnough } from "./session.js";
+import { isEnough } from "../lib/session.js";
 import { advice } from "./target.js";
 
 /**

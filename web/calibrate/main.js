@@ -1,17 +1,17 @@
 // The capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows it.
-import { boardFrom, boardQuery } from "../board/geometry.js";
-import { showProblem } from "../board/problem.js";
-import { language, onLanguage } from "../i18n.js";
-import { openPage } from "../page.js";
+import { boardFrom, boardQuery } from "../lib/board.js";
+import { showProblem } from "../lib/board-problem.js";
+import { language, onLanguage } from "../lib/i18n.js";
+import { openPage } from "../lib/page.js";
 import { cameraKey, platformHere } from "../sdk/key.js";
-import { isVirtual } from "../virtual/camera.js";
+import { isVirtual } from "../lib/virtual/camera.js";
 import captureWords from "../messages/capture.js";
 import { Announcer } from "./announcer.js";
 import { targetError, wantedFrom } from "./query.js";
-import { CameraError, cameras, facts, open, play } from "./camera.js";
+import { CameraError, cameras, facts, open, play } from "../lib/camera.js";
 import { Captures, captureKey } from "./captures.js";
 import { acquireLock, heldLocks } from "./capture-lock.js";
-import { Detector, DetectorError } from "./detector.js";
+import { Detector, DetectorError } from "../lib/detector.js";
 import { openDrawers } from "./popovers.js";
 import { failureOf } from "./failure.js";
 import { Feedback } from "./feedback.js";
@@ -50,7 +50,7 @@ let shown = null;
 let run = null;
 /** @type {Promise<Detector> | null} */
 let detector = null;
-/** The session of the last run. @type {import("./session.js").CaptureSession | null} */
+/** The session of the last run. @type {import("../lib/session.js").CaptureSession | null} */
 let session = null;
 /** Id of the camera that was asked for last, and the size asked of it, px. */
 let chosen = "";
@@ -98,7 +98,7 @@ function openDetector() {
 
 /**
  * @param {string} choice id of a camera
- * @param {import("./camera.js").OpenCamera | null} [opened] that camera, where it is open already
+ * @param {import("../lib/camera.js").OpenCamera | null} [opened] that camera, where it is open already
  */
 async function capture(choice, opened = null) {
   run?.abort();
@@ -160,7 +160,7 @@ async function prepareOutcome() {
 /**
  * Another capture of the same camera, with its reason. A device that was turned shows a picture of another size: that is
  * calibrated as such, and the capture before waits for the device to be turned back.
- * @param {string} why a text @param {import("./camera.js").OpenCamera | null} [camera] where it stays open
+ * @param {string} why a text @param {import("../lib/camera.js").OpenCamera | null} [camera] where it stays open
  */
 async function again(why, camera = null) {
   const begun = capture(chosen, camera);

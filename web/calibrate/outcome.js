@@ -1,11 +1,11 @@
 // What came out of a capture: shown at once as the session says it, and in full when the service has sent its report.
-import { ApiError, OfflineError } from "./api.js";
-import { el } from "../dom.js";
-import { learn, t } from "../i18n.js";
-import { load } from "../result/source.js";
-import { ResultView } from "../result/view.js";
-import { SettingsError, loadSettings } from "../settings.js";
-import { isVirtual } from "../virtual/camera.js";
+import { ApiError, OfflineError } from "../lib/api.js";
+import { el } from "../lib/dom.js";
+import { learn, t } from "../lib/i18n.js";
+import { load } from "../lib/result/source.js";
+import { ResultView } from "../lib/result/view.js";
+import { SettingsError, loadSettings } from "../lib/settings.js";
+import { isVirtual } from "../lib/virtual/camera.js";
 import words from "../messages/result.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -44,7 +44,7 @@ export class Outcome {
     const practice = isVirtual(key?.camera ?? "");
     // An application gets no made-up camera for a real one, only where that is what it asked for.
     const returnTo = practice && key?.camera !== this.#asked ? null : this.#returnTo;
-    /** @type {import("../result/view.js").Result} */
+    /** @type {import("../lib/result/view.js").Result} */
     const result = {
       calibration, report: null, picture: still(this.#video, calibration.img_size), notes: advice,
       origin: practice ? "practice" : "added", again: { label: () => t("capture.once_more"), action: this.#onAgain }, goOn: this.#onWithout, explain,

@@ -1,7 +1,7 @@
 // What is drawn over the video: the target, its ghost, the corners seen, the arrows. Kept elements are moved: making a
 // hundred a frame would cost more than finding the board.
 import { arrows } from "./hint-arrows.js";
-import { blackSquares } from "./target-preview.js";
+import { blackSquares } from "../lib/target-preview.js";
 import { unmirrored } from "./status-text.js";
 
 /** @typedef {import("./state.js").State} State */

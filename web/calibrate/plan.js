@@ -1,13 +1,13 @@
 // Where to hold the board when the service is away: a fixed plan of poses, drawn by the page itself.
-import { corners, outline } from "../board/geometry.js";
-import { reach } from "../network.js";
+import { corners, outline } from "../lib/board.js";
+import { reach } from "../lib/network.js";
 import { lensOf } from "../sdk/projection.js";
-import { rotationMatrix, rotationVectorOf, transform } from "../virtual/pose.js";
+import { rotationMatrix, rotationVectorOf, transform } from "../lib/pose.js";
 
 /**
- * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("../lib/board.js").Board} Board
  * @typedef {import("../sdk/projection.js").Intrinsics} Intrinsics
- * @typedef {import("./session.js").Pose} Pose
+ * @typedef {import("../lib/session.js").Pose} Pose
  * @typedef {{rvec: number[], tvec: number[], purpose: string, hint: string, hint_code?: string}} Step board → camera, squares
  */
 

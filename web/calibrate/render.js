@@ -1,10 +1,10 @@
 // Puts the state into the page. Reads nothing back, decides nothing.
-import { t } from "../i18n.js";
-import { isVirtual } from "../virtual/camera.js";
-import { propose } from "./camera.js";
+import { t } from "../lib/i18n.js";
+import { isVirtual } from "../lib/virtual/camera.js";
+import { propose } from "../lib/camera.js";
 import { holdProgress, requiredHold } from "./hold.js";
 import { renderSeen, renderTarget } from "./overlay-layer.js";
-import { viewCount } from "./session.js";
+import { viewCount } from "../lib/session.js";
 import * as words from "./status-text.js";
 
 /** @typedef {import("./state.js").State} State */

@@ -1,7 +1,7 @@
 // What a capture says to the service, one thing at a time, and how it does without where nothing comes back.
-import { ApiError } from "./api.js";
+import { ApiError } from "../lib/api.js";
 import { ResponseTimeout } from "./response-timeout.js";
-import { isAway } from "./session.js";
+import { isAway } from "../lib/session.js";
 
 /**
  * @typedef {object} Means
@@ -24,7 +24,7 @@ export class RequestQueue {
   /** Was something asked that is not waited for any more? */
   late = false;
 
-  /** @param {import("./capture-loop.js").Page} page @param {import("./session.js").CaptureSession} session @param {Means} means */
+  /** @param {import("./capture-loop.js").Page} page @param {import("../lib/session.js").CaptureSession} session @param {Means} means */
   constructor(page, session, means) {
     this.#page = page;
     this.#session = session;

@@ -1,5 +1,5 @@
 // The size of the picture to ask the camera for. What it then gives is what is calibrated.
-import { t } from "../i18n.js";
+import { t } from "../lib/i18n.js";
 
 /** @typedef {[number, number]} Size px */
 

@@ -1,22 +1,22 @@
 // The guided capture as a reducer: all that the page knows, and how each event changes it. No clock, no DOM, no network.
 import { MOVING, motion, observe } from "./stillness.js";
-import { observedOutline } from "./area.js";
+import { observedOutline } from "../lib/board-outline.js";
 import { HEALTHY, diagnose } from "./diagnosis.js";
 import { HOLD, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
 import { jaccard } from "./jaccard.js";
 import { difference } from "./target.js";
 import { HINTS, SILENT, asMirrored, instruct } from "./instruction.js";
-import { viewCount, wantedAway } from "./session.js";
+import { viewCount, wantedAway } from "../lib/session.js";
 
 /**
  * @typedef {Required<import("../vendor/api.js").Board>} Board
  * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey
- * @typedef {import("./camera.js").Choice} Choice
- * @typedef {import("./session.js").Pose} Pose
- * @typedef {import("./session.js").SessionState} SessionState
- * @typedef {import("./session.js").ViewAnswer} ViewAnswer
+ * @typedef {import("../lib/camera.js").Choice} Choice
+ * @typedef {import("../lib/session.js").Pose} Pose
+ * @typedef {import("../lib/session.js").SessionState} SessionState
+ * @typedef {import("../lib/session.js").ViewAnswer} ViewAnswer
  * @typedef {import("./stillness.js").Corners} Corners
- * @typedef {import("./detector.js").Detection} Detection
+ * @typedef {import("../lib/detector.js").Detection} Detection
  *
  * @typedef {object} Wanted the camera that the page was opened for
  * @property {string | null} camera
@@ -33,7 +33,7 @@ import { viewCount, wantedAway } from "./session.js";
  * @property {Choice[]} cameras
  * @property {{camera: string, views: number, about: string, address: string} | null} interrupted a capture that an earlier page left on this device
  * @property {CameraKey | null} key of the open camera
- * @property {import("./session.js").SessionRequest | null} request what is sent about it
+ * @property {import("../lib/session.js").SessionRequest | null} request what is sent about it
  * @property {boolean} mirrored
  * @property {boolean} cropped
  * @property {"camera" | "detector" | "service"} waiting what a capture that begins waits for

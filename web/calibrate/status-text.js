@@ -1,7 +1,7 @@
 // What the page says about itself, by its state.
-import { known, number, sized, t } from "../i18n.js";
+import { known, number, sized, t } from "../lib/i18n.js";
 import { asMirrored } from "./instruction.js";
-import { isEnough, viewCount, wantedAway } from "./session.js";
+import { isEnough, viewCount, wantedAway } from "../lib/session.js";
 
 /** @typedef {import("./state.js").State} State */
 
@@ -98,7 +98,7 @@ export function wanted({ wanted: { camera, img_size }, cameras }) {
   return `${asked} ${real.length ? t("capture.not_among") : t("capture.none_here")}`;
 }
 
-/** A camera by the name that people choose it by. @param {import("./camera.js").Choice} choice */
+/** A camera by the name that people choose it by. @param {import("../lib/camera.js").Choice} choice */
 export const named = ({ id, label }) => (id === "virtual" ? t("capture.virtual_name") : label);
 
 /** The same, until a view was taken after it was read; again when that one is taken back. @param {State} state */

@@ -1,6 +1,6 @@
 // How far the calibrations of one camera agree, drawn: focal lengths one after the other, principal points in the plane.
-import { number, t } from "../i18n.js";
-import { make, short } from "../result/svg.js";
+import { number, t } from "../lib/i18n.js";
+import { make, short } from "../lib/svg.js";
 
 /**
  * @typedef {object} Member one calibration

@@ -1,10 +1,10 @@
 // One camera: its modes, how far its calibrations agree, the numbers for any model, and how to ask for them.
-import { el } from "../dom.js";
-import { known, number, sized, t } from "../i18n.js";
+import { el } from "../lib/dom.js";
+import { known, number, sized, t } from "../lib/i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
-import { files } from "../result/take.js";
-import { tables } from "../result/view.js";
-import { isVirtual } from "../virtual/name.js";
+import { files } from "../lib/result/download.js";
+import { tables } from "../lib/result/view.js";
+import { isVirtual } from "../lib/virtual/name.js";
 import { centrePlot, focalPlot } from "./agreement.js";
 import { withModel } from "./source.js";
 

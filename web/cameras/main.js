@@ -1,11 +1,11 @@
 // The database, to look through: /cameras/ searches, /cameras/?key=… shows one camera.
-import { ApiError } from "../calibrate/api.js";
-import { el, part } from "../dom.js";
-import { explain } from "../faults.js";
-import { onLanguage, t } from "../i18n.js";
-import { openPage } from "../page.js";
-import { sayIn } from "../spoken.js";
-import { isVirtual } from "../virtual/name.js";
+import { ApiError } from "../lib/api.js";
+import { el, part } from "../lib/dom.js";
+import { explain } from "../lib/faults.js";
+import { onLanguage, t } from "../lib/i18n.js";
+import { openPage } from "../lib/page.js";
+import { sayIn } from "../lib/live-region.js";
+import { isVirtual } from "../lib/virtual/name.js";
 import words from "../messages/cameras.js";
 import result from "../messages/result.js";
 import { cameraView, nameOf } from "./camera.js";

@@ -1,6 +1,6 @@
 // What the database knows of cameras.
-import { Api } from "../calibrate/api.js";
-import { loadSettings } from "../settings.js";
+import { Api } from "../lib/api.js";
+import { loadSettings } from "../lib/settings.js";
 
 /**
  * @typedef {import("../sdk/calibdb.js").CalibrationData} Calibration
@@ -33,7 +33,7 @@ import { loadSettings } from "../settings.js";
  * @typedef {{key: string, camera: string, platform: string, modes: Mode[]}} CameraPage
  */
 
-/** @typedef {import("../calibrate/api.js").Transport["onPatience"]} OnPatience */
+/** @typedef {import("../lib/api.js").Transport["onPatience"]} OnPatience */
 
 /**
  * @param {string} query @param {string | null} next where the last page of answers ended @param {OnPatience} onPatience

@@ -1,5 +1,5 @@
 // What the examples draw: a box on the board, and a mark on each of the board's outer corners.
-import { DEFAULT_BOARD } from "../board/geometry.js";
+import { DEFAULT_BOARD } from "../lib/board.js";
 
 /**
  * @typedef {[number, number, number]} Point camera frame as everywhere in calibDB: x right, y down, z forward; squares

@@ -1,14 +1,14 @@
 // The camera's picture for an example to draw over: opened, looked up, straightened.
-import { CameraError, open, play } from "../calibrate/camera.js";
-import { DEFAULT_BOARD } from "../board/geometry.js";
-import { truthOf } from "../ar/source.js";
-import { el, part } from "../dom.js";
-import { explain } from "../faults.js";
-import { t } from "../i18n.js";
-import { openPage } from "../page.js";
+import { CameraError, open, play } from "../lib/camera.js";
+import { DEFAULT_BOARD } from "../lib/board.js";
+import { el, part } from "../lib/dom.js";
+import { explain } from "../lib/faults.js";
+import { t } from "../lib/i18n.js";
+import { openPage } from "../lib/page.js";
 import { lookup } from "../sdk/calibdb.js";
-import { loadSettings } from "../settings.js";
-import { setupFrom } from "../virtual/camera.js";
+import { loadSettings } from "../lib/settings.js";
+import { setupFrom } from "../lib/virtual/camera.js";
+import { trueCalibration } from "../lib/virtual/truth.js";
 import words from "../messages/examples.js";
 
 /**
@@ -68,7 +68,7 @@ async function begin(id, parameters) {
 }
 
 /**
- * @param {import("../calibrate/camera.js").OpenCamera} camera @param {URLSearchParams} parameters
+ * @param {import("../lib/camera.js").OpenCamera} camera @param {URLSearchParams} parameters
  * @returns {Promise<Picture | null>} null: it is not calibrated yet
  */
 async function shown({ track, stream, virtual }, parameters) {
@@ -80,7 +80,7 @@ async function shown({ track, stream, virtual }, parameters) {
   // This is all that an application needs. Of the virtual camera, which is made of numbers, nobody need be asked.
   const { api, token } = await loadSettings();
   const { calibration, guidanceUrl } = virtual
-    ? { calibration: truthOf(setupFrom(parameters)), guidanceUrl: null }
+    ? { calibration: trueCalibration(setupFrom(parameters)), guidanceUrl: null }
     : await lookup(track, { token, api: new URL(api, location.href), exact: true });
   if (!calibration) {
     say(t("examples.unknown"), el("a", { href: guidanceUrl ?? "../../calibrate/" }, t("examples.calibrate")));

@@ -1,19 +1,19 @@
 // Calibration from what another program has measured. The file is read on this device; only where corners are is sent.
-import { Api } from "../calibrate/api.js";
-import { observedOutline } from "../calibrate/area.js";
-import { part } from "../dom.js";
-import { explain as fault } from "../faults.js";
-import { sayChosen } from "../file-input.js";
-import { number, onLanguage, sized, t } from "../i18n.js";
-import { openPage } from "../page.js";
-import { ranked } from "../photos/rank.js";
-import { calibrate } from "../photos/series.js";
-import { load } from "../result/source.js";
-import { ResultView } from "../result/view.js";
+import { Api } from "../lib/api.js";
+import { observedOutline } from "../lib/board-outline.js";
+import { part } from "../lib/dom.js";
+import { explain as fault } from "../lib/faults.js";
+import { sayChosen } from "../lib/file-input.js";
+import { number, onLanguage, sized, t } from "../lib/i18n.js";
+import { openPage } from "../lib/page.js";
+import { ranked } from "../lib/rank.js";
+import { calibrate } from "../lib/series.js";
+import { load } from "../lib/result/source.js";
+import { ResultView } from "../lib/result/view.js";
 import { platformHere } from "../sdk/calibdb.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
-import { loadSettings } from "../settings.js";
-import { sayIn } from "../spoken.js";
+import { loadSettings } from "../lib/settings.js";
+import { sayIn } from "../lib/live-region.js";
 import words from "../messages/import.js";
 import photos from "../messages/photos.js";
 import result from "../messages/result.js";
@@ -26,7 +26,7 @@ import { card, guessView } from "./views.js";
  * @typedef {import("./read.js").Guess} Guess
  * @typedef {import("./read.js").Numbered} Numbered
  * @typedef {import("./read.js").View} View
- * @typedef {import("../photos/series.js").Judgement} Judgement
+ * @typedef {import("../lib/series.js").Judgement} Judgement
  *
  * @typedef {object} Measured
  * @property {Required<import("../vendor/api.js").Board>} board

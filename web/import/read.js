@@ -1,5 +1,5 @@
 // A calibration file: of which kind it is, and what in it can be used here. Pure.
-import { DEFAULT_BOARD } from "../board/geometry.js";
+import { DEFAULT_BOARD } from "../lib/board.js";
 import { grid } from "./grid.js";
 import { cameraMatrix, isPhotonVision, photonVision } from "./json.js";
 import { MalformedError } from "./malformed.js";

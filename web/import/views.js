@@ -1,14 +1,14 @@
 // What a file holds, to be seen: its views as small plots, or, where it has none, its camera.
-import { el } from "../dom.js";
-import { number, t } from "../i18n.js";
-import { became } from "../photos/card.js";
-import { imagePlot, make, short } from "../result/svg.js";
+import { el } from "../lib/dom.js";
+import { number, t } from "../lib/i18n.js";
+import { imagePlot, make, short } from "../lib/svg.js";
+import { viewOutcome } from "../lib/view-outcome.js";
 import { FEWEST_CORNERS } from "./read.js";
 
 /**
  * @typedef {import("./read.js").Numbered} Numbered
  * @typedef {import("./read.js").Guess} Guess
- * @typedef {import("../photos/series.js").Judgement} Judgement
+ * @typedef {import("../lib/series.js").Judgement} Judgement
  */
 
 const DOT = 5; // plot units
@@ -19,7 +19,7 @@ export function card({ name, points }, size, judgement) {
   const usable = points.length >= FEWEST_CORNERS;
   const { svg, area, x, y } = imagePlot(size, t("import.view_label", { name, count: points.length }), { plain: true });
   area.append(...points.map(([u, v]) => make("circle", { cx: short(x(u)), cy: short(y(v)), r: DOT, class: "seen" })));
-  const what = judgement ? became(judgement) : usable ? t("photos.corners", { count: points.length }) : t("photos.too_few");
+  const what = judgement ? viewOutcome(judgement) : usable ? t("photos.corners", { count: points.length }) : t("photos.too_few");
   return el("li", { class: judgement?.accepted ? "taken" : usable ? "" : "unused" }, svg, el("p", { class: "name" }, name), el("p", { class: "what number" }, what));
 }
 

@@ -1,6 +1,6 @@
 // The guided capture in German.
 
-/** @type {Record<string, import("../i18n.js").Text>} */
+/** @type {Record<string, import("../lib/i18n.js").Text>} */
 export default {
   title: "Eine Kamera kalibrieren · calibDB",
   description: "Halten Sie eine Tafel dorthin, wo der Umriss sie zeigt. Die Kamera wird dabei kalibriert.",

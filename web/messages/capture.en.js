@@ -1,6 +1,6 @@
 // The guided capture in English.
 
-/** @type {Record<string, import("../i18n.js").Text>} */
+/** @type {Record<string, import("../lib/i18n.js").Text>} */
 export default {
   title: "Calibrate a camera · calibDB",
   description: "Hold a board where the outline shows it. The camera is calibrated on the way.",

@@ -1,6 +1,6 @@
 // The guided capture in Ukrainian.
 
-/** @type {Record<string, import("../i18n.js").Text>} */
+/** @type {Record<string, import("../lib/i18n.js").Text>} */
 export default {
   title: "Калібрування камери · calibDB",
   description: "Тримайте дошку там, де показує контур. Камера калібрується дорогою.",

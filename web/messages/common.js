@@ -1,6 +1,6 @@
 // What several pages say.
 
-/** @type {import("../i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Room} */
 export default {
   en: {
     pages: "Pages",

@@ -1,11 +1,12 @@
 // One picture of the series: small, with the corners found, and what became of it.
-import { el } from "../dom.js";
-import { number, t } from "../i18n.js";
+import { el } from "../lib/dom.js";
+import { t } from "../lib/i18n.js";
+import { viewOutcome } from "../lib/view-outcome.js";
 import { isView } from "./group.js";
 
 /**
  * @typedef {import("./group.js").Found & {thumbnail: HTMLCanvasElement}} Picture
- * @typedef {import("./series.js").Judgement} Judgement
+ * @typedef {import("../lib/series.js").Judgement} Judgement
  */
 
 const WIDTH = 240; // px
@@ -37,15 +38,7 @@ export function card(picture, chosen, judgement) {
   const { name, thumbnail: small, ids } = picture;
   const what = !isView(picture) ? t(ids.length ? "photos.too_few" : "photos.no_board")
     : !chosen ? t("photos.other_series")
-    : judgement ? became(judgement) : t("photos.corners", { count: ids.length });
+    : judgement ? viewOutcome(judgement) : t("photos.corners", { count: ids.length });
   const kind = judgement?.accepted ? "taken" : isView(picture) && chosen ? "" : "unused";
   return el("li", { class: kind }, small, el("p", { class: "name" }, name), el("p", { class: "what number" }, what));
-}
-
-/** What became of a view. @param {Judgement} judgement */
-export function became({ accepted, reason, before, after }) {
-  const px = (/** @type {number} */ value) => number(value, value < 1 ? 2 : 1);
-  if (!accepted) return t(`photos.refused_${reason === "no_information" ? "no_information" : "other"}`);
-  if (after === null) return t("photos.taken");
-  return before === null ? t("photos.first", { after: px(after) }) : t("photos.added", { before: px(before), after: px(after) });
 }

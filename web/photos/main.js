@@ -1,34 +1,34 @@
 // Calibration from photographs or a video. Boards are looked for on this device; only where their corners are is sent.
-import { boardFrom, boardQuery } from "../board/geometry.js";
-import { showProblem } from "../board/problem.js";
-import { Api } from "../calibrate/api.js";
-import { observedOutline } from "../calibrate/area.js";
-import { Detector, DetectorError } from "../calibrate/detector.js";
-import { blackSquares } from "../calibrate/target-preview.js";
-import { el, part } from "../dom.js";
-import { explain as fault } from "../faults.js";
-import { sayChosen } from "../file-input.js";
-import { known, number, onLanguage, sized, t } from "../i18n.js";
-import { openPage } from "../page.js";
-import { load } from "../result/source.js";
-import { imagePlot, make, short } from "../result/svg.js";
-import { ResultView } from "../result/view.js";
+import { boardFrom, boardQuery } from "../lib/board.js";
+import { showProblem } from "../lib/board-problem.js";
+import { Api } from "../lib/api.js";
+import { observedOutline } from "../lib/board-outline.js";
+import { Detector, DetectorError } from "../lib/detector.js";
+import { blackSquares } from "../lib/target-preview.js";
+import { el, part } from "../lib/dom.js";
+import { explain as fault } from "../lib/faults.js";
+import { sayChosen } from "../lib/file-input.js";
+import { known, number, onLanguage, sized, t } from "../lib/i18n.js";
+import { openPage } from "../lib/page.js";
+import { load } from "../lib/result/source.js";
+import { imagePlot, make, short } from "../lib/svg.js";
+import { ResultView } from "../lib/result/view.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
-import { loadSettings } from "../settings.js";
-import { sayIn } from "../spoken.js";
+import { loadSettings } from "../lib/settings.js";
+import { sayIn } from "../lib/live-region.js";
 import capture from "../messages/capture.js";
 import words from "../messages/photos.js";
 import result from "../messages/result.js";
 import { card, thumbnail } from "./card.js";
 import { UnreadableError, shots } from "./files.js";
 import { groups } from "./group.js";
-import { byGain, ranked } from "./rank.js";
-import { calibrate } from "./series.js";
+import { byGain, ranked } from "../lib/rank.js";
+import { calibrate } from "../lib/series.js";
 
 /**
  * @typedef {import("./card.js").Picture} Picture
- * @typedef {import("./series.js").Judgement} Judgement
- * @typedef {import("./series.js").Outcome} Outcome
+ * @typedef {import("../lib/series.js").Judgement} Judgement
+ * @typedef {import("../lib/series.js").Outcome} Outcome
  */
 
 const PATIENCE = 120_000; // ms for the board in one picture: they may have a hundred times the pixels of a frame

@@ -1,17 +1,17 @@
 // The page of one stored calibration: /result/?id=…
-import { ApiError } from "../calibrate/api.js";
-import { el, part } from "../dom.js";
-import { explain } from "../faults.js";
-import { sayChosen } from "../file-input.js";
-import { sized, t } from "../i18n.js";
-import { openPage } from "../page.js";
-import { loadSettings } from "../settings.js";
-import { sayIn } from "../spoken.js";
+import { ApiError } from "../lib/api.js";
+import { el, part } from "../lib/dom.js";
+import { explain } from "../lib/faults.js";
+import { sayChosen } from "../lib/file-input.js";
+import { sized, t } from "../lib/i18n.js";
+import { openPage } from "../lib/page.js";
+import { loadSettings } from "../lib/settings.js";
+import { sayIn } from "../lib/live-region.js";
 import words from "../messages/result.js";
-import { load } from "./source.js";
-import { ResultView } from "./view.js";
+import { load } from "../lib/result/source.js";
+import { ResultView } from "../lib/result/view.js";
 
-/** @typedef {import("./view.js").Result} Result */
+/** @typedef {import("../lib/result/view.js").Result} Result */
 
 openPage({ result: words });
 const query = new URLSearchParams(location.search);

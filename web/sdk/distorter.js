@@ -9,7 +9,7 @@
 //     // distorter.canvas is transparent where the scene is, and lies over the video
 //     distorter.dispose();
 import { projectionMatrix } from "./calibration.js";
-import { distortingMap, widePinhole } from "./straight.js";
+import { distortingMap, widePinhole } from "./rectification.js";
 import { Warp, made } from "./warp.js";
 
 /**
@@ -25,7 +25,7 @@ export class Distorter {
   #warp;
   #pinhole;
 
-  /** @param {import("./straight.js").Calibration} calibration @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2 */
+  /** @param {import("./rectification.js").Calibration} calibration @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2 */
   constructor(calibration, { largest = 2, canvas = made() } = {}) {
     this.canvas = canvas;
     this.#pinhole = widePinhole(calibration, largest);

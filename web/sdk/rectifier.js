@@ -7,10 +7,10 @@
 //     rectifier.camera_matrix; // of the picture it draws, which has no distortion
 //     rectifier.dispose();
 import { projectionMatrix } from "./calibration.js";
-import { rectifiedMatrix, rectifyingMap, scaled } from "./straight.js";
+import { rectifiedMatrix, rectifyingMap, scaled } from "./rectification.js";
 import { Warp, made } from "./warp.js";
 
-export { rectifiedMatrix, rectifyingMap } from "./straight.js";
+export { rectifiedMatrix, rectifyingMap } from "./rectification.js";
 export { RectifierError } from "./warp.js";
 
 /**
@@ -22,7 +22,7 @@ export { RectifierError } from "./warp.js";
  * @property {Canvas} [canvas] to draw into; one is made unless told
  */
 /** @typedef {import("./warp.js").AnyCanvas} AnyCanvas */
-/** @typedef {import("./straight.js").Calibration} Calibration */
+/** @typedef {import("./rectification.js").Calibration} Calibration */
 
 /** @template {AnyCanvas} [Canvas=HTMLCanvasElement] */
 export class Rectifier {

@@ -4,7 +4,7 @@ import { XRDevice } from "../vendor/webxr/polyfill.js";
 import { Stage } from "./stage.js";
 
 /**
- * @typedef {import("../sdk/straight.js").Pinhole} Pinhole
+ * @typedef {import("../sdk/rectification.js").Pinhole} Pinhole
  *
  * @typedef {object} Setup
  * @property {HTMLVideoElement} video playing the camera

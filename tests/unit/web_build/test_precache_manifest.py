@@ -8,7 +8,7 @@ from infra.web_build.precache_manifest import WEB, shell
 
 def test_every_file_of_the_pages_is_listed_with_its_hash() -> None:
     found = shell()
-    assert {"index.html", "style.css", "calibrate/main.js", "words/board.js", "result/view.js"} <= set(
+    assert {"index.html", "style.css", "calibrate/main.js", "messages/board.js", "lib/result/view.js"} <= set(
         found["files"]
     )
     style = hashlib.sha256((WEB / "style.css").read_bytes()).hexdigest()

@@ -1,8 +1,8 @@
 // The camera's own camera_para.dat, for AR.js.
 import { cameraParameters } from "../../sdk/adapters/artoolkit.js";
-import { part } from "../../dom.js";
-import { number, t } from "../../i18n.js";
-import { loadSettings } from "../../settings.js";
+import { part } from "../../lib/dom.js";
+import { number, t } from "../../lib/i18n.js";
+import { loadSettings } from "../../lib/settings.js";
 import { whenOpen } from "../picture.js";
 
 whenOpen(async ({ calibration }) => {

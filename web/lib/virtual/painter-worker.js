@@ -1,11 +1,11 @@
 // The virtual camera's painter in a Worker: a hundred milliseconds a picture would stop the page.
 import { Painter } from "./painter.js";
-import { smear, spoil } from "./spoil.js";
+import { smear, spoil } from "./degrade.js";
 
 /**
- * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("../board.js").Board} Board
  * @typedef {import("./lens.js").Lens} Lens
- * @typedef {import("./pose.js").Pose} Pose
+ * @typedef {import("../pose.js").Pose} Pose
  */
 
 /** @type {Painter | null} */

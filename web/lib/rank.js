@@ -1,5 +1,5 @@
 // In which order photographs are worth sending: what shows the board somewhere new, or in a new way, comes first. Pure.
-import { foreshortening } from "../calibrate/area.js";
+import { foreshortening } from "./board-outline.js";
 
 /**
  * @typedef {object} Candidate

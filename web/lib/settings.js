@@ -10,7 +10,7 @@ export class SettingsError extends Error {}
 
 /** @param {{patience?: number}} [options] patience: ms @returns {Promise<Settings>} rejects with OfflineError or SettingsError */
 export async function loadSettings(options) {
-  const response = await reach(new URL("./config.json", import.meta.url), options);
+  const response = await reach(new URL("../config.json", import.meta.url), options);
   if (!response.ok) throw new SettingsError(`The page's settings are missing (${response.status}). Try again later.`);
   const settings = await response.json();
   keep(settings);

@@ -2,10 +2,10 @@
 // adds to those before it, and a calibration is stored when the error it is after is reached.
 
 /**
- * @typedef {import("../calibrate/api.js").Api} Api
+ * @typedef {import("./api.js").Api} Api
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
- * @typedef {import("../calibrate/session.js").SessionState} SessionState
- * @typedef {import("../calibrate/session.js").ViewAnswer} ViewAnswer
+ * @typedef {import("./session.js").SessionState} SessionState
+ * @typedef {import("./session.js").ViewAnswer} ViewAnswer
  * @typedef {import("../vendor/api.js").Pose} Pose
  *
  * @typedef {{ids: number[], points: number[][]}} View

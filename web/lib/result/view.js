@@ -1,14 +1,14 @@
 // A result: what it is worth in plain words, the numbers, the pictures behind them, and what to do with it.
-import { ApiError } from "../calibrate/api.js";
+import { ApiError } from "../api.js";
 import { el } from "../dom.js";
 import { known, number, onLanguage, sized, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
-import { returnAddress, withResult } from "./back.js";
+import { returnAddress, withResult } from "./return-address.js";
 import { comparison } from "./compare.js";
 import { fieldOfView, intrinsics, levelOf } from "./numbers.js";
 import { coveragePlot, distortionPlot, errorPlot } from "./plots.js";
 import { load } from "./source.js";
-import { files } from "./take.js";
+import { files } from "./download.js";
 import { button, named, viewsPart } from "./views.js";
 
 /**
@@ -88,7 +88,7 @@ export class ResultView {
     if (!id) return null;
     const photographs = ["photographs", "video"].includes(platform);
     const query = new URLSearchParams({ camera, ...(photographs ? {} : { img_size: img_size.join("x"), distortion_model }) });
-    const page = new URL(photographs ? "../photos/" : "../calibrate/", import.meta.url);
+    const page = new URL(photographs ? "../../photos/" : "../../calibrate/", import.meta.url);
     return { choose: (without) => void this.#leaveOut(id, without), goOn, elsewhere: `${page.href}?${query}` };
   }
 

@@ -1,7 +1,7 @@
 // What the pages say, in the visitor's language.
 //
-//     import { learn, t, translate } from "../i18n.js";
-//     import board from "../words/board.js";
+//     import { learn, t, translate } from "../lib/i18n.js";
+//     import board from "../messages/board.js";
 //     learn({ board });
 //     t("board.full_screen"); t("board.views", { count: 3 });
 //

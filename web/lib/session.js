@@ -3,7 +3,7 @@
 import { ApiError, OfflineError } from "./api.js";
 
 /**
- * @typedef {import("./stillness.js").Corners} Corners
+ * @typedef {import("./board-outline.js").Corners} Corners
  * @typedef {import("../vendor/api.js").Pose & {hint_code?: string}} Pose
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
  *

@@ -1,7 +1,7 @@
 // A grid through a lens, drawn with the lens models that the rest of calibDB uses.
-import { lensOf } from "./sdk/projection.js";
+import { lensOf } from "../sdk/projection.js";
 
-/** @typedef {import("./sdk/projection.js").Intrinsics} Intrinsics */
+/** @typedef {import("../sdk/projection.js").Intrinsics} Intrinsics */
 
 const SVG = "http://www.w3.org/2000/svg";
 

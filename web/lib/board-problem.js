@@ -1,8 +1,8 @@
 // Why a board cannot be, in the language of the page.
-import { learn, onLanguage, t } from "../i18n.js";
+import { learn, onLanguage, t } from "./i18n.js";
 import words from "../messages/impossible.js";
 
-/** @typedef {import("./geometry.js").Problem} Problem */
+/** @typedef {import("./board.js").Problem} Problem */
 
 learn({ impossible: words });
 

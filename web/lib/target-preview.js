@@ -1,8 +1,8 @@
 // The target as a ghost of the board: its black squares, drawn through the same lens as its corners.
-import { isBlack } from "../board/geometry.js";
+import { isBlack } from "./board.js";
 
 /**
- * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("./board.js").Board} Board
  * @typedef {number[][]} Polygon
  */
 

@@ -1,9 +1,9 @@
 // Where a ChArUco board is black. Apart from its geometry: only who draws boards needs the tables of the markers.
 import { TABLES } from "./dictionaries.js";
-import { dictionaryOf, isBlack, markers } from "./geometry.js";
+import { dictionaryOf, isBlack, markers } from "./board.js";
 
 /**
- * @typedef {import("./geometry.js").Board} Board
+ * @typedef {import("./board.js").Board} Board
  *
  * @typedef {[x: number, y: number, width: number, height: number]} Rectangle
  */

@@ -1,10 +1,10 @@
 // The area of the image that the board covers, from the corners seen.
-import { corners as boardCorners, outline } from "../board/geometry.js";
+import { corners as boardCorners, outline } from "./board.js";
 import { apply, homography } from "./homography.js";
 
 /**
- * @typedef {import("../board/geometry.js").Board} Board
- * @typedef {import("./stillness.js").Corners} Corners
+ * @typedef {import("./board.js").Board} Board
+ * @typedef {{ids: number[], points: number[][]}} Corners corners of the board that were found; points: px
  */
 
 /** Two squares apart at least, or the outline is a guess. */

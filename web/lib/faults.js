@@ -1,10 +1,10 @@
 // What went wrong, in words a person can act on and in the language of the page.
-import { ApiError } from "./calibrate/api.js";
+import { ApiError } from "./api.js";
 import { known, learn, t } from "./i18n.js";
 import { OfflineError } from "./network.js";
-import { LookupError } from "./sdk/request.js";
+import { LookupError } from "../sdk/request.js";
 import { SettingsError } from "./settings.js";
-import words from "./messages/faults.js";
+import words from "../messages/faults.js";
 
 learn({ faults: words });
 

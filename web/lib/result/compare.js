@@ -1,7 +1,7 @@
 // Before and after: a picture as the camera took it, and straightened, with a line between them that can be moved.
 import { el } from "../dom.js";
 import { t } from "../i18n.js";
-import { Rectifier, RectifierError } from "../sdk/rectifier.js";
+import { Rectifier, RectifierError } from "../../sdk/rectifier.js";
 
 /** @typedef {import("./numbers.js").Calibration} Calibration */
 

@@ -1,8 +1,8 @@
 // The hand that holds the board: how it gets to a target, and how still it is there. Pure: the time comes in.
-import { between, misplaced, seeded, transform } from "./pose.js";
+import { between, misplaced, seeded, transform } from "../pose.js";
 
 /**
- * @typedef {import("./pose.js").Pose} Pose
+ * @typedef {import("../pose.js").Pose} Pose
  *
  * @typedef {object} Kind
  * @property {number} travel ms from one pose to the next

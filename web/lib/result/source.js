@@ -1,5 +1,5 @@
 // A stored calibration, with its report, and as a file in any format that the service writes.
-import { Api } from "../calibrate/api.js";
+import { Api } from "../api.js";
 import { loadSettings } from "../settings.js";
 import { fileName } from "./numbers.js";
 
@@ -19,7 +19,7 @@ const path = (id, query = {}) => `/calibrations/${encodeURIComponent(id)}${Objec
 
 /**
  * @param {string} id @param {number[]} [without] indices of views: what it would be had they not been taken
- * @param {Partial<import("../calibrate/api.js").Transport>} [transport]
+ * @param {Partial<import("../api.js").Transport>} [transport]
  * @returns {Promise<{calibration: Calibration, report: Report | null}>} rejects as Api does: 422 where nothing is left to fit
  */
 export async function load(id, without = [], transport = {}) {

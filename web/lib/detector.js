@@ -1,8 +1,8 @@
 // The board detector as the page sees it: one call a frame, answered from a Worker.
-import { reach } from "../network.js";
+import { reach } from "./network.js";
 
 /**
- * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("./board.js").Board} Board
  *
  * @typedef {object} Detection
  * @property {number[]} ids board corners, id = row * (columns - 1) + column

@@ -1,6 +1,6 @@
 // HTTP to the service: bearer credentials, problems as errors, patience when the network fails.
 
-import { OfflineError, reach, readable } from "../network.js";
+import { OfflineError, reach, readable } from "./network.js";
 
 export { OfflineError };
 

@@ -1,6 +1,6 @@
 // The camera: which there are, opening one as it is built, and what can go wrong in words a person can act on.
-import { learn, say, t } from "../i18n.js";
-import { VirtualCamera, isVirtual, labelOf, setupFrom } from "../virtual/camera.js";
+import { learn, say, t } from "./i18n.js";
+import { VirtualCamera, isVirtual, labelOf, setupFrom } from "./virtual/camera.js";
 import capture from "../messages/capture.js";
 
 learn({ capture });
@@ -16,7 +16,7 @@ learn({ capture });
  * @property {MediaStreamTrack} track
  * @property {boolean} mirrored shown as a mirror: it faces the user
  * @property {boolean} cropped the browser cut or scaled the sensor's picture
- * @property {import("../virtual/camera.js").VirtualCamera | null} virtual
+ * @property {import("./virtual/camera.js").VirtualCamera | null} virtual
  * @property {() => void} close
  */
 
@@ -67,7 +67,7 @@ export function propose(choices, asked, chosen) {
 
 /**
  * @param {string} id of a choice
- * @param {{parameters: URLSearchParams, size: [number, number], place: HTMLElement, board: import("../board/geometry.js").Board}} options
+ * @param {{parameters: URLSearchParams, size: [number, number], place: HTMLElement, board: import("./board.js").Board}} options
  *   size: what to ask for, px; place: where the virtual camera may put its canvas
  * @returns {Promise<OpenCamera>}
  */

@@ -1,8 +1,8 @@
 // A calibration in numbers that people read. Pure.
-import { COEFFICIENTS, lensOf } from "../sdk/projection.js";
+import { COEFFICIENTS, lensOf } from "../../sdk/projection.js";
 
 /**
- * @typedef {import("../sdk/calibdb.js").CalibrationData} Calibration
+ * @typedef {import("../../sdk/calibdb.js").CalibrationData} Calibration
  *
  * @typedef {object} ReportView
  * @property {number} index of the pose it answered

@@ -5,7 +5,7 @@ import { frameMetrics } from "./frame-metrics.js";
 import { refine } from "./subpixel.js";
 
 /**
- * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("./board.js").Board} Board
  * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {{id: number, open: Board, wasm: string, bytes: number}} OpenRequest
  * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean, probe: string | null}} DetectRequest

@@ -1,16 +1,16 @@
 // A camera made of numbers: a MediaStream that shows the board through a known lens, and follows the targets.
-import { DEFAULT_BOARD } from "../board/geometry.js";
+import { DEFAULT_BOARD } from "../board.js";
 import { HANDS, Hand } from "./hand.js";
 import { matched } from "./match.js";
 import { NAME, isVirtual } from "./name.js";
-import { FAULTS } from "./spoil.js";
+import { FAULTS } from "./degrade.js";
 
 export { isVirtual };
 
 /**
- * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("../board.js").Board} Board
  * @typedef {import("./lens.js").Lens} Lens
- * @typedef {import("./pose.js").Pose} Pose
+ * @typedef {import("../pose.js").Pose} Pose
  *
  * @typedef {object} Setup
  * @property {[number, number]} size px
@@ -106,7 +106,7 @@ export class VirtualCamera {
     const context = this.#canvas.getContext("2d", { alpha: false });
     if (!context) throw new Error("this browser has no 2D canvas");
     this.#context = context;
-    this.#worker = new Worker(new URL("./thread.js", import.meta.url), { type: "module" });
+    this.#worker = new Worker(new URL("./painter-worker.js", import.meta.url), { type: "module" });
     const [columns, rows] = board.squares;
     const distance = ((1.6 * columns * setup.lens.fx) / setup.size[0]) * (setup.shown.distance ?? 1);
     this.#hand = new Hand(setup.hand, {

@@ -1,10 +1,10 @@
 // Image quality of a frame in a few numbers: exposure, sharpness, size of the squares, moiré. Cheap enough for every frame.
-import { isBlack } from "../board/geometry.js";
+import { isBlack } from "./board.js";
 import { squareSizes } from "./subpixel.js";
 
 /**
  * @typedef {import("./subpixel.js").Grey} Grey
- * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("./board.js").Board} Board
  *
  * @typedef {object} FrameMetrics
  * @property {number} median brightness, 0…255

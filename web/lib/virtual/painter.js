@@ -1,12 +1,12 @@
 // Paints the board as a camera with a known lens sees it. Pure: numbers in, pixels out.
-import { raster } from "../board/drawing.js";
-import { rotationMatrix } from "./pose.js";
+import { raster } from "../board-drawing.js";
+import { rotationMatrix } from "../pose.js";
 import { unproject } from "./lens.js";
 
 /**
- * @typedef {import("../board/geometry.js").Board} Board
+ * @typedef {import("../board.js").Board} Board
  * @typedef {import("./lens.js").Lens} Lens
- * @typedef {import("./pose.js").Pose} Pose
+ * @typedef {import("../pose.js").Pose} Pose
  */
 
 const TEXELS = 64; // a square

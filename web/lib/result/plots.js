@@ -1,8 +1,8 @@
 // The pictures of a result: predicted error, distortion, coverage, residuals. Numbers in, SVG out.
 import { number, rough, t } from "../i18n.js";
-import { lensOf } from "../sdk/projection.js";
+import { lensOf } from "../../sdk/projection.js";
 import { complaint, covered, extremes } from "./numbers.js";
-import { arrow, imagePlot, make, short } from "./svg.js";
+import { arrow, imagePlot, make, short } from "../svg.js";
 
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration

@@ -1,9 +1,9 @@
 // The files that a calibration is to be had as, and what becomes of it in them.
-import { ApiError } from "../calibrate/api.js";
+import { ApiError } from "../api.js";
 import { el } from "../dom.js";
 import { learn, number, t } from "../i18n.js";
-import { FORMATS } from "../vendor/formats.js";
-import words from "../messages/formats.js";
+import { FORMATS } from "../../vendor/formats.js";
+import words from "../../messages/formats.js";
 import { save } from "./source.js";
 
 /**
@@ -78,4 +78,4 @@ export function became({ name, error, coverage }) {
 }
 
 /** This result's own page. @param {string} id */
-const address = (id) => new URL(`./?${new URLSearchParams({ id })}`, import.meta.url).href;
+const address = (id) => new URL(`../../result/?${new URLSearchParams({ id })}`, import.meta.url).href;
