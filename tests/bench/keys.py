@@ -60,12 +60,12 @@ def resolved(asked: Identity, known: Sequence[Label]) -> str:
 def ways(found: Sequence[Label]) -> list[tuple[str, Callable[[Label], str]]]:
     """Ways of making a key, each with one hint more."""
     return [
-        ("label as it is", lambda x: x.label),
-        ("label and platform as they are", lambda x: f"{x.label}|{x.platform}"),
-        ("name normalised", lambda x: x.identity.name),
-        ("name and system", lambda x: f"{x.identity.name}|{system_of(x.platform).text}"),
+        ("raw label", lambda x: x.label),
+        ("raw label and platform", lambda x: f"{x.label}|{x.platform}"),
+        ("normalised name", lambda x: x.identity.name),
+        ("normalised name and system", lambda x: f"{x.identity.name}|{system_of(x.platform).text}"),
         ("USB id and name, else name and system", lambda x: x.identity.key),
-        ("the same, a name alone resolved to its one USB id", lambda x: resolved(x.identity, found)),
+        ("the same, a bare name resolved to its only USB id", lambda x: resolved(x.identity, found)),
     ]
 
 
@@ -152,15 +152,18 @@ def facts(found: Sequence[Label]) -> list[list[str]]:
     virtual = [x for x in found if x.product == "virtual"]
     return [
         ["labels", str(len(found))],
-        ["products behind them", str(len({x.product for x in found}))],
-        ["labels that say which product they are of", f"{len(answered)} of {len(real)}"],
-        ["names that several USB ids bear", str(len(several))],
+        ["products with these labels", str(len({x.product for x in found}))],
+        ["labels that identify their product", f"{len(answered)} of {len(real)}"],
+        ["names shared by several USB ids", str(len(several))],
         ["of these resolved by the name alone", str(guessed)],
         [
-            "programs that pose as cameras, recognised",
+            "virtual cameras recognised",
             f"{sum(x.identity.virtual for x in virtual)} of {len(virtual)}",
         ],
-        ["cameras taken for such programs", str(sum(x.identity.virtual for x in found) - len(virtual))],
+        [
+            "real cameras mistaken for virtual ones",
+            str(sum(x.identity.virtual for x in found) - len(virtual)),
+        ],
     ]
 
 
@@ -170,7 +173,7 @@ def main() -> None:
     header = ["key", "wrong pairs", "precision", "recall, evident", "recall, all"]
     document.replace("ways", document.table(header, compared(found)), DOCUMENT)
     document.replace("facts", document.table(["", ""], facts(found)), DOCUMENT)
-    header = ["what is known", "cameras that several people calibrated", "pairs of one lens"]
+    header = ["known fields", "cameras calibrated by several people", "pairs of one lens"]
     document.replace("lenses", document.table(header, lenses()), DOCUMENT)
 
 
