@@ -87,7 +87,7 @@ class CalibrationDocument(CaptureDocument):
     views: tuple[ViewDocument, ...]
     set_aside: tuple[ViewDocument, ...] = ()  # captured too, and found not to belong to the others
     fits: dict[DistortionModel, FitRecord]
-    report: Members | None = None  # `calibsolver.quality.describe` of the fit
+    report: Members | None = None  # `calibsolver.quality.report.describe` of the fit
     solver: str
     contributor: str
     source: str | None = None

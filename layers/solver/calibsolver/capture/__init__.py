@@ -1,7 +1,28 @@
 """Guided capture: acceptance rules of one session's views."""
 
-from .advice import Advice
-from .decision import Estimate, SetAside, Verdict
-from .rules import MAX_VIEWS, Capture
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "SetAside", "Verdict"]
+if TYPE_CHECKING:
+    from .advice import Advice
+    from .decision import Estimate, Exclusion, ViewDecision, exclusions
+    from .rules import MAX_VIEWS, Capture
+
+_MODULES = {
+    "Advice": "advice",
+    "Capture": "rules",
+    "Estimate": "decision",
+    "Exclusion": "decision",
+    "MAX_VIEWS": "rules",
+    "ViewDecision": "decision",
+    "exclusions": "decision",
+}
+
+__all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Exclusion", "ViewDecision", "exclusions"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a name when it is first used: `admission` alone needs neither guidance nor quality."""
+    if name in _MODULES:
+        return getattr(import_module(f".{_MODULES[name]}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
