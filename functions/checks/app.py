@@ -32,7 +32,7 @@ from calibdb.schema import (
 )
 from calibdb.store import Mode
 from calibsolver import Board, CalibrationError, Camera, View, fit
-from calibsolver.capture.admission import unfit
+from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus import difference
 from calibsolver.fitting.resection import score
 
@@ -140,7 +140,7 @@ def examine(request: CheckRequest) -> Examined:
     """Fit a camera to the views alone; raises InvalidError where there is none that believably took them."""
     board = Board(**request.board.model_dump())
     views = [board.view(view.ids, view.points) for view in request.views]
-    reasons = [unfit(view, request.img_size) for view in views]
+    reasons = [rejection_reason(view, request.img_size) for view in views]
     wrong = [
         FieldError(f"views.{n}", _UNFIT.get(reason, reason)) for n, reason in enumerate(reasons) if reason
     ]

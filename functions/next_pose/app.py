@@ -11,7 +11,7 @@ from calibdb.http import application
 from calibdb.rules import session_rules
 from calibdb.schema import Pose, SessionDocument
 from calibsolver import Board, Camera, guidance
-from calibsolver.capture import Capture, SetAside
+from calibsolver.capture import Capture, Exclusion
 from calibsolver.guidance import overlay
 
 Format = Literal["jpeg", "png"]
@@ -48,7 +48,7 @@ def choose(document: SessionDocument) -> SessionDocument:
     """Return the document with the target open that helps most, unlike those that the user did not want."""
     rules = solver_rules(document)
     views = [rules.board.view(view.ids, view.points) for view in document.views]
-    aside = {i: SetAside(**v.set_aside.model_dump()) for i, v in enumerate(document.views) if v.set_aside}
+    aside = {i: Exclusion(**v.set_aside.model_dump()) for i, v in enumerate(document.views) if v.set_aside}
     skipped = tuple(guidance.TargetPose.from_dict(target) for target in document.skipped)
     unreached = tuple(guidance.TargetPose.from_dict(target) for target in document.unreached)
     target = rules.next_target(views, rules.estimate(views, aside), skipped, unreached)
@@ -72,7 +72,7 @@ def solver_rules(document: SessionDocument) -> Capture:
         model=document.distortion_model,
         guidance=document.guidance,
         target_error=document.target_error,
-        prior=Camera.from_record(document.prior.model_dump()) if document.prior else None,
+        seed=Camera.from_record(document.prior.model_dump()) if document.prior else None,
     )
 
 

@@ -69,7 +69,7 @@ def remove(call: application.Call) -> Response:
         if left is None:
             return None, document
         rules, views, aside = solver(document, left)
-        estimate = rules.settle(views, aside)
+        estimate = rules.reconcile(views, aside)
         target = rules.next_target(views, estimate, unreached=targets(document.unreached)).to_dict()
         now = call.service.now
         changed = session_rules.with_views(
@@ -104,7 +104,7 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, wher
     if not verdict.accepted or estimate is None:
         hint = Hint(code=verdict.hint.code, text=verdict.hint.text) if verdict.hint else None
         return Judged(
-            session_rules.with_doubt(document, view) if verdict.witness else None, verdict.reason, hint
+            session_rules.with_doubt(document, view) if verdict.quarantine else None, verdict.reason, hint
         )
     everything = [*views, seen]
     following = None
@@ -114,7 +114,7 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, wher
     changed = session_rules.with_view(document, view, recorded(estimate, now), standing(estimate), following)
     if estimate.converged and estimate.calibration is not None:
         indices = [known.index for known in changed.views if known.set_aside is None]
-        used = [one for i, one in enumerate(everything) if i not in estimate.aside]
+        used = [one for i, one in enumerate(everything) if i not in estimate.excluded]
         described = report.describe(estimate.calibration, used, indices)
         changed = session_rules.finished(changed, now, who, calibsolver.__version__, described, where)
     return Judged(changed)
@@ -147,7 +147,7 @@ def publish(call: application.Call, document: SessionDocument) -> None:
 
 def solver(
     document: SessionDocument, views: tuple[ViewDocument, ...]
-) -> tuple[Capture, list[calibsolver.View], dict[int, solver_capture.SetAside]]:
+) -> tuple[Capture, list[calibsolver.View], dict[int, solver_capture.Exclusion]]:
     """Return the solver's rules for this session, its views, and which of them are set aside."""
     board = Board(**document.board.model_dump())
     rules = Capture(
@@ -156,10 +156,10 @@ def solver(
         model=document.distortion_model,
         guidance=document.guidance,
         target_error=document.target_error,
-        prior=Camera.from_record(document.prior.model_dump()) if document.prior else None,
+        seed=Camera.from_record(document.prior.model_dump()) if document.prior else None,
     )
     aside = {
-        i: solver_capture.SetAside(view.set_aside.reason, view.set_aside.detail)
+        i: solver_capture.Exclusion(view.set_aside.reason, view.set_aside.detail)
         for i, view in enumerate(views)
         if view.set_aside is not None
     }
@@ -173,7 +173,7 @@ def targets(stored: Sequence[dict[str, JsonValue]]) -> tuple[guidance.TargetPose
 
 def standing(estimate: Estimate) -> list[session_rules.Standing]:
     """Return each view's error, and why it is set aside if it is."""
-    reasons = [estimate.aside.get(i) for i in range(len(estimate.view_errors))]
+    reasons = [estimate.excluded.get(i) for i in range(len(estimate.view_errors))]
     stored = [SetAside(reason=r.reason, detail=r.detail) if r else None for r in reasons]
     return list(zip(estimate.view_errors, stored, strict=True))
 

@@ -178,7 +178,6 @@ class Session:
     reasons: list[str] = field(default_factory=list)
     views: list[View] = field(default_factory=list)
     calibration: Calibration | None = None
-    aside: int = 0
 
     def note(self, truth: Camera, estimate: Estimate) -> None:
         """Add what one more view gave."""
@@ -230,7 +229,7 @@ def run(
     estimate: Estimate = capture.estimate([])
     skipped: tuple[TargetPose, ...] = ()
     unreached: tuple[TargetPose, ...] = ()
-    doubted: list[View] = []
+    quarantined: list[View] = []
     target = chooser.next_pose([], None)
     while session.attempts < max_attempts and len(session.views) < max(
         views, (most or 0) if session.stopped is None else 0
@@ -242,25 +241,24 @@ def run(
         rvec, tvec = user.hold(board, asked, rng)
         view = seen(board, camera, rvec, tvec, rng, noise, wild, blur)
         wanted = target if guide is None else capture.next_target(session.views, estimate)
-        verdict = capture.judge(session.views, wanted, view, estimate.aside, doubted)
-        if verdict.estimate is None or verdict.estimate.calibration is None:
-            session.reasons.append(str(verdict.reason))
-            doubted += [view] if verdict.witness else []
+        decision = capture.judge(session.views, wanted, view, estimate.excluded, quarantined)
+        if decision.estimate is None or decision.estimate.calibration is None:
+            session.reasons.append(str(decision.reason))
+            quarantined += [view] if decision.quarantine else []
             if len(session.reasons) % 4 == 0:  # gives up on this one
                 skipped = (*skipped, target)
                 target = chooser.next_pose(session.views, estimate.calibration, skipped, unreached)
             continue
-        estimate = verdict.estimate
-        unreached, skipped, doubted = (*unreached, *skipped), (), []
+        estimate = decision.estimate
+        unreached, skipped, quarantined = (*unreached, *skipped), (), []
         session.views.append(view)
-        session.note(camera, verdict.estimate)
+        session.note(camera, decision.estimate)
         if estimate.converged and session.stopped is None:
             session.stopped = len(session.views)
         target = chooser.next_pose(used(session.views, estimate), estimate.calibration, (), unreached)
-    session.aside = len(estimate.aside)
     return session
 
 
 def used(views: Sequence[View], estimate: Estimate) -> list[View]:
-    """The views that are not set aside."""
-    return [view for i, view in enumerate(views) if i not in estimate.aside]
+    """The views that are not excluded."""
+    return [view for i, view in enumerate(views) if i not in estimate.excluded]

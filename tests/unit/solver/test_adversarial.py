@@ -123,13 +123,13 @@ def captured(rng: np.random.Generator, model: str, views: list[View]) -> None:
     estimate, taken = rules.estimate([]), list[View]()
     target = rules.next_target([], estimate)
     for view in views:
-        verdict = rules.judge(taken, target, view, estimate.aside, taken[:2])
-        if verdict.estimate is not None:
-            estimate, taken = verdict.estimate, [*taken, view]
+        decision = rules.judge(taken, target, view, estimate.excluded, taken[:2])
+        if decision.estimate is not None:
+            estimate, taken = decision.estimate, [*taken, view]
             assert 0 <= estimate.progress <= 1
             target = rules.next_target(taken, estimate)
             assert np.isfinite([*target.rvec, *target.tvec, *target.corners.ravel(), target.gain]).all()
-    assert rules.settle(taken, {}).progress <= 1
+    assert rules.reconcile(taken, {}).progress <= 1
 
 
 def tried(model: str, kind: str, seed: int) -> None:
@@ -226,9 +226,9 @@ def without_noise(model: str, seed: int, attempts: int) -> None:
         q = q + rng.uniform(-60, 60, 2)
         seen = np.isfinite(q).all(axis=1) & ((q >= 0) & (q <= np.array(SIZE) - 1)).all(axis=1)
         view = View(BOARD.points[seen], q[seen])
-        verdict = rules.judge(views, target, view, estimate.aside)
-        if verdict.estimate is not None:
-            estimate, views = verdict.estimate, [*views, view]
+        decision = rules.judge(views, target, view, estimate.excluded)
+        if decision.estimate is not None:
+            estimate, views = decision.estimate, [*views, view]
         if estimate.converged:
             break
     assert views

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, Camera, View, models, rotation
-from calibsolver.capture import Capture
-from calibsolver.guidance import TargetPose
+from calibsolver.capture import Capture, Exclusion, exclusions
+from calibsolver.guidance import PoseSelection, TargetPose
 from tests.helpers.solver import synthetic
 
 BOARD = Board()
@@ -58,11 +58,11 @@ def test_honest_view_is_taken_with_its_estimate(session: synthetic.Session) -> N
     c = capture()
     views = session.views[:2]
     target = c.next_target(views, c.estimate(views))
-    verdict = c.judge(views, target, hold(target))
-    assert verdict.accepted
-    assert verdict.reason is None
-    assert verdict.estimate is not None
-    assert len(verdict.estimate.view_errors) == 3
+    decision = c.judge(views, target, hold(target))
+    assert decision.accepted
+    assert decision.reason is None
+    assert decision.estimate is not None
+    assert len(decision.estimate.view_errors) == 3
 
 
 def refusals(session: synthetic.Session) -> dict[str, View]:
@@ -104,11 +104,11 @@ def refusals(session: synthetic.Session) -> dict[str, View]:
 def test_bad_view_is_refused_by_its_reason(session: synthetic.Session, kind: str) -> None:
     c, views = capture(), session.views[:3]
     target = c.next_target(views, c.estimate(views))
-    verdict = c.judge(views, target, refusals(session)[kind])
-    assert not verdict.accepted
+    decision = c.judge(views, target, refusals(session)[kind])
+    assert not decision.accepted
     expected = kind.split(":")[0].split(" ")[0]
-    assert verdict.reason in ({expected, "mirrored"} if "mixed" in kind or "another" in kind else {expected})
-    assert verdict.estimate is None
+    assert decision.reason in ({expected, "mirrored"} if "mixed" in kind or "another" in kind else {expected})
+    assert decision.estimate is None
     # The session goes on as if nothing had happened.
     assert c.judge(views, target, hold(target)).accepted
 
@@ -117,8 +117,8 @@ def test_nine_copies_of_a_good_view_are_not_ten_views(session: synthetic.Session
     c, views = capture(), list(session.views[:1])
     for _ in range(9):
         target = c.next_target(views, c.estimate(views))
-        verdict = c.judge(views, target, views[0])
-        if verdict.accepted:
+        decision = c.judge(views, target, views[0])
+        if decision.accepted:
             views.append(views[0])
     assert not c.estimate(views).converged
     assert len(views) < 4
@@ -153,9 +153,9 @@ def test_a_first_view_without_noise_does_not_make_outliers_of_the_rest(width: fl
         target = c.next_target(views, estimate)
         asked = synthetic.match_picture(BOARD, c.camera(estimate), CAMERA, target)
         view = synthetic.seen(BOARD, CAMERA, *synthetic.User().hold(BOARD, asked, rng), rng, noise=0.15)
-        verdict = c.judge(views, target, view)
-        if verdict.accepted and verdict.estimate:
-            views, estimate = [*views, view], verdict.estimate
+        decision = c.judge(views, target, view)
+        if decision.accepted and decision.estimate:
+            views, estimate = [*views, view], decision.estimate
     assert estimate.converged
 
 
@@ -170,8 +170,8 @@ def test_a_first_view_of_any_tilt_and_size_is_fitted(model: str, tilt: int) -> N
         rvec = np.radians(tilt) * np.array([0.6, 0.8, 0.0])
         place = np.array([0, 0, 9 * focal / (width * 1280)])
         tvec = place - rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
-        verdict = c.judge([], target, synthetic.seen(BOARD, camera, rvec, tvec, rng))
-        assert verdict.reason in (None, "no_information"), (focal, width)
+        decision = c.judge([], target, synthetic.seen(BOARD, camera, rvec, tvec, rng))
+        assert decision.reason in (None, "no_information"), (focal, width)
 
 
 def test_mirrored_stream_is_refused_from_the_first_view_in_any_pose() -> None:
@@ -201,8 +201,8 @@ def test_hostile_numbers_end_in_refusals(model: str) -> None:
         1e-300 * rng.normal(size=(40, 2)),
         100 + 20 * p[:, :2] + 500 * rng.normal(size=(40, 2)),
     ):
-        verdict = c.judge([], target, View(p, q))
-        assert not verdict.accepted
+        decision = c.judge([], target, View(p, q))
+        assert not decision.accepted
         assert c.estimate([View(p, q)]).converged is False
 
 
@@ -218,9 +218,9 @@ def test_an_honest_user_converges_after_a_hostile_one() -> None:
         good = synthetic.seen(BOARD, CAMERA, asked.rvec, asked.tvec, rng)
         bad = View(good.object_points, good.image_points[rng.permutation(len(good))])
         view = bad if i % 2 == 0 else good
-        verdict = c.judge(views, target, view)
-        assert verdict.accepted == (view is good)
-        if verdict.accepted:
+        decision = c.judge(views, target, view)
+        assert decision.accepted == (view is good)
+        if decision.accepted:
             views.append(view)
     assert c.estimate(views).converged
     error = synthetic.projection_error(CAMERA, c.camera(c.estimate(views)))
@@ -230,3 +230,34 @@ def test_an_honest_user_converges_after_a_hostile_one() -> None:
 def test_unknown_names_are_refused() -> None:
     with pytest.raises(ValueError, match="guidance"):
         Capture(BOARD, (1280, 720), guidance="random")
+
+
+def test_capture_from_record_equals_constructed_capture() -> None:
+    camera = Camera("fisheye", np.array([[500.0, 0, 320], [0, 500, 240], [0, 0, 1]]), np.zeros(4), (640, 480))
+    record = {
+        "board": {"squares": [7, 5], "marker_ratio": 0.7, "dictionary": "DICT_5X5_100", "legacy": True},
+        "img_size": [640, 480],
+        "distortion_model": "fisheye",
+        "guidance": "pose-selection",
+        "target_error": 0.2,
+        "prior": {
+            "img_size": [640, 480],
+            "distortion_model": "fisheye",
+            "camera_matrix": camera.matrix.tolist(),
+            "distortion_coefficients": [0.0] * 4,
+        },
+        "views": [],
+    }
+    made = Capture.from_record(record)
+    assert made.board == Board((7, 5), 0.7, "DICT_5X5_100", True)
+    assert (made.img_size, made.model, made.target_error) == ((640, 480), "fisheye", 0.2)
+    assert isinstance(made.guide, PoseSelection)
+    assert made.seed is not None
+    np.testing.assert_array_equal(made.seed.intrinsics, camera.intrinsics)
+    assert Capture.from_record({**record, "prior": None}).seed is None
+
+
+def test_exclusions_are_read_from_records_of_views() -> None:
+    reason = {"reason": "outlier", "detail": "Its corners are wrong."}
+    found = exclusions([{"set_aside": None}, {"set_aside": reason}, {"ids": [1, 2]}])
+    assert found == {1: Exclusion("outlier", "Its corners are wrong.")}

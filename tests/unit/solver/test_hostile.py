@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, Camera, View, rotation
-from calibsolver.capture import MAX_VIEWS, Capture, Estimate, SetAside
+from calibsolver.capture import MAX_VIEWS, Capture, Estimate, Exclusion
 from calibsolver.guidance import TargetPose
 from tests.helpers.solver import synthetic
 
@@ -20,16 +20,16 @@ Hostile = Callable[["Session", View], View]
 
 @dataclass
 class Session:
-    """A capture as the service keeps it: views, those set aside, witnesses, the open target."""
+    """A capture as the service keeps it: views, those set aside, those quarantined, the open target."""
 
     seed: int = 0
-    prior: Camera | None = None
+    seed_camera: Camera | None = None
     views: list[View] = field(default_factory=list)
-    doubted: list[View] = field(default_factory=list)
+    quarantined: list[View] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.rules = Capture(BOARD, SIZE, prior=self.prior)
+        self.rules = Capture(BOARD, SIZE, seed=self.seed_camera)
         self.rng = np.random.default_rng(self.seed)
         self.estimate: Estimate = self.rules.estimate([])
         self.target: TargetPose = self.rules.next_target([], self.estimate)
@@ -40,14 +40,14 @@ class Session:
         return synthetic.seen(BOARD, camera, *synthetic.User().hold(BOARD, asked, self.rng), self.rng)
 
     def submit(self, view: View) -> bool:
-        verdict = self.rules.judge(self.views, self.target, view, self.estimate.aside, self.doubted)
-        if verdict.estimate is None:
-            assert verdict.reason is not None
-            assert verdict.hint is not None
-            self.reasons.append(verdict.reason)
-            self.doubted = [*self.doubted, view][-4:] if verdict.witness else self.doubted
+        decision = self.rules.judge(self.views, self.target, view, self.estimate.excluded, self.quarantined)
+        if decision.estimate is None:
+            assert decision.reason is not None
+            assert decision.hint is not None
+            self.reasons.append(decision.reason)
+            self.quarantined = [*self.quarantined, view][-4:] if decision.quarantine else self.quarantined
             return False
-        self.views, self.doubted, self.estimate = [*self.views, view], [], verdict.estimate
+        self.views, self.quarantined, self.estimate = [*self.views, view], [], decision.estimate
         if not self.estimate.converged:
             self.target = self.rules.next_target(self.views, self.estimate)
         return True
@@ -108,7 +108,7 @@ def test_hostile_views_end_in_refusals_and_honest_ones_converge(kind: str, good_
     if kind != "moving principal point":  # which a turn of the board explains, up to a point
         assert taken == 0
         assert set(session.reasons) <= set(WRONG)
-    assert len(session.reasons) + len(session.estimate.aside) >= 3
+    assert len(session.reasons) + len(session.estimate.excluded) >= 3
     assert not session.estimate.converged
     assert session.finish() < 0.6
 
@@ -135,8 +135,8 @@ def test_a_wrong_first_view_is_set_aside_by_itself(focal: float, squash: float) 
     assert taken or squash < 1  # no camera's pixels are so far from square
     assert session.finish() < 0.6
     if taken:
-        assert 0 in session.estimate.aside
-        assert session.estimate.aside[0].detail
+        assert 0 in session.estimate.excluded
+        assert session.estimate.excluded[0].detail
         assert session.estimate.view_errors[0] is not None
 
 
@@ -146,7 +146,7 @@ def test_wrong_views_in_the_middle_are_refused_or_set_aside() -> None:
         session.submit(session.honest(other_camera(600.0) if i in (1, 3) else CAMERA))
     assert session.finish() < 0.6
     wrong = {1, 3} & set(range(len(session.views)))
-    assert len(session.reasons) + len(wrong & set(session.estimate.aside)) >= 1
+    assert len(session.reasons) + len(wrong & set(session.estimate.excluded)) >= 1
 
 
 def test_views_of_a_camera_that_changed_do_not_hold_the_rest_back() -> None:
@@ -155,18 +155,18 @@ def test_views_of_a_camera_that_changed_do_not_hold_the_rest_back() -> None:
     for _ in range(3):
         session.submit(session.honest(other_camera(620.0)))
     assert session.finish(most=16) < 0.6
-    assert len(session.views) - len(session.estimate.aside) >= 4
+    assert len(session.views) - len(session.estimate.excluded) >= 4
 
 
 def test_undoing_the_good_ones_brings_back_what_was_set_aside() -> None:
     session = Session(seed=2)
     session.submit(session.honest(other_camera(450.0)))
     session.finish()
-    assert 0 in session.estimate.aside
-    left = session.rules.settle(session.views[:1], {0: session.estimate.aside[0]})
-    assert left.aside == {}
+    assert 0 in session.estimate.excluded
+    left = session.rules.reconcile(session.views[:1], {0: session.estimate.excluded[0]})
+    assert left.excluded == {}
     assert left.calibration is not None
-    nothing = session.rules.settle([], {})
+    nothing = session.rules.reconcile([], {})
     assert nothing.calibration is None
 
 
@@ -175,9 +175,9 @@ def test_undo_refits_from_the_others() -> None:
     session.finish()
     for i in range(len(session.views)):
         others = [*session.views[:i], *session.views[i + 1 :]]
-        left = session.rules.settle(others, {})
+        left = session.rules.reconcile(others, {})
         assert len(left.view_errors) == len(others)
-        assert left.aside == {}
+        assert left.excluded == {}
         found = session.rules.camera(left)
         assert synthetic.projection_error(CAMERA, found).mean() < 1.5
 
@@ -198,11 +198,11 @@ def test_a_capture_ends_at_its_limit_and_says_what_was_not_reached() -> None:
 
 
 def test_reasons_of_views_set_aside_are_sentences() -> None:
-    aside = SetAside("outlier", "It is.")
+    aside = Exclusion("outlier", "It is.")
     session = Session(seed=8)
     session.finish()
     estimate = session.rules.estimate(session.views, {1: aside})
-    assert estimate.aside == {1: aside}
+    assert estimate.excluded == {1: aside}
     error = estimate.view_errors[1]
     assert error is not None
     assert error < 2

@@ -57,9 +57,9 @@ def test_a_model_that_is_too_simple_is_named_with_a_better_one() -> None:
     estimate, suggested, advice = rules.estimate([]), None, set[str]()
     for view in views[:12]:
         target = rules.next_target(taken, estimate)
-        verdict = rules.judge(taken, target, view, estimate.aside)
-        if verdict.estimate is not None:
-            taken, estimate = [*taken, view], verdict.estimate
+        decision = rules.judge(taken, target, view, estimate.excluded)
+        if decision.estimate is not None:
+            taken, estimate = [*taken, view], decision.estimate
             suggested = suggested or estimate.suggested_model
             advice |= {a.code for a in estimate.advice}
     assert suggested in ("fisheye", "rational", "omnidirectional")
@@ -79,7 +79,7 @@ def test_what_others_measured_begins_a_capture_and_does_not_end_it(factor: float
     for i in (1, 6, 10):
         camera = CAMERAS[i]
         prior = squashed(camera, factor)
-        rules = Capture(BOARD, camera.img_size, prior=prior)
+        rules = Capture(BOARD, camera.img_size, seed=prior)
         assert rules.camera(None).matrix[0, 0] == pytest.approx(prior.matrix[0, 0])
         session = synthetic.run(camera, np.random.default_rng(i), views=5, capture=rules)
         assert session.stopped is not None
@@ -94,5 +94,5 @@ def test_what_others_measured_begins_a_capture_and_does_not_end_it(factor: float
 @pytest.mark.parametrize("focal", [3.0, 1e6, np.nan])
 def test_a_prior_that_is_no_camera_is_passed_over(focal: float) -> None:
     matrix = np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1.0]])
-    rules = Capture(BOARD, (1280, 720), prior=Camera("rectilinear", matrix, np.zeros(5), (1280, 720)))
+    rules = Capture(BOARD, (1280, 720), seed=Camera("rectilinear", matrix, np.zeros(5), (1280, 720)))
     assert rules.camera(None).matrix[0, 0] == pytest.approx(1024)

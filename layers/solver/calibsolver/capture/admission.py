@@ -1,4 +1,4 @@
-"""Whether a view can be used at all, whatever came before it."""
+"""Admission of a single view to a capture, whatever came before it."""
 
 from typing import Literal
 
@@ -10,12 +10,12 @@ from ..view import View
 
 Reason = Literal["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]
 
-THINNEST = 0.005
-"""Standard deviation across the narrower direction / image width, below which the points are a line."""
+MIN_EXTENT_WIDTHS = 0.005
+"""Standard deviation of the points across their narrower direction / image width; below, they are a line."""
 
 
-def unfit(view: View, img_size: tuple[int, int]) -> Reason | None:
-    """Reason why `view` is refused, None where it may be used."""
+def rejection_reason(view: View, img_size: tuple[int, int]) -> Reason | None:
+    """Reason to refuse `view`; None where it may be used."""
     if len(view) < MIN_POINTS:
         return "too_few_points"
     try:
@@ -23,8 +23,8 @@ def unfit(view: View, img_size: tuple[int, int]) -> Reason | None:
     except CalibrationError:
         return "degenerate"
     extent = np.linalg.svd(view.image_points - view.image_points.mean(axis=0), compute_uv=False)[1]
-    if extent / np.sqrt(len(view)) < THINNEST * img_size[0]:
-        return "degenerate"  # so far away or so oblique that it is a line, give or take the noise
+    if extent / np.sqrt(len(view)) < MIN_EXTENT_WIDTHS * img_size[0]:
+        return "degenerate"  # so far away or so oblique that, within the noise, it is a line
     if orientation(view) < 0:
         return "mirrored"
     return None

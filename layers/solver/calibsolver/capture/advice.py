@@ -1,4 +1,4 @@
-"""What the user should know of a whole capture."""
+"""Advice to the user about a whole capture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,36 +13,44 @@ from ..view import View
 
 @dataclass(frozen=True)
 class Advice:
-    """A code for programs, an English sentence for people."""
+    """A code for programs and an English sentence for people."""
 
     code: Literal["prediction_disagrees", "model_too_simple", "limit_reached"]
     text: str
 
 
-LIMIT = Advice(
+LIMIT_REACHED = Advice(
     "limit_reached",
     "So many views are in that more would hardly help; the error that was aimed for is not reached.",
 )
 
 
-def disagreement(off: float | None, better: str | None) -> tuple[Advice, ...]:
-    """Say that the last view was `off` times as far off as predicted, and which model is better."""
-    said = []
-    if off is not None:
-        text = f"The last view lies {times(off)} as far off as was predicted; more views will tell."
-        said.append(Advice("prediction_disagrees", text))
-    if better is not None:
-        text = f"This lens bends more than the model can; {better} explains it better."
-        said.append(Advice("model_too_simple", text))
-    return tuple(said)
+def describe_disagreement(ratio: float | None, better_model: str | None) -> tuple[Advice, ...]:
+    """Word the advice after a view that disagrees with the prediction.
+
+    Parameters
+    ----------
+    ratio
+        Actual / predicted error of the last view; None where the prediction held.
+    better_model
+        Model that explains the views better; None where there is none.
+    """
+    advice = []
+    if ratio is not None:
+        text = f"The last view lies {times(ratio)} as far off as was predicted; more views will tell."
+        advice.append(Advice("prediction_disagrees", text))
+    if better_model is not None:
+        text = f"This lens bends more than the model can; {better_model} explains it better."
+        advice.append(Advice("model_too_simple", text))
+    return tuple(advice)
 
 
-def suggestion(views: Sequence[View], calibration: Calibration) -> str | None:
-    """Return the model that explains the views better than that of their `calibration`, if one does."""
+def find_better_model(views: Sequence[View], calibration: Calibration) -> str | None:
+    """Find the model that explains the views better than that of their `calibration`; None if none does."""
     if len(views) < 3:
         return None
     try:
-        found = suggest_model(views, calibration.camera.img_size).model
+        model = suggest_model(views, calibration.camera.img_size).model
     except CalibrationError:
         return None
-    return found if found != calibration.camera.model else None
+    return model if model != calibration.camera.model else None

@@ -1,8 +1,8 @@
-"""Which of the views are of one camera.
+"""Consistency of views: tests whether they come from one camera.
 
-A bad view need not look bad: another camera's is explained by another camera's numbers, and whichever view
-came first is right by itself. So views are tried together, and where they contradict each other the larger
-part is believed.
+A bad view need not look bad: a view of another camera is explained by the parameters of that camera, and
+whichever view came first fits by itself. So views are fitted together, and where they contradict each other
+the majority is believed.
 """
 
 from collections import OrderedDict
@@ -17,31 +17,31 @@ from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..view import View
 
-OUTLIER = 3.0
-"""Times the others' error from which a view does not belong to them."""
-FLOOR = 0.3 / 1280
-"""px of error / image width below which corners are as good as a webcam's ever are: no ratio counts there."""
-KEPT = 0.75
-"""Share of a view's points that must be good: wild points are a few, not a good part of the view."""
-CLEARLY = 1.4
-"""Times the error without a view from which the error with it is another, not the same by chance."""
-SUSPICIOUS = 1.8
-"""Times the typical view's error from which a view is looked at again."""
-PATIENCE = 3
-"""Views that are outvoted by one more that agree; then it was the camera that changed."""
-SAME = 0.02
-"""Mean distance of corners / image width below which two views are one pose, and one witness."""
-REMEMBERED = 24
-"""Fits kept, of those asked for last."""
+MAX_ERROR_RATIO = 3.0
+"""Error of a consistent view / error of the others, at most."""
+MIN_ERROR_WIDTHS = 0.3 / 1280
+"""px of error / image width below which no ratio counts: a webcam's corners are never better."""
+MIN_INLIER_SHARE = 0.75
+"""Share of a view's points that must be inliers: gross outliers are few, not a large part of a view."""
+MIN_IMPROVEMENT = 1.4
+"""Error with a view / error without it, from which the difference is not one of chance."""
+SUSPECT_ERROR_RATIO = 1.8
+"""Error of a view / error of the typical view, from which the view is tested again."""
+MAX_OUTVOTED_VIEWS = 3
+"""Accepted views that a larger group of later views may exclude: then it was the camera that changed."""
+SAME_POSE_WIDTHS = 0.02
+"""Mean distance of corners / image width below which two views show one pose, and count as one."""
+CACHE_SIZE = 24
+"""Fits that are cached: those used last."""
 
 
 class Consistency:
-    """Tries views together; remembers its last fits, so that nothing is fitted twice within a request.
+    """Tests of views against each other; caches its last fits, so nothing is fitted twice in a request.
 
     Parameters
     ----------
     img_size, model
-        What is fitted; width and height in px.
+        Width and height, px, and name of the model that is fitted.
     start
         A camera that may be near, where fits start first.
     """
@@ -50,7 +50,7 @@ class Consistency:
         self.img_size = img_size
         self.model = model
         self.start = start
-        self.floor = FLOOR * img_size[0]
+        self.min_error = MIN_ERROR_WIDTHS * img_size[0]
         self._fits: OrderedDict[tuple[int, ...], tuple[tuple[View, ...], Calibration | None]] = OrderedDict()
 
     def fit(self, views: Sequence[View]) -> Calibration | None:
@@ -60,98 +60,101 @@ class Consistency:
         key = tuple(id(view) for view in views)
         if key not in self._fits:
             before = self._fits.get(key[:-1], ((), None))[1]
-            near = before.camera if before else self.start
+            start = before.camera if before else self.start
             try:
-                found: Calibration | None = fit(views, self.img_size, self.model, start=near)
+                found: Calibration | None = fit(views, self.img_size, self.model, start=start)
             except CalibrationError:
                 found = None
             self._fits[key] = (tuple(views), found)
-            if len(self._fits) > REMEMBERED:
+            if len(self._fits) > CACHE_SIZE:
                 self._fits.popitem(last=False)
         return self._fits[key][1]
 
-    def belongs(self, others: Sequence[View], view: View) -> bool:
+    def is_consistent(self, others: Sequence[View], view: View) -> bool:
         """Whether one camera explains `view` together with the `others` about as well as without it."""
         after = self.fit([*others, view])
         if after is None or (len(others) in after.cut_views):
             return False
-        last = after.used[-1]
-        if last.mean() < KEPT and after.view_errors[-1] > self.floor:
+        inliers = after.used[-1]
+        if inliers.mean() < MIN_INLIER_SHARE and after.view_errors[-1] > self.min_error:
             return False
         if not others:
-            return bool(level(after) <= 10 * self.floor)
+            return bool(inlier_rms(after) <= 10 * self.min_error)
         before = self.fit(others)
         if before is None:
             return True
-        # What the view adds to the error of all: its own, and what it does to the others'.
-        added = max(squares(after).sum() - squares(before).sum(), 0.0) / max(int(last.sum()), 1)
-        return bool(np.sqrt(added) <= OUTLIER * max(level(before), self.floor))
+        # The view adds to the error of all: its own error, and the increase of the others'.
+        added = max(squared_errors(after).sum() - squared_errors(before).sum(), 0.0)
+        rms = np.sqrt(added / max(int(inliers.sum()), 1))
+        return bool(rms <= MAX_ERROR_RATIO * max(inlier_rms(before), self.min_error))
 
-    def group(self, seed: View, witnesses: Sequence[View]) -> list[View]:
-        """Return the views that agree with `seed` and each other: it first, then the newest first."""
-        agreed = [seed]
-        for view in reversed(witnesses):
-            if not any(self.alike(view, other) for other in agreed) and self.belongs(agreed, view):
-                agreed.append(view)
-        return agreed
+    def find_consistent_views(self, view: View, candidates: Sequence[View]) -> list[View]:
+        """Collect the views that agree with `view` and each other: it first, then the newest first."""
+        consistent = [view]
+        for other in reversed(candidates):
+            if not any(self.is_same_pose(other, one) for one in consistent) and self.is_consistent(
+                consistent, other
+            ):
+                consistent.append(other)
+        return consistent
 
-    def culprit(self, views: Sequence[View], view: View) -> int | None:
-        """Return which of `views` is wrong where `view` does not belong to all of them, if one is.
+    def find_conflicting_view(self, views: Sequence[View], view: View) -> int | None:
+        """Find the one of `views` that conflicts with `view`, and with the rest: its index, or None.
 
         Without it the rest and `view` agree, and clearly better than all of `views` agree with it.
         """
         whole = self.fit(views)
         if whole is None or len(views) < 2:
             return None
-        found: tuple[float, int] | None = None
+        best: tuple[float, int] | None = None
         for i in range(len(views)):
             rest = [*views[:i], *views[i + 1 :]]
-            if not self.belongs(rest, view):
+            if not self.is_consistent(rest, view):
                 continue
             together = self.fit([*rest, view])
-            if together is not None and (found is None or level(together) < found[0]):
-                found = level(together), i
-        if found is None or max(found[0], self.floor) * CLEARLY > level(whole):
+            if together is not None and (best is None or inlier_rms(together) < best[0]):
+                best = inlier_rms(together), i
+        if best is None or max(best[0], self.min_error) * MIN_IMPROVEMENT > inlier_rms(whole):
             return None
-        return found[1]
+        return best[1]
 
-    def misfit(self, views: Sequence[View]) -> int | None:
-        """Return which of accepted `views` turned out not to belong to the others, if one does."""
+    def find_outlier_view(self, views: Sequence[View]) -> int | None:
+        """Find an accepted view that is not consistent with the others: its index, or None."""
         whole = self.fit(views)
         if whole is None or len(views) < 3:
             return None
         if whole.cut_views:
             return int(min(whole.cut_views))
-        errors = np.sqrt(squares(whole) / np.maximum([u.sum() for u in whole.used], 1))
-        typical = max(float(np.median(errors)), self.floor)
+        errors = np.sqrt(squared_errors(whole) / np.maximum([u.sum() for u in whole.used], 1))
+        typical = max(float(np.median(errors)), self.min_error)
         for i in np.argsort(errors)[::-1]:
-            if errors[i] < SUSPICIOUS * typical:
+            if errors[i] < SUSPECT_ERROR_RATIO * typical:
                 break
-            if not self.belongs([*views[:i], *views[i + 1 :]], views[i]):
+            if not self.is_consistent([*views[:i], *views[i + 1 :]], views[i]):
                 return int(i)
         return None
 
-    def alike(self, one: View, other: View) -> bool:
-        """Whether two views are of one pose."""
+    def is_same_pose(self, one: View, other: View) -> bool:
+        """Whether two views show the board in one pose."""
         if one.object_points.shape == other.object_points.shape and np.array_equal(
             one.object_points, other.object_points
         ):
-            off = np.linalg.norm(one.image_points - other.image_points, axis=1)
+            distance = np.linalg.norm(one.image_points - other.image_points, axis=1)
         else:
-            near = np.linalg.norm(one.object_points[:, None] - other.object_points[None], axis=2) < 1e-6
-            i, k = np.nonzero(near)
+            same = np.linalg.norm(one.object_points[:, None] - other.object_points[None], axis=2) < 1e-6
+            i, k = np.nonzero(same)
             if len(i) < 0.5 * min(len(one), len(other)):
                 return False
-            off = np.linalg.norm(one.image_points[i] - other.image_points[k], axis=1)
-        return bool(off.mean() < SAME * self.img_size[0])
+            distance = np.linalg.norm(one.image_points[i] - other.image_points[k], axis=1)
+        return bool(distance.mean() < SAME_POSE_WIDTHS * self.img_size[0])
 
 
-def squares(calibration: Calibration) -> Array:
-    """Sum (v,) px^2 of each view's squared residuals, over the points that were not cut."""
+def squared_errors(calibration: Calibration) -> Array:
+    """Sum (v,) px^2 of each view's squared residuals, over the inliers."""
     pairs = zip(calibration.residuals, calibration.used, strict=True)
     return np.array([float(np.sum(e[u] ** 2)) for e, u in pairs])
 
 
-def level(calibration: Calibration) -> float:
-    """Root mean square residual, px, over the points that were not cut."""
-    return float(np.sqrt(squares(calibration).sum() / max(sum(u.sum() for u in calibration.used), 1)))
+def inlier_rms(calibration: Calibration) -> float:
+    """Root mean square residual, px, over the inliers of all views."""
+    return float(np.sqrt(squared_errors(calibration).sum() / max(sum(u.sum() for u in calibration.used), 1)))

@@ -1,8 +1,8 @@
-"""How far a capture has come, and what became of a view."""
+"""Values of a capture: the estimate after some views, exclusions of views, the decision about a view."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 from ..fitting.calibration import Calibration
 from ..fitting.uncertainty import Uncertainty
@@ -12,39 +12,53 @@ from .advice import Advice
 
 
 @dataclass(frozen=True)
-class SetAside:
-    """Why an accepted view takes no part any more: a reason for programs, a sentence for people."""
+class Exclusion:
+    """Exclusion of an accepted view from the fit: a reason for programs, a sentence for people."""
 
     reason: Literal["outlier", "disagrees"]
     detail: str
 
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> "Exclusion":
+        """Exclusion of plain values: `reason`, `detail`."""
+        return cls(record["reason"], record["detail"])
 
-OUTLIER = SetAside("outlier", "Views that came later show that its corners are wrong.")
-DISAGREES = SetAside("disagrees", "More views agree with each other than with this one.")
+
+EXCLUDED_OUTLIER = Exclusion("outlier", "Views that came later show that its corners are wrong.")
+EXCLUDED_MINORITY = Exclusion("disagrees", "More views agree with each other than with this one.")
+
+
+def exclusions(records: Iterable[Mapping[str, Any]]) -> dict[int, Exclusion]:
+    """Exclusions by index of views given as plain values: `set_aside` holds one, or is None or missing."""
+    return {
+        i: Exclusion.from_record(record["set_aside"])
+        for i, record in enumerate(records)
+        if record.get("set_aside") is not None
+    }
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What is known after some views.
+    """State of a capture after some views.
 
     Attributes
     ----------
     calibration
-        Fitted to the views that are not set aside, in their order; None while no believable fit exists.
+        Fitted to the views that are not excluded, in their order; None while no believable fit exists.
     view_errors
-        px rms of each view, None without a calibration; of a view set aside, with its pose alone fitted.
+        px rms of each view, None without a calibration; of an excluded view, with its pose alone fitted.
     uncertainty
         Predicted error of a projection over the image, px.
     progress
         0 to 1; 1 where converged. It follows the predicted error and the number of views, so it grows with
         every view that brings information; it may fall with one that shows more noise than was seen before.
     converged
-        Whether the capture ends here: four views are in and the predicted rms is below the target, the last
-        view was as far off as predicted; or so many views are in that more would not help.
-    aside
-        Views set aside: index -> why.
+        Whether the capture ends here: four views are in and the predicted rms is below the target, and the
+        last view was as far off as predicted; or so many views are in that more would not help.
+    excluded
+        Exclusions by index of the view.
     advice, suggested_model
-        What the user should know; the model that explains the views where this one is too simple.
+        Advice to the user; the model that explains the views where this one is too simple.
     """
 
     calibration: Calibration | None
@@ -52,27 +66,27 @@ class Estimate:
     uncertainty: Uncertainty | None
     progress: float
     converged: bool
-    aside: Mapping[int, SetAside] = field(default_factory=dict)
+    excluded: Mapping[int, Exclusion] = field(default_factory=dict)
     advice: tuple[Advice, ...] = ()
     suggested_model: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
-    """Whether a view is taken.
+class ViewDecision:
+    """Decision whether a view joins a capture.
 
     Attributes
     ----------
     accepted
-        Whether it is; if so `estimate` counts it.
+        Whether the view is accepted; if so `estimate` counts it.
     reason, hint
-        If not: why, and what to do.
-    witness
-        Whether a refused view is worth keeping: where it contradicts the others it may be they who are wrong.
+        Of a refused view: why it was refused, and how to do better.
+    quarantine
+        Whether a refused view is worth keeping: it contradicts the others, and it may be they that are wrong.
     """
 
     accepted: bool
     reason: Reason | None
     estimate: Estimate | None
     hint: Hint | None = None
-    witness: bool = False
+    quarantine: bool = False

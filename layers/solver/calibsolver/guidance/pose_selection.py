@@ -53,19 +53,19 @@ class Progress:
 
 
 class PoseSelection:
-    """The guidance of the published method; see the module's docstring. `prior` is not used."""
+    """The guidance of the published method; see the module's docstring. `seed` is not used."""
 
     def __init__(
         self,
         board: Board,
         img_size: tuple[int, int],
         model: str = "rectilinear",
-        prior: Camera | None = None,
+        seed: Camera | None = None,
     ) -> None:
         self.board = board
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model)
-        self.prior = prior
+        self.seed = seed
         self._steps: list[tuple[View, Progress]] = []
 
     def next_pose(

@@ -48,8 +48,8 @@ class ProjectionUncertainty:
     ----------
     board, img_size, model
         What is captured with what; width and height in px.
-    prior
-        The camera as others have measured it: what is believed before the first view.
+    seed
+        Initial camera, as others have measured it: the intrinsics before the first view.
     """
 
     def __init__(
@@ -57,12 +57,12 @@ class ProjectionUncertainty:
         board: Board,
         img_size: tuple[int, int],
         model: str = "rectilinear",
-        prior: Camera | None = None,
+        seed: Camera | None = None,
     ) -> None:
         self.board = board
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model)
-        self.prior = prior
+        self.seed = seed
         self._all = Lattice.of(board, None)
 
     def next_pose(
@@ -88,7 +88,7 @@ class ProjectionUncertainty:
         limits
             What may be asked of the user.
         """
-        belief = Belief.of(self.model.name, self.img_size, calibration, self.prior)
+        belief = Belief.of(self.model.name, self.img_size, calibration, self.seed)
         # Estimates may be wild at first: what overflows is refused as invisible.
         with np.errstate(all="ignore"):
             if not views and not skipped:
@@ -125,7 +125,7 @@ class ProjectionUncertainty:
         )
         found = Search(self.board, belief, limits, skipped, experience).best(index, ahead)
         if found is None:
-            return self._first(Belief.of(self.model.name, self.img_size, None, self.prior), belief)
+            return self._first(Belief.of(self.model.name, self.img_size, None, self.seed), belief)
         unit, score = found
         ties = int(np.count_nonzero(score <= TIE * score.min()))  # none where rounding is all there is
         unit = unit[np.argsort(score)][: max(ties, 1)]
