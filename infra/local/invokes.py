@@ -65,6 +65,8 @@ class Invokes:
         self._clock = clock
         self._deadline = 0.0
         self._closing = threading.Event()
+        self._unfinished = 0
+        self._idle = threading.Condition()
         # Two at once: more would only take the processor from the requests that someone waits for.
         self._workers = ThreadPoolExecutor(2, thread_name_prefix="invoke")
 
@@ -101,6 +103,18 @@ class Invokes:
         kept = self._outbox.remembered(FAILURE) if self._outbox else []
         return [json.loads(change.content.body) for change in kept if change.content]
 
+    def wait_until_idle(self, seconds: float) -> None:
+        """Wait until no asynchronous call is queued, running, or waiting for a retry.
+
+        Raises
+        ------
+        TimeoutError
+            If calls are still unfinished after `seconds`.
+        """
+        with self._idle:
+            if not self._idle.wait_for(lambda: self._unfinished == 0, seconds):
+                raise TimeoutError(f"{self._unfinished} asynchronous calls unfinished after {seconds:g} s")
+
     def close(self) -> None:
         """Finish what is under way or has its turn soon; the rest, and retries, wait for the next start."""
         self._deadline = time.monotonic() + GRACE
@@ -124,7 +138,17 @@ class Invokes:
         return Answer(202, {}, b"")
 
     def _submit(self, address: Address, event: Any) -> None:
-        self._workers.submit(self._deliver, address, event)
+        with self._idle:
+            self._unfinished += 1
+        self._workers.submit(self._run, address, event)
+
+    def _run(self, address: Address, event: Any) -> None:
+        try:
+            self._deliver(address, event)
+        finally:
+            with self._idle:
+                self._unfinished -= 1
+                self._idle.notify_all()
 
     def _deliver(self, address: Address, event: Any) -> None:
         function = self._functions[address.container]

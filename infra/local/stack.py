@@ -131,6 +131,8 @@ class LocalStack:
         stack.callback(invokes.close)
         self.failures = invokes.failures
         """Returns the asynchronous calls that failed every time, as Lambda records them."""
+        self.wait_until_idle = invokes.wait_until_idle
+        """Waits until no asynchronous call is unfinished; see `Invokes.wait_until_idle`."""
         self._workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(self._workers.shutdown)
         self._gateway = Gateway(self.template, self.functions, self._clock, lambda: str(uuid.uuid4()))

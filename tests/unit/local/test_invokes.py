@@ -197,6 +197,24 @@ def test_a_long_queue_does_not_keep_the_stack_from_stopping(
     assert sorted(event["n"] for event, _ in calls()) == list(range(60))
 
 
+def test_idle_means_that_no_later_call_is_queued_running_or_to_be_retried(
+    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
+) -> None:
+    gate = tmp_path / "gate"
+    with LocalStack(template=template, retry_pauses=(0.0, 0.3)) as stack:
+        stack.wait_until_idle(0)
+        for number in range(4):  # two run, two are queued
+            invoke({"n": number, "after": str(gate)}, "Event")
+        with pytest.raises(TimeoutError, match="4 asynchronous calls unfinished"):
+            stack.wait_until_idle(0.05)
+        gate.touch()
+        stack.wait_until_idle(30)
+        assert sorted(event["n"] for event, _ in calls()) == [0, 1, 2, 3]
+        invoke({"fail": 99}, "Event")
+        stack.wait_until_idle(30)
+        assert len(calls()) == 4 + 3
+
+
 def test_one_stack_at_a_time(template: Path) -> None:
     with LocalStack(template=template):
         with pytest.raises(RuntimeError, match="running in this process already"):
