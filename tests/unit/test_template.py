@@ -132,7 +132,7 @@ def test_the_edge_tells_lookups_apart_by_all_that_decides_them(source: dict) -> 
 def test_a_revoked_token_opens_nothing_after_a_minute_at_the_edge_either(source: dict) -> None:
     """What the edge kept at the last moment at which a function remembered the token is still in time."""
     key = source["Resources"]["LookupCaching"]["Properties"]["CachePolicyConfig"]
-    assert 0 < key["MaxTTL"] <= 60 - token_cache.MEMORY
+    assert 0 < key["MaxTTL"] <= 60 - token_cache.TOKEN_TTL_S
 
 
 def test_every_public_path_reaches_the_api_through_the_edge(source: dict) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import functools
 import secrets
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from calibdb.access.plans import Kind, plan
-from calibdb.access.token_cache import TokenMemory, retry_after
+from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 from calibdb.access.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse
 from calibdb.errors import ForbiddenError, TooManyError
 from calibdb.settings import Settings
@@ -26,12 +27,28 @@ class Service:
     session_ids: SessionIds
     clock: Callable[[], float]
     random_hex: Callable[[int], str]  # of so many bytes
-    _tokens: TokenMemory
+    _tokens: TokenCache
 
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Service:
         """Return the service of `environment`; one and the same for equal settings."""
-        return _service(Settings.from_environment(with_secrets(environment)))
+        return _maker(Settings.from_environment(with_secrets(environment)))
+
+    @classmethod
+    @contextmanager
+    def override(cls, make: Callable[[Settings], Service]) -> Iterator[None]:
+        """Have `of` return `make(settings)` within the block, in every thread.
+
+        For tests and measurements: a function's service with another clock or cache. `make` is called for
+        each request; a service that lasts is for `make` to keep.
+        """
+        global _maker
+        before = _maker
+        _maker = make
+        try:
+            yield
+        finally:
+            _maker = before
 
     @classmethod
     def build(
@@ -40,10 +57,12 @@ class Service:
         store: Store,
         clock: Callable[[], float] = time.time,
         random_hex: Callable[[int], str] = secrets.token_hex,
+        token_ttl_s: float = TOKEN_TTL_S,
     ) -> Service:
         """Put a service together from its parts."""
         ids = SessionIds(settings.session_secrets, clock)
-        return cls(settings, store, ids, clock, random_hex, TokenMemory(store.tokens, store.quotas, clock))
+        tokens = TokenCache(store.tokens, store.quotas, clock, token_ttl_s)
+        return cls(settings, store, ids, clock, random_hex, tokens)
 
     @property
     def now(self) -> int:
@@ -98,3 +117,6 @@ class Service:
 @functools.lru_cache(maxsize=8)
 def _service(settings: Settings) -> Service:
     return Service.build(settings, Store.of(settings))
+
+
+_maker: Callable[[Settings], Service] = _service

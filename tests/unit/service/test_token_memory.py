@@ -7,7 +7,7 @@ import pytest
 
 from calibdb.access import plans
 from calibdb.access.plans import Allowance, Plan
-from calibdb.access.token_cache import BATCH, MEMORY, PATIENCE, TokenMemory
+from calibdb.access.token_cache import BATCH, FLUSH_INTERVAL_S, TOKEN_TTL_S, TokenCache
 from calibdb.access.tokens import ApiToken, Ticket, contributor
 from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
 from calibdb.service import Service
@@ -82,8 +82,8 @@ def quotas() -> Quotas:
 
 
 @pytest.fixture
-def memory(tokens: Tokens, quotas: Quotas, clock: Clock) -> TokenMemory:
-    return TokenMemory(tokens, cast(Any, quotas), clock)
+def memory(tokens: Tokens, quotas: Quotas, clock: Clock) -> TokenCache:
+    return TokenCache(tokens, cast(Any, quotas), clock)
 
 
 @pytest.fixture
@@ -93,13 +93,13 @@ def service(tokens: Tokens, quotas: Quotas, clock: Clock) -> Service:
     return Service.build(settings, store, clock)
 
 
-def look_up(memory: TokenMemory, source: str = "a") -> None:
+def look_up(memory: TokenCache, source: str = "a") -> None:
     token = memory.get("t")
     assert token is not None
     memory.count_lookup(token, source)
 
 
-def refusal(memory: TokenMemory, clock: Clock, seconds: int) -> TooManyError:
+def refusal(memory: TokenCache, clock: Clock, seconds: int) -> TooManyError:
     """Look up `seconds` times until it is refused, at most 1000 times."""
     for _ in range(1000):
         try:
@@ -110,23 +110,23 @@ def refusal(memory: TokenMemory, clock: Clock, seconds: int) -> TooManyError:
     raise AssertionError("never refused")
 
 
-def test_most_lookups_neither_read_nor_write(memory: TokenMemory, tokens: Tokens, quotas: Quotas) -> None:
+def test_most_lookups_neither_read_nor_write(memory: TokenCache, tokens: Tokens, quotas: Quotas) -> None:
     for _ in range(10 * BATCH):
         look_up(memory)
     assert quotas.writes == [BATCH] * 9  # the tenth waits for the next lookup
     assert tokens.reads == 10
 
 
-def test_a_rare_lookup_is_written_down_with_others(memory: TokenMemory, quotas: Quotas, clock: Clock) -> None:
+def test_a_rare_lookup_is_written_down_with_others(memory: TokenCache, quotas: Quotas, clock: Clock) -> None:
     for _ in range(60):  # one a minute: each reads the token anew, one in ten writes
         look_up(memory)
         clock.now += 60
     assert sum(quotas.writes) >= 50
-    assert len(quotas.writes) <= 60 * 60 / PATIENCE
+    assert len(quotas.writes) <= 60 * 60 / FLUSH_INTERVAL_S
 
 
 def test_an_hour_is_used_up_for_all_and_the_next_begins_anew(
-    memory: TokenMemory, quotas: Quotas, clock: Clock
+    memory: TokenCache, quotas: Quotas, clock: Clock
 ) -> None:
     quotas.counts[("t", "lookups", clock.now // 3600, "")] = 9_900  # by other instances
     refused = refusal(memory, clock, 1)
@@ -136,7 +136,7 @@ def test_an_hour_is_used_up_for_all_and_the_next_begins_anew(
     look_up(memory)
 
 
-def test_one_source_cannot_use_up_what_all_share(memory: TokenMemory, quotas: Quotas) -> None:
+def test_one_source_cannot_use_up_what_all_share(memory: TokenCache, quotas: Quotas) -> None:
     for _ in range(6_000):
         look_up(memory, "greedy")
     for _ in range(6_000):
@@ -146,28 +146,28 @@ def test_one_source_cannot_use_up_what_all_share(memory: TokenMemory, quotas: Qu
     assert sum(quotas.writes) <= 6_000
 
 
-def test_counting_never_costs_an_answer(memory: TokenMemory, quotas: Quotas, clock: Clock) -> None:
+def test_counting_never_costs_an_answer(memory: TokenCache, quotas: Quotas, clock: Clock) -> None:
     quotas.down = True
     for _ in range(BATCH + 5):
         look_up(memory)
     assert quotas.failed == 1  # and not once for each lookup from there on
     quotas.down = False
-    clock.now += int(MEMORY)
+    clock.now += int(TOKEN_TTL_S)
     look_up(memory)
     assert quotas.writes == [BATCH + 5]
 
 
 def test_a_larger_plan_helps_within_a_minute(
-    memory: TokenMemory, tokens: Tokens, quotas: Quotas, clock: Clock
+    memory: TokenCache, tokens: Tokens, quotas: Quotas, clock: Clock
 ) -> None:
     quotas.counts[("t", "lookups", clock.now // 3600, "")] = 10_000
     refusal(memory, clock, 0)
     tokens.known["t"] = replace(TOKEN, plan="partner")
-    clock.now += int(MEMORY)
+    clock.now += int(TOKEN_TTL_S)
     look_up(memory)
 
 
-def test_an_unlimited_plan_counts_nothing(memory: TokenMemory, tokens: Tokens, quotas: Quotas) -> None:
+def test_an_unlimited_plan_counts_nothing(memory: TokenCache, tokens: Tokens, quotas: Quotas) -> None:
     tokens.known["t"] = replace(TOKEN, plan="development")
     for _ in range(3 * BATCH):
         look_up(memory)
@@ -208,7 +208,7 @@ def test_a_session_ends_within_a_minute_of_its_tokens_revocation(
     ticket = Ticket("sid", "t")
     assert service.token_of(ticket) == TOKEN
     tokens.known.clear()
-    clock.now += int(MEMORY)
+    clock.now += int(TOKEN_TTL_S)
     with pytest.raises(ForbiddenError):
         service.token_of(ticket)
 

@@ -1,4 +1,4 @@
-"""Tokens remembered for half a minute, and their lookups counted without a write for each.
+"""TTL cache of API tokens, which also counts their lookups without a write for each.
 
 A lookup that hits is one Query. So its token is read twice a minute, and what was looked up is counted in
 memory and written down when the token is read anew: once for some hundred lookups, or after some minutes. A
@@ -19,9 +19,9 @@ from calibdb.errors import TooManyError, UnavailableError
 
 # Seconds for which a token is remembered. The edge keeps answers to GET lookups for 20 more: together less
 # than the minute after which a revoked token opens nothing any more.
-MEMORY = 30.0
+TOKEN_TTL_S = 30.0
 BATCH = 250  # lookups that are written down together
-PATIENCE = 600.0  # seconds after which fewer are
+FLUSH_INTERVAL_S = 600.0  # after which fewer are, too
 HOUR = 3600
 _MOST_TOKENS = 1024
 _MOST_SOURCES = 4096  # of one token and hour
@@ -42,7 +42,7 @@ class Quotas(Protocol):
 
 
 @dataclass
-class _Known:
+class _Entry:
     token: ApiToken
     read_again: float  # unix seconds
     counted: float  # unix seconds at which lookups were last written down
@@ -57,8 +57,8 @@ class _Known:
         return self.lookups >= _batch(self.token) and now >= self.not_before
 
 
-class TokenMemory:
-    """What one instance of a function knows of tokens. Safe from many threads at once.
+class TokenCache:
+    """Tokens that one instance of a function read lately. Safe from many threads at once.
 
     Parameters
     ----------
@@ -66,13 +66,18 @@ class TokenMemory:
         Where tokens are read and use is written down.
     clock
         Unix time, seconds.
+    ttl_s
+        Seconds for which a token is remembered.
     """
 
-    def __init__(self, tokens: Tokens, quotas: Quotas, clock: Callable[[], float]) -> None:
+    def __init__(
+        self, tokens: Tokens, quotas: Quotas, clock: Callable[[], float], ttl_s: float = TOKEN_TTL_S
+    ) -> None:
         self._tokens = tokens
         self._quotas = quotas
         self._clock = clock
-        self._known: dict[str, _Known] = {}
+        self._ttl_s = ttl_s
+        self._known: dict[str, _Entry] = {}
         self._lock = threading.Lock()
 
     def get(self, token_id: str) -> ApiToken | None:
@@ -91,11 +96,11 @@ class TokenMemory:
             if known is None:
                 if len(self._known) >= _MOST_TOKENS:
                     self._known.clear()
-                known = self._known[token_id] = _Known(token, now, counted=now)
+                known = self._known[token_id] = _Entry(token, now, counted=now)
             if known.token.plan != token.plan:
                 known.used_up = False
-            known.token, known.read_again = token, now + MEMORY
-        self._write_down(known, now)
+            known.token, known.read_again = token, now + self._ttl_s
+        self._flush(known, now)
         return token
 
     def count_lookup(self, token: ApiToken, source: str) -> None:
@@ -120,10 +125,10 @@ class TokenMemory:
             known.sources[who] = used + 1
             known.lookups += 1
 
-    def _write_down(self, known: _Known, now: float) -> None:
+    def _flush(self, known: _Entry, now: float) -> None:
         with self._lock:
             lookups = known.lookups
-            if not lookups or not (known.full(now) or now - known.counted >= PATIENCE):
+            if not lookups or not (known.full(now) or now - known.counted >= FLUSH_INTERVAL_S):
                 return
             known.lookups, known.counted = 0, now
         try:
@@ -131,7 +136,7 @@ class TokenMemory:
         except UnavailableError:  # no reason to refuse a lookup
             with self._lock:
                 known.lookups += lookups
-                known.not_before = now + MEMORY
+                known.not_before = now + self._ttl_s
             return
         limit = plan(known.token.plan).together.lookups
         with self._lock:
