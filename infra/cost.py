@@ -31,6 +31,7 @@ MOST = {LOOKUPS: 2.0, CALIBRATION: 0.0006}  # USD
 _CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 _ENOUGH = 5  # calibrations, that a lookup hits
 _GB = 1e9
+_IDLE_S = 120.0  # after which a consensus is surely computed
 _READS = {"GetItem", "Query"}
 _WHOLE_PROCESSOR = 1769  # MB, AWS Lambda developer guide, "Configure Lambda function memory"
 
@@ -124,7 +125,6 @@ class Meter:
     def __init__(self, stack: LocalStack) -> None:
         self._stack = stack
         self.use = Use()
-        self.waiting = 0  # calls of functions by functions that have not been answered yet
         self._gb = 0.0
         self._storage = _Storage()
 
@@ -173,7 +173,6 @@ class Meter:
             try:
                 return function(*arguments)
             finally:
-                self.waiting -= "requestContext" not in arguments[0]
                 # Lambda gives a part of a processor with a part of its memory, and bills whole milliseconds.
                 alone = time.thread_time() - self._storage.seconds - begun
                 self.use.seconds += alone
@@ -190,7 +189,6 @@ class Meter:
 
         def handle(operation: str, request: AWSPreparedRequest) -> Answer:
             if name == "lambda":
-                self.waiting += 1
                 return service(operation, request)
             begun = time.thread_time()
             try:
@@ -237,12 +235,6 @@ def finished(meter: Meter, seed: int) -> None:
     raise RuntimeError("a capture did not end")
 
 
-def settled(meter: Meter) -> None:
-    """Wait until the functions that were asked for later have done their part."""
-    while meter.waiting:
-        time.sleep(0.05)
-
-
 def measured(lookups: int = 200) -> dict[str, Use]:
     """Return what lookups that hit use, together, and the last of several calibrations of a camera."""
     with LocalStack() as stack:
@@ -250,10 +242,10 @@ def measured(lookups: int = 200) -> dict[str, Use]:
         with meter.running():
             for seed in range(_ENOUGH):
                 finished(meter, seed)
-            settled(meter)
+            stack.wait_until_idle(_IDLE_S)
         with meter.running() as calibration:
             finished(meter, _ENOUGH)
-            settled(meter)
+            stack.wait_until_idle(_IDLE_S)
         meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
         with meter.running() as lookup:
             for _ in range(lookups):

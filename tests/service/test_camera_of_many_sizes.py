@@ -6,8 +6,9 @@ from itertools import pairwise
 from calibdb.camera_key import camera_key
 from infra.local import LocalStack
 from tests.helpers.service.client import TOKEN, Client
-from tests.helpers.service.known import LINUX, calibration, consensus, fit, storage_calls
+from tests.helpers.service.known import LINUX, calibration, consensus, fit
 from tests.helpers.service.published import store
+from tests.helpers.service.storage_calls import storage_calls
 from tests.service.test_lookup import put
 
 CAMERA = "Many sizes Z77 (1111:0077)"

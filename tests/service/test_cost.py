@@ -4,11 +4,13 @@ import pytest
 import yaml
 
 from infra.cost import MOST, PRICES, Use, at_the_edge, measured, price, read_units, write_units
+from tests.helpers.service.storage_calls import lasting_tokens
 
 
 def test_a_lookup_and_a_calibration_are_affordable() -> None:
     prices = yaml.safe_load(PRICES.read_text())
-    uses = measured(lookups=100)
+    with lasting_tokens():
+        uses = measured(lookups=100)
     lookup, calibration = uses["a million lookups"], uses["a finished calibration"]
     assert lookup.requests == lookup.invocations == 100
     # One Query each, nothing written, nothing else asked.

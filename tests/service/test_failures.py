@@ -16,11 +16,11 @@ from typing import Any
 import boto3
 import pytest
 
-from calibdb import service as services
+from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
-from tests.helpers.service.client import TOKEN, Answer, Client, Truth, until
+from tests.helpers.service.client import TOKEN, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
 from tests.helpers.stack import faults
 
@@ -145,22 +145,23 @@ def test_requests_for_a_consensus_that_come_twice_and_out_of_order(stack: LocalS
     assert {c.total for c in found.values()} == {5}
 
 
-def test_functions_whose_clocks_differ_by_minutes(stack: LocalStack, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_functions_whose_clocks_differ_by_minutes(stack: LocalStack) -> None:
     """Each call is answered by an instance whose clock is up to two minutes off, either way."""
     rng, lock = random.Random(2), threading.Lock()
 
-    def of(settings: Settings) -> services.Service:
+    def of(settings: Settings) -> Service:
         with lock:
             off = rng.uniform(-120, 120)
-        return services.Service.build(settings, Store.of(settings), lambda: time.time() + off)
+        return Service.build(settings, Store.of(settings), lambda: time.time() + off)
 
-    monkeypatch.setattr(services, "_service", of)
     client = Client(stack)
-    state, acknowledged = capture(client, Truth(seed=6), "Whose clock")
-    assert kept(client.state()) == acknowledged
+    with Service.override(of):
+        state, acknowledged = capture(client, Truth(seed=6), "Whose clock")
+        assert kept(client.state()) == acknowledged
+        stack.wait_until_idle(60)
     assert abs(state["calibration"]["calibration_time"] - time.time()) < 130
     key = state["calibration_id"].rpartition("-")[0]
-    until(lambda: len(store(stack).consensuses.of(key)) == 4, 30)
+    assert len(store(stack).consensuses.of(key)) == 4
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.99])

@@ -13,13 +13,13 @@ from typing import Any
 import boto3
 import pytest
 
-from calibdb import service as services
 from calibdb.access.tokens import ApiToken, secret_hash
+from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store, Table
 from calibdb.store.table import Condition, Item
 from infra.local import LocalStack
-from tests.helpers.service.client import CAMERA, Client, Truth, until
+from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 
@@ -41,19 +41,15 @@ class Clock:
 def recorded() -> Iterator[set[tuple[str, Needed]]]:
     recorder, clock = Recorder(set()), Clock()
     # On AWS each function remembers tokens for itself; here they would share one memory.
-    instances: dict[tuple[str | None, Settings], services.Service] = {}
+    instances: dict[tuple[str | None, Settings], Service] = {}
 
-    def of(settings: Settings) -> services.Service:
+    def of(settings: Settings) -> Service:
         key = (running(), settings)
         if key not in instances:
-            instances[key] = services.Service.build(settings, Store.of(settings), clock)
+            instances[key] = Service.build(settings, Store.of(settings), clock)
         return instances[key]
 
-    with (
-        pytest.MonkeyPatch.context() as patch,
-        LocalStack(environment={"CONTRIBUTOR_PERIOD": "86400"}) as stack,
-    ):
-        patch.setattr(services, "_service", of)
+    with LocalStack(environment={"CONTRIBUTOR_PERIOD": "86400"}) as stack, Service.override(of):
         for token_id in ("page", "other"):
             token = ApiToken(token_id, secret_hash("secret"), plan="page")
             store(stack).tokens.create(token)
@@ -71,6 +67,7 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             items = [{"Key": o["Key"].replace("c4-", "c1-"), "Size": 1} for o in objects[:2]]
             invoke("BackfillFunction", {"Items": [*items, {"Key": objects[0]["Key"], "Size": 1}]})
             stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
+            stack.wait_until_idle(60)
         yield recorder.needed
 
 
@@ -95,7 +92,8 @@ def use(stack: LocalStack) -> None:
     assert client.state()["status"] == "capturing"
     assert client.call("DELETE", "/v1/session").status == 204
     state = Truth(seed=12).calibrate(client, camera="Captured here", platform=PLATFORM)
-    until(lambda: store(stack).consensuses.of(state["calibration_id"].rpartition("-")[0]), 30)
+    stack.wait_until_idle(60)
+    assert store(stack).consensuses.of(state["calibration_id"].rpartition("-")[0])
     assert client.call("GET", f"/v1/calibrations/{state['calibration_id']}", token=TOKEN).status == 200
     assert client.lookup(camera="Well known", platform=PLATFORM).status == 200
     assert client.lookup(camera="Well known", platform=PLATFORM, distortion_model="rational").status == 200

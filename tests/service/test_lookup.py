@@ -13,7 +13,8 @@ from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.client import TOKEN, Answer, Client
-from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit, storage_calls
+from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
+from tests.helpers.service.storage_calls import storage_calls
 
 WINDOWS = "Windows NT 10.0; Win64; x64"
 

@@ -1,11 +1,14 @@
 """Plans, as a caller meets them: 429 with the seconds to wait, and only for the token that is used up."""
 
+from collections.abc import Iterator
+
 import boto3
 import pytest
 
-from calibdb.access import plans, token_cache
+from calibdb.access import plans
 from calibdb.access.plans import Allowance, Plan
 from calibdb.access.tokens import ApiToken, secret_hash
+from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
@@ -93,10 +96,15 @@ def test_a_wrong_secret_counts_for_nothing(client: Client, token: str) -> None:
     assert client.call("POST", "/v1/auth", token=token).status == 201
 
 
-def test_a_revoked_token_ends_its_sessions(
-    client: Client, store: Store, token: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(token_cache, "MEMORY", 0)  # every call is one a minute later
+@pytest.fixture
+def forgetful() -> Iterator[None]:
+    """A service that reads tokens for every call, as if each came a minute later."""
+    with Service.override(lambda settings: Service.build(settings, Store.of(settings), token_ttl_s=0)):
+        yield
+
+
+@pytest.mark.usefixtures("forgetful")
+def test_a_revoked_token_ends_its_sessions(client: Client, store: Store, token: str) -> None:
     client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
     assert client.call("POST", "/v1/session", CAMERA).status == 201
     assert client.pose().status == 200

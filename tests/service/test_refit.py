@@ -4,7 +4,6 @@ import json
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from typing import Any
 
 import boto3
@@ -12,11 +11,11 @@ import pytest
 
 from calibdb import schema
 from calibdb.errors import UnavailableError
-from calibdb.settings import Settings
-from calibdb.store import Store, clients
+from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.storage_calls import storage_calls
 
 MODELS = len(schema.DISTORTION_MODELS)
 
@@ -30,23 +29,6 @@ def stack() -> Iterator[LocalStack]:
 @pytest.fixture
 def at_rest(stack: LocalStack) -> Store:
     return store(stack)
-
-
-@contextmanager
-def writes(stack: LocalStack) -> Iterator[list[str]]:
-    """Names of the operations that write to the table within the block."""
-    events = clients.dynamodb(Settings.from_environment(stack.environment).region).meta.events
-    seen: list[str] = []
-
-    def note(model: Any, **_: object) -> None:
-        if model.name not in ("Query", "GetItem"):
-            seen.append(model.name)
-
-    events.register("before-call.dynamodb.*", note, unique_id="writes")
-    try:
-        yield seen
-    finally:
-        events.unregister("before-call.dynamodb.*", unique_id="writes")
 
 
 def totals(at_rest: Store, document: schema.CalibrationDocument) -> list[int]:
@@ -65,13 +47,10 @@ def test_captures_that_end_together_are_one_computation_more_and_not_each_one(
         at_rest.calibrations.publish(document)
         at_rest.refit.later(asked(mode))
 
-    with writes(stack) as seen:
-        with ThreadPoolExecutor(12) as pool:
-            list(pool.map(finish, documents))
-        until(lambda: totals(at_rest, documents[0]) == [12] * MODELS, 60)
-        # Nobody holds it any more, and what nobody waits for is not done.
-        table = boto3.client("dynamodb")
-        until(lambda: not table_items(table, stack, "REFIT#"), 60)
+    with storage_calls(stack) as seen, ThreadPoolExecutor(12) as pool:
+        list(pool.map(finish, documents))
+    assert totals(at_rest, documents[0]) == [12] * MODELS
+    assert not table_items(boto3.client("dynamodb"), stack, "REFIT#")  # nobody holds the lease any more
     assert seen.count("TransactWriteItems") <= 4 * MODELS
     (rectilinear,) = (c for c in at_rest.consensuses.at(mode) if c.distortion_model == "rectilinear")
     assert rectilinear.calibration is not None

@@ -1,8 +1,5 @@
 """What the database may know of made-up cameras, without a capture: documents as they are stored."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 from calibdb.camera_key import camera_key
 from calibdb.schema import (
     Board,
@@ -14,9 +11,6 @@ from calibdb.schema import (
     Uncertainty,
     ViewDocument,
 )
-from calibdb.settings import Settings
-from calibdb.store import clients
-from infra.local import LocalStack
 
 LINUX = "X11; Linux x86_64"
 C920 = "HD Pro Webcam C920 (046d:082d)"
@@ -115,20 +109,3 @@ def calibration(
         contributor=f"contributor {number}",
         time=time + number,
     )
-
-
-@contextmanager
-def storage_calls(stack: LocalStack) -> Iterator[list[str]]:
-    """What the functions ask of table, bucket and other functions within the block."""
-    asked: list[str] = []
-    region = Settings.from_environment(stack.environment).region
-    used = (clients.dynamodb(region), clients.s3(region), clients.lambda_(region))
-    for client in used:
-        client.meta.events.register(
-            "before-call.*", lambda model, **_: asked.append(model.name), unique_id="d"
-        )
-    try:
-        yield asked
-    finally:
-        for client in used:
-            client.meta.events.unregister("before-call.*", unique_id="d")

@@ -10,7 +10,8 @@ Key = tuple[str, str]  # pk, sk
 
 
 def items(stack: LocalStack) -> dict[Key, Any]:
-    """All that the table holds; times aside, and what only says who does what just now."""
+    """All items of the table but for times, leases and counters, once no asynchronous call may change any."""
+    stack.wait_until_idle(60)
     pages = boto3.client("dynamodb").get_paginator("scan").paginate(TableName=stack.environment["TABLE_NAME"])
     return {
         (item["pk"]["S"], item["sk"]["S"]): {k: v for k, v in item.items() if k != "ttl"}

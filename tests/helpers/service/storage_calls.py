@@ -1,0 +1,54 @@
+"""Storage calls of a stack's functions, counted where nothing else can be counted along."""
+
+import functools
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store, clients
+from infra.local import LocalStack
+from tests.helpers.service.client import TOKEN
+
+IDLE_S = 60.0
+
+
+@contextmanager
+def lasting_tokens() -> Iterator[None]:
+    """Read each API token once within the block, however long it takes.
+
+    Otherwise a token is read anew after half a minute, in the midst of what is counted.
+    """
+
+    @functools.cache
+    def service(settings: Settings) -> Service:
+        return Service.build(settings, Store.of(settings), token_ttl_s=float("inf"))
+
+    with Service.override(service):
+        yield
+
+
+@contextmanager
+def storage_calls(stack: LocalStack) -> Iterator[list[str]]:
+    """Names of the operations that the block's requests ask of table, bucket and other functions.
+
+    Asynchronous calls of earlier requests are done before the block begins, those of its own before its names
+    are complete. The development token has been read before.
+    """
+    stack.wait_until_idle(IDLE_S)
+    names: list[str] = []
+    region = Settings.from_environment(stack.environment).region
+    used = (clients.dynamodb(region), clients.s3(region), clients.lambda_(region))
+    with lasting_tokens():
+        Service.of(os.environ).api_token(TOKEN)
+        for client in used:
+            client.meta.events.register(
+                "before-call.*", lambda model, **_: names.append(model.name), unique_id="storage-calls"
+            )
+        try:
+            yield names
+            stack.wait_until_idle(IDLE_S)
+        finally:
+            for client in used:
+                client.meta.events.unregister("before-call.*", unique_id="storage-calls")
