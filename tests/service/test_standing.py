@@ -62,5 +62,16 @@ def test_who_has_seen_less_and_writes_last_looks_again(
     assert well_known(store, label) is reliable
 
 
+def test_an_id_is_well_known_by_a_reliable_size_before_the_one_that_is_counted(store: Store) -> None:
+    """The smaller size has a reliable consensus, and of its calibrations none counts any more."""
+    label = "Small first X9 (1111:0031)"
+    small = fit((640, 360), 475.0)
+    store.calibrations.publish(calibration(label, of=small, resize_mode="crop-and-scale"))
+    store.calibrations.publish(calibration(label, number=1))
+    put(store, consensus(small, camera=label), consensus(camera=label, reason="too_few"))
+    well_known_ids.bring_up_to_date(store, camera_key(label, LINUX), RULES)
+    assert well_known(store, label)
+
+
 def stand_of(store: Store) -> Any:
     return type(store.cameras).stand.__get__(store.cameras)

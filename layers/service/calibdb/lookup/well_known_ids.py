@@ -31,7 +31,7 @@ def _once(store: Store, camera_key: str, thresholds: Thresholds) -> bool:
         return False  # its names are gone
     reliable, sources, some = False, set[str](), ""
     for mode in modes:
-        reliable = any(known.reliable for known in store.consensuses.at(mode))
+        reliable = reliable or any(known.reliable for known in store.consensuses.at(mode))
         counted = store.calibrations.newest(mode, thresholds.most_calibrations, thresholds.contributor_period)
         sources |= {calibration.source for calibration in counted}
         some = some or next((calibration.id for calibration in counted), "")
