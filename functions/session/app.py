@@ -14,7 +14,7 @@ from calibdb.store import Store
 
 
 def start(call: application.Call) -> Response:
-    """Start the session; asked again with the same content, answer again."""
+    """Start the session; idempotent: the same content is answered again."""
     ticket = call.session(charge="poses")
     sid = ticket.sid
     request = call.json(SessionRequest)
@@ -25,10 +25,11 @@ def start(call: application.Call) -> Response:
     def begin(version: int) -> SessionDocument:
         return session_rules.begin(request, sid, version, now, known(store, request), who)
 
-    document = store.sessions.start(sid, now, begin)
+    document, made = store.sessions.start(sid, now, begin)
     if not session_rules.same_start(document, session_rules.begin(request, sid, document.first_version, now)):
         raise ConflictError("A session with other content runs under this session id.", kind="other-content")
-    metrics.count(now, Sessions=1)
+    if made:
+        metrics.count(now, Sessions=1)
     return application.answer(state(document), 201)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from calibdb.http.metrics import document
 from infra.local import LocalStack
-from tests.helpers.service.client import Client, Truth
+from tests.helpers.service.client import CAMERA, Client, Truth
 
 PLATFORM = "X11; Linux x86_64"
 
@@ -43,6 +43,18 @@ def test_a_capture_and_lookups(
     assert [total(lines, name) for name in ("Lookups", "Hits", "Misses", "Redirects")] == [2, 0, 2, 1]
     assert all(0 < line["FitTime"] < 5000 for line in lines if "FitTime" in line)
     assert total(lines, "Errors") == 0
+
+
+def test_a_repeated_start_is_one_session(
+    stack: LocalStack, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
+    client = Client(stack)
+    assert client.open().status == 201
+    for _ in range(2):
+        assert client.call("POST", "/v1/session", CAMERA).status == 201
+    assert client.call("POST", "/v1/session", {**CAMERA, "camera": "Another"}).status == 409
+    assert total(counted(capsys), "Sessions") == 1
 
 
 def test_refusals_by_reason(

@@ -44,7 +44,8 @@ def versions(objects: Objects) -> list[str]:
 
 def test_a_session_is_kept_version_by_version(sessions: Sessions, objects: Objects) -> None:
     assert sessions.find(SID) is None
-    assert sessions.start(SID, NOW, begin) == begin(1)
+    assert sessions.start(SID, NOW, begin) == (begin(1), True)
+    assert sessions.start(SID, NOW, begin) == (begin(1), False)
     assert sessions.update(SID, NOW, opened) == 1
     assert sessions.update(SID, NOW, opened) == 2
     assert sessions.get(SID).next_index == 2
@@ -122,7 +123,7 @@ def test_what_was_forgotten_is_gone_and_can_be_started_anew(sessions: Sessions, 
     assert sessions.forget(SID, NOW) is True
     assert versions(objects) == []
     assert sessions.find(SID) is None
-    anew = sessions.start(SID, NOW, begin)
+    anew, _ = sessions.start(SID, NOW, begin)
     assert anew.first_version > 1
     assert sessions.update(SID, NOW, opened) == 1
 

@@ -51,21 +51,23 @@ class Sessions:
             raise NotFoundError("No session was started under this session id.", kind="no-session")
         return document
 
-    def start(self, sid: str, now: int, make: Callable[[int], SessionDocument]) -> SessionDocument:
-        """Return the running session, or else store and return `make(first version)`."""
+    def start(
+        self, sid: str, now: int, make: Callable[[int], SessionDocument]
+    ) -> tuple[SessionDocument, bool]:
+        """Return the running session and False; or store `make(first version)`, and return it and True."""
         for _ in range(_ATTEMPTS):
             head = self._head(sid)
             if head is not None and not head.forgotten:
                 found = self._find(sid)
                 if found is not None:
-                    return found[0]
+                    return found[0], False
                 continue  # forgotten in between
             # A session started again under its name goes on counting, so that whoever still works on the
             # forgotten one finds the index moved.
             base = head.version if head else 0
             document = make(base + 1)
             if self._write(sid, base, document, now):
-                return document
+                return document, True
         raise _overtaken()
 
     def update(
