@@ -123,6 +123,37 @@ def test_zooms_that_say_nothing_between_them(known: tuple[tuple[float, float], .
     assert neighbours(zoomed(*known), (1280, 720), zoom, "rectilinear") is None
 
 
+def omnidirectional(zoom: float, f: float, xi: float) -> ConsensusDocument:
+    """A camera of focal length `f` at the axis, and so of fx = (1 + xi) f."""
+    return consensus(fit(f=(1 + xi) * f, distortion=(xi, 0, 0, 0, 0), model="omnidirectional"), zoom=zoom)
+
+
+@pytest.mark.parametrize(
+    ("known", "interpolated"),
+    [
+        (((900.0, 2.0), (1500.0, 0.5)), True),  # grows 1.7 times; its fx shrink from 2700 to 2250
+        (((900.0, 0.5), (850.0, 2.0)), False),  # shrinks; its fx grow from 1350 to 2550
+        (((900.0, 0.6), (2000.0, 0.0)), False),  # grows 2.2 times, too far; its fx 1.4 times
+        (((900.0, 0.0), (1700.0, 1.0)), True),  # grows 1.9 times; its fx 3.8 times
+    ],
+)
+def test_zoom_interpolation_is_gated_by_focal_lengths_at_the_axis(
+    known: tuple[tuple[float, float], ...], interpolated: bool
+) -> None:
+    documents = [omnidirectional(float(n), f, xi) for n, (f, xi) in enumerate(known, 1)]
+    assert (neighbours(documents, (1280, 720), 1.5, "omnidirectional") is not None) is interpolated
+
+
+def test_a_model_without_formulas_is_not_interpolated() -> None:
+    documents = []
+    for document in zoomed((1.0, 900.0), (2.0, 1500.0)):
+        assert document.calibration is not None
+        model = {"distortion_model": "double_sphere"}
+        of = document.calibration.model_copy(update=model)
+        documents.append(document.model_copy(update={**model, "calibration": of}))
+    assert neighbours(documents, (1280, 720), 1.5, "double_sphere") is None
+
+
 def test_only_what_is_reliable_is_interpolated() -> None:
     known = [consensus(fit(f=900.0), zoom=1.0), consensus(fit(f=1500.0), zoom=2.0, reason="too_few")]
     assert neighbours(known, (1280, 720), 1.5, "rectilinear") is None

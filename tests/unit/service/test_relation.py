@@ -81,6 +81,14 @@ def test_what_is_none(size: Size, s: float, off: float) -> None:
     assert relate(FULL, made(size, s, FULL, off)) == ("neither", None)
 
 
+def test_relation_is_unknown_for_a_model_without_formulas() -> None:
+    """Documents may hold a model that the solver knows and the lookup's projection does not."""
+    half = made((960, 540), 0.5, FULL)
+    fifth = [c.model_copy(update={"distortion_model": "double_sphere"}) for c in (FULL, half)]
+    assert relate(fifth[0], fifth[1]) == (None, None)
+    assert relate(FULL, half)[0] == "scale"
+
+
 def test_another_bend_is_another_lens() -> None:
     other = camera(fit((960, 540), 700.0, (484.75, 265.25), (-0.3, 0.05, 0, 0, 0)))
     assert relate(FULL, other) == ("neither", None)

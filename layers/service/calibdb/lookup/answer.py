@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
+from calibdb.lookup.projection import axis_focal, is_projectable
 from calibdb.lookup.relation import carried, relate, same_aspect, scaled
 from calibdb.lookup.selection import closeness
 from calibdb.schema import Adapted, Calibration, ConsensusDocument, LookupAnswer, Uncertainty
@@ -83,6 +84,7 @@ def neighbours(
             c.calibration
             for c in known
             if c.calibration
+            and is_projectable(c.calibration)
             and c.reliable
             and c.zoom
             and (c.img_size, c.distortion_model) == (img_size, model)
@@ -97,9 +99,10 @@ def neighbours(
 
 
 def _ratios(one: Calibration, other: Calibration) -> tuple[float, float]:
-    (fx, _, _), (_, fy, _), _ = one.camera_matrix
-    (ofx, _, _), (_, ofy, _), _ = other.camera_matrix
-    return ofx / fx, ofy / fy
+    """Return by how much the focal lengths at the axis grow from `one` to `other`, along x and y."""
+    fx, fy = axis_focal(one)
+    other_fx, other_fy = axis_focal(other)
+    return other_fx / fx, other_fy / fy
 
 
 def _adapted(

@@ -13,7 +13,25 @@ from calibdb.schema import Calibration
 Vector = tuple[float, float]
 
 _AZIMUTHS, _STEPS = 16, 24
-_WIDEST = {"rectilinear": 1.4, "rational": 1.4, "fisheye": 1.9, "omnidirectional": 1.9}  # rad off the axis
+# Largest angle off the axis, rad, by the models that this module can project by.
+_MAX_ANGLE = {"rectilinear": 1.4, "rational": 1.4, "fisheye": 1.9, "omnidirectional": 1.9}
+
+
+def is_projectable(camera: Calibration) -> bool:
+    """Tell whether this module knows the formulas of the camera's model."""
+    return camera.distortion_model in _MAX_ANGLE
+
+
+def axis_focal(camera: Calibration) -> Vector:
+    """Return the focal lengths along x and y, px per radian at the axis; raises ValueError.
+
+    The fx of an omnidirectional camera is (1 + xi) times that.
+    """
+    if not is_projectable(camera):
+        raise ValueError(f"no formulas for {camera.distortion_model}")
+    (fx, _, _), (_, fy, _), _ = camera.camera_matrix
+    xi = camera.distortion_coefficients[0] if camera.distortion_model == "omnidirectional" else 0.0
+    return fx / (1 + xi), fy / (1 + xi)
 
 
 def distorted(model: str, d: tuple[float, ...], theta: float, phi: float) -> Vector:
@@ -49,11 +67,11 @@ def rays_in_view(camera: Calibration) -> Iterator[tuple[float, float, Vector]]:
     w, h = camera.img_size
     model, d = camera.distortion_model, camera.distortion_coefficients
     # No step is longer than a twelfth of the picture, however narrow the lens.
-    step = min(_WIDEST[model] / _STEPS, max(w / fx, h / fy) / _STEPS)
+    step = min(_MAX_ANGLE[model] / _STEPS, max(w / fx, h / fy) / _STEPS)
     for i in range(_AZIMUTHS):
         phi = (i + 0.5) * 2 * math.pi / _AZIMUTHS
         theta, farthest = 0.0, 0.0
-        while (theta := theta + step) < _WIDEST[model]:
+        while (theta := theta + step) < _MAX_ANGLE[model]:
             if model == "omnidirectional" and math.cos(theta) + d[0] <= 0:
                 break
             x, y = distorted(model, d, theta, phi)

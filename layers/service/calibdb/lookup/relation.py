@@ -11,7 +11,7 @@ import functools
 import math
 from dataclasses import dataclass
 
-from calibdb.lookup.projection import distorted, rays_in_view
+from calibdb.lookup.projection import distorted, is_projectable, rays_in_view
 from calibdb.schema import Calibration
 from calibdb.schema.calibration import Relation
 
@@ -47,11 +47,13 @@ def same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:
 def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Window | None]:
     """Return the relation of two sizes of one camera, and how `other`'s picture is made from `one`'s.
 
-    No relation where the calibrations are too uncertain to tell; no window where there is none, or where
-    `other` shows more than `one`. Remembered: a
-    camera in use is asked for again and again, and a comparison takes a millisecond.
+    No relation where the calibrations are too uncertain to tell, or of a model without formulas here; no
+    window where there is none, or where `other` shows more than `one`. Remembered: a camera in use is asked
+    for again and again, and a comparison takes a millisecond.
     """
     (w, h), (ow, oh) = one.img_size, other.img_size
+    if not (is_projectable(one) and is_projectable(other)):
+        return None, None
     if any(c.uncertainty.rms > _SURE * c.img_size[0] for c in (one, other)):
         return None, None
     fitted = _fitted(one, other)
