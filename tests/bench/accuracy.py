@@ -138,7 +138,7 @@ def render(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
 
 
 def conclusion(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
-    """Say in a sentence what the tables show."""
+    """Summarise the tables in a paragraph."""
     least = {
         name: min(o.held_out for (n, _), pair in results.items() if n == name for o in pair if o.complete)
         for name, _ in results
@@ -153,13 +153,14 @@ def conclusion(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
     mine, peers = zip(*results.values(), strict=True)
     both = [a.held_out / b.held_out for a, b in results.values() if a.complete and b.complete]
     return (
-        f"Of {len(results)} pairs of set and model ours fits {sum(a.complete for a in mine)} and says of "
-        f"the others why not; OpenCV returns {sum(b.complete for b in peers)}. Within {NONSENSE:g} times "
-        f"the least held-out error of the set lie {usable(0)} of ours, {usable(1)} of OpenCV's. Where both "
-        f"have a result our held-out error is {np.median(both):.3f} times OpenCV's (median; at most "
-        f"{max(both):.3f} times). Largest fold / next largest: at most "
-        f"{max(a.worst_fold for a in mine if a.complete):.2f} of ours, "
-        f"{max(b.worst_fold for b in peers if b.complete):.2f} of OpenCV's."
+        f"Of {len(results)} pairs of set and model, calibDB fits {sum(a.complete for a in mine)} and gives a "
+        f"reason for the others; OpenCV returns {sum(b.complete for b in peers)}. The held-out "
+        f"error is within {NONSENSE:g} times the least of its set for {usable(0)} results of calibDB and "
+        f"{usable(1)} of OpenCV. Where both have a result, calibDB's held-out error is "
+        f"{np.median(both):.3f} times OpenCV's (median; at most {max(both):.3f} times). "
+        f"Largest fold / next largest: at most "
+        f"{max(a.worst_fold for a in mine if a.complete):.2f} for calibDB, "
+        f"{max(b.worst_fold for b in peers if b.complete):.2f} for OpenCV."
     )
 
 

@@ -36,7 +36,7 @@ def rows() -> Iterator[Row]:
     )
     yield Row("browser: detection of the frame that is sent", seen["full"]["elapsed"], None, "ms")
     yield Row("browser: memory of the detector", memory[-1] / 1e6, None, "MB", f"after {FRAMES} frames")
-    yield Row("browser: growth of that memory", float(memory[-1] - memory[0]) / 1e6, 0.0, "MB")
+    yield Row("browser: growth of the detector's memory", float(memory[-1] - memory[0]) / 1e6, 0.0, "MB")
     yield Row("browser: time of a frame in the capture", 1000 / pace.rate, 66.7, "ms", "15 frames/s")
     yield Row("browser: longest task of the page", pace.longest, 50.0, "ms", "0: none reached 50 ms")
     yield Row("browser: first detection, from cache", first, 3.0, "s")

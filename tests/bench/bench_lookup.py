@@ -21,7 +21,7 @@ def rows() -> Iterator[Row]:
         lookup = one_known(stack)
         yield Row("lookup handler, p50", p50(lookup, repeat=200), 5, "ms", "gateway included")
         before = cpu(lookup)
-        yield Row("the same, time of the processor", before, None, "ms")
+        yield Row("lookup handler, processor time", before, None, "ms")
         crowd(stack, CAMERAS)
         after = cpu(lookup)
         yield Row(f"the same among {CAMERAS:,} cameras", after / before, 1.2, "x")

@@ -53,6 +53,4 @@ def rows() -> Iterator[Row]:
         with storage(place) as store:
             elapsed = time.perf_counter() - start
             assert store.restored >= WRITES
-        yield Row(
-            f"embedded store: opened after {WRITES} writes", elapsed, 3, "s", "each to a place of its own"
-        )
+        yield Row(f"embedded store: opened after {WRITES} writes", elapsed, 3, "s", "each to its own key")

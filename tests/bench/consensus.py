@@ -22,17 +22,17 @@ DRAWS = 60
 """Of one mode at most; of the smaller ones all there are."""
 ACROSS = 500
 HEADER = [
-    "specimens differ by",
+    "spread of specimens",
     "cameras",
-    "honest ones alone reliable",
-    "with lies reliable",
+    "reliable without lies",
+    "reliable with lies",
     "moved by > 0.5 px",
-    "moved at most",
-    "95 %",
-    "by more than 0.5 px and the stated spread",
-    "honest ones in the liars' place: reliable",
-    "moved by > 0.5 px",
-    "95 %",
+    "largest move",
+    "95th percentile",
+    "moved by > 0.5 px and > the stated spread",
+    "control: reliable",
+    "control: moved by > 0.5 px",
+    "control: 95th percentile",
 ]
 
 

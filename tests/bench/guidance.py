@@ -103,12 +103,12 @@ def row(name: str, found: Sequence[Session], ends: bool = True) -> list[str]:
 HEADER = [
     "",
     "captures",
-    "views until it ends",
-    "error then",
+    "views at the end",
+    "error at the end",
     *(f"{n} views" for n in VIEWS),
-    "attempts a view",
+    "attempts per view",
     "error > 2 x predicted",
-    "without an end",
+    "never ended",
 ]
 
 
@@ -156,7 +156,7 @@ def limit(seeds: int) -> str:
     found = sessions(guided(), cameras, max(1, seeds // 3), 0.2)
     ours = [float(np.median([s.calibration_rms[n - 1] for s in found])) for n in VIEWS]
     rows = [
-        ["best views, camera known", *(f"{b:.3f}" for b in best)],
+        ["best views, known camera", *(f"{b:.3f}" for b in best)],
         ["as captured", *(f"{o:.3f}" for o in ours)],
         ["ratio", *(f"{o / b:.2f}" for o, b in zip(ours, best, strict=True))],
     ]

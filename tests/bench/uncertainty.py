@@ -35,10 +35,10 @@ def main() -> int:
         "model",
         "views",
         "actual / predicted projection error, rms",
-        "95 %",
-        "95 % intervals that hold the truth",
+        "95th percentile",
+        "coverage of 95 % intervals",
         "by parameter",
-        "blind in a corner",
+        "out-of-domain corner",
         "failed",
     ]
     document.replace("error bars", document.table(header, rows))
