@@ -34,7 +34,7 @@ from calibdb.store import Mode
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus import difference
-from calibsolver.fitting.resection import score
+from calibsolver.fitting.resection import reprojection_score
 
 _MOST_FIELDS = 20
 _FEWEST = 4  # points that make a pose
@@ -78,7 +78,7 @@ def check(call: application.Call) -> Response:
     mode, known = consensus(call, request)
     examined = examine(request)
     width = request.img_size[0]
-    error = min(score(camera(known), seen(request, examined)).rms, math.hypot(*request.img_size))
+    error = min(reprojection_score(camera(known), seen(request, examined)).rms, math.hypot(*request.img_size))
     own = None
     if examined.own is not None:
         own = Own(difference(camera(known), camera(examined.own)), examined.own.uncertainty.rms)

@@ -40,7 +40,7 @@ from calibdb.store import Mode
 from calibdb.store.keys import consensus_id
 from calibsolver import Board, CalibrationError, Camera, View, __version__, consensus
 from calibsolver.consensus import difference
-from calibsolver.fitting.resection import score
+from calibsolver.fitting.resection import reprojection_score
 
 ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
 ATTEMPTS = 5  # of one that others keep overtaking
@@ -207,7 +207,7 @@ def count(
     width, ratio = document.img_size[0], thresholds.max_check_ratio
     findings = []
     for vote in votes:
-        error, own, same = score(camera, views_of(vote)).rms, None, False
+        error, own, same = reprojection_score(camera, views_of(vote)).rms, None, False
         if vote.fit is not None:
             by_itself = Camera.from_record(vote.fit.model_dump())
             own = Own(difference(camera, by_itself), vote.fit.uncertainty.rms)

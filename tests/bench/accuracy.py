@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import CalibrationError, fit, models
-from calibsolver.fitting.resection import score
+from calibsolver.fitting.resection import reprojection_score
 from tests.bench import corners, document
 
 TIMEOUT = 25.0
@@ -68,7 +68,7 @@ def ours(data: corners.Corners, model: str) -> Outcome:
         for training, test in data.parts():
             if test:
                 camera = fit(training, data.img_size, model).camera
-                squares.append(score(camera, test).rms ** 2)
+                squares.append(reprojection_score(camera, test).rms ** 2)
                 points.append(sum(len(view) for view in test))
     except CalibrationError as error:
         return Outcome(failure=error.code)

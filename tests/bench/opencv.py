@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from calibsolver import Camera, View
-from calibsolver.fitting.resection import score
+from calibsolver.fitting.resection import reprojection_score
 from tests.bench import corners
 
 
@@ -60,7 +60,7 @@ def attempt(training: Sequence[View], test: Sequence[View], img_size: tuple[int,
     if not (np.isfinite(rms) and np.isfinite(camera.intrinsics).all() and camera.intrinsics[0] > 1):
         print(json.dumps({"error": f"fx = {camera.intrinsics[0]:.3g}"}), flush=True)
         return
-    left = score(camera, test) if test else None
+    left = reprojection_score(camera, test) if test else None
     print(
         json.dumps(
             {

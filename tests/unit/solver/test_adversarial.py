@@ -12,7 +12,7 @@ from calibsolver.arrays import Array, symmetric_inverse
 from calibsolver.capture import Capture
 from calibsolver.consensus import Member, pool
 from calibsolver.consensus.agreement import compare
-from calibsolver.fitting.resection import score
+from calibsolver.fitting.resection import reprojection_score
 from tests.helpers.solver import specimens, synthetic
 
 BOARD = Board()
@@ -144,7 +144,7 @@ def tried(model: str, kind: str, seed: int) -> None:
     else:
         captured(rng, model, views)
     try:
-        told = score(camera, views)
+        told = reprojection_score(camera, views)
     except CalibrationError as error:
         assert error.code in {"too_few_points", "out_of_range"}  # noqa: PT017
     else:

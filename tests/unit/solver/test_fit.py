@@ -212,8 +212,8 @@ def test_what_views_tell_is_no_rounding() -> None:
         rows = np.random.default_rng(1).normal(size=(8 + 6, 2, 3, 40))
         rows[1], rows[9] = rows[0] + near * rows[1], rows[8] + pose * rows[9]
         told, plain = (
-            normal_equations.told(rows, 8),
-            normal_equations.eliminate(normal_equations.squared(rows)).sum(axis=0),
+            normal_equations.reduced_information(rows),
+            normal_equations.schur_complement(normal_equations.gram_matrices(rows)).sum(axis=0),
         )
         if pose == 1:
             np.testing.assert_allclose(told, plain, atol=1e-9)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, Camera, View, fit, rotation
-from calibsolver.fitting.resection import score
+from calibsolver.fitting.resection import reprojection_score
 from calibsolver.quality.cross_validation import held_out
 from tests.helpers.data import corner_set
 from tests.helpers.solver import specimens, synthetic
@@ -19,7 +19,7 @@ def real(name: str) -> tuple[list[View], tuple[int, int]]:
 def test_the_true_camera_leaves_the_noise(camera: Camera) -> None:
     """Of 2n residuals a pose takes six away; what is left is the noise of the corners."""
     views = specimens.views(camera, np.random.default_rng(0), noise=0.3)
-    result = score(camera, views)
+    result = reprojection_score(camera, views)
     n = np.array([len(view) for view in views])
     expected = 0.3 * np.sqrt(2 * (1 - 3 / n))
     assert np.sqrt(np.mean((result.view_errors / expected) ** 2)) == pytest.approx(1, abs=0.06)
@@ -31,7 +31,7 @@ def test_poses_are_those_of_the_least_squares_fit() -> None:
     """On the views that a camera was fitted to, its score is the error of the fit."""
     views, size = real("pv_charuco_480")
     calibration = fit(views, size, robust=False)
-    result = score(calibration.camera, views)
+    result = reprojection_score(calibration.camera, views)
     assert result.rms == pytest.approx(calibration.avg_reprojection_error, rel=1e-6)
     np.testing.assert_allclose(
         rotation.matrix(result.poses[:, :3]), rotation.matrix(calibration.poses[:, :3]), atol=1e-3
@@ -46,9 +46,9 @@ def test_another_camera_is_told_by_its_score() -> None:
     k = camera.intrinsics
     k[:2] *= other[0] / size[0]
     k[2:4] = (other[0] - 1) / 2, (other[1] - 1) / 2
-    assert score(camera, small).rms < 0.25
+    assert reprojection_score(camera, small).rms < 0.25
     own = fit(large, other).avg_reprojection_error
-    assert score(Camera.from_intrinsics("rectilinear", k, other), large).rms > 3.5 * own
+    assert reprojection_score(Camera.from_intrinsics("rectilinear", k, other), large).rms > 3.5 * own
 
 
 def test_views_that_a_camera_cannot_see_have_no_finite_score() -> None:
@@ -57,16 +57,16 @@ def test_views_that_a_camera_cannot_see_have_no_finite_score() -> None:
         "rectilinear", np.array([[800, 0, 640], [0, 800, 360], [0, 0, 1]]), [-0.9, 0, 0, 0, 0], (1280, 720)
     )
     views = specimens.views(synthetic.fisheye_cameras()[11], np.random.default_rng(0))
-    assert not score(narrow, views).rms < 20
+    assert not reprojection_score(narrow, views).rms < 20
 
 
 def test_scoring_needs_views_with_points() -> None:
     camera = synthetic.rectilinear_cameras()[4]
     with pytest.raises(CalibrationError) as caught:
-        score(camera, [])
+        reprojection_score(camera, [])
     assert caught.value.code == "no_views"
     with pytest.raises(CalibrationError) as caught:
-        score(camera, [View(np.zeros((3, 3)), np.zeros((3, 2)))])
+        reprojection_score(camera, [View(np.zeros((3, 3)), np.zeros((3, 2)))])
     assert caught.value.code == "too_few_points"
 
 

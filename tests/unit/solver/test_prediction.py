@@ -5,7 +5,7 @@ import pytest
 
 from calibsolver import Board, Camera, View, fit
 from calibsolver.capture import Capture
-from calibsolver.quality.prediction import DISAGREEMENT, surprise
+from calibsolver.quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from tests.helpers import data
 from tests.helpers.solver import synthetic
 
@@ -21,9 +21,9 @@ def test_views_are_as_far_off_as_predicted() -> None:
         for n in (2, 3, 4):
             calibration = fit(session.views[:n], camera.img_size)
             view = session.views[n]
-            ratios.append(surprise(calibration, view, np.ones(len(view), bool), 0.05))
+            ratios.append(prediction_ratio(calibration, view, np.ones(len(view), bool), 0.05))
     assert 0.8 < np.sqrt(np.mean(np.square(ratios))) < 1.25
-    assert np.mean(np.array(ratios) > DISAGREEMENT) <= 0.03
+    assert np.mean(np.array(ratios) > MAX_PREDICTION_RATIO) <= 0.03
 
 
 def test_a_prediction_that_fails_is_said_and_the_capture_goes_on() -> None:

@@ -12,12 +12,12 @@ from ..camera import Camera
 from ..fitting import initial_guess, normal_equations
 from ..fitting.calibration import Calibration
 from ..fitting.observations import Observations
-from ..fitting.resection import score
+from ..fitting.resection import reprojection_score
 from ..fitting.uncertainty import Uncertainty
 from ..guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
 from ..guidance.hints import Hint, Placement, between
 from ..guidance.target import TargetPose
-from ..quality.prediction import DISAGREEMENT, surprise
+from ..quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from ..view import View
 from .admission import Reason, rejection_reason
 from .advice import LIMIT_REACHED, describe_disagreement, find_better_model
@@ -265,9 +265,9 @@ class Capture:
         count = len(views) - len(estimate.excluded)
         ratio = 1.0
         if last not in estimate.excluded:
-            ratio = surprise(before, views[-1], calibration.used[-1], LEAST_NOISE * self.img_size[0])
+            ratio = prediction_ratio(before, views[-1], calibration.used[-1], LEAST_NOISE * self.img_size[0])
         noisy = calibration.noise > MAX_DETECTOR_NOISE_WIDTHS * self.img_size[0] and count % MIN_VIEWS == 0
-        disagrees = ratio > DISAGREEMENT
+        disagrees = ratio > MAX_PREDICTION_RATIO
         if not (disagrees or noisy or len(estimate.excluded) > len(excluded_before)):
             return estimate
         better = find_better_model(views, calibration)
@@ -302,14 +302,14 @@ class Capture:
         posed = initial_guess.at(belief.model, obs, belief.k)
         if not posed.error < MAX_MEDIAN_ERROR_WIDTHS * self.img_size[0]:
             return None
-        q, j = normal_equations.design(belief.model, belief.k, posed.poses, obs.points)
+        q, j = normal_equations.projection_jacobian(belief.model, belief.k, posed.poses, obs.points)
         if not (np.isfinite(q).all() and np.isfinite(j).all()):
             return None
-        return belief.gain(normal_equations.information(j, obs.mask.astype(np.float64))[0])
+        return belief.gain(normal_equations.fisher_information(j, obs.mask.astype(np.float64))[0])
 
     def _resection_error(self, camera: Camera, view: View) -> float | None:
         """Rms of the view with its pose alone fitted, px; None where it has no pose."""
-        error = float(score(camera, [view]).view_errors[0])
+        error = float(reprojection_score(camera, [view]).view_errors[0])
         return error if np.isfinite(error) else None
 
     def _refuse(
@@ -325,7 +325,7 @@ class Capture:
         if reason in hints:
             return ViewDecision(False, reason, None, hints[reason])
         camera = before.camera if before else self._initial_camera
-        pose = score(camera, [view]).poses[0]
+        pose = reprojection_score(camera, [view]).poses[0]
         actual = Placement.of(self.board, camera, rotation.matrix(pose[:3]), pose[3:])
         wanted = Placement.of(self.board, camera, rotation.matrix(target.rvec), target.tvec)
         return ViewDecision(False, reason, None, between(actual, wanted, self.img_size[0]))

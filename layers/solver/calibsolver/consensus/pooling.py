@@ -14,7 +14,7 @@ from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit, fit_again
-from ..fitting.resection import score
+from ..fitting.resection import reprojection_score
 from ..view import View
 from .agreement import FEWEST, compare, groups, sway
 
@@ -267,7 +267,7 @@ def without_each(group: Sequence[tuple[Member, Calibration]], pooled: Camera) ->
     errors = np.full(len(group), np.inf)
     views = [view for member, _ in group for view in member.views]
     of = np.repeat(np.arange(len(group)), [len(member.views) for member, _ in group])
-    poses = score(pooled, views).poses
+    poses = reprojection_score(pooled, views).poses
     for fold in range(min(FOLDS, len(group))):
         left = range(fold, len(group), FOLDS)
         others = np.flatnonzero(~np.isin(of, left))
@@ -276,5 +276,5 @@ def without_each(group: Sequence[tuple[Member, Calibration]], pooled: Camera) ->
         except CalibrationError:
             continue
         for i in left:
-            errors[i] = score(camera, group[i][0].views).rms
+            errors[i] = reprojection_score(camera, group[i][0].views).rms
     return errors

@@ -181,7 +181,7 @@ class _Fit:
             )
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
             free = [problem.solve(s, self.approach.everything, FREE) for s in begun]
-            best = min((s for s in free if s.converged and s.finite), key=cost, default=None)
+            best = min((s for s in free if s.converged and s.is_finite), key=cost, default=None)
             if best is not None and plausibility.folded(problem, best, self.mask) <= plausibility.FOLDED:
                 return self.result(best, self.mask, with_prior=False)
         return self.result(
@@ -192,7 +192,7 @@ class _Fit:
         """Sum up what the good points (v, n) tell of the intrinsics at unit noise, (p, p)."""
         rows = state.rows[:-1]
         weighted = rows if good.all() else rows * outliers.weights(good) ** 0.5
-        return normal_equations.told(weighted, self.model.size)
+        return normal_equations.reduced_information(weighted)
 
     def carried(self, state: State) -> bool:
         """Whether the data alone determine every parameter."""
@@ -205,7 +205,7 @@ class _Fit:
         used = 2 * float(good.sum())
         free = used - self.model.size - 6 * float(good.any(axis=1).sum())
         noise = float(np.sqrt(state.square[good].sum() / max(free, 0.1 * used, 1.0)))
-        return max(noise, levenberg_marquardt.ROUNDING * self.width)
+        return max(noise, levenberg_marquardt.ROUNDOFF * self.width)
 
     def result(self, state: State, good: Mask, *, with_prior: bool) -> Calibration:
         if not state.converged:

@@ -74,11 +74,11 @@ class Approach:
         for first in self.starts(trial):
             state = trial.at(first.k, first.poses)
             good = mask if first.weights is None else mask & (first.weights > 0)
-            if not (state.finite and good.any()):
+            if not (state.is_finite and good.any()):
                 continue
             state = trial.solve(state, outliers.weights(good), APPROACH)
             state = posed_anew(trial, state, weights, mask)
-            if not state.finite:
+            if not state.is_finite:
                 continue
             found.append(state)
             if (
@@ -103,7 +103,7 @@ class Approach:
 
     def ordinary(self, state: State) -> bool:
         """Whether this is a camera like others; a strange one may be a local minimum beside the right one."""
-        return bool(np.abs(state.belief[1:4]).max() < SURPRISE)
+        return bool(np.abs(state.prior_residuals[1:4]).max() < SURPRISE)
 
 
 def posed_anew(problem: Problem, state: State, weights: Array, mask: Mask) -> State:

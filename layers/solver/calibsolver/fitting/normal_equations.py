@@ -1,9 +1,12 @@
-"""Normal equations of the reprojection error, with the poses eliminated.
+"""Normal equations of the reprojection error: Jacobians, Fisher information, Schur complement.
 
 Per view the Jacobian is [A | B] with A by the intrinsics (p) and B by the pose (6: a small rotation applied
-from the left in the camera frame, then the translation). Eliminating the pose leaves S = A'A - A'B (B'B)^-1
-B'A, what the view tells about the intrinsics alone (Schur complement; Triggs et al., "Bundle adjustment",
-2000).
+from the left in the camera frame, then the translation). The Schur complement of the pose, S = A'A - A'B
+(B'B)^-1 B'A, is the Fisher information of the intrinsics alone at unit noise, the pose marginalised (Triggs
+et al., "Bundle adjustment", 2000).
+
+`rows` holds a Jacobian transposed, one plane in memory for each unknown: (p + 6, 2, v, n), the intrinsics
+first.
 """
 
 from dataclasses import dataclass
@@ -11,8 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import rotation
-from ..arrays import Array
+from ..arrays import Array, IntArray, Mask
 from ..models import Model
+
+POSE_SIZE = 6
+"""Unknowns of a pose."""
+EYE = np.eye(POSE_SIZE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +38,15 @@ class Poses:
         """(v, 6) rvec|tvec."""
         return np.concatenate([rotation.vector(self.r), self.t], axis=1)
 
-    def moved(self, step: Array) -> "Poses":
-        """Poses after small steps (v, 6)."""
+    def retract(self, step: Array) -> "Poses":
+        """Poses after small steps (v, 6): the rotation perturbed from the left, the translation shifted."""
         return Poses(rotation.matrix(step[:, :3]) @ self.r, self.t + step[:, 3:])
+
+    def replaced(self, index: IntArray | Mask, poses: "Poses") -> "Poses":
+        """Poses with those of some views replaced."""
+        r, t = self.r.copy(), self.t.copy()
+        r[index], t[index] = poses.r, poses.t
+        return Poses(r, t)
 
     def camera_points(self, points: Array) -> Array:
         """Points (v, 3, n), board frame -> camera frame."""
@@ -47,14 +60,14 @@ def project(model: Model, k: Array, poses: Poses, points: Array) -> Array:
     return model.project(k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
 
 
-def design(model: Model, k: Array, poses: Poses, points: Array) -> tuple[Array, Array]:
+def projection_jacobian(model: Model, k: Array, poses: Poses, points: Array) -> tuple[Array, Array]:
     """Pixels (v, 2, n) of points (v, 3, n), or (3, n) for all, and the Jacobian (v, p + 6, 2, n)."""
-    q, rows = linearise(model, k, poses, points, 0)
+    q, rows = linearize(model, k, poses, points, 0)
     return q.transpose(1, 0, 2), rows.transpose(2, 0, 1, 3)
 
 
-def linearise(model: Model, k: Array, poses: Poses, points: Array, spare: int) -> tuple[Array, Array]:
-    """Pixels (2, v, n) and the Jacobian by rows (p + 6 + spare, 2, v, n); the last `spare` are left empty.
+def linearize(model: Model, k: Array, poses: Poses, points: Array, extra_rows: int) -> tuple[Array, Array]:
+    """Pixels (2, v, n) and the Jacobian by rows (p + 6 + extra_rows, 2, v, n), the extra ones left empty.
 
     Rows first: each is one plane in memory, which is what the arithmetic on them wants.
     """
@@ -62,7 +75,7 @@ def linearise(model: Model, k: Array, poses: Poses, points: Array, spare: int) -
     p = rotated + poses.t[:, :, None]
     q, by_k, by_p = model.jacobian(k, p.transpose(1, 0, 2))
     size = model.size
-    rows = np.empty((size + 6 + spare, *q.shape))
+    rows = np.empty((size + 6 + extra_rows, *q.shape))
     rows[:size] = by_k
     rows[size + 3 : size + 6] = by_p
     # d(exp(w) Y)/dw = w x Y, and b . (w x Y) = w . (Y x b)
@@ -78,45 +91,183 @@ def linearise(model: Model, k: Array, poses: Poses, points: Array, spare: int) -
     return q, rows
 
 
-def squared(rows: Array) -> Array:
-    """Products (v, m, m) of rows (m, 2, v, n) with one another, summed over the points of each view."""
+def gram_matrices(rows: Array) -> Array:
+    """Gram matrices (v, m, m) of rows (m, 2, v, n): their products, summed over the points of each view."""
     across, down = rows[:, 0].transpose(1, 0, 2), rows[:, 1].transpose(1, 0, 2)
     h: Array = across @ across.transpose(0, 2, 1)
     h += down @ down.transpose(0, 2, 1)
     return h
 
 
-def information(j: Array, weights: Array) -> Array:
-    """Compute what views tell of the intrinsics, S (v, p, p): Jacobian (v, p + 6, 2, n), weights (v, n)."""
+def fisher_information(j: Array, weights: Array) -> Array:
+    """Fisher information (v, p, p) of the intrinsics at unit noise, the pose of each view marginalised.
+
+    Of the Jacobian (v, p + 6, 2, n) and the weights (v, n) of the points.
+    """
     rows = j.transpose(1, 2, 0, 3)
     if not (weights == 1).all():
         rows = rows * np.sqrt(weights)
-    return eliminate(squared(rows))
+    return schur_complement(gram_matrices(rows))
 
 
-def eliminate(h: Array) -> Array:
+def schur_complement(h: Array) -> Array:
     """Schur complement (v, p, p) of the last six variables of (v, p + 6, p + 6)."""
-    size = h.shape[-1] - 6
+    size = h.shape[-1] - POSE_SIZE
     b = h[:, size:, size:]
     w = h[:, size:, :size]
     # The smallest ridge that keeps a view without any points from being singular.
     ridge = 1e-13 * np.diagonal(b, axis1=1, axis2=2) + 1e-200
     scale = 1 / np.sqrt(np.diagonal(b, axis1=1, axis2=2) + ridge)
-    unit = b * scale[:, :, None] * scale[:, None, :] + 1e-13 * np.eye(6)
+    unit = b * scale[:, :, None] * scale[:, None, :]
     ws = w * scale[:, :, None]
-    s: Array = h[:, :size, :size] - ws.transpose(0, 2, 1) @ np.linalg.solve(unit, ws)
+    s: Array = h[:, :size, :size] - ws.transpose(0, 2, 1) @ eliminate_poses(unit, ws, 1e-13)
     return s
 
 
-def told(rows: Array, size: int) -> Array:
-    """Compute what rows (size + 6, 2, v, n) of all views tell of the intrinsics, S (size, size).
+def eliminate_poses(h_pp: Array, h_pc: Array, damping: float | Array) -> Array:
+    """Solve (H_pp + damping I) X = H_pc for X (v, 6, m); the Schur complement is H_cc - H_pc' X.
 
-    As `eliminate`, but what the poses explain is taken from the rows themselves: of intrinsics that nearly
-    replace one another as little is known as rounding would make of differences of products.
+    Blocks (v, 6, 6) and (v, 6, m) of scaled unknowns; damping is one number, or (v,) one for each view.
     """
+    return solve_or_nan(h_pp + np.reshape(damping, (-1, 1, 1)) * EYE, h_pc)
+
+
+def residual_jacobian(rows: Array) -> Array:
+    """Part (v, 2n, p) of the Jacobian by the intrinsics that no change of the poses explains.
+
+    Of rows (p + 6, 2, v, n): A less its orthogonal projection onto the columns of B, by their QR factors.
+    """
+    size = len(rows) - POSE_SIZE
     flat = rows.transpose(2, 1, 3, 0).reshape(rows.shape[2], -1, len(rows))
     a, b = flat[:, :, :size], flat[:, :, size:]
     q, _ = np.linalg.qr(b / np.maximum(np.linalg.norm(b, axis=1, keepdims=True), 1e-300))
-    left = (a - q @ (q.transpose(0, 2, 1) @ a)).reshape(-1, size)
+    left: Array = a - q @ (q.transpose(0, 2, 1) @ a)
+    return left
+
+
+def reduced_information(rows: Array) -> Array:
+    """Fisher information (p, p) of the intrinsics from rows (p + 6, 2, v, n) of all views.
+
+    The sum of the views' Schur complements in their QR form: it avoids the cancellation of A'A - A'B (B'B)^-1
+    B'A where parameters are nearly collinear.
+    """
+    left = residual_jacobian(rows)
+    left = left.reshape(-1, left.shape[2])
     s: Array = left.T @ left
     return s
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Damped normal equations of one linearization, solved by the Schur complement of the poses.
+
+    In the blocks of Triggs et al. (2000), c the intrinsics (a of them are free), p the poses; each unknown is
+    scaled to a unit diagonal (Marquardt 1963).
+
+    Attributes
+    ----------
+    h_cc, g_c
+        Intrinsics, (a, a), and half their gradient (a,).
+    h_pp
+        Poses, (v, 6, 6).
+    h_pc
+        Poses by intrinsics, and in the last column half the gradient of the poses, (v, 6, a + 1).
+    scale_c, scale_p
+        Factors from scaled to true unknowns, (a,) and (v, 6).
+    """
+
+    h_cc: Array
+    g_c: Array
+    h_pp: Array
+    h_pc: Array
+    scale_c: Array
+    scale_p: Array
+
+    @classmethod
+    def of(cls, rows: Array, weights: Array | None, prior: tuple[Array, Array] | None = None) -> "System":
+        """Build the system.
+
+        Parameters
+        ----------
+        rows
+            (a + 7, 2, v, n): the Jacobian, and in the last row the residuals, px.
+        weights
+            (v, n) of the points; None: all are 1.
+        prior
+            Information (a, a) and half gradient (a,) that are added to the intrinsics'.
+        """
+        size = len(rows) - POSE_SIZE - 1
+        h = gram_matrices(rows if weights is None else rows * np.sqrt(weights))
+        total = h[:, :size].sum(axis=0)
+        h_cc, g_c = total[:, :size], total[:, -1]
+        if prior is not None:
+            h_cc, g_c = h_cc + prior[0], g_c + prior[1]
+        scale_c = 1 / np.sqrt(h_cc.diagonal() + 1e-200)
+        diagonal = np.diagonal(h, axis1=1, axis2=2)[:, size:-1]
+        scale_p = 1 / np.sqrt(diagonal + 1e-13 * diagonal.max(axis=1, keepdims=True) + 1e-200)
+        h_pp = h[:, size:-1, size:-1] * scale_p[:, :, None] * scale_p[:, None, :]
+        h_pc = np.empty((len(h_pp), POSE_SIZE, size + 1))
+        np.multiply(h[:, size:-1, :size], scale_c, out=h_pc[:, :, :size])
+        h_pc[:, :, size] = h[:, size:-1, -1]
+        h_pc *= scale_p[:, :, None]
+        return cls(h_cc * scale_c[:, None] * scale_c, g_c * scale_c, h_pp, h_pc, scale_c, scale_p)
+
+    def step(self, damping: float) -> tuple[Array, Array, float]:
+        """Solve for the steps of intrinsics (a,) and poses (v, 6), and the decrease that they predict."""
+        dc, dp = self._solve(self.g_c, self.h_pc, damping)
+        predicted = -float(self.g_c @ dc) - float(np.vdot(self.h_pc[:, :, -1], dp))
+        return dc * self.scale_c, dp * self.scale_p, predicted
+
+    def pose_steps(self, damping: Array) -> tuple[Array, Array]:
+        """Solve for the steps (v, 6) of poses whose intrinsics are held constant, each with its damping (v,).
+
+        Also returns the decreases (v,) that they predict.
+        """
+        _, dp = self._solve(self.g_c, self.h_pc, damping)
+        return dp * self.scale_p, -np.einsum("vi,vi->v", self.h_pc[:, :, -1], dp)
+
+    def solve_with_gradient(self, g_c: Array, g_p: Array, damping: float) -> tuple[Array, Array]:
+        """Solve for the steps (a,) and (v, 6) down another gradient, (a,) and (v, 6)."""
+        h_pc = self.h_pc.copy()
+        h_pc[:, :, -1] = g_p * self.scale_p
+        dc, dp = self._solve(g_c * self.scale_c, h_pc, damping)
+        return dc * self.scale_c, dp * self.scale_p
+
+    def length(self, dc: Array, dp: Array) -> float:
+        """Length of a step in the scaled unknowns."""
+        return float(np.hypot(np.linalg.norm(dc / self.scale_c), np.linalg.norm(dp / self.scale_p)))
+
+    def _solve(self, g_c: Array, h_pc: Array, damping: float | Array) -> tuple[Array, Array]:
+        """Solve (H + damping I) x = -g for the scaled steps (a,) and (v, 6).
+
+        The poses are eliminated first: the Schur complement (a, a) of their blocks gives the intrinsics, and
+        substituting these gives the poses.
+
+        Parameters
+        ----------
+        g_c
+            (a,) half gradient of the scaled intrinsics.
+        h_pc
+            (v, 6, a + 1), as the attribute: the last column is the half gradient of the scaled poses.
+        damping
+            One number, or (v,) one for each view where no intrinsics are free.
+        """
+        size = len(self.h_cc)
+        lift = damping + 1e-14
+        solved = eliminate_poses(self.h_pp, h_pc, lift)
+        if not size:
+            return np.zeros(0), np.negative(solved[:, :, 0])
+        removed = h_pc[:, :, :size].reshape(-1, size).T @ solved.reshape(-1, size + 1)
+        complement = self.h_cc - removed[:, :size]
+        complement.flat[:: size + 1] += lift
+        dc: Array = np.negative(solve_or_nan(complement, g_c - removed[:, size]))
+        dp: Array = np.negative(solved[:, :, size] + solved[:, :, :size] @ dc)
+        return dc, dp
+
+
+def solve_or_nan(a: Array, b: Array) -> Array:
+    """Solve a x = b; NaN, a step that nobody takes, where there is no solution."""
+    try:
+        return np.asarray(np.linalg.solve(a, b), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.full(b.shape, np.nan)

@@ -31,7 +31,7 @@ def kept(state: State, mask: Mask, among: Mask, cut: float, img_size: tuple[int,
     The noise is that of the points `among` (v, n): what has been left out already does not blur what is left.
     """
     # Beside a view that happens to have less noise, one with as much as others have is no outlier.
-    sigma = max(levenberg_marquardt.noise(state, among), levenberg_marquardt.FINEST * img_size[0])
+    sigma = max(levenberg_marquardt.robust_sigma(state, among), levenberg_marquardt.NOISE_FLOOR * img_size[0])
     if not np.where(mask, state.square, 0.0).max() > (cut * sigma) ** 2:
         return mask
     # Real residuals have longer tails than the median promises; what is kept says how long.
@@ -62,14 +62,14 @@ def ranked(states: Sequence[State], problem: Problem, mask: Mask) -> list[State]
     def score(state: State) -> tuple[bool, float]:
         explained = np.minimum(state.square[mask] / sigma2, MOST_COUNTED**2)
         folds = plausibility.folded(problem, state, mask) > plausibility.FOLDED
-        return folds, float(explained.sum() + state.belief @ state.belief)
+        return folds, float(explained.sum() + state.prior_residuals @ state.prior_residuals)
 
     return sorted(states, key=score)
 
 
 def unfit(state: State, mask: Mask) -> IntArray:
     """Find views (by number) of which half of the points or more lie beyond CUT sigmas."""
-    sigma = levenberg_marquardt.noise(state, mask)
+    sigma = levenberg_marquardt.robust_sigma(state, mask)
     return np.flatnonzero((medians(state.square, mask) > (CUT * sigma) ** 2) & mask.any(axis=1))
 
 

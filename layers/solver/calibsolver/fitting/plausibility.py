@@ -29,7 +29,7 @@ def folded(problem: Problem, state: State, mask: Mask) -> float:
 def demand(problem: Problem, state: State, good: Mask, robust: bool) -> None:
     """Raise CalibrationError ``not_believable`` unless camera and `good` points (v, n) are plausible."""
     k, (w, h), mask = state.k, problem.img_size, problem.obs.mask
-    if not (np.isfinite(k).all() and state.finite):
+    if not (np.isfinite(k).all() and state.is_finite):
         raise CalibrationError("not_believable", "the fit ran away")
     focal = k[:2] * problem.model.magnification(k[4:])[0]
     if not (SHORTEST * w < focal[0] < LONGEST * w and 1 / OBLONG < k[0] / k[1] < OBLONG):

@@ -1,4 +1,4 @@
-"""How well a given camera explains views: the poses alone are fitted."""
+"""Resection: the poses of views under a given camera, by reprojection error (PnP for all views at once)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,26 +6,30 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import models
-from ..arrays import Array, Mask, frozen
+from ..arrays import Array, frozen
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..models import Model
 from ..view import View
-from . import initial_guess, normal_equations
-from .normal_equations import Poses
+from . import initial_guess
+from .levenberg_marquardt import MAX_DAMPING, assess_step, residual_rows
+from .normal_equations import Poses, System
 from .observations import Observations
 from .validation import in_range
 
-ITERATIONS = 30
-SETTLED = 1e-8
+MAX_ITERATIONS = 60
+FIRST_DAMPING = 1e-6
+MIN_DECREASE = 1e-8
 """Relative decrease of a view's squared error below which its pose is left."""
-LEAST_POINTS = 4
-"""Of a plane, that make a pose."""
+MIN_POSE_POINTS = 4
+"""Points of a plane that make a pose."""
+ASSESS_STEPS = np.frompyfunc(assess_step, 3, 2)
+"""`assess_step` of each view: its arguments and its results are (v,)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Score:
-    """The error of a camera on views it need not have been fitted to.
+class ReprojectionScore:
+    """Reprojection error of a camera on views it need not have been fitted to.
 
     Attributes
     ----------
@@ -43,66 +47,66 @@ class Score:
     poses: Array
 
 
-def score(camera: Camera, views: Sequence[View]) -> Score:
+def reprojection_score(camera: Camera, views: Sequence[View]) -> ReprojectionScore:
     """Measure the reprojection error of `views` under `camera`, every pose fitted, nothing left out.
 
     Raises CalibrationError (``no_views``, ``too_few_points``, ``out_of_range``).
     """
     if not views:
         raise CalibrationError("no_views", "there is no view to score")
-    if min(len(view) for view in views) < LEAST_POINTS:
-        raise CalibrationError("too_few_points", f"a pose needs {LEAST_POINTS} points")
+    if min(len(view) for view in views) < MIN_POSE_POINTS:
+        raise CalibrationError("too_few_points", f"a pose needs {MIN_POSE_POINTS} points")
     obs = in_range(Observations.of(views), camera.img_size)
     poses, square = resect(models.get(camera.model), camera.intrinsics, obs)
     count = obs.mask.sum(axis=1)
     with np.errstate(all="ignore"):
         vectors = np.where(np.isfinite(square)[:, None], poses.vectors(), np.nan)
-    return Score(float(np.sqrt(square.sum() / count.sum())), frozen(np.sqrt(square / count)), frozen(vectors))
+    return ReprojectionScore(
+        float(np.sqrt(square.sum() / count.sum())), frozen(np.sqrt(square / count)), frozen(vectors)
+    )
 
 
 def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
     """Fit the pose of every view under intrinsics k (p,): poses, and summed squared distances (v,) px^2.
 
-    Levenberg-Marquardt from the linear solution, every view with its own damping. The sum is infinite where
-    the camera cannot see a view.
+    Levenberg-Marquardt from the linear solution with the intrinsics held constant. Nothing couples the views
+    then: every view has its own damping and its own accept test, and one that no pose explains does not stop
+    the others. The sum is infinite where the camera cannot see a view.
     """
     with np.errstate(all="ignore"):  # views that these intrinsics cannot explain run away
         poses = initial_guess.at(model, obs, k).poses
-        here, h, g = _normal(model, k, poses, obs)
-        damping = np.full(len(here), 1e-6)
-        active = np.isfinite(here)
-        for _ in range(ITERATIONS):
-            if not active.any():
+        rows, cost = pose_rows(model, k, poses, obs)
+        damping = np.full(len(cost), FIRST_DAMPING)
+        active = np.isfinite(cost)
+        views = np.arange(len(cost))
+        for _ in range(MAX_ITERATIONS):
+            if not active.all():  # only the views that are still on their way are worked on
+                views, damping, rows = views[active], damping[active], rows[:, :, active]
+                obs = obs.subset(np.flatnonzero(active))
+            if not views.size:
                 break
-            moved = poses.moved(_steps(h, g, damping, active))
-            cost, h_moved, g_moved = _normal(model, k, moved, obs)
-            better = active & (cost < here)
-            gained = np.where(better, here - cost, 0.0)
-            poses = Poses(
-                np.where(better[:, None, None], moved.r, poses.r), np.where(better[:, None], moved.t, poses.t)
-            )
-            h, g = np.where(better[:, None, None], h_moved, h), np.where(better[:, None], g_moved, g)
-            settled = better & (gained < SETTLED * here)
-            here = np.where(better, cost, here)
-            damping = np.where(better, damping * 0.1, np.maximum(damping, 1e-6) * 100)
-            active &= ~settled & (damping < 1e6)
-    return poses, np.where(np.isfinite(here), here, np.inf)
+            before = cost[views]
+            step, predicted = System.of(rows, None).pose_steps(damping)
+            moved = Poses(poses.r[views], poses.t[views]).retract(step)
+            moved_rows, after = pose_rows(model, k, moved, obs)
+            accepted, damping = (x.astype(float) for x in ASSESS_STEPS(damping, before - after, predicted))
+            better = accepted > 0
+            poses = poses.replaced(views[better], Poses(moved.r[better], moved.t[better]))
+            cost[views[better]] = after[better]
+            rows = np.where(better[:, None], moved_rows, rows)
+            decrease = np.where(better, before - after, np.inf)
+            active = (np.minimum(decrease, predicted) > MIN_DECREASE * before) & (damping < MAX_DAMPING)
+    return poses, np.where(np.isfinite(cost), cost, np.inf)
 
 
-def _normal(model: Model, k: Array, poses: Poses, obs: Observations) -> tuple[Array, Array, Array]:
-    """Squared error (v,), its Gauss-Newton matrix (v, 6, 6) and half gradient (v, 6) by the poses."""
-    q, j = normal_equations.design(model, k, poses, obs.points)
-    r = np.where(obs.mask[:, None, :], q - obs.pixels, 0.0).reshape(len(q), -1)
-    b = np.where(obs.mask[:, None, None, :], j[:, model.size :], 0.0).reshape(len(q), 6, -1)
-    return np.sum(r * r, axis=1), b @ b.transpose(0, 2, 1), np.einsum("vij,vj->vi", b, r)
+def pose_rows(model: Model, k: Array, poses: Poses, obs: Observations) -> tuple[Array, Array]:
+    """Jacobian by the pose and residuals (7, 2, v, n), px, and summed squared distances (v,), px^2.
 
-
-def _steps(h: Array, g: Array, damping: Array, active: Mask) -> Array:
-    """Damped steps (v, 6); none for views that are not active."""
-    usable = active & np.isfinite(h).all(axis=(1, 2)) & np.isfinite(g).all(axis=1)
-    h = np.where(usable[:, None, None], h, np.eye(6))
-    scale = 1 / np.sqrt(np.maximum(np.diagonal(h, axis1=1, axis2=2), 1e-300))
-    unit = h * scale[:, :, None] * scale[:, None, :] + (damping + 1e-12)[:, None, None] * np.eye(6)
-    solved = np.linalg.solve(unit, (scale * np.where(usable[:, None], g, 0.0))[:, :, None])[:, :, 0]
-    step: Array = -scale * solved
-    return step
+    Of points that were measured; the rows of a view that the camera cannot see are 0.
+    """
+    rows, square = residual_rows(model, k, poses, obs)
+    rows = rows[model.size :]
+    if not obs.mask.all():
+        rows, square = np.where(obs.mask, rows, 0.0), np.where(obs.mask, square, 0.0)
+    rows[:, :, ~np.isfinite(rows.sum(axis=(0, 1, 3)))] = 0.0
+    return rows, square.sum(axis=1)

@@ -8,17 +8,16 @@ from .. import models, rotation
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..fitting import normal_equations, resection
+from ..fitting import resection
 from ..fitting.fit import fit
+from ..fitting.levenberg_marquardt import Options, Problem
 from ..fitting.observations import Observations
 from ..models import Model
 from ..phrasing import off
 from ..view import View
 from .base import Conversion, Shape, Subject
 
-ITERATIONS = 50
-SETTLED = 1e-14
-"""Relative decrease of the squared error below which a fit is left."""
+LEAST_SQUARES = Options(with_prior=False, tolerance=1e-17, damping=1e-6)
 WORSE, UNSEEN = 1.05, 1e-3
 """Ratio and px by which one shape's rms may exceed another's before they count as different."""
 LOST = 0.01
@@ -51,7 +50,7 @@ def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
     for shape in shapes:
         try:
             camera = fitted(subject, shape)
-            found.append((resection.score(camera, views).rms, compared(subject.camera, camera)))
+            found.append((resection.reprojection_score(camera, views).rms, compared(subject.camera, camera)))
         except CalibrationError as error:
             reasons.append(str(error))
     if not found:
@@ -167,45 +166,32 @@ def fitted(subject: Subject, shape: Shape) -> Camera:
         first, used = calibration.camera, calibration.used
         if not (shape.zero or shape.square):
             return first
-    return restricted(first, shape, views, used)
+    return fit_constrained(first, shape, views, used)
 
 
-def restricted(camera: Camera, shape: Shape, views: tuple[View, ...], used: tuple[Mask, ...]) -> Camera:
-    """Least squares over the cameras of one shape, from a camera of its model.
+def fit_constrained(
+    camera: Camera, constraint: Shape, views: tuple[View, ...], used: tuple[Mask, ...]
+) -> Camera:
+    """Least squares over the cameras that satisfy a constraint, from a camera of its model.
 
-    k = T a: the columns of T are the directions in which the intrinsics may still go. Gauss-Newton with
-    Marquardt's damping, the poses eliminated.
+    k = T a: the columns of the problem's basis T are the directions in which the intrinsics may still go.
 
     Raises CalibrationError ``not_representable`` where nothing comes of it.
     """
     model = models.get(camera.model)
-    free = _directions(model, shape)
-    a = np.asarray(np.linalg.lstsq(free, camera.intrinsics, rcond=None)[0], dtype=np.float64)
+    basis = _directions(model, constraint)
+    k = basis @ np.linalg.lstsq(basis, camera.intrinsics, rcond=None)[0]
     obs = Observations.of(views)
     weights = np.zeros(obs.mask.shape)
     for row, mask in zip(weights, used, strict=True):
         row[: len(mask)] = mask
-    poses, _ = resection.resect(model, free @ a, obs)
-    here, h, g = _normal(model, free, a, poses, obs, weights)
-    damping = 1e-6
+    poses, _ = resection.resect(model, k, obs)
+    problem = Problem(model, obs, camera.img_size, basis)
     with np.errstate(all="ignore"):  # a step too far is tested before it is taken
-        for _ in range(ITERATIONS):
-            da, dp = _step(h, g, damping, len(a))
-            moved = poses.moved(dp)
-            cost, h_moved, g_moved = _normal(model, free, a + da, moved, obs, weights)
-            if cost < here:
-                settled = here - cost < SETTLED * here
-                a, poses, here, h, g = a + da, moved, cost, h_moved, g_moved
-                damping = max(damping * 0.1, 1e-12)
-                if settled:
-                    break
-            elif damping > 1e6:
-                break
-            else:
-                damping = max(damping, 1e-9) * 10
-    if not np.isfinite(a).all() or not np.isfinite(here):
+        state = problem.solve(problem.at(k, poses), weights, LEAST_SQUARES)
+    if not (np.isfinite(state.k).all() and np.isfinite(state.square[weights > 0]).all()):
         raise CalibrationError("not_representable", "the fit of the simpler model ran away")
-    return Camera.from_intrinsics(model.name, free @ a, camera.img_size)
+    return Camera.from_intrinsics(model.name, state.k, camera.img_size)
 
 
 def _directions(model: Model, shape: Shape) -> Array:
@@ -218,38 +204,6 @@ def _directions(model: Model, shape: Shape) -> Array:
         free = np.delete(free, 1, axis=1)
         free[1, 0] = 1
     return free
-
-
-def _normal(
-    model: Model, free: Array, a: Array, poses: normal_equations.Poses, obs: Observations, weights: Array
-) -> tuple[float, Array, Array]:
-    """Squared error, px^2; its Gauss-Newton matrix (v, a + 6, a + 6) and half gradient (v, a + 6)."""
-    q, j = normal_equations.design(model, free @ a, poses, obs.points)
-    r = (q - obs.pixels) * np.sqrt(weights)[:, None, :]
-    j = j * np.sqrt(weights)[:, None, None, :]
-    rows = np.concatenate(
-        [np.tensordot(j[:, : model.size], free, axes=(1, 0)).transpose(0, 3, 1, 2), j[:, model.size :]],
-        axis=1,
-    )
-    flat = rows.reshape(len(q), rows.shape[1], -1)
-    return (
-        float(np.sum(r * r)),
-        flat @ flat.transpose(0, 2, 1),
-        np.einsum("vij,vj->vi", flat, r.reshape(len(q), -1)),
-    )
-
-
-def _step(h: Array, g: Array, damping: float, size: int) -> tuple[Array, Array]:
-    """Damped step of the parameters (a,) and of the poses (v, 6)."""
-    b = h[:, size:, size:] * (1 + damping * np.eye(6)) + 1e-12 * np.eye(6)
-    w, gp = h[:, size:, :size], g[:, size:]
-    solved = np.linalg.solve(b, np.concatenate([w, gp[:, :, None]], axis=2))
-    total = h[:, :size, :size].sum(axis=0)
-    scale = 1 / np.sqrt(np.maximum(np.diagonal(total), 1e-300))
-    left = total * (1 + damping * np.eye(size)) - np.einsum("vpi,vpj->ij", w, solved[:, :, :size])
-    right = g[:, :size].sum(axis=0) - np.einsum("vpi,vp->i", w, solved[:, :, size])
-    da = -scale * np.linalg.solve(left * scale[:, None] * scale, right * scale)
-    return da, -(solved[:, :, size] + solved[:, :, :size] @ da)
 
 
 def synthetic(camera: Camera, widest: float = math.pi) -> tuple[View, ...]:

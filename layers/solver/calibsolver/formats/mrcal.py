@@ -65,7 +65,7 @@ class Mrcal(Format):
         for grid, view in zip(seen, subject.views, strict=True):
             column, row = (view.object_points[:, :2].round().astype(int) - 1).T
             grid[row, column, :2], grid[row, column, 2] = view.image_points, 1.0
-        poses = resection.score(held.camera, subject.views).poses.copy()
+        poses = resection.reprojection_score(held.camera, subject.views).poses.copy()
         poses[:, 3:] += rotation.matrix(poses[:, :3]) @ np.array([1.0, 1.0, 0.0])
         n = len(subject.views)
         indices = np.stack([np.arange(n), np.zeros(n), np.full(n, -1)], axis=1).astype(np.int32)

@@ -50,7 +50,7 @@ class PhotonVision(Format):
             return []
         found, law = [], models.get(held.camera.model)
         for i, (view, rt) in enumerate(
-            zip(subject.views, resection.score(held.camera, subject.views).poses, strict=True)
+            zip(subject.views, resection.reprojection_score(held.camera, subject.views).poses, strict=True)
         ):
             r = rotation.matrix(rt[None, :3])[0]
             # the bare formula: a corner may lie just beyond where the model is one-to-one

@@ -169,12 +169,12 @@ def information(belief: Belief, poses: Poses, lattice: Lattice, limits: Range) -
     use = np.flatnonzero(good)
     s = np.zeros((len(good), belief.model.size, belief.model.size))
     if use.size:
-        _, j = normal_equations.design(
+        _, j = normal_equations.projection_jacobian(
             belief.model, belief.k, Poses(poses.r[use], poses.t[use]), lattice.points
         )
         seen = seen[use]
         j = np.where(seen[:, None, None, :], j, 0.0)
-        s[use] = normal_equations.information(j, seen.astype(np.float64) * lattice.share)
+        s[use] = normal_equations.fisher_information(j, seen.astype(np.float64) * lattice.share)
     return s, good
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array, frozen
 from ..errors import CalibrationError
 from ..fitting.fit import fit
-from ..fitting.resection import score
+from ..fitting.resection import reprojection_score
 from ..view import View
 
 
@@ -64,7 +64,7 @@ def held_out(
     errors, counts = np.full(len(views), np.nan), np.array([len(view) for view in views])
     for left in parts:
         camera = fit([view for i, view in enumerate(views) if i not in left], img_size, model).camera
-        errors[left] = score(camera, [views[i] for i in left]).view_errors
+        errors[left] = reprojection_score(camera, [views[i] for i in left]).view_errors
 
     def rms(index: list[int]) -> float:
         return float(np.sqrt(np.average(errors[index] ** 2, weights=counts[index])))

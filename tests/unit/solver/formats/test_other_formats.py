@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Camera, formats, image_transform, models
-from calibsolver.fitting.resection import score
+from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import lensfun as lensfun_format
 from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
@@ -126,7 +126,9 @@ def test_measurements_stay_with_a_turned_and_mirrored_picture() -> None:
         found = read(json.loads(text)) if name == "photonvision" else read_text(text, (9, 6))
         assert grid(found.views).squares == (9, 6)
         assert sum(len(view) for view in found.views) == sum(len(view) for view in mine.views)
-        assert score(turned.camera(mine.camera), found.views).rms == pytest.approx(mine.rms, rel=1e-6)
+        assert reprojection_score(turned.camera(mine.camera), found.views).rms == pytest.approx(
+            mine.rms, rel=1e-6
+        )
 
 
 # ---- Lensfun

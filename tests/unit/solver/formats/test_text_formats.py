@@ -13,7 +13,7 @@ import yaml
 
 from calibsolver import CalibrationError, Camera, formats, models
 from calibsolver.arrays import Array
-from calibsolver.fitting.resection import score
+from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import Subject, Written
 from tests.helpers.solver.formats import IMG_SIZE, image_rays, subject
 
@@ -126,8 +126,10 @@ def test_kalibr_has_four_coefficients_and_they_are_fitted_not_cut(model: str) ->
         mine = subject(model)
         cut = Camera(model, mine.camera.matrix, np.append(mine.camera.distortion[:4], 0), IMG_SIZE)
         refitted = Camera(model, k, np.append(d, 0), IMG_SIZE)
-        assert score(refitted, mine.views).rms < 1.05 * mine.rms
-        assert score(cut, mine.views).rms > 2 * mine.rms, "without the refit it would be visibly worse"
+        assert reprojection_score(refitted, mine.views).rms < 1.05 * mine.rms
+        assert reprojection_score(cut, mine.views).rms > 2 * mine.rms, (
+            "without the refit it would be visibly worse"
+        )
 
 
 @pytest.mark.parametrize("model", models.NAMES)

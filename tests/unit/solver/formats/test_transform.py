@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, image_transform, models
-from calibsolver.fitting.resection import score
+from calibsolver.fitting.resection import reprojection_score
 from tests.helpers.solver.formats import IMG_SIZE, image_rays, subject
 
 TRANSFORMS = {
@@ -32,8 +32,8 @@ def test_camera_of_the_picture_projects_to_where_its_pixels_went(name: str, mode
     # The measurements went along: they fit as well as before, where no axis is scaled differently.
     if name != "stretched":
         scale = float(np.sqrt(abs(np.linalg.det(turn.linear))))
-        assert score(camera, views).rms == pytest.approx(
-            scale * score(before.camera, before.views).rms, rel=1e-6
+        assert reprojection_score(camera, views).rms == pytest.approx(
+            scale * reprojection_score(before.camera, before.views).rms, rel=1e-6
         )
 
 
