@@ -15,9 +15,11 @@ from collections.abc import Collection, Sequence
 
 import boto3
 
+from calibdb.settings import SettingsError, Thresholds
 from infra.deploy import aws, smoke
 from infra.deploy.site import uploads
 from infra.deploy.steps import ROOT, TEMPLATE, Step, Target, packaged, steps
+from infra.local.intrinsics import parse
 
 
 class DeployError(RuntimeError):
@@ -37,6 +39,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not all(equals for _, equals, _ in pairs):
         parser.error("a parameter is written NAME=VALUE")
     parameters = {name: value for name, _, value in pairs}
+    if unknown := sorted(parameters.keys() - parse(ROOT / "template.yaml")["Parameters"].keys()):
+        parser.error(f"the template has no parameter {', '.join(unknown)}")
+    try:
+        Thresholds.from_environment({"THRESHOLDS": parameters.get("Thresholds", "")})
+    except SettingsError as error:
+        parser.error(str(error))
     domain = parameters.get("DomainName")
     target = Target(asked.stack, asked.region, parameters, f"https://{domain}" if domain else None)
     if asked.plan:

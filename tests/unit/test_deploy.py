@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import posixpath
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -49,7 +50,7 @@ def test_every_file_named_by_another_is_uploaded(site: dict[str, Upload]) -> Non
             line = file.content[: match.start()].rpartition(b"\n")[2]
             if line.lstrip().startswith((b"*", b"//", b"/*")):
                 continue  # of types, in a comment
-            there = (Path("/", key).parent / match[1].decode()).resolve().relative_to("/").as_posix()
+            there = posixpath.normpath(posixpath.join(posixpath.dirname(key), match[1].decode()))
             assert there in site, (key, there)
             named += 1
     assert named > 100
@@ -176,13 +177,31 @@ def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.Capture
     assert [s.kind for s in steps.steps(own)].count("run") == 3
 
 
+@pytest.mark.parametrize(
+    ("parameter", "complaint"),
+    [
+        ("MinShare=0.7", "the template has no parameter MinShare"),
+        ("Thresholds=MIN_SHARES=0.7", "THRESHOLDS holds 'MIN_SHARES=0.7', which is no threshold"),
+        ("Thresholds=MIN_SHARE=0", "MIN_SHARE is not a positive number"),
+        ("Thresholds", "a parameter is written NAME=VALUE"),
+    ],
+)
+def test_a_parameter_that_would_not_work_is_refused_before_anything_is_done(
+    parameter: str, complaint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["--plan", parameter])
+    assert ended.value.code == 2
+    assert complaint in capsys.readouterr().err
+
+
 def test_the_packaged_template_names_what_is_there() -> None:
     text = steps.packaged((ROOT / "template.yaml").read_text())
-    places = re.findall(r"(?:CodeUri|ContentUri): (\S+)", text)
-    assert len(places) == 12
+    places = re.findall(r"(?:CodeUri|ContentUri|DefinitionUri): (\S+)", text)
+    assert len(places) == 13
     for place in places:
         there = (steps.TEMPLATE.parent / place).resolve().relative_to(ROOT).as_posix()
-        assert there.startswith(("functions/", ".build/layers/")), there
+        assert there.startswith(("functions/", ".build/layers/", "infra/backfill")), there
 
 
 def test_a_rehearsal_leaves_out_what_it_says_and_nothing_else() -> None:
