@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,6 +11,7 @@ from typing import Literal
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
+DASHBOARD = ROOT / "infra" / "deploy" / "dashboard.json"
 _SAM = ".build/sam/bin/sam"  # `make deploy` installs it
 Kind = Literal["run", "secrets", "upload", "invalidate", "smoke"]
 
@@ -65,9 +68,16 @@ def steps(target: Target) -> Iterator[Step]:
 
 
 def packaged(template: str) -> str:
-    """Return the template as it lies in `.build/deploy`: the built layers instead of their sources."""
+    """Convert the template to the one in `.build/deploy`.
+
+    Its paths are relative to that folder, its layers are the built ones, and the body of the dashboard is
+    inlined: `AWS::Include` inserts a map, and CloudFormation wants the body as a string.
+    """
+    dashboard = f"DashboardBody: !Sub |\n{textwrap.indent(DASHBOARD.read_text(encoding='utf-8'), ' ' * 8)}"
     return (
-        template.replace("CodeUri: functions/", "CodeUri: ../../functions/")
+        re.sub(r"DashboardBody: !Sub '.*'\n", lambda _: dashboard, template)
+        .replace("DefinitionUri: infra/", "DefinitionUri: ../../infra/")
+        .replace("CodeUri: functions/", "CodeUri: ../../functions/")
         .replace("ContentUri: layers/service/", "ContentUri: ../layers/service/")
         .replace("ContentUri: layers/solver/", "ContentUri: ../layers/solver/")
     )

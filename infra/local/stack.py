@@ -144,7 +144,7 @@ class LocalStack:
         parameters = {"GuidanceUrl": f"{self.url}/calibrate/"}
         if self.embedded:
             # On one's own machine everyone is one contributor, and every capture and check counts.
-            parameters |= {"MinContributors": "1", "ContributorPeriod": "0"}
+            parameters["Thresholds"] = "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0"
         return load(self._template_path, parameters)
 
     def _admit_development_token(self) -> None:

@@ -12,6 +12,7 @@ from calibdb import schema
 from infra.local import LocalStack
 from infra.local.intrinsics import parse
 from infra.ops.__main__ import main
+from tests.helpers.service import iam
 from tests.helpers.service.published import asked, calibration, mode_of, store
 
 ROOT = Path(__file__).parents[2]
@@ -74,7 +75,7 @@ def test_it_goes_on_where_it_was_stopped(capsys: pytest.CaptureFixture[str]) -> 
 
 def test_the_state_machine(stack: LocalStack) -> None:
     """Its states, interpreted here as Step Functions would: list, batch, name the modes, compute each."""
-    definition = parse(ROOT / "template.yaml")["Resources"]["BackfillMachine"]["Properties"]["Definition"]
+    definition = iam.definition(parse(ROOT / "template.yaml")["Resources"]["BackfillMachine"]["Properties"])
     outer = definition["States"][definition["StartAt"]]
     assert outer["ItemReader"]["Resource"].endswith(":s3:listObjectsV2")
     assert outer["ItemProcessor"]["ProcessorConfig"]["Mode"] == "DISTRIBUTED"

@@ -94,7 +94,9 @@ def use(stack: LocalStack) -> None:
     state = Truth(seed=12).calibrate(client, camera="Captured here", platform=PLATFORM)
     stack.wait_until_idle(60)
     assert store(stack).consensuses.of(state["calibration_id"].rpartition("-")[0])
-    assert client.call("GET", f"/v1/calibrations/{state['calibration_id']}", token=TOKEN).status == 200
+    path = f"/v1/calibrations/{state['calibration_id']}"
+    assert client.call("GET", path, token=TOKEN, query="format=gltf").status == 200
+    assert client.call("GET", path, token=TOKEN).status == 200
     assert client.lookup(camera="Well known", platform=PLATFORM).status == 200
     assert client.lookup(camera="Well known", platform=PLATFORM, distortion_model="rational").status == 200
     assert client.call("GET", "/v1/cameras", token=TOKEN, query="query=known").json["cameras"]
@@ -151,6 +153,22 @@ def test_no_grant_without_a_call(recorded: set[tuple[str, Needed]]) -> None:
         for action in grant.actions
         if action not in UNASKED
         and not any(one.action == action and grant.allows(one) for asker, one in recorded if asker == who)
+    }
+    assert unused == set()
+
+
+def test_no_attribute_is_granted_that_no_call_writes(recorded: set[tuple[str, Needed]]) -> None:
+    """A function adds to the counters that it counts with, and to no others."""
+    unused = {
+        (who, grant.sid, attribute)
+        for who, given in grants().items()
+        for grant in given
+        for attribute in grant.attributes
+        if not any(
+            attribute in (one.attributes or ()) and grant.allows(one)
+            for asker, one in recorded
+            if asker == who
+        )
     }
     assert unused == set()
 

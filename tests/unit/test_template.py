@@ -13,7 +13,9 @@ from cfnlint.decode.cfn_yaml import loads
 from samtranslator.translator.transform import transform
 
 from calibdb.access import token_cache
+from infra.deploy import steps
 from infra.local import pages
+from tests.helpers.service.iam import statements
 
 ROOT = Path(__file__).parents[2]
 TEMPLATE = (ROOT / "template.yaml").read_text()
@@ -27,19 +29,19 @@ def source() -> dict:
 @pytest.fixture(scope="module")
 def transformed(source: dict) -> dict:
     """What AWS would create; code and layers stand in a bucket, as `sam package` leaves them."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("AWS_DEFAULT_REGION", "eu-central-1")
-        return as_created(source)
+    return as_created(source)
 
 
 def as_created(source: dict) -> dict:
     packaged = json.loads(json.dumps(source))
     for resource in packaged["Resources"].values():
         properties = resource.get("Properties", {})
-        for place in ("CodeUri", "ContentUri"):
+        for place in ("CodeUri", "ContentUri", "DefinitionUri"):
             if place in properties:
                 properties[place] = {"Bucket": "artifacts", "Key": "package.zip"}
-    return transform(packaged, {}, ManagedPolicies())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("AWS_DEFAULT_REGION", "eu-central-1")
+        return transform(packaged, {}, ManagedPolicies())
 
 
 class ManagedPolicies:
@@ -64,10 +66,18 @@ def functions(template: dict) -> dict[str, dict]:
     }
 
 
-def test_clean_after_the_transform(transformed: dict, tmp_path: Path) -> None:
+def test_clean_after_packaging_and_the_transform(tmp_path: Path) -> None:
+    deployed = as_created(json.loads(json.dumps(loads(steps.packaged(TEMPLATE)))))
     written = tmp_path / "template.yaml"
-    written.write_text(yaml.safe_dump(transformed, sort_keys=False))
+    written.write_text(yaml.safe_dump(deployed, sort_keys=False))
     assert lint(written) == ""
+
+
+def test_a_role_holds_its_shared_policies_and_no_more_of_them_than_iam_attaches(transformed: dict) -> None:
+    roles = {n: r["Properties"] for n, r in transformed["Resources"].items() if r["Type"] == "AWS::IAM::Role"}
+    arns = roles["SubmitFunctionRole"]["ManagedPolicyArns"]
+    assert {"Ref": "SessionStoragePolicy"} in arns
+    assert max(len(role.get("ManagedPolicyArns", ())) for role in roles.values()) == len(arns) <= 10
 
 
 def test_every_folder_of_functions_is_deployed_and_no_other(source: dict) -> None:
@@ -96,7 +106,7 @@ def test_light_functions_carry_no_solver(source: dict) -> None:
 
 def test_no_statement_grants_more_than_it_names(source: dict) -> None:
     for name, properties in functions(source).items():
-        for statement in (s for policy in properties["Policies"] for s in policy["Statement"]):
+        for statement in statements(source, properties):
             actions = statement["Action"] if isinstance(statement["Action"], list) else [statement["Action"]]
             assert all(re.fullmatch(r"[a-z0-9]+:[A-Za-z]+", action) for action in actions), (name, actions)
             assert statement["Resource"] != "*", name
@@ -209,8 +219,9 @@ def test_access_logs_hold_neither_addresses_nor_credentials(source: dict) -> Non
     assert {"requestId", "routeKey", "status"} <= variables
 
 
-def test_what_the_dashboard_shows_is_counted(source: dict) -> None:
-    body = json.loads(source["Resources"]["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])
+def test_what_the_dashboard_shows_is_counted() -> None:
+    deployed = json.loads(json.dumps(loads(steps.packaged(TEMPLATE))))
+    body = json.loads(deployed["Resources"]["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])
     shown = set()
     for widget in body["widgets"]:
         namespace = ""
@@ -219,7 +230,7 @@ def test_what_the_dashboard_shows_is_counted(source: dict) -> None:
                 namespace = metric[0] if metric[0] != "." else namespace
                 shown |= {metric[1]} if namespace == "calibDB" else set()
     code = "".join(
-        p.read_text() for p in (*ROOT.glob("functions/*/app.py"), *ROOT.glob("layers/service/*/*.py"))
+        p.read_text() for p in (*ROOT.glob("functions/*/app.py"), *ROOT.glob("layers/service/**/*.py"))
     )
     assert shown >= {"Lookups", "Hits", "Misses", "Redirects", "Sessions", "ViewsPerSession", "FitTime"}
     for name in shown | {"Refusals", "Errors"}:

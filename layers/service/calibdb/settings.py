@@ -51,7 +51,16 @@ class Thresholds:
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str]) -> Thresholds:
-        """Read `environment`, where `min_share` is MIN_SHARE; raises SettingsError as `Settings` does."""
+        """Read the thresholds that differ from their defaults.
+
+        `THRESHOLDS` holds them as `MIN_SHARE=0.7,MIN_VOTES=5`; a variable of the same name goes over it.
+
+        Raises
+        ------
+        SettingsError
+            If a value is wrong, or THRESHOLDS names something else than a threshold.
+        """
+        environment = _overrides(environment.get("THRESHOLDS", "")) | dict(environment)
         read: dict[str, int | float] = {}
         for known in fields(cls):
             name = known.name.upper()
@@ -60,6 +69,17 @@ class Thresholds:
                 whole = isinstance(known.default, int)
                 read[known.name] = _count(environment, name, least) if whole else _positive(environment, name)
         return cls(**read)  # type: ignore[arg-type]  # by the type of the default
+
+
+def _overrides(text: str) -> dict[str, str]:
+    known = {threshold.name.upper() for threshold in fields(Thresholds)}
+    found = {}
+    for part in filter(None, text.split(",")):
+        name, equals, value = part.partition("=")
+        if name not in known or not equals:
+            raise SettingsError(f"THRESHOLDS holds {part!r}, which is no threshold such as MIN_SHARE=0.7")
+        found[name] = value
+    return found
 
 
 @dataclass(frozen=True)

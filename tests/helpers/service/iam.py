@@ -2,6 +2,7 @@
 
 import contextvars
 import fnmatch
+import json
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -49,6 +50,11 @@ class Grant:
             and all(self._holds(kind, tests, needed) for kind, tests in self.conditions.items())
         )
 
+    @property
+    def attributes(self) -> frozenset[str]:
+        """The attributes of an item that the statement's writes may touch."""
+        return frozenset(self.conditions.get("ForAllValues:StringEquals", {}).get("dynamodb:Attributes", ()))
+
     @staticmethod
     def _holds(kind: str, tests: Mapping[str, Any], needed: Needed) -> bool:
         for name, allowed in tests.items():
@@ -84,12 +90,19 @@ def grants(kind: str = "AWS::Serverless::Function") -> dict[str, tuple[Grant, ..
                 tuple(map(resolve, listed(s["Resource"]))),
                 s.get("Condition", {}),
             )
-            for policy in resource["Properties"]["Policies"]
-            for s in policy["Statement"]
+            for s in statements(document, resource["Properties"])
         )
         for name, resource in document["Resources"].items()
         if resource["Type"] == kind
     }
+
+
+def statements(document: Mapping[str, Any], properties: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    """The statements of a function's own policies, and of the managed policies that it refers to."""
+    for policy in properties["Policies"]:
+        if "Ref" in policy:
+            policy = document["Resources"][policy["Ref"]]["Properties"]["PolicyDocument"]
+        yield from policy["Statement"]
 
 
 def template() -> tuple[Mapping[str, Any], Resolver]:
@@ -108,7 +121,7 @@ def needs_of_machine(name: str) -> Iterator[Needed]:
     machine = document["Resources"][name]["Properties"]
     named = {k: resolve(v) for k, v in machine["DefinitionSubstitutions"].items()}
     own = f"{ACCOUNT}:{{}}:{resolve(machine['Name'])}"
-    for state in _states(machine["Definition"]):
+    for state in _states(definition(machine)):
         asked = {k: str(v).strip("${}") for k, v in state.get("Parameters", {}).items()}
         if "ItemReader" in state:
             listed_there = state["ItemReader"]["Parameters"]
@@ -124,6 +137,11 @@ def needs_of_machine(name: str) -> Iterator[Needed]:
             assert state["Resource"] == "arn:aws:states:::lambda:invoke", state
             function = named[asked["FunctionName"]]
             yield Needed("lambda:InvokeFunction", f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{function}")
+
+
+def definition(machine: Mapping[str, Any]) -> Any:
+    """The state machine's definition (Amazon States Language)."""
+    return json.loads((ROOT / machine["DefinitionUri"]).read_text())
 
 
 def _states(definition: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:

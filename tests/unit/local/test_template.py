@@ -41,7 +41,7 @@ def test_the_deployments_template_is_understood() -> None:
     assert (submit.handler, submit.timeout, submit.memory) == ("app.handler", 10.0, 1769)
     assert template.functions["RefitFunction"].timeout == 60.0
     assert submit.environment["REFIT_FUNCTION"] == "RefitFunction"
-    assert submit.environment["MIN_CALIBRATIONS"] == "5"
+    assert submit.environment["THRESHOLDS"] == ""
     assert "REFIT_FUNCTION" not in template.functions["AuthFunction"].environment
     assert RouteSpec("DELETE", "/v1/session/views/{index}", "SubmitFunction") in template.routes
     assert [table.ttl_attribute for table in template.tables] == ["ttl"]

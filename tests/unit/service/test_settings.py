@@ -1,6 +1,6 @@
 """Settings name the variable that is wrong, at the first call and not at the hundredth."""
 
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 
 import pytest
@@ -40,6 +40,20 @@ def test_every_threshold_has_its_variable() -> None:
     )
 
 
+def test_the_deployment_overrides_single_thresholds_and_a_variable_goes_over_them() -> None:
+    environment = {"THRESHOLDS": "MIN_SHARE=0.75,MIN_CONTRIBUTORS=1", "MIN_CONTRIBUTORS": "2"}
+    assert Thresholds.from_environment(environment) == Thresholds(min_share=0.75, min_contributors=2)
+    assert Thresholds.from_environment({"THRESHOLDS": ""}) == Thresholds()
+
+
+def test_the_template_gives_every_function_the_thresholds_and_no_defaults_of_its_own() -> None:
+    document = parse(ROOT / "template.yaml")
+    variables = document["Globals"]["Function"]["Environment"]["Variables"]
+    assert variables["THRESHOLDS"] == {"Ref": "Thresholds"}
+    assert document["Parameters"]["Thresholds"]["Default"] == ""
+    assert {field.name.upper() for field in fields(Thresholds)} & variables.keys() == set()
+
+
 @pytest.mark.parametrize("name", [name for name in ENVIRONMENT if name[:4] not in ("AWS_", "MIN_")])
 @pytest.mark.parametrize("value", ["", None])
 def test_missing(name: str, value: str | None) -> None:
@@ -60,6 +74,8 @@ def test_missing(name: str, value: str | None) -> None:
         ("MIN_SHARE", "nan"),
         ("MAX_FOCAL_SPREAD", "0"),
         ("SESSION_SECRETS", ","),
+        ("THRESHOLDS", "MIN_SHARE"),
+        ("THRESHOLDS", "TABLE_NAME=other"),
     ],
 )
 def test_nonsense(name: str, value: str) -> None:
@@ -67,14 +83,9 @@ def test_nonsense(name: str, value: str) -> None:
         Settings.from_environment({**ENVIRONMENT, name: value})
 
 
-def test_the_thresholds_are_the_same_in_settings_template_and_solver() -> None:
-    """Three places, for three rooms that do not know each other."""
+def test_the_thresholds_are_the_same_in_settings_and_solver() -> None:
+    """Two places, for two packages that do not know each other."""
     thresholds = asdict(Thresholds())
-    document = parse(ROOT / "template.yaml")
-    variables = document["Globals"]["Function"]["Environment"]["Variables"]
-    for name, value in thresholds.items():
-        parameter = document["Parameters"][variables[name.upper()]["Ref"]]
-        assert parameter["Default"] == value, name
     rule = asdict(Rule())
     assert rule.keys() <= thresholds.keys()
     # How many contributors there must be, the solver cannot know: on one's own machine there is only one.
