@@ -1,7 +1,7 @@
-"""What every function of calibDB shares: schema, errors, HTTP, tokens, camera keys, store.
+"""Shared code of all functions: schema, errors, HTTP, access, camera keys, rules, storage, lookup.
 
-Knows nothing of geometry: neither numpy nor OpenCV is imported from here, and what the solver makes
-passes through as the pydantic models of `calibdb.schema`.
+Contains no geometry and imports neither numpy nor OpenCV. Results of the solver pass through as the pydantic
+models of `calibdb.schema`.
 """
 
 __version__ = "0.1.0"

@@ -36,7 +36,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> ModuleType:
-    """Import a package when it is first asked for: a function that starts waits for no other's."""
+    """Import a package at its first use, so that a function loads only the packages that it needs."""
     if name in __all__:
         return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,14 +1,15 @@
 """Camera keys: one name for one camera, whatever the browser calls it.
 
 A browser reports a label (`Logitech HD Pro Webcam C920 (046d:082d)`) and a platform (`X11; Linux x86_64`).
-Where the label carries a USB id, that and the name are the camera, on any platform. Without one, name and
-system are all there is, on Android the device's model, too. A name alone that says which product it is
-(`HD Pro Webcam C920`) leads to the camera of the USB id that is known under it, on every computer; one that
-many products bear (`Integrated Camera`, `camera 0, facing back`) leads nowhere, and without a device's model
-it is `ambiguous`: nobody's calibration can be told to be for it.
 
-The key carries the version of these rules, so that a later version never mixes with an earlier one.
-`docs/camera-keys.md` has what they achieve on labels that browsers really report.
+* With a USB id in the label, id and name identify the camera, on any platform.
+* Without one, name and system identify it; on Android the device's model, too.
+* A distinctive name (`HD Pro Webcam C920`) leads to the camera of the USB id known under it, on every computer.
+* A generic name (`Integrated Camera`, `camera 0, facing back`) leads to no other camera. Without a device's
+  model it is `ambiguous`: nobody can tell which product its calibrations belong to.
+
+The key carries the version of these rules, so that keys of different versions never mix.
+`docs/camera-keys.md` measures the rules on labels that browsers really report.
 """
 
 from __future__ import annotations
@@ -41,26 +42,26 @@ _SLUG_LENGTH = 32
 
 @dataclass(frozen=True)
 class Identity:
-    """What label and platform say about a camera.
+    """Identity of a camera, from label and platform.
 
     Attributes
     ----------
     key
         Key of the camera: of USB id and name, or of the name alone where there is no id.
     name_key
-        Key of name and system: under it the camera is asked for where a browser gives no id.
+        Key of name and system: lookups use it if a browser gives no id.
     name_keys
-        All keys under which it is asked for by its name: on every computer, where the name is distinct.
+        All keys by which lookups find it by name: on every computer, if the name is distinct.
     name
         Normalised label.
     usb_id
-        `vid:pid`, None where the browser gave none or one that no camera has.
+        `vid:pid`; None if the browser gave none, or one that no camera has.
     virtual
-        A program that hands on another camera's picture: no optics of its own.
+        Whether it is a virtual camera: a program that passes on another camera's picture.
     ambiguous
-        The key does not say which product this is.
+        Whether the key fails to identify the product.
     distinct
-        The name by itself says which product this is.
+        Whether the name alone identifies the product.
 
     """
 
@@ -75,10 +76,10 @@ class Identity:
 
 
 def identify(label: str, platform: str) -> Identity:
-    """Return what `label` (`MediaStreamTrack.label`) and `platform` say about the camera.
+    """Identify the camera of `label` (`MediaStreamTrack.label`) and `platform`.
 
-    `platform` is the parenthesised part of the user agent, a whole user agent, or the same made of client
-    hints: `Linux; Android 14; Pixel 8`.
+    `platform` is the parenthesised part of the user agent, a whole user agent, or client hints in the
+    same form: `Linux; Android 14; Pixel 8`.
     """
     system = system_of(platform)
     found = read(label, system.name)

@@ -1,1 +1,1 @@
-"""HTTP: calls parsed, media types negotiated, answers and problems sent, metrics counted."""
+"""HTTP: requests, content negotiation, responses, problem details, metrics."""

@@ -1,1 +1,1 @@
-"""Rules of sessions, checks and votes, on their documents alone."""
+"""Rules of sessions, checks and votes: pure functions of their documents."""

@@ -1,4 +1,4 @@
-"""Requests, answers, and the documents that are stored: all that crosses a boundary, with its bounds."""
+"""Schema: requests, responses and stored documents, as pydantic models with their bounds."""
 
 from calibdb.schema.board import DICTIONARIES, Board
 from calibdb.schema.calibration import (

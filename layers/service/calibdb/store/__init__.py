@@ -1,4 +1,4 @@
-"""Storage: S3 is the truth, DynamoDB an index rebuilt from it. The only place that knows AWS."""
+"""Storage: S3 is the source of truth, DynamoDB an index derived from it. No other package talks to AWS."""
 
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import Cameras, Known

@@ -1,4 +1,4 @@
-"""Other tools' files, by name. A new one is a class in a file beside this one and a line in the registry."""
+"""File formats of other tools, by name. A new one is a class in its own module and a line in the registry."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Where to hold the board next: three ways to choose."""
+"""Guidance: three methods to choose the next target pose."""
 
 from .belief import LEAST_NOISE, Belief
 from .fixed_plan import FixedPlan

@@ -1,4 +1,4 @@
-"""Camera models by name. A new one is a file beside this one and a line in the registry."""
+"""Camera models by name. A new one is a class in its own module and a line in the registry."""
 
 from ..errors import CalibrationError
 from .base import Coefficient, Model, Prior
