@@ -45,6 +45,25 @@ def test_few_views_in_the_middle_without_tilt() -> None:
     assert "3 views" in verdict.reasons[0].text
 
 
+def test_views_that_were_cut_neither_tilt_the_board_nor_cover_the_rim() -> None:
+    """Five views face the camera in the middle; a mirrored one, tilted and at the rim, took no part."""
+    board, rng = Board(), np.random.default_rng(0)
+    at = np.array([0, 0, 20.0]) - board.outline.mean(axis=0)
+    views = [
+        synthetic.seen(board, CAMERA, np.radians(rng.uniform(-2, 2, 3)), at + rng.uniform(-1, 1, 3), rng)
+        for _ in range(5)
+    ]
+    near = np.array([-4.5, -3.0, 7.0])
+    tilted = synthetic.seen(board, CAMERA, np.radians([0.0, 40.0, 0.0]), near, rng)
+    flipped = tilted.image_points * (-1, 1) + (CAMERA.img_size[0] - 1.0, 0)
+    expected = {"no_tilt", "edges_not_covered"}
+    assert expected <= codes(fit(views, CAMERA.img_size), views)
+    views.append(View(tilted.object_points, flipped))
+    calibration = fit(views, CAMERA.img_size)
+    assert calibration.cut_views == {5: "mirrored"}
+    assert expected <= codes(calibration, views)
+
+
 def test_noise_outliers_and_views_left_out() -> None:
     rng = np.random.default_rng(0)
     views = specimens.views(CAMERA, rng, noise=0.8)

@@ -89,11 +89,13 @@ def assess(calibration: Calibration, views: Sequence[View], held_out: float | No
     count = len(views) - left_out
     note(_below(count, FEW_VIEWS), "too_few_views", f"{count} views can agree by chance; 4 hardly do")
 
-    tilt = float(np.degrees(tilts(calibration, views).max()))
+    # Views that were cut took no part: what they show says nothing of the fit.
+    taken = [i for i in range(len(views)) if i not in calibration.cut_views]
+    tilt = float(np.degrees(tilts(calibration, views)[taken].max()))
     text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
     note(_below(tilt, TILT), "no_tilt", text)
 
-    seen = rim_covered(views, calibration.camera.img_size)
+    seen = rim_covered([views[i] for i in taken], calibration.camera.img_size)
     text = f"the board came near {seen:.0%} of the rim of the image"
     note(_below(seen, COVERED), "edges_not_covered", text)
 
