@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, View, models
-from calibsolver.quality.model_selection import suggest_model
+from calibsolver.quality.cross_validation import HeldOut
+from calibsolver.quality.model_selection import not_significantly_worse, suggest_model
 from tests.helpers.data import corner_set
 from tests.helpers.solver import specimens, synthetic
 
@@ -66,3 +67,16 @@ def test_where_nothing_fits_there_is_no_choice() -> None:
     ]
     with pytest.raises(CalibrationError):
         suggest_model(views, camera.img_size)
+
+
+@pytest.mark.parametrize(("count", "critical"), [(5, 2.132), (10, 1.833), (21, 1.725)])
+def test_models_are_compared_by_a_paired_t_test(count: int, critical: float) -> None:
+    """Student's one-sided 5 % quantiles; one standard error more is still as good."""
+    best = np.random.default_rng(count).uniform(0.2, 0.6, count)
+    noise = np.random.default_rng(1).normal(size=count)
+    noise = 0.3 * (noise - noise.mean()) / noise.std(ddof=1)
+    for t, as_good in ((1.2, True), (critical - 0.06, True), (critical + 0.06, False)):
+        errors = best * np.exp(noise + t * 0.3 / np.sqrt(count))
+        one, other = (HeldOut(float(np.sqrt(np.mean(e**2))), (), e) for e in (errors, best))
+        assert one.rms > 1.03 * other.rms
+        assert not_significantly_worse(one, other) == as_good

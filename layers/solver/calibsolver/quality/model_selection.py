@@ -1,4 +1,4 @@
-"""Which model suits a lens: the simplest that explains views it has not seen as well as any does."""
+"""Model selection by cross-validation: the simplest model that is not significantly worse than the best."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,10 +13,13 @@ from ..phrasing import off
 from ..view import View
 from .cross_validation import HeldOut, held_out
 
-PLAIN = ("rectilinear", "fisheye", "omnidirectional", "rational")
+SIMPLEST_FIRST = ("rectilinear", "fisheye", "omnidirectional", "rational")
 """From what every tool understands to what has most coefficients; others follow."""
-MARGIN = 1.03
-"""Held-out error / the least, which is no reason for a less simple model."""
+MAX_EQUAL_RATIO = 1.03
+"""Held-out error / the least up to which two models count as equal."""
+T_NORMAL, T_PER_FREEDOM = 1.645, 2.1
+"""Quantile of Student's t, one-sided 5 %, is T_NORMAL + T_PER_FREEDOM / n to 0.05 from n = 3 degrees of
+freedom on."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,9 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     """Choose the model for the lens that took `views`.
 
     By the error on views left out of the fit, every model on the same points: those that no model explains
-    are taken out first. The simplest model wins whose error is within `MARGIN` of the least, or within one
-    standard error of it over the views (Breiman et al., "Classification and Regression Trees", 1984, 3.4.3).
+    are taken out first. The simplest model wins whose error is within `MAX_EQUAL_RATIO` of the least, or is
+    not significantly worse by a paired t test on the logarithms of the views' errors, one-sided at 5 %
+    (Student, "The probable error of a mean", 1908).
 
     Raises CalibrationError (`fit`'s reason) where no model fits.
     """
@@ -56,7 +60,7 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
             refused[name] = error
     if not fits:
         raise refused[models.NAMES[0]]
-    tested = explained(views, list(fits.values()))
+    tested = without_outliers(views, list(fits.values()))
     scores: dict[str, HeldOut] = {}
     for name in fits:
         try:
@@ -66,18 +70,25 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     if not scores:
         raise refused[models.NAMES[0]]
     best = min(scores, key=lambda name: scores[name].rms)
-    chosen = next(name for name in sorted(scores, key=simplicity) if close(scores[name], scores[best]))
+    chosen = next(
+        name
+        for name in sorted(scores, key=simplicity_rank)
+        if not_significantly_worse(scores[name], scores[best])
+    )
     errors = {name: scores[name].rms if name in scores else None for name in models.NAMES}
-    return Choice(chosen, errors, tuple(reasons(chosen, best, scores, refused, img_size)))
+    return Choice(chosen, errors, tuple(describe_reasons(chosen, best, scores, refused, img_size)))
 
 
-def simplicity(name: str) -> tuple[int, int]:
-    """Order of models, the plainest first."""
-    return (PLAIN.index(name) if name in PLAIN else len(PLAIN), models.get(name).size)
+def simplicity_rank(name: str) -> tuple[int, int]:
+    """Rank of a model in the order from simple to complex."""
+    return (
+        SIMPLEST_FIRST.index(name) if name in SIMPLEST_FIRST else len(SIMPLEST_FIRST),
+        models.get(name).size,
+    )
 
 
-def explained(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:
-    """Return the views without the points that none of several fits used."""
+def without_outliers(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:
+    """Drop the points that none of several fits used, and views with too few others."""
     out = []
     for i, view in enumerate(views):
         used = np.logical_or.reduce([c.used[i] for c in fits])
@@ -86,36 +97,35 @@ def explained(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:
     return out
 
 
-def close(one: HeldOut, best: HeldOut) -> bool:
-    """Whether one model is as good as the best, as far as these views can tell."""
-    if one.rms <= MARGIN * best.rms:
+def not_significantly_worse(one: HeldOut, best: HeldOut) -> bool:
+    """Whether a model is as good as the best, as far as these views can tell (see `suggest_model`)."""
+    if one.rms <= MAX_EQUAL_RATIO * best.rms:
         return True
     # Logarithms: a view that a model cannot follow at all is one vote against it, not a large variance.
     worse = np.log(one.view_errors / best.view_errors)
-    free = max(len(worse) - 1, 1)
-    error = float(np.std(worse)) / np.sqrt(free)
-    # Student's t, one-sided 5 %, to 0.05 from 3 degrees of freedom on.
-    return bool(np.mean(worse) <= (1.645 + 2.1 / free) * error)
+    freedom = max(len(worse) - 1, 1)
+    standard_error = float(np.std(worse)) / np.sqrt(freedom)
+    return bool(np.mean(worse) <= (T_NORMAL + T_PER_FREEDOM / freedom) * standard_error)
 
 
-def reasons(
+def describe_reasons(
     chosen: str,
     best: str,
     scores: Mapping[str, HeldOut],
     refused: Mapping[str, CalibrationError],
     img_size: tuple[int, int],
 ) -> list[str]:
-    """Say why, model by model."""
+    """Describe in sentences why a model was chosen, model by model."""
     width = img_size[0]
-    found = [f"views left out of the fit of {chosen} are {off(scores[chosen].rms, width, 2)}"]
+    sentences = [f"views left out of the fit of {chosen} are {off(scores[chosen].rms, width, 2)}"]
     for name, result in scores.items():
         if name == chosen:
             continue
-        told = off(result.rms, width, 2)
-        if simplicity(name) < simplicity(chosen):
-            found.append(f"{name} is simpler, but with it they are {told}")
+        error = off(result.rms, width, 2)
+        if simplicity_rank(name) < simplicity_rank(chosen):
+            sentences.append(f"{name} is simpler, but with it they are {error}")
         elif name == best and result.rms < scores[chosen].rms:
-            found.append(f"with {name} they are {told}: not enough for a less simple model")
+            sentences.append(f"with {name} they are {error}: not enough for a less simple model")
         else:
-            found.append(f"{name} is no better: {told}")
-    return found + [f"{name} does not fit: {error}" for name, error in refused.items()]
+            sentences.append(f"{name} is no better: {error}")
+    return sentences + [f"{name} does not fit: {why}" for name, why in refused.items()]
