@@ -8,13 +8,13 @@ from ..errors import CalibrationError
 from ..view import View
 from . import (
     artoolkit,
-    calibdb,
     colmap,
     dng,
     gyroflow,
     kalibr,
     lensfun,
     mrcal,
+    native,
     opencv,
     opensfm,
     photonvision,
@@ -27,7 +27,7 @@ from .format import Format
 REGISTRY: dict[str, Format] = {
     form.name: form
     for form in (
-        calibdb.CalibDb(),
+        native.NativeJson(),
         opencv.OpenCvYaml(),
         opencv.OpenCvJson(),
         ros.Ros(),
@@ -76,7 +76,7 @@ def write(subject: Subject, name: str, transform: transforms.Transform | None = 
     held = form.convert(subject)
     width, height = subject.camera.img_size
     # Several formats are YAML: files of one camera are to lie side by side.
-    kind = "" if name == calibdb.CalibDb.name else f"-{name}"
+    kind = "" if name == native.NativeJson.name else f"-{name}"
     return Written(
         content=form.write(subject, held),
         media_type=form.media_type,

@@ -4,7 +4,7 @@ import numpy as np
 
 from . import text
 from .base import Conversion, Read, Shape, Subject
-from .calibdb import camera
+from .coefficients import make_camera
 from .format import Format
 
 
@@ -67,4 +67,4 @@ def read(data: object) -> Read:
         matrix[:2, 2] = (size[0] / 2, size[1] / 2)  # the program would not use the one that is written
     brand, name = (str(data.get(key, "")) for key in ("camera_brand", "camera_model"))
     full = name if name.lower().startswith(brand.lower()) else f"{brand} {name}"
-    return Read(camera("fisheye", matrix, d, size), name=full.strip())
+    return Read(make_camera("fisheye", matrix, d, size), name=full.strip())

@@ -4,7 +4,7 @@ import numpy as np
 
 from . import text
 from .base import Conversion, Read, Shape, Subject
-from .calibdb import camera, padded
+from .coefficients import make_camera, pad_coefficients
 from .format import Format
 
 
@@ -50,10 +50,10 @@ def read(data: object) -> Read:
     if wanted is None or len(d) != wanted or (kind == "omni") != (len(values) == 5):
         raise text.refuse(f"{kind} with {law} and {len(d)} coefficients is no model of Kalibr's")
     if kind == "pinhole" and law == "equidistant":
-        return Read(camera("fisheye", matrix, d, size))
+        return Read(make_camera("fisheye", matrix, d, size))
     if kind == "pinhole":
-        return Read(camera("rectilinear", matrix, padded(d, 5), size))
+        return Read(make_camera("rectilinear", matrix, pad_coefficients(d, 5), size))
     if kind == "omni" and law in ("radtan", "none"):
-        full = np.concatenate([values[:1], padded(d, 4)])
-        return Read(camera("omnidirectional", matrix, full, size))
+        full = np.concatenate([values[:1], pad_coefficients(d, 4)])
+        return Read(make_camera("omnidirectional", matrix, full, size))
     raise text.refuse(f"Kalibr's {kind} with {law} is not supported")

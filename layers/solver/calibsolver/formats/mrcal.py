@@ -18,7 +18,7 @@ from ..fitting import resection
 from ..view import View
 from . import text
 from .base import Conversion, Read, Shape, Subject
-from .calibdb import camera, padded
+from .coefficients import make_camera, pad_coefficients
 from .format import Format
 
 SIZES = {"LENSMODEL_PINHOLE": 0, "LENSMODEL_OPENCV4": 4, "LENSMODEL_OPENCV5": 5, "LENSMODEL_OPENCV8": 8}
@@ -137,11 +137,11 @@ def read(content: str) -> Read:
     w, h = text.floats(text.member(data, "imagersize"), "imagersize", 2, 2)
     matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1.0]])
     model = "rational" if SIZES[law] == 8 else "rectilinear"
-    d = k[4:] if SIZES[law] == 8 else padded(k[4:], 5)
+    d = k[4:] if SIZES[law] == 8 else pad_coefficients(k[4:], 5)
     packed = data.get("optimization_inputs")
     number = data.get("icam_intrinsics", 0)
     views = _views(packed, number if isinstance(number, int) else 0) if isinstance(packed, bytes) else ()
-    return Read(camera(model, matrix, d, (int(w), int(h))), views)
+    return Read(make_camera(model, matrix, d, (int(w), int(h))), views)
 
 
 def _views(packed: bytes, number: int) -> tuple[View, ...]:

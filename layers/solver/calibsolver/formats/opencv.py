@@ -6,7 +6,7 @@ from .. import models
 from ..arrays import Array
 from . import text
 from .base import Conversion, Read, Shape, Subject
-from .calibdb import camera, has, opencv
+from .coefficients import camera_from_opencv, make_camera
 from .format import Format
 
 
@@ -101,14 +101,14 @@ def read(data: object) -> Read:
         text.count(text.member(data, "image_width"), "image_width"),
         text.count(text.member(data, "image_height"), "image_height"),
     )
-    fisheye = has(data, "fisheye_model") and bool(text.member(data, "fisheye_model"))
-    name = text.member(data, "camera_name") if has(data, "camera_name") else ""
-    if has(data, "xi"):
+    fisheye = text.has_member(data, "fisheye_model") and bool(text.member(data, "fisheye_model"))
+    name = text.member(data, "camera_name") if text.has_member(data, "camera_name") else ""
+    if text.has_member(data, "xi"):
         xi = _matrix(data, "xi", 1, 1)
-        return Read(camera("omnidirectional", matrix, np.concatenate([xi, d]), size), name=str(name))
-    return Read(opencv(matrix, d, size, fisheye), name=str(name))
+        return Read(make_camera("omnidirectional", matrix, np.concatenate([xi, d]), size), name=str(name))
+    return Read(camera_from_opencv(matrix, d, size, fisheye), name=str(name))
 
 
 def _matrix(data: object, key: str, least: int, most: int) -> Array:
     found = text.member(data, key)
-    return text.floats(found["data"] if has(found, "data") else found, key, least, most)
+    return text.floats(found["data"] if text.has_member(found, "data") else found, key, least, most)

@@ -11,7 +11,7 @@ from ..fitting import resection
 from ..view import View
 from . import text
 from .base import Conversion, Read, Shape, Subject
-from .calibdb import opencv
+from .coefficients import camera_from_opencv
 from .format import Format
 
 VIEWS, POINTS = 1000, 10_000
@@ -101,7 +101,7 @@ def read(data: object) -> Read:
     if not isinstance(seen, list) or len(seen) > VIEWS:
         raise text.refuse(f"observations must be a list of at most {VIEWS}")
     views = [view for view in (_view(item) for item in seen) if len(view)]
-    return Read(opencv(k, d, size, fisheye=False), tuple(views))
+    return Read(camera_from_opencv(k, d, size, fisheye=False), tuple(views))
 
 
 def _view(item: object) -> View:

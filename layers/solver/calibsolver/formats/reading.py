@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from . import calibdb, gyroflow, kalibr, mrcal, opencv, photonvision, ros, text
+from . import gyroflow, kalibr, mrcal, native, opencv, photonvision, ros, text
 from .base import Read
 
 
@@ -22,7 +22,7 @@ def read(data: object) -> Read:
     if data.get("distortion_model") in ros.NAMES.values():
         return ros.read(data)
     if "img_size" in data:
-        return calibdb.read(data)
+        return native.read(data)
     if "camera_matrix" in data:
         return opencv.read(data)
     raise text.refuse("the file is of no kind that is known here")

@@ -4,7 +4,7 @@ import numpy as np
 
 from . import text
 from .base import Conversion, Read, Shape, Subject
-from .calibdb import camera, has, opencv
+from .coefficients import camera_from_opencv, make_camera
 from .format import Format
 
 NAMES = {"rectilinear": "plumb_bob", "rational": "rational_polynomial", "fisheye": "equidistant"}
@@ -50,9 +50,9 @@ def read(data: object) -> Read:
     matrix = text.floats(text.member(data, "camera_matrix", "data"), "camera_matrix", 9, 9).reshape(3, 3)
     d = text.floats(text.member(data, "distortion_coefficients", "data"), "distortion_coefficients", 0, 14)
     law = text.member(data, "distortion_model")
-    name = str(text.member(data, "camera_name")) if has(data, "camera_name") else ""
+    name = str(text.member(data, "camera_name")) if text.has_member(data, "camera_name") else ""
     if law == "equidistant":
-        return Read(camera("fisheye", matrix, d, size), name=name)
+        return Read(make_camera("fisheye", matrix, d, size), name=name)
     if law not in ("plumb_bob", "rational_polynomial"):
         raise text.refuse(f"distortion_model {law!r} is none of plumb_bob, rational_polynomial, equidistant")
-    return Read(opencv(matrix, d, size, fisheye=False), name=name)
+    return Read(camera_from_opencv(matrix, d, size, fisheye=False), name=name)

@@ -65,6 +65,11 @@ def member(data: object, *path: str | int) -> Any:
     return here
 
 
+def has_member(data: object, key: str) -> bool:
+    """Whether parsed data is an object with such a member."""
+    return isinstance(data, dict) and key in data
+
+
 def floats(value: object, name: str, least: int = 0, most: int = 1_000_000) -> Array:
     """Return nested lists of numbers as one flat array; ``malformed`` for anything else, NaN among it."""
     flat: list[float] = []

@@ -1,0 +1,44 @@
+"""The service's own JSON, which loads in WPILib's WPIcal as it is."""
+
+from .. import models
+from . import text
+from .base import Conversion, Read, Shape, Subject
+from .coefficients import make_camera
+from .format import Format
+
+
+class NativeJson(Format):
+    """Top-level `camera`, nested 3x3 `camera_matrix`, flat `distortion_coefficients`."""
+
+    name = "calibdb"
+    suffix = ".json"
+    media_type = "application/json"
+    shapes = tuple(Shape(model) for model in models.NAMES)
+
+    def write(self, subject: Subject, held: Conversion) -> bytes:
+        """Write all that the service answers, with the camera that is held."""
+        c = held.camera
+        return text.dump(
+            {
+                **subject.record,
+                "camera": subject.name,
+                "img_size": list(c.img_size),
+                "camera_matrix": c.matrix.tolist(),
+                "distortion_coefficients": c.distortion.tolist(),
+                "distortion_model": c.model,
+                "avg_reprojection_error": subject.rms,
+            },
+            held.warning,
+        )
+
+
+def read(data: object) -> Read:
+    """Read parsed JSON; CalibrationError ``malformed``."""
+    model = (
+        text.member(data, "distortion_model") if text.has_member(data, "distortion_model") else "rectilinear"
+    )
+    size = text.floats(text.member(data, "img_size"), "img_size", 2, 2)
+    matrix = text.floats(text.member(data, "camera_matrix"), "camera_matrix", 9, 9).reshape(3, 3)
+    d = text.floats(text.member(data, "distortion_coefficients"), "distortion_coefficients", 0, 14)
+    found = data["camera"] if isinstance(data, dict) and isinstance(data.get("camera"), str) else ""
+    return Read(make_camera(str(model), matrix, d, (int(size[0]), int(size[1]))), name=found)
