@@ -4,7 +4,7 @@ A browser reports a label (`Logitech HD Pro Webcam C920 (046d:082d)`) and a plat
 
 * With a USB id in the label, id and name identify the camera, on any platform.
 * Without one, name and system identify it; on Android the device's model, too.
-* A distinctive name (`HD Pro Webcam C920`) leads to the camera of the USB id known under it, on every computer.
+* A distinctive name (`HD Pro Webcam C920`) leads to the camera of the USB id known under it, on any computer.
 * A generic name (`Integrated Camera`, `camera 0, facing back`) leads to no other camera. Without a device's
   model it is `ambiguous`: nobody can tell which product its calibrations belong to.
 
