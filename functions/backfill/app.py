@@ -15,7 +15,7 @@ from typing import Any
 from calibdb.camera_key import VERSION
 from calibdb.schema import BackfillAnswer, BackfillBatch, RefitRequest
 from calibdb.service import Service
-from calibdb.store import Calibrations, Mode
+from calibdb.store import Calibrations, StreamMode
 from calibdb.store.keys import parse_calibration_object
 from calibdb.store.names import today
 
@@ -32,7 +32,7 @@ def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
     return BackfillAnswer(requests=requests).model_dump(mode="json")
 
 
-def modes(calibrations: Calibrations, names: list[str]) -> Iterator[Mode]:
+def modes(calibrations: Calibrations, names: list[str]) -> Iterator[StreamMode]:
     """Yield the modes of the calibrations with these objects' names; other names are passed over."""
     places = [place for name in names if (place := parse_calibration_object(name))]
     for camera_key in {key for key, _ in places if key.startswith(f"{VERSION}-")}:
@@ -40,4 +40,4 @@ def modes(calibrations: Calibrations, names: list[str]) -> Iterator[Mode]:
     # Under which key these are found today is in the documents alone.
     earlier = [calibration_id for key, calibration_id in places if not key.startswith(f"{VERSION}-")]
     for document in map(today, calibrations.read(earlier)):
-        yield Mode(document.camera_key, document.img_size, document.zoom)
+        yield StreamMode(document.camera_key, document.img_size, document.zoom)

@@ -12,7 +12,7 @@ from calibdb.http import application
 from calibdb.lookup import camera_search
 from calibdb.schema import ConsensusDocument
 from calibdb.schema.cameras import CameraDetail, CameraList, CameraMode, CamerasRequest
-from calibdb.store import Mode
+from calibdb.store import StreamMode
 from calibdb.store.cameras import is_place
 
 _MOST_MEMBERS = 200
@@ -59,13 +59,13 @@ def show(call: application.Call) -> Response:
     camera, platform = camera_search.shown(name, known)
     shown = camera_search.best_known(known, _MOST_MODES)
     with ThreadPoolExecutor(_READERS) as readers:
-        modes = tuple(readers.map(lambda found: _mode(call, Mode(key, *found[0]), found[1]), shown))
+        modes = tuple(readers.map(lambda found: _mode(call, StreamMode(key, *found[0]), found[1]), shown))
     return application.answer(
         CameraDetail(key=key, camera=camera, platform=platform, modes=modes), headers=_CACHED
     )
 
 
-def _mode(call: application.Call, mode: Mode, known: list[ConsensusDocument]) -> CameraMode:
+def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocument]) -> CameraMode:
     store = call.service.store
     best = camera_search.leading(known)
     behind = store.consensuses.groups(best)

@@ -30,7 +30,7 @@ from calibdb.schema import (
     ViewDocument,
     VoteDocument,
 )
-from calibdb.store import Mode
+from calibdb.store import StreamMode
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus import difference
@@ -102,7 +102,7 @@ def check(call: application.Call) -> Response:
     )
 
 
-def consensus(call: application.Call, request: CheckRequest) -> tuple[Mode, Calibration]:
+def consensus(call: application.Call, request: CheckRequest) -> tuple[StreamMode, Calibration]:
     """Return what to check, reliable or not, and what it is of; raises NotFoundError where there is nothing.
 
     It is found as a lookup would find it, but at no other size or zoom than the views'. As in a lookup, what
@@ -114,7 +114,7 @@ def consensus(call: application.Call, request: CheckRequest) -> tuple[Mode, Cali
     if camera_lookup.hopeless(identity, private=private, resize_mode=request.resize_mode) is None:
         read = call.service.store.cameras.known
         resolved = camera_lookup.resolve(read, identity, size, zoom, model, private=private)
-        mode = Mode(resolved.key, size, zoom)
+        mode = StreamMode(resolved.key, size, zoom)
         here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
         known = one(here, model) or (standing(call, mode, model) if here else None)
         if known is not None and known.calibration is not None:
@@ -130,7 +130,7 @@ def one(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument
     return next((d for d in documents if d.distortion_model == model), None)
 
 
-def standing(call: application.Call, mode: Mode, model: str) -> ConsensusDocument | None:
+def standing(call: application.Call, mode: StreamMode, model: str) -> ConsensusDocument | None:
     """Return the consensus with all that is known by now."""
     asked = RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=(model,))
     return next(iter(call.service.store.refit.now(asked).models.values()), None)
@@ -167,7 +167,7 @@ def examine(request: CheckRequest) -> Examined:
 
 
 def vote(
-    call: application.Call, ticket: Ticket, request: CheckRequest, mode: Mode, examined: Examined
+    call: application.Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: Examined
 ) -> bool:
     """Count the check as a vote, once; False where the contributor, by where they are, has none."""
     service = call.service

@@ -36,7 +36,7 @@ from calibdb.schema import (
 )
 from calibdb.service import Service
 from calibdb.settings import Thresholds
-from calibdb.store import Mode
+from calibdb.store import StreamMode
 from calibdb.store.keys import consensus_id
 from calibsolver import Board, CalibrationError, Camera, View, __version__, consensus
 from calibsolver.consensus import difference
@@ -54,7 +54,7 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     """Compute, store and return the consensus of every model asked for; null where nothing is known."""
     request = RefitRequest.model_validate(event)
     service = Service.of(os.environ)
-    mode = Mode(request.camera, request.img_size, request.zoom)
+    mode = StreamMode(request.camera, request.img_size, request.zoom)
     if request.queued:
         in_turn(service, mode, context)
         return RefitAnswer(models={}).model_dump(mode="json")
@@ -62,7 +62,7 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     return RefitAnswer.model_validate({"models": current(service, mode, models)}).model_dump(mode="json")
 
 
-def in_turn(service: Service, mode: Mode, context: Any) -> None:
+def in_turn(service: Service, mode: StreamMode, context: Any) -> None:
     """Bring every model's consensus up to date, unless another computation does and can do it along."""
     leases, me = service.store.leases, str(context.aws_request_id)
     until = service.now + math.ceil(context.get_remaining_time_in_millis() / 1000)
@@ -83,7 +83,7 @@ def in_turn(service: Service, mode: Mode, context: Any) -> None:
     raise UnavailableError("Calibrations of this camera keep coming in.")
 
 
-def current(service: Service, mode: Mode, models: Sequence[str]) -> Answer:
+def current(service: Service, mode: StreamMode, models: Sequence[str]) -> Answer:
     """Return each model's consensus as it must be by what is in the index, stored if it was not."""
     for _ in range(ATTEMPTS):
         answer = attempt(service, mode, models)
@@ -92,7 +92,7 @@ def current(service: Service, mode: Mode, models: Sequence[str]) -> Answer:
     raise UnavailableError("Others keep computing the consensus of this camera.")
 
 
-def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | None:
+def attempt(service: Service, mode: StreamMode, models: Sequence[str]) -> Answer | None:
     """Return what `current` does; None when it was overtaken."""
     store, thresholds = service.store, service.settings.thresholds
     # First of all: whatever is stored by now was made from what is read after it, or from less.
@@ -137,7 +137,11 @@ def attempt(service: Service, mode: Mode, models: Sequence[str]) -> Answer | Non
 
 
 def pool(
-    mode: Mode, documents: Sequence[CalibrationDocument], model: str, thresholds: Thresholds, pooled: str
+    mode: StreamMode,
+    documents: Sequence[CalibrationDocument],
+    model: str,
+    thresholds: Thresholds,
+    pooled: str,
 ) -> tuple[ConsensusDocument, GroupsDocument]:
     """Return what `documents`, all of one mode, agree on, before any vote, and what is behind it."""
     stored = functools.partial(
@@ -182,7 +186,9 @@ def pool(
     )
 
 
-def consistent(members: Sequence[consensus.Member], mode: Mode, model: str, rule: consensus.Rule) -> bool:
+def consistent(
+    members: Sequence[consensus.Member], mode: StreamMode, model: str, rule: consensus.Rule
+) -> bool:
     """Tell whether few calibrations would make a reliable consensus if they were enough."""
     few = dataclasses.replace(rule, min_calibrations=1, min_contributors=1)
     return consensus.pool(members, mode.img_size, model, few).reliable

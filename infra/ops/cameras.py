@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from calibdb.camera_key.visible import visible
 from calibdb.schema import CalibrationDocument
-from calibdb.store import Mode
+from calibdb.store import StreamMode
 from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
 from infra.ops import reindex
 from infra.ops.context import OpsContext, OpsError
@@ -46,7 +46,7 @@ def shown(context: OpsContext, camera_key: str) -> Iterator[str]:
         raise OpsError(f"nothing is known of a camera {camera_key}")
     # Stored before labels were cleaned, it may hold what a terminal would obey.
     yield visible(f"{found[-1][0].camera}, {found[-1][0].platform}")
-    modes: dict[Mode, list[tuple[CalibrationDocument, bool]]] = {}
+    modes: dict[StreamMode, list[tuple[CalibrationDocument, bool]]] = {}
     for document, withdrawn in found:
         modes.setdefault(reindex.mode(document), []).append((document, withdrawn))
     for mode, members in modes.items():
@@ -92,7 +92,7 @@ def _indexed(context: OpsContext, camera_key: str) -> Iterator[str]:
         yield sk.rpartition("#")[2]
 
 
-def _consensuses(context: OpsContext, mode: Mode) -> Iterator[str]:
+def _consensuses(context: OpsContext, mode: StreamMode) -> Iterator[str]:
     for consensus in context.store.consensuses.at(mode):
         known = consensus.calibration
         what = "reliable" if consensus.reliable else f"not reliable ({consensus.reason})"

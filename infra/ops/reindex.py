@@ -11,7 +11,7 @@ from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import session_rules
 from calibdb.schema import CalibrationDocument, RefitRequest
-from calibdb.store import Calibrations, Condition, Mode, Priors, Table, Tokens, Votes, clients
+from calibdb.store import Calibrations, Condition, Priors, StreamMode, Table, Tokens, Votes, clients
 from calibdb.store.names import today
 from calibdb.store.table import Item
 from infra.ops.context import OpsContext
@@ -49,7 +49,7 @@ class _Noting(Table):
         return super().put(item, condition)
 
 
-def reindex(context: OpsContext, only: Iterable[Mode] | None = None) -> Report:
+def reindex(context: OpsContext, only: Iterable[StreamMode] | None = None) -> Report:
     """Let the index name exactly what is in the bucket, and compute every consensus that is not of it.
 
     Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
@@ -68,7 +68,7 @@ def reindex(context: OpsContext, only: Iterable[Mode] | None = None) -> Report:
     published = publish_finished(context)
     table = _Noting(context)
     calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
-    modes: Counter[Mode] = Counter()
+    modes: Counter[StreamMode] = Counter()
     for document, withdrawn in calibrations.everything():
         calibrations.index(document, withdrawn=withdrawn)
         modes[mode(document)] += not withdrawn
@@ -117,7 +117,7 @@ def publish_finished(context: OpsContext) -> int:
     return published
 
 
-def refit(context: OpsContext, wanted: Mode) -> int | None:
+def refit(context: OpsContext, wanted: StreamMode) -> int | None:
     """Have the consensus of every model computed; return of how many there is one, None where it failed."""
     request = RefitRequest(
         camera=wanted.camera_key,
@@ -134,9 +134,9 @@ def refit(context: OpsContext, wanted: Mode) -> int | None:
     return sum(1 for found in answer.models.values() if found is not None)
 
 
-def mode(document: CalibrationDocument) -> Mode:
+def mode(document: CalibrationDocument) -> StreamMode:
     """Return what the calibration is one of."""
-    return Mode(today(document).camera_key, document.img_size, document.zoom)
+    return StreamMode(today(document).camera_key, document.img_size, document.zoom)
 
 
 def _computed_of(key: Key) -> tuple[str, str] | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from calibdb.access.tokens import contributor
 from calibdb.camera_key import current
 from calibdb.schema import CalibrationDocument, SessionDocument
-from calibdb.store import Mode
+from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from infra.ops import reindex
 from infra.ops.context import OpsContext, OpsError
@@ -76,7 +76,7 @@ def forget(context: OpsContext, contributors: set[str]) -> Forgotten:
 
     A session is theirs who started it, or sent its last view. A copy that someone made by `dump` is theirs.
     """
-    affected: set[Mode] = set()
+    affected: set[StreamMode] = set()
     counts: Counter[str] = Counter()
     # Sessions first: what is published follows from them, and must not be published again.
     for session in list(context.store.sessions.all()):
@@ -93,7 +93,7 @@ def forget(context: OpsContext, contributors: set[str]) -> Forgotten:
         if vote.contributor in contributors:
             context.objects.erase([vote_object(vote.camera_key, vote.id)])
             key = current(vote.camera_key, vote.camera, vote.platform)
-            affected.add(Mode(key, vote.img_size, vote.zoom))
+            affected.add(StreamMode(key, vote.img_size, vote.zoom))
             counts["votes"] += 1
     # Their shares of the hour.
     used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("QUOTA#"))
@@ -122,6 +122,6 @@ def _calibration(context: OpsContext, calibration_id: str) -> CalibrationDocumen
     return document
 
 
-def _refit(context: OpsContext, mode: Mode) -> None:
+def _refit(context: OpsContext, mode: StreamMode) -> None:
     if reindex.refit(context, mode) is None:
         raise OpsError("the consensus could not be computed; `reindex` tries again")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from calibdb import schema
-from calibdb.store import Mode
+from calibdb.store import StreamMode
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth, until
 from tests.helpers.service.published import NOW, TILTS, asked, calibration, held, mode_of, store
@@ -24,7 +24,7 @@ def views(count: int = 3, seed: int = 100, fx: float = 950.0, tilts: Any = TILTS
     return [{"ids": ids, "points": points} for ids, points in seen]
 
 
-def calibrated(stack: LocalStack, camera: str, *which: int, begun: int = NOW, **truth: Any) -> Mode:
+def calibrated(stack: LocalStack, camera: str, *which: int, begun: int = NOW, **truth: Any) -> StreamMode:
     """Publish calibrations of a camera, each with the consensus it leads to; return what they are of."""
     for n in which:
         document = calibration(camera, n, begun=begun, **truth)

@@ -8,7 +8,7 @@ import calibsolver
 from calibdb import schema
 from calibdb.camera_key import camera_key
 from calibdb.settings import Settings
-from calibdb.store import Mode, Store
+from calibdb.store import Store, StreamMode
 from calibsolver import Board, fit
 from infra.local import LocalStack
 from tests.helpers.service.client import Truth
@@ -71,10 +71,10 @@ def calibration(
     )
 
 
-def mode_of(document: schema.CalibrationDocument) -> Mode:
-    return Mode(document.camera_key, document.img_size, document.zoom)
+def mode_of(document: schema.CalibrationDocument) -> StreamMode:
+    return StreamMode(document.camera_key, document.img_size, document.zoom)
 
 
-def asked(mode: Mode, *models: str) -> schema.RefitRequest:
+def asked(mode: StreamMode, *models: str) -> schema.RefitRequest:
     """The request for the consensus; of all models, where none is named."""
     return schema.RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=models)

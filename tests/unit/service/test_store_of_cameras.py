@@ -16,7 +16,7 @@ from calibdb.schema import (
     Uncertainty,
     VoteDocument,
 )
-from calibdb.store import Calibrations, Consensuses, Leases, Mode, Objects, Table, Votes
+from calibdb.store import Calibrations, Consensuses, Leases, Objects, StreamMode, Table, Votes
 from calibdb.store.calibrations import Counted
 
 NOW = 1_700_000_000
@@ -35,8 +35,8 @@ FIT = FitRecord(
 VAGUE = Uncertainty(rms=0.7, max=2.0)
 
 
-def mode(document: CalibrationDocument) -> Mode:
-    return Mode(document.camera_key, document.img_size, document.zoom)
+def mode(document: CalibrationDocument) -> StreamMode:
+    return StreamMode(document.camera_key, document.img_size, document.zoom)
 
 
 def finished(now: int = NOW, sid: str = SID) -> SessionDocument:
@@ -162,7 +162,7 @@ def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:
     assert consensuses.put(rests_on("ab"), behind("ab"), "a")
     assert not consensuses.put(rests_on("a"), behind("a"), "a")
     assert not consensuses.put(rests_on("a"), None, "a")
-    assert consensuses.of("k") == consensuses.at(Mode("k", (1280, 720), 0.0)) == [rests_on("ab")]
+    assert consensuses.of("k") == consensuses.at(StreamMode("k", (1280, 720), 0.0)) == [rests_on("ab")]
     assert consensuses.groups(rests_on("ab")) == behind("ab")
     assert consensuses.groups(rests_on("a")) is None
     assert not consensuses.drop(rests_on("a"))
@@ -181,11 +181,11 @@ def test_a_consensus_of_a_later_version_is_passed_over(table: Table) -> None:
 
 
 def test_a_computation_serves_those_who_ask_meanwhile(table: Table) -> None:
-    leases, place = Leases(table), Mode("k", (1280, 720), 0.0)
+    leases, place = Leases(table), StreamMode("k", (1280, 720), 0.0)
     assert leases.take(place, "first", NOW, NOW + 30)
     assert not leases.take(place, "second", NOW, NOW + 30)
     assert not leases.take(place, "third", NOW, NOW + 30)
-    assert leases.take(Mode("k", (640, 360), 0.0), "third", NOW, NOW + 30)
+    assert leases.take(StreamMode("k", (640, 360), 0.0), "third", NOW, NOW + 30)
     assert not leases.release(place, "first"), "the others wait for one round more"
     leases.again(place, "first", NOW + 30)
     assert leases.release(place, "first")
@@ -221,7 +221,7 @@ def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects
     assert votes.cast(VOTE) == VOTE
     assert votes.cast(VOTE.model_copy(update={"time": NOW + 9})) == VOTE
     assert votes.cast(later) == later
-    found = votes.newest(Mode(VOTE.camera_key, (1280, 720), 0.0), apart=False)
+    found = votes.newest(StreamMode(VOTE.camera_key, (1280, 720), 0.0), apart=False)
     assert [(cast.id, cast.source, cast.time) for cast in found] == [
         (later.id, "somebody", NOW + 256),
         (VOTE.id, "somebody", NOW),
@@ -236,7 +236,7 @@ def test_who_votes_daily_keeps_nobodys_vote_out(table: Table, objects: Objects) 
     names |= {"6553f00000000000000a": "first", "6553f00000000000000b": "second"}
     for name, source in names.items():
         votes.index(VOTE.model_copy(update={"id": name, "source": source}))
-    mode = Mode(VOTE.camera_key, (1280, 720), 0.0)
+    mode = StreamMode(VOTE.camera_key, (1280, 720), 0.0)
     found = votes.newest(mode, apart=True)
     assert [cast.source for cast in found] == ["daily", "second", "first"]
     assert found[0].id == max(names)
@@ -250,5 +250,5 @@ def test_votes_follow_their_camera_to_another_key(table: Table, objects: Objects
     earlier = {"camera_key": "c1-earlier-0123456789ab", "camera": label, "platform": platform}
     vote = VOTE.model_copy(update=earlier)
     votes.cast(vote)
-    today = Mode(camera_key(label, platform), (1280, 720), 0.0)
+    today = StreamMode(camera_key(label, platform), (1280, 720), 0.0)
     assert votes.read(votes.newest(today, apart=True)) == [vote]

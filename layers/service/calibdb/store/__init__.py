@@ -3,7 +3,7 @@
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import Cameras, Known
 from calibdb.store.consensus import Consensuses
-from calibdb.store.keys import Mode
+from calibdb.store.keys import StreamMode
 from calibdb.store.leases import Leases
 from calibdb.store.objects import Objects
 from calibdb.store.priors import Priors
@@ -23,13 +23,13 @@ __all__ = [
     "Consensuses",
     "Known",
     "Leases",
-    "Mode",
     "Objects",
     "Priors",
     "Quotas",
     "Refit",
     "Sessions",
     "Store",
+    "StreamMode",
     "Table",
     "Tokens",
     "Votes",

@@ -19,7 +19,7 @@ from calibdb.rules.quality_gates import precise
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import (
     WITHDRAWN,
-    Mode,
+    StreamMode,
     calibration_object,
     calibrations_prefix,
     camera_pk,
@@ -94,7 +94,7 @@ class Calibrations:
         self._catalogue.remove(document, [name for _, name in self._standing(today(document).camera_key)])
         return created
 
-    def newest(self, mode: Mode, limit: int, period: int = 0) -> list[Counted]:
+    def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[Counted]:
         """Return at most `limit` calibrations of a camera at one size and zoom, last begun first.
 
         Only those that count: not withdrawn, and of the stream as the camera gives it. With a `period`,
@@ -112,16 +112,16 @@ class Calibrations:
                 break
         return counted
 
-    def modes(self, camera_key: str) -> list[Mode]:
+    def modes(self, camera_key: str) -> list[StreamMode]:
         """Return the sizes and zooms at which the camera was calibrated."""
         modes = {mode for mode, _ in self._standing(camera_key)}
         return sorted(modes, key=lambda mode: (mode.img_size, mode.zoom))
 
-    def _standing(self, camera_key: str) -> list[tuple[Mode, str]]:
+    def _standing(self, camera_key: str) -> list[tuple[StreamMode, str]]:
         """Return mode and id of every calibration of the camera that was not withdrawn."""
         items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True)
         parsed = (parse_calibration_sk(str(item["sk"])) for item in items if "withdrawn" not in item)
-        return [(Mode(camera_key, found[0], found[1]), found[2]) for found in parsed if found]
+        return [(StreamMode(camera_key, found[0], found[1]), found[2]) for found in parsed if found]
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
         """Return the calibrations with these ids, those that there are, in their order."""

@@ -11,7 +11,7 @@ from calibdb.camera_key import PATTERN
 from calibdb.schema import ConsensusDocument
 from calibdb.schema.cameras import CameraMember
 from calibdb.store.consensus import documents
-from calibdb.store.keys import Mode, calibrations_prefix, camera_pk
+from calibdb.store.keys import StreamMode, calibrations_prefix, camera_pk
 from calibdb.store.names import ALL, SAME_AS
 from calibdb.store.table import Condition, Item, Table
 
@@ -94,7 +94,7 @@ class Cameras:
         found = {str(item["sk"]).rpartition("#")[2]: str(item["name"]) for item in items}
         return list(found.items()), str(items[-1]["sk"]) if more and items else None
 
-    def members(self, mode: Mode, group: frozenset[str], limit: int) -> list[CameraMember]:
+    def members(self, mode: StreamMode, group: frozenset[str], limit: int) -> list[CameraMember]:
         """Return the newest calibrations at a size and zoom that count; `group`: those that agree."""
         prefix = calibrations_prefix(mode.img_size, mode.zoom)
         items = self._table.query(mode.pk, prefix, newest_first=True, limit=limit)

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from pydantic import ValidationError
 
 from calibdb.schema import ConsensusDocument, GroupsDocument
-from calibdb.store.keys import Mode, camera_pk, consensus_sk, groups_sk, parse_consensus_id
+from calibdb.store.keys import StreamMode, camera_pk, consensus_sk, groups_sk, parse_consensus_id
 from calibdb.store.table import ABSENT, Condition, Item, Table
 
 _log = logging.getLogger(__name__)
@@ -29,7 +29,7 @@ class Consensuses:
         """Return all of a camera, at every size and zoom and for every model: one Query."""
         return documents(self._table.query(camera_pk(camera_key), "CONSENSUS#"))
 
-    def at(self, mode: Mode) -> list[ConsensusDocument]:
+    def at(self, mode: StreamMode) -> list[ConsensusDocument]:
         """Return those of every model at one size and zoom, as they are at this moment."""
         return documents(self._table.query(mode.pk, f"CONSENSUS#{mode.text}#", consistent=True))
 

@@ -1,4 +1,4 @@
-"""How sizes, zooms and ids are written in names: the one place that knows."""
+"""Keys of index items and names of objects: how sizes, zooms and ids are written in them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _CALIBRATION_ID = re.compile(r"(c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12})-[0-9a-
 
 
 @dataclass(frozen=True)
-class Mode:
+class StreamMode:
     """A camera (its key) at one image size and zoom: what a consensus is of."""
 
     camera_key: str

@@ -6,7 +6,7 @@ since it began. It only spares work. A computation without a lease, or two at on
 
 from __future__ import annotations
 
-from calibdb.store.keys import Mode
+from calibdb.store.keys import StreamMode
 from calibdb.store.table import Condition, Item, Table
 
 _SK = "META"
@@ -20,7 +20,7 @@ class Leases:
     def __init__(self, table: Table) -> None:
         self._table = table
 
-    def take(self, mode: Mode, me: str, now: int, until: int) -> bool:
+    def take(self, mode: StreamMode, me: str, now: int, until: int) -> bool:
         """Begin to compute; False when another does, and was told to do it once more after that.
 
         `me`: the same for every attempt of one request, so that a second one after a crash goes on.
@@ -42,11 +42,11 @@ class Leases:
                 return False
         return True  # so much coming and going that one more does not matter
 
-    def again(self, mode: Mode, me: str, until: int) -> None:
+    def again(self, mode: StreamMode, me: str, until: int) -> None:
         """Begin once more: what was asked for until now will be seen."""
         self._table.put(_item(mode, me, until, asked=0), _held_by(me))
 
-    def release(self, mode: Mode, me: str) -> bool:
+    def release(self, mode: StreamMode, me: str) -> bool:
         """Let go of it; False, and still held, when somebody asked meanwhile."""
         unasked = Condition("#holder = :me AND #asked = :none", {"me": me, "none": 0}, _NAMES)
         if self._table.delete(_pk(mode), _SK, unasked):
@@ -54,7 +54,7 @@ class Leases:
         item = self._table.get(_pk(mode), _SK)
         return item is None or item["holder"] != me
 
-    def abandon(self, mode: Mode, me: str) -> None:
+    def abandon(self, mode: StreamMode, me: str) -> None:
         """Let go of it although somebody asked."""
         self._table.delete(_pk(mode), _SK, _held_by(me))
 
@@ -66,11 +66,11 @@ def _held_by(holder: str) -> Condition:
     return Condition("#holder = :holder", {"holder": holder}, {"holder": "holder"})
 
 
-def _pk(mode: Mode) -> str:
+def _pk(mode: StreamMode) -> str:
     return f"REFIT#{mode.camera_key}#{mode.text}"
 
 
-def _item(mode: Mode, holder: str, until: int, asked: int) -> Item:
+def _item(mode: StreamMode, holder: str, until: int, asked: int) -> Item:
     return {
         "pk": _pk(mode),
         "sk": _SK,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from calibdb.camera_key import current
 from calibdb.schema import VoteDocument
-from calibdb.store.keys import Mode, vote_object
+from calibdb.store.keys import StreamMode, vote_object
 from calibdb.store.objects import Objects
 from calibdb.store.table import Item, Table
 
@@ -48,7 +48,7 @@ class Votes:
         """Write the index item; it follows from the document, so that writing it again changes nothing."""
         self._table.put(_item(document))
 
-    def newest(self, mode: Mode, *, apart: bool) -> list[Cast]:
+    def newest(self, mode: StreamMode, *, apart: bool) -> list[Cast]:
         """Return the votes on a mode, newest first.
 
         Where contributors can be told `apart`, the newest of each: whoever votes daily keeps nobody's out.
@@ -89,7 +89,7 @@ def _cast(item: Item) -> Cast:
 
 def _item(document: VoteDocument) -> Item:
     key = current(document.camera_key, document.camera, document.platform)
-    mode = Mode(key, document.img_size, document.zoom)
+    mode = StreamMode(key, document.img_size, document.zoom)
     return {
         "pk": mode.pk,
         "sk": f"VOTE#{mode.text}#{document.id}",
