@@ -15,7 +15,7 @@ from calibdb.store.keys import StreamMode, calibrations_prefix, camera_pk
 from calibdb.store.names import ALL, SAME_AS
 from calibdb.store.table import Condition, Item, Table
 
-_PRESENT = Condition("attribute_exists(pk)")
+_IF_EXISTS = Condition("attribute_exists(pk)")
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Cameras:
             item: Item = {"pk": camera_pk(name), "sk": SAME_AS + camera_key}
             stored = self._table.get(str(item["pk"]), str(item["sk"]))
             if stored is not None and ("well_known" in stored) != well_known:
-                self._table.put(item | ({"well_known": 1} if well_known else {}), _PRESENT)
+                self._table.put(item | ({"well_known": 1} if well_known else {}), _IF_EXISTS)
                 written = True
         return written
 

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.store.keys import StreamMode, camera_pk, consensus_sk, groups_sk, parse_consensus_id
-from calibdb.store.table import ABSENT, Condition, Item, Table
+from calibdb.store.table import IF_NOT_EXISTS, Condition, Item, Table
 
 _log = logging.getLogger(__name__)
 
@@ -56,7 +56,7 @@ class Consensuses:
         if groups is None:
             return self._table.put(consensus, _still(before))
         behind: Item = {"pk": pk, "sk": groups_sk(*place), "document": groups.model_dump_json()}
-        return self._table.put_together((consensus, behind), _still(before))
+        return self._table.put_transaction((consensus, behind), _still(before))
 
     def drop(self, document: ConsensusDocument) -> bool:
         """Forget the consensus: all that it rested on is gone. False when another was stored meanwhile."""
@@ -79,7 +79,7 @@ class Consensuses:
 
 def _still(before: str | None) -> Condition:
     if before is None:
-        return ABSENT
+        return IF_NOT_EXISTS
     # Items written before there was a basis beside the document give way.
     return Condition(
         "attribute_not_exists(pk) OR attribute_not_exists(#basis) OR #basis = :before",

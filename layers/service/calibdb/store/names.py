@@ -19,7 +19,7 @@ from calibdb.camera_key import PATTERN, Identity, current, identify, public_labe
 from calibdb.camera_key.names import words
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import camera_pk
-from calibdb.store.table import ABSENT, Item, Table
+from calibdb.store.table import IF_NOT_EXISTS, Item, Table
 
 SAME_AS = "CONSENSUS-OF#"
 ALL = "CAMERAS#"  # partition of all cameras; followed by a letter, of the words that begin with it
@@ -73,7 +73,7 @@ class Names:
 
     def _alias(self, named: _Named) -> None:
         for item in _aliases(named):
-            self._table.put(item, ABSENT)  # what it is worth is written there later
+            self._table.put(item, IF_NOT_EXISTS)  # what it is worth is written there later
 
     def _search(self, named: _Named) -> None:
         for item in _search_items(named):

@@ -14,7 +14,7 @@ from typing import TypeVar
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
 from calibdb.schema import SessionDocument
 from calibdb.store.objects import Objects
-from calibdb.store.table import ABSENT, Condition, Item, Table
+from calibdb.store.table import IF_NOT_EXISTS, Condition, Item, Table
 
 LIFETIME = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
 _PREFIX = "sessions/"
@@ -121,7 +121,8 @@ class Sessions:
         For operators, who lost the index.
         """
         return sum(
-            self._table.put(_item(sid, version, now), ABSENT) for sid, version in self._versions().items()
+            self._table.put(_item(sid, version, now), IF_NOT_EXISTS)
+            for sid, version in self._versions().items()
         )
 
     def erase(self, sid: str) -> int:
@@ -163,7 +164,7 @@ class Sessions:
                 break
         else:
             raise UnavailableError("The session could not be written.")
-        if self._table.put(_item(sid, version, now), _at(base) if base else ABSENT):
+        if self._table.put(_item(sid, version, now), _at(base) if base else IF_NOT_EXISTS):
             return True
         # A write that was retried because its answer got lost finds itself done: nobody else has this
         # version.

@@ -30,7 +30,7 @@ class Condition:
     names: Mapping[str, str] = field(default_factory=dict)
 
 
-ABSENT = Condition("attribute_not_exists(pk)")
+IF_NOT_EXISTS = Condition("attribute_not_exists(pk)")
 
 
 class Table:
@@ -63,7 +63,7 @@ class Table:
                 return False
         return True
 
-    def put_together(self, items: Sequence[Item], condition: Condition) -> bool:
+    def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
         """Write all items or none; False, and nothing written, when `condition` does not hold of the first.
 
         Of two writers at once one is told False.
@@ -77,7 +77,7 @@ class Table:
             try:
                 self._client().transact_write_items(TransactItems=writes)
             except ClientError as error:
-                if not _lost(error):
+                if not _is_conditional_failure(error):
                     raise
                 return False
         return True
@@ -190,7 +190,7 @@ class Table:
             options["ExclusiveStartKey"] = page["LastEvaluatedKey"]
 
 
-def _lost(error: ClientError) -> bool:
+def _is_conditional_failure(error: ClientError) -> bool:
     """Tell whether a transaction failed for its condition, or for another writer of the same items."""
     reasons = [str(r.get("Code")) for r in error.response.get("CancellationReasons", [])]
     return code(error) == "TransactionCanceledException" and set(reasons) <= {
