@@ -1,8 +1,8 @@
 """Running sessions: immutable objects `sessions/<sid>/<version>.json`, and an item that names the latest.
 
-The object is written first and the index then moves to it under the condition that nobody moved it before: a
-crash leaves an orphan, never a pointer to nothing, and of two changes at once one happens and the other is
-made anew.
+Changes follow optimistic concurrency. A change writes its object first and then moves the index to it, on the
+condition that the index still names the version that the change was made from. A crash leaves an orphaned
+object, never a pointer to nothing. Of two changes at once, one is stored and the other is made anew.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from calibdb.schema import SessionDocument
 from calibdb.store.objects import Objects
 from calibdb.store.table import IF_NOT_EXISTS, Condition, Item, Table
 
-LIFETIME = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
+LIFETIME_S = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
 _PREFIX = "sessions/"
 _ATTEMPTS = 5  # of a change that others keep overtaking
-_MOST_ORPHANS = 16  # versions written and never pointed to, one after the other
+_MAX_ORPHANS = 16  # versions written and never pointed to, one after the other
 
-Answer = TypeVar("Answer")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
@@ -68,11 +68,11 @@ class Sessions:
             document = make(base + 1)
             if self._write(sid, base, document, now):
                 return document, True
-        raise _overtaken()
+        raise _too_much_contention()
 
     def update(
-        self, sid: str, now: int, change: Callable[[SessionDocument], tuple[SessionDocument | None, Answer]]
-    ) -> Answer:
+        self, sid: str, now: int, change: Callable[[SessionDocument], tuple[SessionDocument | None, Result]]
+    ) -> Result:
         """Apply `change` to the session and return its answer; raises NotFoundError.
 
         `change` returns the new document, or None to leave the session as it is, and an answer. It may be
@@ -87,7 +87,7 @@ class Sessions:
             changed, answer = change(document)
             if changed is None or self._write(sid, version, changed, now):
                 return answer
-        raise _overtaken()
+        raise _too_much_contention()
 
     def forget(self, sid: str, now: int) -> bool:
         """Forget the session's views; False when there was nothing to forget."""
@@ -96,10 +96,10 @@ class Sessions:
             if head is None or head.forgotten:
                 return head is not None
             tombstone = {**_item(sid, head.version + 1, now), "forgotten": 1}
-            if self._table.put(tombstone, _at(head.version)):
+            if self._table.put(tombstone, _if_version(head.version)):
                 self._objects.delete([_name(sid, v) for v in range(1, head.version + 1)])
                 return True
-        raise _overtaken()
+        raise _too_much_contention()
 
     def all(self) -> Iterator[SessionDocument]:
         """Yield every session that is not forgotten, as it stands. For operators.
@@ -159,12 +159,12 @@ class Sessions:
         content = document.model_dump_json().encode()
         # A taken name is the orphan of a crash, or of someone who is about to overtake us. It cannot be told
         # which, and need not: versions may have gaps, and the index decides.
-        for version in range(base + 1, base + 1 + _MOST_ORPHANS):
+        for version in range(base + 1, base + 1 + _MAX_ORPHANS):
             if self._objects.create(_name(sid, version), content):
                 break
         else:
             raise UnavailableError("The session could not be written.")
-        if self._table.put(_item(sid, version, now), _at(base) if base else IF_NOT_EXISTS):
+        if self._table.put(_item(sid, version, now), _if_version(base) if base else IF_NOT_EXISTS):
             return True
         # A write that was retried because its answer got lost finds itself done: nobody else has this
         # version.
@@ -181,12 +181,12 @@ def _name(sid: str, version: int) -> str:
 
 
 def _item(sid: str, version: int, now: int) -> Item:
-    return {"pk": f"SESSION#{sid}", "sk": "META", "version": version, "ttl": now + LIFETIME}
+    return {"pk": f"SESSION#{sid}", "sk": "META", "version": version, "ttl": now + LIFETIME_S}
 
 
-def _at(version: int) -> Condition:
+def _if_version(version: int) -> Condition:
     return Condition("#version = :version", {"version": version}, {"version": "version"})
 
 
-def _overtaken() -> ConflictError:
+def _too_much_contention() -> ConflictError:
     return ConflictError("Other requests keep changing this session; send this one again.", kind="overtaken")
