@@ -17,7 +17,7 @@ from calibdb.schema import BackfillAnswer, BackfillBatch, RefitRequest
 from calibdb.service import Service
 from calibdb.store import Calibrations, StreamMode
 from calibdb.store.keys import parse_calibration_object
-from calibdb.store.names import today
+from calibdb.store.names import with_current_key
 
 
 def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
@@ -39,5 +39,5 @@ def modes(calibrations: Calibrations, names: list[str]) -> Iterator[StreamMode]:
         yield from calibrations.modes(camera_key)
     # Under which key these are found today is in the documents alone.
     earlier = [calibration_id for key, calibration_id in places if not key.startswith(f"{VERSION}-")]
-    for document in map(today, calibrations.read(earlier)):
+    for document in map(with_current_key, calibrations.read(earlier)):
         yield StreamMode(document.camera_key, document.img_size, document.zoom)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from calibdb.camera_key import current, identify, public_label
+from calibdb.camera_key import current_key, identify, public_label
 from calibdb.camera_key.system import system_of
 from calibdb.lookup.answer import answer
 from calibdb.lookup.camera_lookup import hopeless, resolve
@@ -100,7 +100,7 @@ def _labels(context: OpsContext) -> dict[str, set[tuple[str, str]]]:
     found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
     for document, withdrawn in context.store.calibrations.everything():
         if not withdrawn:
-            key = current(document.camera_key, document.camera, document.platform)
+            key = current_key(document.camera_key, document.camera, document.platform)
             label = public_label(document.camera)
             found[key] |= {
                 (label, document.platform),

@@ -12,7 +12,7 @@ from calibdb.lookup import well_known_ids
 from calibdb.rules import session_rules
 from calibdb.schema import CalibrationDocument, RefitRequest
 from calibdb.store import Calibrations, Condition, Priors, StreamMode, Table, Tokens, Votes, clients
-from calibdb.store.names import today
+from calibdb.store.names import with_current_key
 from calibdb.store.table import Item
 from infra.ops.context import OpsContext
 from infra.ops.index import Key
@@ -136,7 +136,7 @@ def refit(context: OpsContext, wanted: StreamMode) -> int | None:
 
 def mode(document: CalibrationDocument) -> StreamMode:
     """Return what the calibration is one of."""
-    return StreamMode(today(document).camera_key, document.img_size, document.zoom)
+    return StreamMode(with_current_key(document).camera_key, document.img_size, document.zoom)
 
 
 def _computed_of(key: Key) -> tuple[str, str] | None:

@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from calibdb.access.tokens import contributor
-from calibdb.camera_key import current
+from calibdb.camera_key import current_key
 from calibdb.schema import CalibrationDocument, SessionDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
@@ -92,7 +92,7 @@ def forget(context: OpsContext, contributors: set[str]) -> Forgotten:
     for vote in list(context.store.votes.all()):
         if vote.contributor in contributors:
             context.objects.erase([vote_object(vote.camera_key, vote.id)])
-            key = current(vote.camera_key, vote.camera, vote.platform)
+            key = current_key(vote.camera_key, vote.camera, vote.platform)
             affected.add(StreamMode(key, vote.img_size, vote.zoom))
             counts["votes"] += 1
     # Their shares of the hour.

@@ -4,7 +4,7 @@ import os
 import random
 
 from calibdb import schema
-from calibdb.store.names import today
+from calibdb.store.names import with_current_key
 from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.context import OpsContext
@@ -55,7 +55,7 @@ def test_nothing_is_found_that_the_table_did_not_say() -> None:
                     withdrawal.withdraw(context, document.id, "wrong")
                 elif document.id in done and context.store.calibrations.withdrawn(document):
                     withdrawal.restore(context, document.id)
-                context.store.refit.now(asked(mode_of(today(document))))
+                context.store.refit.now(asked(mode_of(with_current_key(document))))
             before = items(stack)
             reindex(context)
             assert items(stack) == before

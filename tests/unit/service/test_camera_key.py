@@ -8,7 +8,7 @@ from calibdb.camera_key import (
     PATTERN,
     VERSION,
     camera_key,
-    current,
+    current_key,
     identify,
     public_label,
     public_platform,
@@ -327,8 +327,8 @@ def test_what_is_stored_gives_the_key_that_was_asked_for(label: str, platform: s
 def test_an_earlier_versions_key_becomes_todays() -> None:
     key = camera_key("HD Pro Webcam C920", LINUX)
     assert key.startswith(f"{VERSION}-")
-    assert current("c1-hd-pro-webcam-c920-0123456789ab", "HD Pro Webcam C920", LINUX) == key
-    assert current(key, "HD Pro Webcam C920", LINUX) == key
+    assert current_key("c1-hd-pro-webcam-c920-0123456789ab", "HD Pro Webcam C920", LINUX) == key
+    assert current_key(key, "HD Pro Webcam C920", LINUX) == key
 
 
 def test_a_distinct_name_leads_to_its_usb_id_from_every_computer() -> None:

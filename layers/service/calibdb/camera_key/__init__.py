@@ -29,7 +29,7 @@ __all__ = [
     "VERSION",
     "Identity",
     "camera_key",
-    "current",
+    "current_key",
     "identify",
     "public_label",
     "public_platform",
@@ -112,7 +112,7 @@ def camera_key(label: str, platform: str) -> str:
     return identify(label, platform).key
 
 
-def current(key: str, label: str, platform: str) -> str:
+def current_key(key: str, label: str, platform: str) -> str:
     """Return today's key of a camera that was stored under `key`, perhaps by earlier rules."""
     return key if key.startswith(f"{VERSION}-") else camera_key(label, platform)
 

@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 
 from pydantic import JsonValue
 
-from calibdb.camera_key import camera_key, current, public_label, public_platform
+from calibdb.camera_key import camera_key, current_key, public_label, public_platform
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.rules.corners import misplaced
 from calibdb.rules.quality_gates import TARGET_ERROR
@@ -254,7 +254,7 @@ def calibration(document: SessionDocument) -> CalibrationDocument:
     return CalibrationDocument(
         id=finish.calibration_id,
         # A session may have begun under earlier rules.
-        camera_key=current(document.camera_key, document.camera, document.platform),
+        camera_key=current_key(document.camera_key, document.camera, document.platform),
         camera=document.camera,
         platform=document.platform,
         img_size=document.img_size,

@@ -26,7 +26,7 @@ from calibdb.store.keys import (
     parse_calibration_sk,
     tombstone_object,
 )
-from calibdb.store.names import Names, today
+from calibdb.store.names import Names, with_current_key
 from calibdb.store.objects import Objects
 from calibdb.store.table import Condition, Item, Table
 
@@ -75,15 +75,15 @@ class Calibrations:
     def publish(self, document: CalibrationDocument) -> None:
         """Store the calibration and let the index find it; done twice, it is done once."""
         self._objects.create(_name(document.id), document.model_dump_json().encode())
-        if self._table.put(_item(today(document)), _NOT_WITHDRAWN):
+        if self._table.put(_item(with_current_key(document)), _NOT_WITHDRAWN):
             self._catalogue.publish(document)
 
     def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
         """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
         if withdrawn:
-            self._table.put({**_item(today(document)), "withdrawn": 1})
+            self._table.put({**_item(with_current_key(document)), "withdrawn": 1})
         else:
-            self._table.put(_item(today(document)), _NOT_WITHDRAWN)
+            self._table.put(_item(with_current_key(document)), _NOT_WITHDRAWN)
             self._catalogue.index(document)
 
     def withdraw(self, document: CalibrationDocument, reason: str, now: int) -> bool:
@@ -91,7 +91,9 @@ class Calibrations:
         content = json.dumps({"layout": 1, "id": document.id, "reason": reason, "time": now})
         created = self._objects.create(_tombstone(document.id), content.encode())
         self.index(document, withdrawn=True)
-        self._catalogue.remove(document, [name for _, name in self._standing(today(document).camera_key)])
+        self._catalogue.remove(
+            document, [name for _, name in self._standing(with_current_key(document).camera_key)]
+        )
         return created
 
     def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[Counted]:
@@ -176,7 +178,7 @@ def _counting(items: Sequence[Item], period: int) -> list[Counted]:
 
 def _document(content: bytes) -> CalibrationDocument | None:
     try:
-        return today(CalibrationDocument.model_validate_json(content))
+        return with_current_key(CalibrationDocument.model_validate_json(content))
     except ValidationError:  # of a later version, whose models this one does not know
         return None
 

@@ -15,7 +15,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from calibdb.camera_key import PATTERN, Identity, current, identify, public_label, public_platform
+from calibdb.camera_key import PATTERN, Identity, current_key, identify, public_label, public_platform
 from calibdb.camera_key.names import words
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import camera_pk
@@ -80,9 +80,9 @@ class Names:
             self._table.put(item)
 
 
-def today(document: CalibrationDocument) -> CalibrationDocument:
+def with_current_key(document: CalibrationDocument) -> CalibrationDocument:
     """Return the calibration under today's key of its camera, and with what today is kept of its label."""
-    key = current(document.camera_key, document.camera, document.platform)
+    key = current_key(document.camera_key, document.camera, document.platform)
     if key == document.camera_key:
         return document
     label, platform = public_label(document.camera), public_platform(document.platform)
@@ -91,7 +91,7 @@ def today(document: CalibrationDocument) -> CalibrationDocument:
 
 def _named(document: CalibrationDocument) -> _Named:
     identity = identify(document.camera, document.platform)
-    key = current(document.camera_key, document.camera, document.platform)
+    key = current_key(document.camera_key, document.camera, document.platform)
     made_under = _OWN_ID.sub("", document.id)
     others = {document.camera_key, made_under, *(identity.name_keys if identity.usb_id else ())}
     return _Named(key, frozenset(k for k in others if k != key and PATTERN.fullmatch(k)), identity)

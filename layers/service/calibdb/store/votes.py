@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from calibdb.camera_key import current
+from calibdb.camera_key import current_key
 from calibdb.schema import VoteDocument
 from calibdb.store.keys import StreamMode, vote_object
 from calibdb.store.objects import Objects
@@ -88,7 +88,7 @@ def _cast(item: Item) -> Cast:
 
 
 def _item(document: VoteDocument) -> Item:
-    key = current(document.camera_key, document.camera, document.platform)
+    key = current_key(document.camera_key, document.camera, document.platform)
     mode = StreamMode(key, document.img_size, document.zoom)
     return {
         "pk": mode.pk,
