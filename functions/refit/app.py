@@ -103,7 +103,7 @@ def attempt(service: Service, mode: StreamMode, models: Sequence[str]) -> Answer
         if not all(map(store.consensuses.drop, gone)):
             return None
         if gone:
-            well_known_ids.bring_up_to_date(store, mode.camera_key, thresholds)
+            well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
         return dict.fromkeys(models)
     cast = store.votes.newest(mode, apart=thresholds.contributor_period > 0)
     pooled = digest(METHOD, [c.id for c in counted], rule_of(thresholds), thresholds, __version__)
@@ -132,7 +132,7 @@ def attempt(service: Service, mode: StreamMode, models: Sequence[str]) -> Answer
         answer[model] = document
     # Overtaken, too: who was quicker may have looked before the first of these was written.
     if any(known is not stored.get(model) for model, known in answer.items()):
-        well_known_ids.bring_up_to_date(store, mode.camera_key, thresholds)
+        well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
     return None if overtaken else answer
 
 

@@ -130,7 +130,7 @@ def refit(context: OpsContext, wanted: StreamMode) -> int | None:
         context.echo(f"{wanted.camera_key} {wanted.text}: {error.detail}")
         return None
     # A computation with nothing new leaves this as it is, and here it may have been lost.
-    well_known_ids.bring_up_to_date(context.store, wanted.camera_key, context.settings.thresholds)
+    well_known_ids.refresh_well_known(context.store, wanted.camera_key, context.settings.thresholds)
     return sum(1 for found in answer.models.values() if found is not None)
 
 

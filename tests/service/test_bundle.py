@@ -90,7 +90,7 @@ def fill(stack: LocalStack) -> None:
                 store,
                 consensus(fit((640, 480), f / 1.5, None, lens), **whose, reason="too_few", calibrations=3),
             )
-        well_known_ids.bring_up_to_date(store, key, Thresholds(min_contributors=1, contributor_period=0))
+        well_known_ids.refresh_well_known(store, key, Thresholds(min_contributors=1, contributor_period=0))
 
 
 def requests() -> list[Asked]:

@@ -143,11 +143,11 @@ def test_a_second_id_under_a_name_ends_what_the_name_alone_says(
     known, other = f"{label} (1111:0003)", f"{label} (1111:0004)"
     store.calibrations.publish(calibration(known))
     put(store, consensus(camera=known))
-    well_known_ids.bring_up_to_date(store, camera_key(known, LINUX), rules)
+    well_known_ids.refresh_well_known(store, camera_key(known, LINUX), rules)
     assert ask(stack, label).status == 200
     for number, status in ((1, 200), (2, 200), (3, 307)):
         store.calibrations.publish(calibration(other, number=number))
-        well_known_ids.bring_up_to_date(store, camera_key(other, LINUX), rules)
+        well_known_ids.refresh_well_known(store, camera_key(other, LINUX), rules)
         with storage_calls(stack) as asked:
             answer = ask(stack, label)
         assert (answer.status, len(asked)) == (status, 2 if status == 200 else 1)
@@ -156,7 +156,7 @@ def test_a_second_id_under_a_name_ends_what_the_name_alone_says(
     # and back, when one of the three is withdrawn
     document = calibration(other, number=3)
     store.calibrations.withdraw(document, "a test", 0)
-    well_known_ids.bring_up_to_date(store, camera_key(other, LINUX), rules)
+    well_known_ids.refresh_well_known(store, camera_key(other, LINUX), rules)
     assert ask(stack, label).status == 200
 
 
@@ -170,11 +170,11 @@ def test_an_invented_id_does_not_keep_another_from_its_name(
     put(store, consensus(camera=label))
     invented = f"{label} (dead:beef)"
     store.calibrations.publish(calibration(invented, number=1))
-    well_known_ids.bring_up_to_date(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
+    well_known_ids.refresh_well_known(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
     assert ask(stack, f"{label} (1111:0004)").status == 200
     assert ask(stack, label).status == 200
     put(store, consensus(camera=invented))
-    well_known_ids.bring_up_to_date(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
+    well_known_ids.refresh_well_known(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
     assert ask(stack, f"{label} (1111:0004)").status == 307
 
 

@@ -42,8 +42,8 @@ def test_who_has_seen_less_and_writes_last_looks_again(
     if not reliable:
         put(store, stored)
     else:
-        well_known_ids.bring_up_to_date(store, key, RULES)
-    stand = stand_of(store)
+        well_known_ids.refresh_well_known(store, key, RULES)
+    set_well_known = setter_of(store)
     overtaken: list[bool] = []
 
     def slow(camera: str, names: Iterable[str], *, well_known: bool) -> bool:
@@ -53,11 +53,11 @@ def test_who_has_seen_less_and_writes_last_looks_again(
                 put(store, stored)
             else:
                 assert store.consensuses.drop(stored)
-            well_known_ids.bring_up_to_date(store, key, RULES)
-        return stand(camera, names, well_known=well_known)
+            well_known_ids.refresh_well_known(store, key, RULES)
+        return set_well_known(camera, names, well_known=well_known)
 
-    monkeypatch.setattr(store.cameras, "stand", slow)
-    well_known_ids.bring_up_to_date(store, key, RULES)
+    monkeypatch.setattr(store.cameras, "set_well_known", slow)
+    well_known_ids.refresh_well_known(store, key, RULES)
     assert overtaken == [not reliable], "it had seen what was there before"
     assert well_known(store, label) is reliable
 
@@ -69,9 +69,9 @@ def test_an_id_is_well_known_by_a_reliable_size_before_the_one_that_is_counted(s
     store.calibrations.publish(calibration(label, of=small, resize_mode="crop-and-scale"))
     store.calibrations.publish(calibration(label, number=1))
     put(store, consensus(small, camera=label), consensus(camera=label, reason="too_few"))
-    well_known_ids.bring_up_to_date(store, camera_key(label, LINUX), RULES)
+    well_known_ids.refresh_well_known(store, camera_key(label, LINUX), RULES)
     assert well_known(store, label)
 
 
-def stand_of(store: Store) -> Any:
-    return type(store.cameras).stand.__get__(store.cameras)
+def setter_of(store: Store) -> Any:
+    return type(store.cameras).set_well_known.__get__(store.cameras)

@@ -1,7 +1,8 @@
-"""Which USB ids are known well enough to say what a name means.
+"""Well-known USB ids: those that are calibrated well enough to say which camera a name means.
 
-Anybody can invent an id. So one counts under its name, beside others, only once the database vouches for it,
-or as many contributors as it takes for that calibrated it. Brought up to date with every consensus.
+Anybody can invent a USB id. So an id counts under its name, beside others, only once the database has a
+reliable consensus for it, or once as many contributors calibrated it as such a consensus needs. Every new
+consensus refreshes this.
 """
 
 from __future__ import annotations
@@ -10,22 +11,22 @@ from calibdb.camera_key import identify
 from calibdb.settings import Thresholds
 from calibdb.store import Store
 
-ROUNDS = 5  # others that are overtaken, one after the other
+_MAX_ROUNDS = 5  # others that are overtaken, one after the other
 
 
-def bring_up_to_date(store: Store, camera_key: str, thresholds: Thresholds) -> None:
-    """Let the camera stand for its name, or not any more, by what is known of it at every size and zoom.
+def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) -> None:
+    """Mark the camera as well known under its name, or not, by its calibrations at every size and zoom.
 
     Computations of two sizes may do this at once, and the one that has seen less may write last. So whoever
     has written looks again: what is there by then was seen by the last of them.
     """
-    for _ in range(ROUNDS):
-        if not _once(store, camera_key, thresholds):
+    for _ in range(_MAX_ROUNDS):
+        if not _refresh_once(store, camera_key, thresholds):
             return
 
 
-def _once(store: Store, camera_key: str, thresholds: Thresholds) -> bool:
-    """Write down how the camera stands; False where that was written already, or nothing counts any more."""
+def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool:
+    """Write the mark; False where it was written already, or no calibration counts any more."""
     modes = store.calibrations.modes(camera_key)
     if not modes:
         return False  # its names are gone
@@ -44,4 +45,4 @@ def _once(store: Store, camera_key: str, thresholds: Thresholds) -> bool:
     if not (identity.usb_id and identity.distinct):
         return False
     well_known = reliable or len(sources) >= thresholds.min_contributors
-    return store.cameras.stand(camera_key, identity.name_keys, well_known=well_known)
+    return store.cameras.set_well_known(camera_key, identity.name_keys, well_known=well_known)

@@ -64,7 +64,7 @@ class Cameras:
             tuple(key for key, well_known in others.items() if well_known),
         )
 
-    def stand(self, camera_key: str, names: Iterable[str], *, well_known: bool) -> bool:
+    def set_well_known(self, camera_key: str, names: Iterable[str], *, well_known: bool) -> bool:
         """Write down under the keys `names` whether the camera counts beside others of the name.
 
         False where it was written there already.
