@@ -111,7 +111,7 @@ def consensus(call: application.Call, request: CheckRequest) -> tuple[StreamMode
     size, zoom, model = request.img_size, request.zoom, request.distortion_model
     private = call.service.settings.thresholds.min_contributors == 1
     identity = identify(request.camera, request.platform)
-    if camera_lookup.hopeless(identity, private=private, resize_mode=request.resize_mode) is None:
+    if camera_lookup.unanswerable_reason(identity, private=private, resize_mode=request.resize_mode) is None:
         read = call.service.store.cameras.known
         resolved = camera_lookup.resolve(read, identity, size, zoom, model, private=private)
         mode = StreamMode(resolved.key, size, zoom)

@@ -63,7 +63,7 @@ def _find(call: application.Call, request: LookupRequest) -> LookupAnswer | Miss
     url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
     private = call.service.settings.thresholds.min_contributors == 1
     identity = identify(request.camera, request.platform)
-    why = camera_lookup.hopeless(identity, private=private, resize_mode=request.resize_mode)
+    why = camera_lookup.unanswerable_reason(identity, private=private, resize_mode=request.resize_mode)
     if why is not None:
         return Miss(guidance_url=url, reason="unknown_camera", detail=why)
     store, size, zoom, model = call.service.store, request.img_size, request.zoom, request.distortion_model

@@ -18,7 +18,7 @@ from typing import Any
 from calibdb.camera_key import current_key, identify, public_label
 from calibdb.camera_key.system import system_of
 from calibdb.lookup.answer import answer
-from calibdb.lookup.camera_lookup import hopeless, resolve
+from calibdb.lookup.camera_lookup import resolve, unanswerable_reason
 from calibdb.lookup.selection import choose
 from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.fields import ImgSize
@@ -120,7 +120,7 @@ def _meanings(
 
     def found(label: str, platform: str, c: ConsensusDocument) -> str | None:
         identity = identify(label, platform)
-        if hopeless(identity, private=private, resize_mode=None):
+        if unanswerable_reason(identity, private=private, resize_mode=None):
             return None
         resolved = resolve(read, identity, c.img_size, c.zoom, c.distortion_model, private=private)
         return resolved.key if resolved.choice.found else None

@@ -118,7 +118,9 @@ def test_a_name_that_many_products_bear_leads_nowhere_but_at_home() -> None:
 def test_cameras_that_the_database_cannot_know(
     label: str, private: bool, resize_mode: str | None, why: str | None
 ) -> None:
-    found = camera_lookup.hopeless(identify(label, LINUX), private=private, resize_mode=resize_mode)
+    found = camera_lookup.unanswerable_reason(
+        identify(label, LINUX), private=private, resize_mode=resize_mode
+    )
     assert found == why
 
 

@@ -1,4 +1,4 @@
-"""Under which key a camera is found: by USB id and name; by the name alone where it says which product it is.
+"""Lookup of a camera's key: by USB id and name; by the name alone where it says which product it is.
 
 Never a guess: a name that many products bear answers nobody, and one that two USB ids bear neither. Since
 anybody can invent an id, only those that are well known (`calibdb.lookup.well_known_ids`) rival each other.
@@ -27,7 +27,7 @@ RESIZED = "The browser crops this stream; ask for it with resizeMode: none."
 
 
 @dataclass(frozen=True)
-class Resolved:
+class CameraMatch:
     """The key under which something was found or is missing, all that is known there, and what answers."""
 
     key: str
@@ -36,12 +36,12 @@ class Resolved:
     several: bool = False  # the name is that of more than one camera
 
     @property
-    def helps(self) -> bool:
-        """Tell whether there is an answer, or will be once it is computed."""
+    def has_answer(self) -> bool:
+        """True if there is an answer, or will be once it is computed."""
         return self.choice.found is not None or self.choice.missing_at is not None
 
 
-def hopeless(identity: Identity, *, private: bool, resize_mode: str | None) -> str | None:
+def unanswerable_reason(identity: Identity, *, private: bool, resize_mode: str | None) -> str | None:
     """Return why nothing can be said of such a camera; None where the database may know it.
 
     `private`: the database of one person, who has few cameras, and knows which is meant.
@@ -61,24 +61,24 @@ def resolve(
     model: str,
     *,
     private: bool,
-) -> Resolved:
+) -> CameraMatch:
     """Return what is known of a camera.
 
     `read` is asked once where the camera is known under its own key, and no well known one beside it; never
     more than twice.
     """
 
-    def at(key: str, known: Known) -> Resolved:
-        return Resolved(key, known.consensuses, choose(known.consensuses, img_size, zoom, model))
+    def at(key: str, known: Known) -> CameraMatch:
+        return CameraMatch(key, known.consensuses, choose(known.consensuses, img_size, zoom, model))
 
     known = read(identity.key)
     own = at(identity.key, known)
     alone = identity.usb_id is None and identity.distinct and not private
-    if own.helps and alone and len(known.well_known) == 1:
+    if own.has_answer and alone and len(known.well_known) == 1:
         # Few could say anything under the name alone of what many know under the id that it means.
         other = at(known.well_known[0], read(known.well_known[0]))
         return other if _outnumbers(other.choice.found, own.choice.found) else own
-    if own.helps or not (identity.distinct or private):
+    if own.has_answer or not (identity.distinct or private):
         return own
     if identity.usb_id is None:
         # Calibrations that disagree under the name alone say that it is a name of several cameras.
@@ -95,7 +95,7 @@ def resolve(
         if any(key != identity.key for key in (named.same_as if private else named.well_known)):
             return own
         other = at(identity.name_key, named)
-    return other if other.helps or own.choice.reason == "unknown_camera" else own
+    return other if other.has_answer or own.choice.reason == "unknown_camera" else own
 
 
 def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) -> bool:
