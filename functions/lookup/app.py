@@ -14,7 +14,7 @@ from calibdb.camera_key import identify
 from calibdb.errors import NotFoundError
 from calibdb.http import application, metrics
 from calibdb.lookup import camera_lookup
-from calibdb.lookup.answer import answer, between, neighbours
+from calibdb.lookup.answer import bracketing_zooms, build_answer, interpolate_zoom
 from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
 from calibdb.store.keys import size_text, zoom_text
 
@@ -76,10 +76,10 @@ def _find(call: application.Call, request: LookupRequest) -> LookupAnswer | Miss
         found = store.refit.now(refit).models.get(model)
         reason = found.reason if found and found.reason else reason
     if found is not None and found.reliable and found.calibration is not None:
-        return answer(found.calibration, resolved.known, size)
-    around = neighbours(resolved.known, size, zoom, model)
+        return build_answer(found.calibration, resolved.known, size)
+    around = bracketing_zooms(resolved.known, size, zoom, model)
     if around is not None:
-        return between(*around, zoom)
+        return interpolate_zoom(*around, zoom)
     detail = camera_lookup.SEVERAL if resolved.several else _DETAILS[reason]
     return Miss(guidance_url=url, reason=reason, detail=detail)
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from calibdb.camera_key import current_key, identify, public_label
 from calibdb.camera_key.system import system_of
-from calibdb.lookup.answer import answer
+from calibdb.lookup.answer import build_answer
 from calibdb.lookup.camera_lookup import resolve, unanswerable_reason
 from calibdb.lookup.selection import choose
 from calibdb.schema import Calibration, ConsensusDocument
@@ -142,12 +142,12 @@ def _rows(known: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
     for c in known:
         if not c.reliable or c.calibration is None:
             continue
-        exact = answer(c.calibration, known, c.img_size)
+        exact = build_answer(c.calibration, known, c.img_size)
         at = {}
         for size in sorted({*USUAL, *(other.img_size for other in known)}):
             if choose(known, size, c.zoom, c.distortion_model).found is not c or size == c.img_size:
                 continue
-            told = answer(c.calibration, known, size)
+            told = build_answer(c.calibration, known, size)
             carried = _intrinsics(told.adapted.camera_matrix) if told.adapted else []
             if carried or told.relation != exact.relation:
                 at[f"{size[0]}x{size[1]}"] = [told.relation, *carried]

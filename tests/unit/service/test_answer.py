@@ -2,7 +2,7 @@
 
 import pytest
 
-from calibdb.lookup.answer import answer, between, neighbours
+from calibdb.lookup.answer import bracketing_zooms, build_answer, interpolate_zoom
 from calibdb.schema import Calibration, ConsensusDocument, LookupAnswer
 from tests.helpers.service.known import consensus, fit
 
@@ -18,7 +18,7 @@ def at(size: Size, s: float | None = None, **options: object) -> ConsensusDocume
 def asked(known: list[ConsensusDocument], size: Size, answered: int = 0) -> LookupAnswer:
     found = known[answered].calibration
     assert found is not None
-    return answer(found, known, size)
+    return build_answer(found, known, size)
 
 
 def test_between_two_sizes_that_show_the_same_it_shows_the_same() -> None:
@@ -96,9 +96,11 @@ def zoomed(*focal: tuple[float, float]) -> list[ConsensusDocument]:
 
 
 def test_between_two_zooms_the_lens_is_between_them_and_it_says_so() -> None:
-    pair = neighbours(zoomed((1.0, 900.0), (2.0, 1700.0), (3.0, 2500.0)), (1280, 720), 1.25, "rectilinear")
+    pair = bracketing_zooms(
+        zoomed((1.0, 900.0), (2.0, 1700.0), (3.0, 2500.0)), (1280, 720), 1.25, "rectilinear"
+    )
     assert pair is not None
-    found = between(*pair, 1.25)
+    found = interpolate_zoom(*pair, 1.25)
     assert found.camera_matrix[0][0] == pytest.approx(1100.0)
     assert (found.zoom, found.id, found.reliable) == (1.25, None, True)
     assert found.adapted is not None
@@ -120,7 +122,7 @@ def test_between_two_zooms_the_lens_is_between_them_and_it_says_so() -> None:
     ],
 )
 def test_zooms_that_say_nothing_between_them(known: tuple[tuple[float, float], ...], zoom: float) -> None:
-    assert neighbours(zoomed(*known), (1280, 720), zoom, "rectilinear") is None
+    assert bracketing_zooms(zoomed(*known), (1280, 720), zoom, "rectilinear") is None
 
 
 def omnidirectional(zoom: float, f: float, xi: float) -> ConsensusDocument:
@@ -141,7 +143,7 @@ def test_zoom_interpolation_is_gated_by_focal_lengths_at_the_axis(
     known: tuple[tuple[float, float], ...], interpolated: bool
 ) -> None:
     documents = [omnidirectional(float(n), f, xi) for n, (f, xi) in enumerate(known, 1)]
-    assert (neighbours(documents, (1280, 720), 1.5, "omnidirectional") is not None) is interpolated
+    assert (bracketing_zooms(documents, (1280, 720), 1.5, "omnidirectional") is not None) is interpolated
 
 
 def test_a_model_without_formulas_is_not_interpolated() -> None:
@@ -151,21 +153,21 @@ def test_a_model_without_formulas_is_not_interpolated() -> None:
         model = {"distortion_model": "double_sphere"}
         of = document.calibration.model_copy(update=model)
         documents.append(document.model_copy(update={**model, "calibration": of}))
-    assert neighbours(documents, (1280, 720), 1.5, "double_sphere") is None
+    assert bracketing_zooms(documents, (1280, 720), 1.5, "double_sphere") is None
 
 
 def test_only_what_is_reliable_is_interpolated() -> None:
     known = [consensus(fit(f=900.0), zoom=1.0), consensus(fit(f=1500.0), zoom=2.0, reason="too_few")]
-    assert neighbours(known, (1280, 720), 1.5, "rectilinear") is None
+    assert bracketing_zooms(known, (1280, 720), 1.5, "rectilinear") is None
 
 
 def test_where_calibrations_disagree_it_is_not_what_lies_between() -> None:
     known = zoomed((1.0, 900.0), (2.0, 1500.0))
     too_few = consensus(fit(f=1200.0), zoom=1.5, reason="too_few", calibrations=1)
-    assert neighbours([*known, too_few], (1280, 720), 1.5, "rectilinear") is not None
+    assert bracketing_zooms([*known, too_few], (1280, 720), 1.5, "rectilinear") is not None
     at_odds = consensus(fit(f=1000.0), zoom=1.5, reason="disagree")
-    assert neighbours([*known, at_odds], (1280, 720), 1.5, "rectilinear") is None
-    assert neighbours([*known, at_odds], (1280, 720), 1.6, "rectilinear") is not None
+    assert bracketing_zooms([*known, at_odds], (1280, 720), 1.5, "rectilinear") is None
+    assert bracketing_zooms([*known, at_odds], (1280, 720), 1.6, "rectilinear") is not None
 
 
 def test_the_answer_is_the_calibration_and_more() -> None:

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from calibdb.lookup.relation import carried, relate, scaled
+from calibdb.lookup.relation import relate, scaling_window, transfer_intrinsics
 from calibdb.schema import Calibration, FitRecord
 from calibsolver import View
 from calibsolver import fit as solve
@@ -51,7 +51,7 @@ def test_a_relation_is_told_and_carries_the_parameters(size: Size, s: float, rel
     found, window = relate(FULL, other)
     assert found == relation
     assert window is not None
-    matrix, distortion = carried(FULL, window)
+    matrix, distortion = transfer_intrinsics(FULL, window)
     exact = np.array(made(size, s, FULL).camera_matrix)
     assert np.abs(np.array(matrix) - exact).max() < 0.002 * exact[0, 0]
     assert distortion == FULL.distortion_coefficients
@@ -66,7 +66,7 @@ def test_half_a_pixel_is_kept(model: str) -> None:
     of = camera(
         fit((1280, 720), 900.0, (639.5, 359.5), (0.0,) * 4 if model == "fisheye" else (0.0,) * 5, model)
     )
-    (_, _, x), (_, _, y), _ = carried(of, scaled(of, (640, 360)))[0]
+    (_, _, x), (_, _, y), _ = transfer_intrinsics(of, scaling_window(of, (640, 360)))[0]
     assert (x, y) == (319.5, 179.5)
 
 

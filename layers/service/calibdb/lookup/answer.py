@@ -1,4 +1,4 @@
-"""What a lookup answers: the stored calibration, and what of it can be said of the size or zoom asked for."""
+"""Answers to lookups: a stored calibration, and its transfer to the size or zoom that was asked for."""
 
 from __future__ import annotations
 
@@ -6,17 +6,19 @@ import itertools
 from collections.abc import Sequence
 
 from calibdb.lookup.projection import axis_focal, is_projectable
-from calibdb.lookup.relation import carried, relate, same_aspect, scaled
-from calibdb.lookup.selection import closeness
+from calibdb.lookup.relation import Window, relate, scaling_window, transfer_intrinsics
+from calibdb.lookup.selection import closeness, same_aspect
 from calibdb.schema import Adapted, Calibration, ConsensusDocument, LookupAnswer, Uncertainty
 from calibdb.schema.calibration import Relation
 
-_EVIDENCE = 2  # calibrations at a size that is not reliable yet, so that they may verify a relation
-_FAR = 2.0  # ratio of focal lengths between which a lens is not interpolated
+_MIN_EVIDENCE = 2  # calibrations at a size that is not reliable yet, so that they may verify a relation
+_MAX_FOCAL_RATIO = 2.0  # of the focal lengths at two zooms, up to which a lens is interpolated between them
 
 
-def answer(found: Calibration, known: Sequence[ConsensusDocument], img_size: tuple[int, int]) -> LookupAnswer:
-    """Return `found` with its relation to the size asked for, and what it becomes there if that is verified.
+def build_answer(
+    found: Calibration, known: Sequence[ConsensusDocument], img_size: tuple[int, int]
+) -> LookupAnswer:
+    """Answer with `found`, its relation to the size asked for, and its intrinsics there if that is verified.
 
     `known`: all consensuses of the camera.
     """
@@ -25,13 +27,13 @@ def answer(found: Calibration, known: Sequence[ConsensusDocument], img_size: tup
         for c in known
         if (c.zoom, c.distortion_model) == (found.zoom, found.distortion_model) and c.calibration
     }
-    relation, adapted = _adapted(found, at, img_size)
+    relation, adapted = _relate_and_adapt(found, at, img_size)
     exact = found.img_size == img_size
     return LookupAnswer(**{**dict(found), "exact_size": exact}, relation=relation, adapted=adapted)
 
 
-def between(lower: Calibration, upper: Calibration, zoom: float) -> LookupAnswer:
-    """Return what lies at `zoom` between two calibrations of one size, as sure as the less sure of them."""
+def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> LookupAnswer:
+    """Interpolate two calibrations of one size linearly to `zoom`, as certain as the less certain of them."""
     t = (zoom - lower.zoom) / (upper.zoom - lower.zoom)
 
     def mix(one: float, other: float) -> float:
@@ -54,8 +56,8 @@ def between(lower: Calibration, upper: Calibration, zoom: float) -> LookupAnswer
             rms=max(lower.uncertainty.rms, upper.uncertainty.rms),
             max=max(lower.uncertainty.max, upper.uncertainty.max),
         ),
-        "spread": _worse(lower.spread, upper.spread),
-        "held_out_error": _worse(lower.held_out_error, upper.held_out_error),
+        "spread": _max_or_none(lower.spread, upper.spread),
+        "held_out_error": _max_or_none(lower.held_out_error, upper.held_out_error),
     }
     adapted = Adapted(
         img_size=lower.img_size,
@@ -67,10 +69,10 @@ def between(lower: Calibration, upper: Calibration, zoom: float) -> LookupAnswer
     return LookupAnswer(**{**dict(lower), **changed}, relation=None, adapted=adapted)
 
 
-def neighbours(
+def bracketing_zooms(
     known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> tuple[Calibration, Calibration] | None:
-    """Return the calibrations at the zooms around `zoom`; None where nothing can be said between them.
+    """Find the reliable calibrations at the next zooms below and above; None where they do not interpolate.
 
     Between two zooms a lens is taken to change evenly only if it does so over all calibrated ones: the
     focal lengths grow with the zoom, and do not double from one to the next. Calibrations that disagree at
@@ -93,28 +95,28 @@ def neighbours(
     )
     steps = list(itertools.pairwise(here))
     around = [pair for pair in steps if pair[0].zoom < zoom < pair[1].zoom]
-    if not around or not all(ratio > 1 for pair in steps for ratio in _ratios(*pair)):
+    if not around or not all(ratio > 1 for pair in steps for ratio in _focal_ratios(*pair)):
         return None
-    return around[0] if max(_ratios(*around[0])) <= _FAR else None
+    return around[0] if max(_focal_ratios(*around[0])) <= _MAX_FOCAL_RATIO else None
 
 
-def _ratios(one: Calibration, other: Calibration) -> tuple[float, float]:
+def _focal_ratios(one: Calibration, other: Calibration) -> tuple[float, float]:
     """Return by how much the focal lengths at the axis grow from `one` to `other`, along x and y."""
     fx, fy = axis_focal(one)
     other_fx, other_fy = axis_focal(other)
     return other_fx / fx, other_fy / fy
 
 
-def _adapted(
+def _relate_and_adapt(
     found: Calibration, at: dict[tuple[int, int], ConsensusDocument], asked: tuple[int, int]
 ) -> tuple[Relation | None, Adapted | None]:
     here = at.get(asked)
     if here is not None and found.img_size != asked:
         # Too few to be relied on, but enough to say which of the pictures it can be this one is.
-        if here.reason == "disagree" or not here.calibration or here.calibration.calibrations < _EVIDENCE:
+        if here.reason == "disagree" or not here.calibration or here.calibration.calibrations < _MIN_EVIDENCE:
             return None, None
         relation, window = relate(found, here.calibration)
-        return relation, _carried(found, *carried(found, window), asked) if window else None
+        return relation, _adapted_to(found, window, asked) if window else None
     others = [
         c.calibration for size, c in at.items() if c.reliable and c.calibration and size != found.img_size
     ]
@@ -129,21 +131,18 @@ def _adapted(
         lower = [c for c in alike if c.img_size[0] < asked[0]]
         upper = [c for c in alike if c.img_size[0] > asked[0]]
         if lower and upper and found in alike and relate(lower[-1], upper[0])[0] == "scale":
-            return "scale", _carried(found, *carried(found, scaled(found, asked)), asked)
+            window = scaling_window(found, asked)
+            return "scale", _adapted_to(found, window, asked)
     closest = min(others, key=lambda c: closeness(c.img_size, found.img_size))
     return relate(found, closest)[0], None
 
 
-def _carried(
-    found: Calibration,
-    matrix: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]],
-    distortion: tuple[float, ...],
-    img_size: tuple[int, int],
-) -> Adapted:
+def _adapted_to(found: Calibration, window: Window, img_size: tuple[int, int]) -> Adapted:
+    matrix, distortion = transfer_intrinsics(found, window)
     return Adapted(
         img_size=img_size, zoom=found.zoom, camera_matrix=matrix, distortion_coefficients=distortion
     )
 
 
-def _worse(one: float | None, other: float | None) -> float | None:
+def _max_or_none(one: float | None, other: float | None) -> float | None:
     return None if one is None or other is None else max(one, other)

@@ -1,4 +1,4 @@
-"""How a camera's picture at one size relates to that at another, told from its calibrations at both.
+"""Relation of a camera's pictures at two sizes (scale, crop, or both), verified by its calibrations at both.
 
 A camera makes its smaller pictures by scaling the larger, by cutting out of it, or by both; which it does is
 nobody's to guess: of one camera 960x720 shows the same as 640x480, and 1920x1080 two thirds of it. So a
@@ -12,18 +12,22 @@ import math
 from dataclasses import dataclass
 
 from calibdb.lookup.projection import distorted, is_projectable, rays_in_view
+from calibdb.lookup.selection import same_aspect
 from calibdb.schema import Calibration
 from calibdb.schema.calibration import Relation
 
-SAME_ASPECT = 0.01  # log of the ratio: 854x480 and 1280x720 differ by 0.07 %, 4:3 and 5:4 by 6.5 %
 # Of the width, rms over the image: a hundredth of the focal length at a webcam's field of view. Calibrations
 # of one camera that agree differ by a third of that.
-_SAME_PICTURE = 0.003
-_SURE = 0.0015  # of the width: calibrations less certain than this neither verify nor refute anything
-_SAME_CENTER = 0.02  # of the width: principal points of good calibrations vary by a hundredth
-_NESTED = 0.02  # of a side by which what is cut out may stick out
-_OTHER_SCALE = 0.03  # log by which "scale+crop" must differ from the plain ones, or it is a bad fit of these
-_FEWEST = 40  # rays that both must see
+_MAX_PICTURE_RMS = 0.003
+_MAX_UNCERTAINTY = (
+    0.0015  # of the width: calibrations less certain than this neither verify nor refute anything
+)
+_MAX_CENTER_SHIFT = 0.02  # of the width: principal points of good calibrations vary by a hundredth
+_MAX_OVERHANG = 0.02  # of a side by which what is cut out may stick out
+_MIN_SCALE_LOG = (
+    0.03  # log by which "scale+crop" must differ from the plain ones, or it is a bad fit of these
+)
+_MIN_COMMON_RAYS = 40  # rays that both must see
 
 Row = tuple[float, float, float]
 Matrix = tuple[Row, Row, Row]
@@ -38,11 +42,6 @@ class Window:
     size: tuple[int, int]
 
 
-def same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Tell whether two sizes have one aspect."""
-    return abs(math.log(one[0] * other[1] / (one[1] * other[0]))) < SAME_ASPECT
-
-
 @functools.lru_cache(maxsize=256)
 def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Window | None]:
     """Return the relation of two sizes of one camera, and how `other`'s picture is made from `one`'s.
@@ -54,28 +53,28 @@ def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Windo
     (w, h), (ow, oh) = one.img_size, other.img_size
     if not (is_projectable(one) and is_projectable(other)):
         return None, None
-    if any(c.uncertainty.rms > _SURE * c.img_size[0] for c in (one, other)):
+    if any(c.uncertainty.rms > _MAX_UNCERTAINTY * c.img_size[0] for c in (one, other)):
         return None, None
-    fitted = _fitted(one, other)
+    fitted = _fit_scale(one, other)
     if fitted is None:
         return "neither", None
     candidates: list[tuple[Relation, float, float]] = []
     if same_aspect(one.img_size, other.img_size):
         candidates.append(("scale", ow / w, oh / h))
     candidates.append(("crop", 1.0, 1.0))
-    if all(abs(math.log(fitted / sx)) > _OTHER_SCALE for _, sx, _ in candidates):
+    if all(abs(math.log(fitted / sx)) > _MIN_SCALE_LOG for _, sx, _ in candidates):
         candidates.append(("scale+crop", fitted, fitted))
     for relation, sx, sy in candidates:
-        inside = sx * w >= ow * (1 - _NESTED) and sy * h >= oh * (1 - _NESTED)
-        around = sx * w <= ow * (1 + _NESTED) and sy * h <= oh * (1 + _NESTED)
+        inside = sx * w >= ow * (1 - _MAX_OVERHANG) and sy * h >= oh * (1 - _MAX_OVERHANG)
+        around = sx * w <= ow * (1 + _MAX_OVERHANG) and sy * h <= oh * (1 + _MAX_OVERHANG)
         window = Window(sx, sy, other.img_size)
-        if (inside or around) and _verified(one, other, window):
+        if (inside or around) and _is_verified(one, other, window):
             return relation, window if inside else None
     return "neither", None
 
 
-def carried(one: Calibration, window: Window) -> tuple[Matrix, tuple[float, ...]]:
-    """Return camera matrix and distortion of the picture that `window` makes from `one`'s.
+def transfer_intrinsics(one: Calibration, window: Window) -> tuple[Matrix, tuple[float, ...]]:
+    """Transfer camera matrix and distortion to the picture that `window` makes from `one`'s.
 
     Pixel centres are whole numbers, so a picture begins half a pixel before its first:
     c' = (c + ½) s − ½ − o.
@@ -88,31 +87,31 @@ def carried(one: Calibration, window: Window) -> tuple[Matrix, tuple[float, ...]
     return matrix, one.distortion_coefficients
 
 
-def scaled(one: Calibration, size: tuple[int, int]) -> Window:
+def scaling_window(one: Calibration, size: tuple[int, int]) -> Window:
     """Return the window of a picture that is the same, at another size."""
     return Window(size[0] / one.img_size[0], size[1] / one.img_size[1], size)
 
 
-def _fitted(one: Calibration, other: Calibration) -> float | None:
-    """Return the scale that takes `one`'s picture closest to `other`'s, about their principal points."""
+def _fit_scale(one: Calibration, other: Calibration) -> float | None:
+    """Fit the scale that takes `one`'s picture closest to `other`'s, about their principal points."""
     num = den = 0.0
     count = 0
-    for (ax, ay), (bx, by), weight in _both(one, other):
+    for (ax, ay), (bx, by), weight in _common_rays(one, other):
         num += weight * (ax * bx + ay * by)
         den += weight * (ax * ax + ay * ay)
         count += 1
-    return num / den if count >= _FEWEST and num > 0 else None
+    return num / den if count >= _MIN_COMMON_RAYS and num > 0 else None
 
 
-def _verified(one: Calibration, other: Calibration, window: Window) -> bool:
+def _is_verified(one: Calibration, other: Calibration, window: Window) -> bool:
     """Tell whether `one`'s picture through `window` is `other`'s, a turn of the camera aside."""
-    (_, _, cx), (_, _, cy), _ = carried(one, window)[0]
+    (_, _, cx), (_, _, cy), _ = transfer_intrinsics(one, window)[0]
     (_, _, ox), (_, _, oy), _ = other.camera_matrix
     width = other.img_size[0]
-    if math.hypot(cx - ox, cy - oy) > _SAME_CENTER * width:
+    if math.hypot(cx - ox, cy - oy) > _MAX_CENTER_SHIFT * width:
         return False
     total = sum_x = sum_y = square = 0.0
-    for (ax, ay), (bx, by), weight in _both(one, other):
+    for (ax, ay), (bx, by), weight in _common_rays(one, other):
         dx, dy = bx - window.sx * ax, by - window.sy * ay
         total += weight
         sum_x += weight * dx
@@ -120,10 +119,10 @@ def _verified(one: Calibration, other: Calibration, window: Window) -> bool:
         square += weight * (dx * dx + dy * dy)
     # A small turn moves the whole picture: what remains after the mean shift is what differs.
     rms = math.sqrt(max(square / total - (sum_x / total) ** 2 - (sum_y / total) ** 2, 0.0))
-    return rms < _SAME_PICTURE * width
+    return rms < _MAX_PICTURE_RMS * width
 
 
-def _both(
+def _common_rays(
     one: Calibration, other: Calibration
 ) -> list[tuple[tuple[float, float], tuple[float, float], float]]:
     """Return where rays that both see meet either picture, px from the principal points.

@@ -1,4 +1,4 @@
-"""Which of a camera's consensuses answers a lookup."""
+"""Selection of the consensus that answers a lookup, among all of a camera."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from calibdb.schema import ConsensusDocument
 from calibdb.schema.lookup import Reason
 
-# Aspects closer than this are one: 854x480 and 1280x720 differ by 0.07 %, 4:3 and 5:4 by 6.5 %.
-_SAME_ASPECT = 0.01
+# Log of the ratio of two aspects below which they are one: 854x480 and 1280x720 differ by 0.07 %, 4:3 and 5:4
+# by 6.5 %.
+_MAX_ASPECT_LOG = 0.01
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,7 @@ class Choice:
 
 
 def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str) -> Choice:
-    """Return what answers a lookup.
+    """Select what answers a lookup.
 
     Parameters
     ----------
@@ -58,6 +59,15 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
 
 def closeness(size: tuple[int, int], asked: tuple[int, int]) -> tuple[bool, float, float]:
     """Return what is smaller the closer a size is: the same first, then by aspect, then by area."""
-    aspect = abs(math.log(size[0] * asked[1] / (size[1] * asked[0])))
+    aspect = 0.0 if same_aspect(size, asked) else _aspect_log(size, asked)
     area = abs(math.log(size[0] * size[1] / (asked[0] * asked[1])))
-    return size != asked, 0.0 if aspect < _SAME_ASPECT else aspect, area
+    return size != asked, aspect, area
+
+
+def same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:
+    """Tell whether two sizes have one aspect."""
+    return _aspect_log(one, other) < _MAX_ASPECT_LOG
+
+
+def _aspect_log(one: tuple[int, int], other: tuple[int, int]) -> float:
+    return abs(math.log(one[0] * other[1] / (one[1] * other[0])))
