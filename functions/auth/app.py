@@ -12,15 +12,15 @@ def open_session(call: application.Call) -> Response:
     """Answer with a session id. Only that one more was opened is written: the id carries the rest."""
     token = call.api_token(charge="sessions")
     session_id, expires_at = call.service.session_ids.issue(call.service.ticket(token, call.origin))
-    return application.answer(SessionOpened(session_id=session_id, expires_at=expires_at), 201)
+    return application.json_response(SessionOpened(session_id=session_id, expires_at=expires_at), 201)
 
 
 def health(_: application.Call) -> Response:
     """Answer that the service is there."""
-    return application.answer(Health())
+    return application.json_response(Health())
 
 
 handler = application.handler(
-    application.resource("/v1/auth", POST=open_session),
-    application.resource("/healthz", GET=health),
+    application.route("/v1/auth", POST=open_session),
+    application.route("/healthz", GET=health),
 )

@@ -40,7 +40,7 @@ def search(call: application.Call) -> Response:
         if camera_search.listed(consensuses, least) and camera_search.matches(wanted[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
-    return application.answer(answer, headers=_CACHED)
+    return application.json_response(answer, headers=_CACHED)
 
 
 def show(call: application.Call) -> Response:
@@ -60,7 +60,7 @@ def show(call: application.Call) -> Response:
     shown = camera_search.best_known(known, _MOST_MODES)
     with ThreadPoolExecutor(_READERS) as readers:
         modes = tuple(readers.map(lambda found: _mode(call, StreamMode(key, *found[0]), found[1]), shown))
-    return application.answer(
+    return application.json_response(
         CameraDetail(key=key, camera=camera, platform=platform, modes=modes), headers=_CACHED
     )
 
@@ -83,6 +83,6 @@ def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocumen
 
 
 handler = application.handler(
-    application.resource("/v1/cameras", GET=search),
-    application.resource("/v1/cameras/{key}", GET=show),
+    application.route("/v1/cameras", GET=search),
+    application.route("/v1/cameras/{key}", GET=show),
 )

@@ -90,7 +90,7 @@ def check(call: application.Call) -> Response:
         current = one(call.service.store.consensuses.at(mode), request.distortion_model)
     if current is None or current.calibration is None:
         raise NotFoundError("The consensus was withdrawn meanwhile.", kind="no-calibration")
-    return application.answer(
+    return application.json_response(
         CheckAnswer(
             fits="does_not_fit" if says is False else "fits",
             error=error,
@@ -217,4 +217,4 @@ def seen(request: CheckRequest, examined: Examined) -> list[View]:
     return [board.view(view.ids, view.points) for view in examined.views]
 
 
-handler = application.handler(application.resource("/v1/checks", POST=check))
+handler = application.handler(application.route("/v1/checks", POST=check))

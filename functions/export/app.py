@@ -31,7 +31,7 @@ def show(call: application.Call) -> Response:
         if document is None:
             raise InvalidError.field("without", "a consensus has no views of its own")
         found = found.model_copy(update={"id": None})  # it is stored nowhere
-    return application.answer(found, headers=AS_IT_IS) if asked.plain else file(found, document, asked)
+    return application.json_response(found, headers=AS_IT_IS) if asked.plain else file(found, document, asked)
 
 
 def reported(document: CalibrationDocument) -> ReportedCalibration:
@@ -116,4 +116,4 @@ def file(found: ReportedCalibration, document: CalibrationDocument | None, asked
     return Response(written.content, 200, headers, written.media_type)
 
 
-handler = application.handler(application.resource("/v1/calibrations/{id}", GET=show))
+handler = application.handler(application.route("/v1/calibrations/{id}", GET=show))

@@ -47,7 +47,7 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
     now = call.service.clock()
     if isinstance(found, LookupAnswer):
         metrics.count(now, Lookups=1, Hits=1)
-        return application.answer(found, headers=_CACHED if call.request.method != "POST" else None)
+        return application.json_response(found, headers=_CACHED if call.request.method != "POST" else None)
     if not (request.redirect and call.flag("redirect", default=True)):
         metrics.count(now, Lookups=1, Misses=1)
         raise NotFoundError(
@@ -56,7 +56,7 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
             members={"guidance_url": found.guidance_url, "reason": found.reason},
         )
     metrics.count(now, Lookups=1, Misses=1, Redirects=1)
-    return application.answer(found, 307, {"Location": found.guidance_url})
+    return application.json_response(found, 307, {"Location": found.guidance_url})
 
 
 def _find(call: application.Call, request: LookupRequest) -> LookupAnswer | Miss:
@@ -94,4 +94,4 @@ def _key(request: LookupRequest) -> dict[str, str]:
     }
 
 
-handler = application.handler(application.resource("/v1/lookup", POST=ask, GET=visit))
+handler = application.handler(application.route("/v1/lookup", POST=ask, GET=visit))

@@ -40,7 +40,7 @@ def show(call: application.Call) -> Response:
     headers = {"Vary": "Accept, Authorization"}
     if media_type == "application/json":
         pose = Pose.model_validate({**(document.target or {}), "index": document.next_index})
-        return application.answer(pose, headers=headers)
+        return application.json_response(pose, headers=headers)
     return Response(draw(document, FORMATS[media_type]), headers=headers, media_type=media_type)
 
 
@@ -76,4 +76,4 @@ def solver_rules(document: SessionDocument) -> Capture:
     )
 
 
-handler = application.handler(application.resource("/v1/session/pose", GET=show))
+handler = application.handler(application.route("/v1/session/pose", GET=show))

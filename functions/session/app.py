@@ -30,7 +30,7 @@ def start(call: application.Call) -> Response:
         raise ConflictError("A session with other content runs under this session id.", kind="other-content")
     if made:
         metrics.count(now, Sessions=1)
-    return application.answer(state(document), 201)
+    return application.json_response(state(document), 201)
 
 
 def known(store: Store, request: SessionRequest) -> FitRecord | None:
@@ -43,14 +43,14 @@ def known(store: Store, request: SessionRequest) -> FitRecord | None:
 def show(call: application.Call) -> Response:
     """Answer with the session's state."""
     document = call.service.store.sessions.get(call.session(charge="poses").sid)
-    return application.answer(state(document))
+    return application.json_response(state(document))
 
 
 def forget(call: application.Call) -> Response:
     """Forget the session's views. What it published when it converged stays."""
     if not call.service.store.sessions.forget(call.session(charge="poses").sid, call.service.now):
         raise NotFoundError("No session was started under this session id.", kind="no-session")
-    return application.nothing()
+    return application.no_content()
 
 
-handler = application.handler(application.resource("/v1/session", POST=start, GET=show, DELETE=forget))
+handler = application.handler(application.route("/v1/session", POST=start, GET=show, DELETE=forget))

@@ -56,7 +56,7 @@ def submit(call: application.Call) -> Response:
     document, judged = service.store.sessions.update(ticket.sid, service.now, change)
     if document.finish is not None:
         publish(call, document)
-    return application.answer(view_answer(document, judged.reason, judged.hint))
+    return application.json_response(view_answer(document, judged.reason, judged.hint))
 
 
 def remove(call: application.Call) -> Response:
@@ -78,7 +78,7 @@ def remove(call: application.Call) -> Response:
         return changed, changed
 
     document = call.service.store.sessions.update(sid, call.service.now, change)
-    return application.answer(state(document))
+    return application.json_response(state(document))
 
 
 @dataclass(frozen=True)
@@ -194,6 +194,6 @@ def recorded(estimate: Estimate, now: int) -> EstimateDocument:
 
 
 handler = application.handler(
-    application.resource("/v1/session/views", POST=submit),
-    application.resource("/v1/session/views/{index}", DELETE=remove),
+    application.route("/v1/session/views", POST=submit),
+    application.route("/v1/session/views/{index}", DELETE=remove),
 )

@@ -30,10 +30,10 @@ def blob(_: application.Call) -> Response:
 
 
 HANDLER = application.handler(
-    application.resource("/pick", GET=pick),
-    application.resource("/conflict", POST=conflict, GET=pick),
-    application.resource("/crash", GET=crash),
-    application.resource("/blob", GET=blob),
+    application.route("/pick", GET=pick),
+    application.route("/conflict", POST=conflict, GET=pick),
+    application.route("/crash", GET=crash),
+    application.route("/blob", GET=blob),
 )
 
 

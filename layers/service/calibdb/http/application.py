@@ -1,4 +1,4 @@
-"""HTTP, once for all functions: calls come in parsed, errors go out as problem+json.
+"""HTTP application of a function: calls come in parsed, errors go out as problem+json.
 
 A function is a few routes, each a plain function from `Call` to a Starlette response. One Lambda instance
 serves one event at a time, so nothing here is gained by waiting asynchronously.
@@ -42,18 +42,18 @@ LambdaHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
 Endpoint = Callable[[Call], Response]
 
 
-def answer(model: BaseModel, status: int = 200, headers: Mapping[str, str] | None = None) -> Response:
-    """Return `model` as JSON."""
+def json_response(model: BaseModel, status: int = 200, headers: Mapping[str, str] | None = None) -> Response:
+    """Make the JSON response of `model`."""
     return Response(model.model_dump_json(), status, headers, "application/json")
 
 
-def nothing() -> Response:
-    """Return the answer without a body."""
+def no_content() -> Response:
+    """Make the 204 response, without a body."""
     return Response(status_code=204)
 
 
-def resource(path: str, **methods: Endpoint) -> Route:
-    """Return the route of one path: its methods in capitals, each with its endpoint; HEAD as GET."""
+def route(path: str, **methods: Endpoint) -> Route:
+    """Make the Starlette route of one path: its methods in capitals, each with its endpoint; HEAD as GET."""
 
     async def endpoint(request: Request) -> Response:
         verb = "GET" if request.method == "HEAD" else request.method
@@ -63,13 +63,13 @@ def resource(path: str, **methods: Endpoint) -> Route:
 
 
 def application(*routes: Route) -> Starlette:
-    """Return the application of `routes`: what it raises is answered as problem+json, without a trace."""
+    """Make the Starlette application of `routes`, errors answered as problem+json without a trace."""
     app = Starlette(
         routes=list(routes),
         exception_handlers={
-            CalibdbError: _known,
-            HTTPException: _starlette,
-            Exception: _unknown,
+            CalibdbError: _on_calibdb_error,
+            HTTPException: _on_http_exception,
+            Exception: _on_unhandled,
         },
     )
     app.router.redirect_slashes = False  # a path with a slash too many is no path
@@ -77,8 +77,8 @@ def application(*routes: Route) -> Starlette:
 
 
 def handler(*routes: Route) -> LambdaHandler:
-    """Return what Lambda calls: payload format 2.0 in and out."""
-    app = _without_caching(application(*routes))
+    """Make the Lambda handler of `routes`: payload format 2.0 in and out."""
+    app = _with_default_headers(application(*routes))
 
     def handle(event: dict[str, Any], context: Any) -> dict[str, Any]:
         # Mangum asks for the thread's event loop. Lambda's thread has none, nor has a gateway's worker; one
@@ -113,7 +113,7 @@ def _problem(error: CalibdbError) -> Response:
     )
 
 
-async def _known(_: Request, raised: Exception) -> Response:
+async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
     error = cast("CalibdbError", raised)
     if (
         error.status >= HTTPStatus.INTERNAL_SERVER_ERROR
@@ -123,7 +123,7 @@ async def _known(_: Request, raised: Exception) -> Response:
     return _problem(error)
 
 
-async def _starlette(_: Request, raised: Exception) -> Response:
+async def _on_http_exception(_: Request, raised: Exception) -> Response:
     error = cast("HTTPException", raised)
     title = HTTPStatus(error.status_code).phrase.capitalize()
     body = {
@@ -135,15 +135,15 @@ async def _starlette(_: Request, raised: Exception) -> Response:
     return Response(json.dumps(body), error.status_code, error.headers, _PROBLEM)
 
 
-async def _unknown(_: Request, __: Exception) -> Response:
+async def _on_unhandled(_: Request, __: Exception) -> Response:
     # Starlette raises it again once this is sent, and Mangum logs it with its trace: for us, not for the
     # caller.
     metrics.count(time.time(), reason="internal", Errors=1)
     return _problem(CalibdbError("Something went wrong here, not in the request."))
 
 
-def _without_caching(app: Starlette) -> Any:
-    """Forbid caching of every answer that does not say otherwise; none is anything but what it says it is."""
+def _with_default_headers(app: Starlette) -> Any:
+    """Add `X-Content-Type-Options: nosniff`, and `Cache-Control: no-store` where a response has none."""
 
     async def wrapped(scope: Any, receive: Any, send: Any) -> None:
         async def sending(message: Any) -> None:
