@@ -22,7 +22,7 @@ TYPES = (*FORMATS, "application/json")  # the first is the default
 def show(call: application.Call) -> Response:
     """Answer with the open target pose; with `skip=1`, open one of another kind."""
     sid = call.session(charge="poses").sid
-    media_type = call.accepted(TYPES)
+    media_type = call.negotiate_media_type(TYPES)
     skip = call.flag("skip")
     refused: dict[str, JsonValue] | None = None
 

@@ -14,7 +14,7 @@ TYPES = ("image/jpeg", "image/png", "application/json")
 
 
 def pick(call: application.Call) -> Response:
-    return Response(call.accepted(TYPES))
+    return Response(call.negotiate_media_type(TYPES))
 
 
 def conflict(_: application.Call) -> Response:

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
-from calibdb.lookup.answer import answer
+from calibdb.lookup.answer import build_answer
 from calibdb.schema import CamerasRequest, LookupAnswer, LookupRequest
 from tests.helpers.service.known import consensus
 
@@ -70,6 +70,6 @@ def test_a_query_says_what_a_body_says(w: int, h: int, zoom: float, separator: s
 def test_an_answer_can_be_read_again_whatever_size_is_asked_for(size: tuple[int, int]) -> None:
     known = consensus()
     assert known.calibration is not None
-    found = answer(known.calibration, [known], size)
+    found = build_answer(known.calibration, [known], size)
     assert LookupAnswer.model_validate_json(found.model_dump_json()) == found
     assert found.exact_size == (size == (1280, 720))

@@ -23,7 +23,7 @@ from calibdb.errors import (
     TooLargeError,
     UnauthenticatedError,
 )
-from calibdb.http.content_negotiation import preferred
+from calibdb.http.content_negotiation import negotiate
 from calibdb.schema.fields import MAX_INDEX
 from calibdb.service import Service
 
@@ -90,9 +90,9 @@ class Call:
             raise InvalidError.field(name, f"must be a whole number from 0 to {MAX_INDEX}")
         return int(text)
 
-    def accepted(self, types: Sequence[str]) -> str:
-        """Return the media type, of those we have, that the caller likes best; NotAcceptableError if none."""
-        return preferred(self.request.headers.get("accept") or "*/*", types)
+    def negotiate_media_type(self, types: Sequence[str]) -> str:
+        """Choose the media type of `types` that the caller prefers; raises NotAcceptableError."""
+        return negotiate(self.request.headers.get("accept") or "*/*", types)
 
     def session(self, charge: Kind | None = None) -> Ticket:
         """Return what the session id says, the call counted as one of `charge`.

@@ -1,4 +1,4 @@
-"""Choosing among media types by what the caller accepts, after RFC 9110, 12.5.1."""
+"""Content negotiation: the media type of an answer by the Accept header (RFC 9110, 12.5.1)."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from calibdb.errors import NotAcceptableError
 _WEIGHT = re.compile(r"[01](\.[0-9]{0,3})?")
 
 
-def preferred(accept: str, types: Sequence[str]) -> str:
-    """Return the one of `types` that `accept` weighs most; of equals the first.
+def negotiate(accept: str, types: Sequence[str]) -> str:
+    """Choose the one of `types` that `accept` weighs most; of equals the first.
 
     Raises NotAcceptableError when `accept` wants none of them.
     """
