@@ -21,7 +21,7 @@ def show(call: application.Call) -> Response:
     store = call.service.store.calibrations
     document = store.get(call.path("id"))
     if document is not None and (reason := store.withdrawn(document)) is not None:
-        raise GoneError("This calibration was withdrawn.", kind="withdrawn", members={"reason": reason})
+        raise GoneError("This calibration was withdrawn.", kind="withdrawn", extensions={"reason": reason})
     if document is not None and asked.without:
         document = refitted(document, asked.without)
     found = reported(document) if document is not None else consensus(call, call.path("id"))

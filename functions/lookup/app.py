@@ -53,7 +53,7 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
         raise NotFoundError(
             found.detail,
             kind="no-calibration",
-            members={"guidance_url": found.guidance_url, "reason": found.reason},
+            extensions={"guidance_url": found.guidance_url, "reason": found.reason},
         )
     metrics.count(now, Lookups=1, Misses=1, Redirects=1)
     return application.json_response(found, 307, {"Location": found.guidance_url})

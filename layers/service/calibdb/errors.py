@@ -1,4 +1,4 @@
-"""The only error tree: what the caller is told, carried by what is raised.
+"""Errors of the service: one tree, each error with the problem document that the caller gets.
 
 An error is raised where it is known, with the words a caller needs, and becomes an answer in one place
 (`calibdb.http`), as RFC 9457 `application/problem+json`.
@@ -35,8 +35,8 @@ class CalibdbError(Exception):
         What is wrong, field by field (the `errors` of the answer).
     headers
         Headers that the answer must carry, such as `WWW-Authenticate`.
-    members
-        Further members of the problem document.
+    extensions
+        Extension members of the problem document (RFC 9457, 3.2).
 
     """
 
@@ -51,14 +51,14 @@ class CalibdbError(Exception):
         kind: str | None = None,
         fields: Sequence[FieldError] = (),
         headers: Mapping[str, str] | None = None,
-        members: Mapping[str, JsonValue] | None = None,
+        extensions: Mapping[str, JsonValue] | None = None,
     ) -> None:
         super().__init__(detail)
         self.detail = detail
         self.kind = kind or type(self).kind
         self.fields = tuple(fields)
         self.headers = dict(headers or {})
-        self.members = dict(members or {})
+        self.extensions = dict(extensions or {})
 
     def problem(self) -> dict[str, JsonValue]:
         """Return the problem document, as RFC 9457 names its members."""
@@ -70,7 +70,7 @@ class CalibdbError(Exception):
         }
         if self.fields:
             document["errors"] = [{"field": f.field, "detail": f.detail} for f in self.fields]
-        return {**document, **self.members}
+        return {**document, **self.extensions}
 
 
 class MalformedError(CalibdbError):

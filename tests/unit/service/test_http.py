@@ -18,7 +18,7 @@ def pick(call: application.Call) -> Response:
 
 
 def conflict(_: application.Call) -> Response:
-    raise ConflictError("Not now.", kind="busy", members={"who": "you"}, headers={"X-Why": "because"})
+    raise ConflictError("Not now.", kind="busy", extensions={"who": "you"}, headers={"X-Why": "because"})
 
 
 def crash(_: application.Call) -> Response:
