@@ -42,7 +42,7 @@ def restore(context: OpsContext, calibration_id: str) -> None:
     tombstone = tombstone_object(calibration_id)
     if tombstone is None or context.objects.get(tombstone) is None:
         raise OpsError(f"{calibration_id} is not withdrawn")
-    context.objects.erase([tombstone])
+    context.objects.purge_all_versions([tombstone])
     mode = reindex.mode(document)
     # Its item is marked, and nothing unmarks an item: it is made anew.
     context.index.remove([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
@@ -81,17 +81,17 @@ def forget(context: OpsContext, contributors: set[str]) -> Forgotten:
     # Sessions first: what is published follows from them, and must not be published again.
     for session in list(context.store.sessions.all()):
         if _whose(session) & contributors:
-            context.store.sessions.erase(session.session)
+            context.store.sessions.purge(session.session)
             counts["sessions"] += 1
     for document, _ in list(context.store.calibrations.everything()):
         if document.contributor in contributors:
             names = (calibration_object(document.id), tombstone_object(document.id))
-            context.objects.erase([name for name in names if name])
+            context.objects.purge_all_versions([name for name in names if name])
             affected.add(reindex.mode(document))
             counts["calibrations"] += 1
     for vote in list(context.store.votes.all()):
         if vote.contributor in contributors:
-            context.objects.erase([vote_object(vote.camera_key, vote.id)])
+            context.objects.purge_all_versions([vote_object(vote.camera_key, vote.id)])
             key = current_key(vote.camera_key, vote.camera, vote.platform)
             affected.add(StreamMode(key, vote.img_size, vote.zoom))
             counts["votes"] += 1

@@ -77,7 +77,7 @@ def test_a_vote_under_an_earlier_key_version_leaves_the_consensus_that_it_decide
         assert client.call("POST", "/v1/checks", body).json["votes"]["agree"] == 1
         (vote,) = store(stack).votes.all()
         context = OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
-        context.objects.erase([vote_object(vote.camera_key, vote.id)])
+        context.objects.purge_all_versions([vote_object(vote.camera_key, vote.id)])
         store(stack).votes.cast(vote.model_copy(update={"camera_key": earlier}))
         assert withdrawal.forget(context, {vote.contributor}).votes == 1
         (left,) = (

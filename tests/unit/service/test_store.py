@@ -191,7 +191,7 @@ def test_nothing_of_an_erased_object_is_left(objects: Objects) -> None:
         objects.put("a/b", content)
     objects.put("a/bc", b"3")
     objects.delete(["a/b"])
-    assert objects.erase(["a/b", "a/none"]) == 3  # two versions and the mark of the deletion
+    assert objects.purge_all_versions(["a/b", "a/none"]) == 3  # two versions and the mark of the deletion
     left = client.list_object_versions(Bucket="bucket")
     assert [found["Key"] for found in left["Versions"]] == ["a/bc"]
     assert "DeleteMarkers" not in left

@@ -1,4 +1,4 @@
-"""The truth: JSON documents in one S3 bucket, each written once under its name."""
+"""Objects in one S3 bucket, the source of truth: JSON documents, each written once under its name."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # 409: another write of the same name is under way. It may yet fail: nobody knows whether the name is taken.
 _UNDECIDED = "ConditionalRequestConflict"
 _ATTEMPTS = 5
-_MOST_AT_ONCE = 1000  # objects that S3 removes in one request
+_MAX_OBJECTS_PER_DELETE = 1000  # objects that S3 removes in one request
 
 
 class Objects:
@@ -67,7 +67,7 @@ class Objects:
                 Bucket=self._bucket, Key=name, Body=content, ContentType="application/json"
             )
 
-    def erase(self, names: Iterable[str]) -> int:
+    def purge_all_versions(self, names: Iterable[str]) -> int:
         """Remove the objects with every version that the bucket keeps of them; return how many those were.
 
         For operators: what a person wants forgotten must not survive as a version.
@@ -75,14 +75,14 @@ class Objects:
         removed = 0
         for name in names:
             versions = list(self._versions(name))
-            for start in range(0, len(versions), _MOST_AT_ONCE):
+            for start in range(0, len(versions), _MAX_OBJECTS_PER_DELETE):
                 with available():
                     self._client().delete_objects(
                         Bucket=self._bucket,
                         Delete={
                             "Objects": [
                                 {"Key": name, "VersionId": version}
-                                for version in versions[start : start + _MOST_AT_ONCE]
+                                for version in versions[start : start + _MAX_OBJECTS_PER_DELETE]
                             ],
                             "Quiet": True,
                         },
@@ -100,8 +100,8 @@ class Objects:
 
     def delete(self, names: Sequence[str]) -> None:
         """Remove the objects, those that there are."""
-        for start in range(0, len(names), _MOST_AT_ONCE):
-            batch = names[start : start + _MOST_AT_ONCE]
+        for start in range(0, len(names), _MAX_OBJECTS_PER_DELETE):
+            batch = names[start : start + _MAX_OBJECTS_PER_DELETE]
             with available():
                 self._client().delete_objects(
                     Bucket=self._bucket, Delete={"Objects": [{"Key": name} for name in batch], "Quiet": True}

@@ -125,9 +125,9 @@ class Sessions:
             for sid, version in self._versions().items()
         )
 
-    def erase(self, sid: str) -> int:
+    def purge(self, sid: str) -> int:
         """Remove all that is stored of the session, for good; return how many objects those were."""
-        removed = self._objects.erase(list(self._objects.names(f"{_PREFIX}{sid}/")))
+        removed = self._objects.purge_all_versions(list(self._objects.names(f"{_PREFIX}{sid}/")))
         self._table.delete(f"SESSION#{sid}", "META")
         return removed
 
