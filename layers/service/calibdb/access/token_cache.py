@@ -1,7 +1,7 @@
 """TTL cache of API tokens, which also counts their lookups without a write for each.
 
-A lookup that hits is one Query. So its token is read twice a minute, and what was looked up is counted in
-memory and written down when the token is read anew: once for some hundred lookups, or after some minutes. A
+A lookup that hits is one Query. So its token is cached for half a minute, and lookups are counted in memory
+and flushed when the token is read anew: once for some hundred lookups, or after some minutes. A
 function has no time of its own after its answer, and one that is ended takes along what it had not written:
 the count is a little low, in favour of those who ask.
 """
@@ -20,11 +20,11 @@ from calibdb.errors import TooManyError, UnavailableError
 # Seconds for which a token is remembered. The edge keeps answers to GET lookups for 20 more: together less
 # than the minute after which a revoked token opens nothing any more.
 TOKEN_TTL_S = 30.0
-BATCH = 250  # lookups that are written down together
-FLUSH_INTERVAL_S = 600.0  # after which fewer are, too
-HOUR = 3600
-_MOST_TOKENS = 1024
-_MOST_SOURCES = 4096  # of one token and hour
+LOOKUPS_PER_FLUSH = 250
+FLUSH_INTERVAL_S = 600.0  # after which fewer lookups are flushed, too
+HOUR_S = 3600
+_MAX_TOKENS = 1024
+_MAX_SOURCES = 4096  # of one token and hour
 
 
 class Tokens(Protocol):
@@ -45,16 +45,16 @@ class Quotas(Protocol):
 class _Entry:
     token: ApiToken
     read_again: float  # unix seconds
-    counted: float  # unix seconds at which lookups were last written down
+    flushed: float  # unix seconds at which lookups were last written down
     lookups: int = 0  # since then
-    not_before: float = 0.0  # unix seconds; after a failure, of the next attempt to write them down
+    next_flush: float = 0.0  # unix seconds; after a failure, of the next attempt to write them down
     hour: int = 0
     used_up: bool = False  # in this hour
     sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
 
-    def full(self, now: float) -> bool:
+    def is_full(self, now: float) -> bool:
         """Tell whether there is enough to write down."""
-        return self.lookups >= _batch(self.token) and now >= self.not_before
+        return self.lookups >= _lookups_per_flush(self.token) and now >= self.next_flush
 
 
 class TokenCache:
@@ -85,7 +85,7 @@ class TokenCache:
         now = self._clock()
         with self._lock:
             known = self._known.get(token_id)
-            if known is not None and now < known.read_again and not known.full(now):
+            if known is not None and now < known.read_again and not known.is_full(now):
                 return known.token
         token = self._tokens.get(token_id)
         with self._lock:
@@ -94,9 +94,9 @@ class TokenCache:
                 return None
             known = self._known.get(token_id)
             if known is None:
-                if len(self._known) >= _MOST_TOKENS:
+                if len(self._known) >= _MAX_TOKENS:
                     self._known.clear()
-                known = self._known[token_id] = _Entry(token, now, counted=now)
+                known = self._known[token_id] = _Entry(token, now, flushed=now)
             if known.token.plan != token.plan:
                 known.used_up = False
             known.token, known.read_again = token, now + self._ttl_s
@@ -113,14 +113,14 @@ class TokenCache:
             known = self._known.get(token.id)
             if known is None:  # it was one of too many
                 return
-            if known.hour != int(now // HOUR):
-                known.hour, known.used_up = int(now // HOUR), False
+            if known.hour != int(now // HOUR_S):
+                known.hour, known.used_up = int(now // HOUR_S), False
                 known.sources.clear()
             who = hash(source)  # differs from process to process: no address is kept
             used = known.sources.get(who, 0)
             if known.used_up or (allowed.each.lookups is not None and used >= allowed.each.lookups):
                 raise TooManyError(retry_after(now))
-            if len(known.sources) >= _MOST_SOURCES:
+            if len(known.sources) >= _MAX_SOURCES:
                 known.sources.clear()
             known.sources[who] = used + 1
             known.lookups += 1
@@ -128,27 +128,27 @@ class TokenCache:
     def _flush(self, known: _Entry, now: float) -> None:
         with self._lock:
             lookups = known.lookups
-            if not lookups or not (known.full(now) or now - known.counted >= FLUSH_INTERVAL_S):
+            if not lookups or not (known.is_full(now) or now - known.flushed >= FLUSH_INTERVAL_S):
                 return
-            known.lookups, known.counted = 0, now
+            known.lookups, known.flushed = 0, now
         try:
             used = self._quotas.add(known.token.id, "lookups", int(now), lookups)
         except UnavailableError:  # no reason to refuse a lookup
             with self._lock:
                 known.lookups += lookups
-                known.not_before = now + self._ttl_s
+                known.next_flush = now + self._ttl_s
             return
         limit = plan(known.token.plan).together.lookups
         with self._lock:
-            known.hour = int(now // HOUR)
+            known.hour = int(now // HOUR_S)
             known.used_up = limit is not None and used >= limit
 
 
 def retry_after(now: float) -> int:
     """Return the seconds until the next hour begins, when everything may be used again."""
-    return HOUR - int(now) % HOUR
+    return HOUR_S - int(now) % HOUR_S
 
 
-def _batch(token: ApiToken) -> int:
+def _lookups_per_flush(token: ApiToken) -> int:
     limit = plan(token.plan).together.lookups
-    return BATCH if limit is None else max(1, min(BATCH, limit // 20))
+    return LOOKUPS_PER_FLUSH if limit is None else max(1, min(LOOKUPS_PER_FLUSH, limit // 20))

@@ -7,7 +7,7 @@ import pytest
 
 from calibdb.access import plans
 from calibdb.access.plans import Allowance, Plan
-from calibdb.access.token_cache import BATCH, FLUSH_INTERVAL_S, TOKEN_TTL_S, TokenCache
+from calibdb.access.token_cache import FLUSH_INTERVAL_S, LOOKUPS_PER_FLUSH, TOKEN_TTL_S, TokenCache
 from calibdb.access.tokens import ApiToken, Ticket, contributor
 from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
 from calibdb.service import Service
@@ -111,9 +111,9 @@ def refusal(memory: TokenCache, clock: Clock, seconds: int) -> TooManyError:
 
 
 def test_most_lookups_neither_read_nor_write(memory: TokenCache, tokens: Tokens, quotas: Quotas) -> None:
-    for _ in range(10 * BATCH):
+    for _ in range(10 * LOOKUPS_PER_FLUSH):
         look_up(memory)
-    assert quotas.writes == [BATCH] * 9  # the tenth waits for the next lookup
+    assert quotas.writes == [LOOKUPS_PER_FLUSH] * 9  # the tenth waits for the next lookup
     assert tokens.reads == 10
 
 
@@ -131,8 +131,8 @@ def test_an_hour_is_used_up_for_all_and_the_next_begins_anew(
     quotas.counts[("t", "lookups", clock.now // 3600, "")] = 9_900  # by other instances
     refused = refusal(memory, clock, 1)
     assert int(refused.headers["Retry-After"]) == 3600 - clock.now % 3600
-    assert clock.now % 3600 == BATCH  # found out when the first batch was written down
-    clock.now += 3600 - BATCH
+    assert clock.now % 3600 == LOOKUPS_PER_FLUSH  # found out when the first batch was written down
+    clock.now += 3600 - LOOKUPS_PER_FLUSH
     look_up(memory)
 
 
@@ -148,13 +148,13 @@ def test_one_source_cannot_use_up_what_all_share(memory: TokenCache, quotas: Quo
 
 def test_counting_never_costs_an_answer(memory: TokenCache, quotas: Quotas, clock: Clock) -> None:
     quotas.down = True
-    for _ in range(BATCH + 5):
+    for _ in range(LOOKUPS_PER_FLUSH + 5):
         look_up(memory)
     assert quotas.failed == 1  # and not once for each lookup from there on
     quotas.down = False
     clock.now += int(TOKEN_TTL_S)
     look_up(memory)
-    assert quotas.writes == [BATCH + 5]
+    assert quotas.writes == [LOOKUPS_PER_FLUSH + 5]
 
 
 def test_a_larger_plan_helps_within_a_minute(
@@ -169,7 +169,7 @@ def test_a_larger_plan_helps_within_a_minute(
 
 def test_an_unlimited_plan_counts_nothing(memory: TokenCache, tokens: Tokens, quotas: Quotas) -> None:
     tokens.known["t"] = replace(TOKEN, plan="development")
-    for _ in range(3 * BATCH):
+    for _ in range(3 * LOOKUPS_PER_FLUSH):
         look_up(memory)
     assert (quotas.writes, tokens.reads) == ([], 1)
 
