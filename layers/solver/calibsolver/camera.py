@@ -114,7 +114,7 @@ class Camera:
     def domain(self) -> Domain:
         """Return where the model is one-to-one, and how much of the image that is."""
         rays = models.get(self.model).unproject(self.intrinsics, pixel_grid(self.img_size, GRID))
-        angle = models.get(self.model).angle(np.asarray(self.distortion))
+        angle = models.get(self.model).domain_half_angle(np.asarray(self.distortion))
         return Domain(float(angle), float(np.isfinite(rays[0]).mean()))
 
 

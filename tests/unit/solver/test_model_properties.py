@@ -34,7 +34,7 @@ def drawn(name: str, seed: int, count: int = 60) -> tuple[Camera, Array]:
     camera = Camera.from_intrinsics(name, np.concatenate([k, rng.uniform(*SPREAD[name])]), SIZE)
     angle = (
         0.98
-        * min(camera.domain().angle, WIDEST[models.get(name).straight])
+        * min(camera.domain().angle, WIDEST[models.get(name).is_perspective])
         * np.sqrt(rng.uniform(size=count))
     )
     azimuth = rng.uniform(0, 2 * np.pi, count)
@@ -140,5 +140,5 @@ def test_stretch_is_that_of_the_radial_part(seed: int) -> None:
     d[2:4] = 0
     r, h = np.linalg.norm(points[:, :2], axis=1) / points[:, 2], 1e-4
     ends = (law.distort(d, np.stack([r + s * h, 0 * r, 0 * r + 1]))[0] for s in (1, -1))
-    value, _, _ = law.stretch(d, r**2) or (r, r, r)
+    value, _, _ = law.radial_derivative(d, r**2) or (r, r, r)
     np.testing.assert_allclose(value, (next(ends) - next(ends)) / (2 * h), atol=1e-6)

@@ -16,7 +16,7 @@ class Division(Model):
     name = "division"
     coefficients = ("k",)
     prior = Prior(focal=0.8, focal_sigma=0.5, distortion=(Coefficient(0.5, 1, 0.4),))
-    ladder = (0.35, 0.5, 0.7, 0.95, 1.3, 1.9, 2.8)
+    start_focals = (0.35, 0.5, 0.7, 0.95, 1.3, 1.9, 2.8)
 
     def distort(self, d: Array, p: Array) -> Array:
         return 2 * p[:2] / (p[2] + np.sqrt(p[2] ** 2 - 4 * d[0] * (p[0] ** 2 + p[1] ** 2)))
@@ -33,10 +33,10 @@ class Division(Model):
 
     def undistort(self, d: Array, u: Array) -> Array:
         v = np.stack([*u, 1 + d[0] * (u[0] ** 2 + u[1] ** 2)])
-        v = np.where(v[2] > np.cos(self.angle(d)) * np.linalg.norm(v, axis=0), v, np.nan)
+        v = np.where(v[2] > np.cos(self.domain_half_angle(d)) * np.linalg.norm(v, axis=0), v, np.nan)
         return v / np.linalg.norm(v, axis=0)
 
-    def angle(self, d: Array) -> float:
+    def domain_half_angle(self, d: Array) -> float:
         return float(np.arctan2(1, 2 * np.sqrt(d[0])) if d[0] > 0 else 0.99 * np.pi)
 
 

@@ -177,7 +177,9 @@ class _Fit:
             # With coefficients that nearly replace one another there are several optima: the lowest counts.
             law, obs, size = problem.model, problem.obs, problem.img_size
             other = (
-                self.approach.starts(problem) if law.families > 1 else initial_guess.direct(law, obs, size)
+                self.approach.starts(problem)
+                if law.start_families > 1
+                else initial_guess.direct(law, obs, size)
             )
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
             free = [problem.solve(s, self.approach.everything, FREE) for s in begun]

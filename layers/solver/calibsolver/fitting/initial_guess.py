@@ -88,17 +88,18 @@ def tried(model: Model, obs: Observations, many: list[Array]) -> list[Start]:
 
 def ladder(model: Model, obs: Observations, img_size: tuple[int, int]) -> list[Start]:
     """Try every rung of the model: starts, the best of each kind first."""
-    rungs = tried(model, obs, model.rungs(img_size))
-    each = len(rungs) // model.families
+    rungs = tried(model, obs, model.initial_intrinsics(img_size))
+    each = len(rungs) // model.start_families
     kinds = [
-        sorted(rungs[i * each : (i + 1) * each], key=lambda start: start.error) for i in range(model.families)
+        sorted(rungs[i * each : (i + 1) * each], key=lambda start: start.error)
+        for i in range(model.start_families)
     ]
     return [start for rank in zip(*kinds, strict=True) for start in rank]
 
 
 def direct(model: Model, obs: Observations, img_size: tuple[int, int]) -> Iterator[Start]:
     """Yield the start from vanishing points, for a model without distortion a pinhole, or nothing."""
-    if not model.straight:
+    if not model.is_perspective:
         return
     k = model.start(float(img_size[0]), img_size)
     rays = seen(model, obs, k)

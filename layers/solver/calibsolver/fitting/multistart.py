@@ -82,7 +82,7 @@ class Approach:
                 continue
             found.append(state)
             if (
-                len(found) >= self.model.families
+                len(found) >= self.model.start_families
                 and self.ordinary(state)
                 and outliers.level(state, mask) < DOUBTFUL * self.problem.img_size[0]
                 and plausibility.folded(trial, state, mask) <= plausibility.FOLDED

@@ -74,7 +74,7 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
     by_log = d * certain * by_focal
     j[4:size, 0], j[4:size, 1] = by_log / fx, by_log / fy
     s = fixed.squares * square / (1 + square / WIDEST)
-    exact = model.stretch(d, s)
+    exact = model.radial_derivative(d, s)
     if exact is not None:
         value, by_d, by_s = exact
         # Above 1 by its logarithm, which is the same to first order: near a pole it grows without bound.

@@ -46,7 +46,7 @@ def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
     found: list[tuple[float, Conversion]] = []
     reasons = []
     # Of what none can hold no shape is to be chosen.
-    views = subject.views or synthetic(subject.camera, max(models.get(s.model).widest for s in shapes))
+    views = subject.views or synthetic(subject.camera, max(models.get(s.model).max_angle for s in shapes))
     for shape in shapes:
         try:
             camera = fitted(subject, shape)
@@ -98,9 +98,9 @@ def compared(camera: Camera, other: Camera) -> Conversion:
     seen = np.isfinite(rays).all(axis=1)
     q, rays = q[seen], rays[seen]
     law = models.get(other.model)
-    angle = law.angle(np.asarray(other.distortion))
-    if models.get(camera.model).widest > law.widest:
-        angle = min(angle, law.widest)
+    angle = law.domain_half_angle(np.asarray(other.distortion))
+    if models.get(camera.model).max_angle > law.max_angle:
+        angle = min(angle, law.max_angle)
     inside = rays[:, 2] > np.cos(angle)
     if not inside.any():
         raise CalibrationError("not_representable", "nothing of the image is left")
@@ -158,7 +158,7 @@ def fitted(subject: Subject, shape: Shape) -> Camera:
     Raises CalibrationError where no believable one fits.
     """
     measured = bool(subject.views)
-    views = subject.views or synthetic(subject.camera, models.get(shape.model).widest)
+    views = subject.views or synthetic(subject.camera, models.get(shape.model).max_angle)
     first = widened(subject.camera, shape.model)
     used: tuple[Mask, ...] = tuple(np.ones(len(view), dtype=bool) for view in views)
     if first is None:

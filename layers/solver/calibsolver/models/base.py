@@ -1,4 +1,4 @@
-"""What a camera model is.
+"""Camera model: the interface of a projection with its derivatives, its prior and its initial intrinsics.
 
 Layout: coordinates come first, so that every formula works on whole planes of points: points are (3, ...),
 pixels (2, ...), derivatives (variable, image axis, ...). Intrinsics are one vector `k`: fx fy cx cy, then the
@@ -17,7 +17,7 @@ from ..arrays import Array, Mask
 
 @dataclass(frozen=True)
 class Coefficient:
-    """What is believed of one distortion coefficient.
+    """Gaussian prior of one distortion coefficient.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Coefficient:
 
 @dataclass(frozen=True)
 class Prior:
-    """What is believed about a camera before anything is seen: independent Gaussians.
+    """Prior of a camera's intrinsics: independent Gaussians.
 
     The figures are rounded from what 7,700 published calibrations show (the lens profiles of Gyroflow,
     CC0): half of the focal lengths lie within 0.55 to 1.3 image widths, 9 of 10 principal points within 3 %
@@ -76,13 +76,13 @@ class Model(ABC):
     name: str
     coefficients: tuple[str, ...]
     prior: Prior
-    ladder: tuple[float, ...]
+    start_focals: tuple[float, ...]
     """Focal lengths / image width from which a fit is started."""
-    families: int = 1
-    """Kinds of rungs that may lead to different optima: the best of each kind is followed."""
-    straight: bool = False
+    start_families: int = 1
+    """Families of initial intrinsics that may lead to different optima: the best of each kind is followed."""
+    is_perspective: bool = False
     """Whether, without distortion, it is a pinhole: straight lines stay straight."""
-    widest: float = math.pi
+    max_angle: float = math.pi
     """Angle from the axis, radians, up to which its coordinates still tell directions apart."""
 
     @property
@@ -103,12 +103,14 @@ class Model(ABC):
         """Return unit rays (3, ...) that project to (2, ...); NaN where no ray of the valid domain does."""
 
     @abstractmethod
-    def angle(self, d: Array) -> float:
+    def domain_half_angle(self, d: Array) -> float:
         """Largest angle from the axis, radians, up to which the projection is one-to-one."""
 
     def valid(self, d: Array, p: Array) -> Mask:
         """Whether points (3, ...) lie where the projection is one-to-one."""
-        inside: Mask = p[2] > np.cos(self.angle(d)) * np.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
+        inside: Mask = p[2] > np.cos(self.domain_half_angle(d)) * np.sqrt(
+            p[0] * p[0] + p[1] * p[1] + p[2] * p[2]
+        )
         return inside
 
     def magnification(self, d: Array) -> tuple[float, Array]:
@@ -123,7 +125,7 @@ class Model(ABC):
         out: Array = k[:2] * self.magnification(k[4:])[0]
         return out
 
-    def stretch(self, d: Array, s: Array) -> tuple[Array, Array, Array] | None:  # noqa: ARG002
+    def radial_derivative(self, d: Array, s: Array) -> tuple[Array, Array, Array] | None:  # noqa: ARG002
         """Radial stretch, d(distorted)/d(undistorted radius), at squared radii s (n,).
 
         And its derivatives by d (n, m) and by s (n,). None where the first order of `Prior` says it.
@@ -136,9 +138,9 @@ class Model(ABC):
         k[:4] = focal, focal, (img_size[0] - 1) / 2, (img_size[1] - 1) / 2
         return k
 
-    def rungs(self, img_size: tuple[int, int]) -> list[Array]:
-        """Intrinsics (p,) from which a fit is started; kind after kind, of each the same number."""
-        return [self.start(f * img_size[0], img_size) for f in self.ladder]
+    def initial_intrinsics(self, img_size: tuple[int, int]) -> list[Array]:
+        """Intrinsics (p,) from which a fit is started; family after family, of each the same number."""
+        return [self.start(f * img_size[0], img_size) for f in self.start_focals]
 
     def project(self, k: Array, p: Array) -> Array:
         """Pixels (2, ...) of points (3, ...) in the camera frame; meaningless outside `valid`."""

@@ -14,7 +14,7 @@ TINY = 1e-200
 
 
 class Fisheye(Model):
-    """See the module's docstring."""
+    """Kannala-Brandt's model as in cv2.fisheye (formula: see the module)."""
 
     name = "fisheye"
     coefficients = ("k1", "k2", "k3", "k4")
@@ -28,10 +28,9 @@ class Fisheye(Model):
             Coefficient(10.0, 4, 0.4),
         ),
     )
-    ladder = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.5)
+    start_focals = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.5)
 
     def distort(self, d: Array, p: Array) -> Array:
-        """See `Model.distort`."""
         r = np.hypot(p[0], p[1])
         t = np.arctan2(r, p[2])
         s = t * t
@@ -41,7 +40,6 @@ class Fisheye(Model):
         return np.stack([p[0] * m, p[1] * m])
 
     def distort_jacobian(self, d: Array, p: Array) -> tuple[Array, Array, Array]:
-        """See `Model.distort_jacobian`."""
         x, y, z = p
         rr = x * x + y * y
         r = np.sqrt(rr)
@@ -68,8 +66,8 @@ class Fisheye(Model):
         by_p[2, 0], by_p[2, 1] = -x * irr, -y * irr
         return u, by_d, by_p
 
-    def angle(self, d: Array) -> float:
-        """See `Model.angle`: up to where the image radius grows."""
+    def domain_half_angle(self, d: Array) -> float:
+        """Up to where the image radius grows."""
         return float(np.sqrt(first_root(tuple((d * (3, 5, 7, 9)).tolist()), np.pi**2)))
 
     def undistort(self, d: Array, u: Array) -> Array:
@@ -79,7 +77,7 @@ class Fisheye(Model):
             t = np.where(t < np.pi, t, np.nan)
             m = np.sinc(t / np.pi)
             return np.stack([u[0] * m, u[1] * m, np.cos(t)])
-        limit = self.angle(d)
+        limit = self.domain_half_angle(d)
         grid = np.linspace(0, limit, 513)
         s = grid * grid
         table = grid * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))

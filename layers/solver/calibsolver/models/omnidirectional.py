@@ -12,15 +12,15 @@ import numpy as np
 
 from ..arrays import Array
 from .base import Coefficient, Prior, first_root
-from .planar import MAX_RADIUS, TANGENTIAL, Planar
+from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO, Planar
 
 
 class Omnidirectional(Planar):
-    """See the module's docstring."""
+    """Unified model as in cv2.omnidir (formula: see the module)."""
 
     name = "omnidirectional"
     coefficients = ("xi", "k1", "k2", "p1", "p2")
-    families = 2
+    start_families = 2
     radial_at = (1, 2)
     tangential_at = (3, 4)
     prior = Prior(
@@ -34,42 +34,37 @@ class Omnidirectional(Planar):
             Coefficient(0.01),
         ),
     )
-    ladder = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.5)
+    start_focals = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.5)
 
     def radial(self, d: Array, s: Array) -> Array:
-        """See `Planar.radial`."""
         g: Array = 1 + s * (d[1] + s * d[2])
         return g
 
     def radial_jacobian(self, d: Array, s: Array) -> tuple[Array, Array, tuple[Array, ...]]:
-        """See `Planar.radial_jacobian`."""
         return self.radial(d, s), d[1] + 2 * d[2] * s, (s, s * s)
 
-    def limit(self, d: Array) -> float:
+    def domain_radius(self, d: Array) -> float:
         """Radius up to which the radial part grows, and the sphere's rays are told apart."""
         xi, k1, k2, p1, p2 = (float(c) for c in d)
-        edge = first_root((-TANGENTIAL * math.hypot(p1, p2), 3 * k1, 0.0, 5 * k2), MAX_RADIUS)
+        edge = first_root((-MIN_TANGENTIAL_RATIO * math.hypot(p1, p2), 3 * k1, 0.0, 5 * k2), MAX_RADIUS)
         return min(edge, 1 / math.sqrt(xi * xi - 1)) if xi > 1 else edge
 
-    def angle(self, d: Array) -> float:
-        """See `Model.angle`."""
-        xi, limit = float(d[0]), self.limit(d)
+    def domain_half_angle(self, d: Array) -> float:
+        xi, limit = float(d[0]), self.domain_radius(d)
         if not -1 < xi < math.inf:
             return 0.0
         along = float(distance(xi, np.array(limit * limit)))
         return math.atan2(limit * along, along - xi)
 
     def distort(self, d: Array, p: Array) -> Array:
-        """See `Model.distort`."""
         below = 1 / (p[2] + d[0] * np.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]))
-        return self.bend(d, p[0] * below, p[1] * below)
+        return self.distort_plane(d, p[0] * below, p[1] * below)
 
     def distort_jacobian(self, d: Array, p: Array) -> tuple[Array, Array, Array]:
-        """See `Model.distort_jacobian`."""
         length = np.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
         below = 1 / (p[2] + d[0] * length)
         x, y = p[0] * below, p[1] * below
-        u, by_d, ux, uy, vy = self.bend_jacobian(d, x, y)
+        u, by_d, ux, uy, vy = self.distort_plane_jacobian(d, x, y)
         # d(x, y)/dp = below (dX, dY) - (x, y) below (dZ + xi d|p|)
         ux, uy, vy = ux * below, uy * below, vy * below
         moved = np.stack([x * ux + y * uy, x * uy + y * vy])
@@ -85,24 +80,23 @@ class Omnidirectional(Planar):
 
     def undistort(self, d: Array, u: Array) -> Array:
         """Back to the plane, then to the sphere in closed form (Mei & Rives 2007, eq. 4)."""
-        x, y = self.flatten(d, u)
+        x, y = self.undistort_plane(d, u)
         with np.errstate(invalid="ignore"):
             along = distance(float(d[0]), x * x + y * y)
         return np.stack([x * along, y * along, along - d[0]])
 
     def magnification(self, d: Array) -> tuple[float, Array]:
-        """See `Model.magnification`."""
         by = np.zeros(5)
         by[0] = -1 / (1 + d[0]) ** 2
         return float(1 / (1 + d[0])), by
 
     def start(self, focal: float, img_size: tuple[int, int]) -> Array:
-        """See `Model.start`: from the middle of lenses and mirrors, xi = 1."""
+        """Intrinsics in the middle of lenses and mirrors, xi = 1."""
         return self._start(1.0, focal, img_size)
 
-    def rungs(self, img_size: tuple[int, int]) -> list[Array]:
-        """See `Model.rungs`: stereographic images, and ones that shrink towards the rim."""
-        return [self._start(xi, f * img_size[0], img_size) for xi in (1.0, 2.5) for f in self.ladder]
+    def initial_intrinsics(self, img_size: tuple[int, int]) -> list[Array]:
+        """Intrinsics of stereographic images, and ones that shrink towards the rim."""
+        return [self._start(xi, f * img_size[0], img_size) for xi in (1.0, 2.5) for f in self.start_focals]
 
     def _start(self, xi: float, focal: float, img_size: tuple[int, int]) -> Array:
         k = super().start((1 + xi) * focal, img_size)
@@ -111,6 +105,6 @@ class Omnidirectional(Planar):
 
 
 def distance(xi: float, s: Array) -> Array:
-    """From the centre of projection to the unit sphere, in units of the ray (x, y, 1), s = x^2 + y^2."""
+    """Distance from the centre of projection to the unit sphere, in units of the ray (x, y, 1), s = x^2 + y^2."""
     out: Array = (xi + np.sqrt(np.maximum(1 + (1 - xi * xi) * s, 0.0))) / (1 + s)
     return out

@@ -18,8 +18,8 @@ from .base import Model
 
 MAX_RADIUS = 50.0
 """Largest distance from the axis, in focal lengths, at which the plane is used."""
-TANGENTIAL = 7.0
-"""See the module's docstring."""
+MIN_TANGENTIAL_RATIO = 7.0
+"""Radial derivative h over r |(p1, p2)| above which the map is one-to-one (proof: see the module)."""
 
 
 class Planar(Model):
@@ -40,10 +40,10 @@ class Planar(Model):
         """Return g, dg/ds and dg/dc for each radial coefficient c, all (...)."""
 
     @abstractmethod
-    def limit(self, d: Array) -> float:
+    def domain_radius(self, d: Array) -> float:
         """Radius on the plane up to which the distortion is one-to-one."""
 
-    def bend(self, d: Array, x: Array, y: Array) -> Array:
+    def distort_plane(self, d: Array, x: Array, y: Array) -> Array:
         """Distort points of the plane: (2, ...)."""
         p1, p2 = d[self.tangential_at[0]], d[self.tangential_at[1]]
         s = x * x + y * y
@@ -51,8 +51,10 @@ class Planar(Model):
         along = 2 * (p2 * x + p1 * y) + g
         return np.stack([x * along + p2 * s, y * along + p1 * s])
 
-    def bend_jacobian(self, d: Array, x: Array, y: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """`bend` (2, ...), its derivatives by d (m, 2, ...), and ux, uy = vx, vy (...)."""
+    def distort_plane_jacobian(
+        self, d: Array, x: Array, y: Array
+    ) -> tuple[Array, Array, Array, Array, Array]:
+        """`distort_plane` (2, ...), its derivatives by d (m, 2, ...), and ux, uy = vx, vy (...)."""
         i, j = self.tangential_at
         p1, p2 = d[i], d[j]
         xx, yy, xy2 = x * x, y * y, 2 * x * y
@@ -75,16 +77,16 @@ class Planar(Model):
         vy = along + yy * slope + 4 * p1 * y
         return u, by_d, ux, uy, vy
 
-    def flatten(self, d: Array, u: Array) -> tuple[Array, Array]:
-        """Invert `bend`: x and y (...) of (2, ...), NaN where nothing within `limit` bends there.
+    def undistort_plane(self, d: Array, u: Array) -> tuple[Array, Array]:
+        """Invert `distort_plane`: x and y (...) of (2, ...); NaN outside the image of the one-to-one domain.
 
         Newton's method from the inverse of the radial part.
         """
         if not d[list(self.radial_at + self.tangential_at)].any():
-            inside = np.hypot(u[0], u[1]) < self.limit(d)
+            inside = np.hypot(u[0], u[1]) < self.domain_radius(d)
             return np.where(inside, u[0], np.nan), np.where(inside, u[1], np.nan)
         with np.errstate(all="ignore"):  # what runs away outside the domain is found and refused below
-            limit = self.limit(d)
+            limit = self.domain_radius(d)
             # Dense near the axis where the image is, and still out to the limit.
             r = np.tan(np.linspace(0, np.arctan(limit), 513)[:-1])
             table = r * self.radial(d, r * r)
@@ -97,13 +99,13 @@ class Planar(Model):
             scale = np.interp(length, table, r) / np.where(length > 1e-12, length, 1.0)
             x, y = target * np.where(length > 1e-12, scale, 1.0)
             for _ in range(12):
-                value, _, a, b, c = self.bend_jacobian(d, x, y)
+                value, _, a, b, c = self.distort_plane_jacobian(d, x, y)
                 e = value - target
                 det = a * c - b * b
                 dx, dy = (c * e[0] - b * e[1]) / det, (a * e[1] - b * e[0]) / det
                 x, y = x - dx, y - dy
                 if np.nanmax(np.abs(dx) + np.abs(dy), initial=0.0) < 1e-14:
                     break
-            error = np.hypot(*(self.bend(d, x, y) - target))
+            error = np.hypot(*(self.distort_plane(d, x, y) - target))
             good = inside & (error < 1e-13 * (1 + length)) & (np.hypot(x, y) < limit)
         return np.where(good, x, np.nan), np.where(good, y, np.nan)

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from .base import Coefficient, Prior, first_root
 from .pinhole import Pinhole
-from .planar import MAX_RADIUS, TANGENTIAL
+from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO
 
 ANGLE = (7 / 9, 64 / 945, 10 / 9, 5 / 21)
 """k1 k2 k4 k5 of Pade's approximant of atan(r) / r, to 0.3 % up to 63 degrees."""
@@ -20,11 +20,11 @@ ORDERS = np.arange(1.0, 4.0)
 
 
 class Rational(Pinhole):
-    """See the module's docstring."""
+    """OpenCV's 8-coefficient model (formula: see the module)."""
 
     name = "rational"
     coefficients = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
-    families = 2
+    start_families = 2
     radial_at = (0, 1, 4, 5, 6, 7)
     tangential_at = (2, 3)
     prior = Prior(
@@ -42,23 +42,21 @@ class Rational(Pinhole):
             Coefficient(5.0, 3, 1.0, sign=-1),
         ),
     )
-    ladder = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.8)
+    start_focals = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.8)
 
-    def rungs(self, img_size: tuple[int, int]) -> list[Array]:
-        """See `Model.rungs`: lenses whose image radius is the angle from the axis, and pinholes."""
-        pinholes = super().rungs(img_size)
+    def initial_intrinsics(self, img_size: tuple[int, int]) -> list[Array]:
+        """Intrinsics of lenses whose image radius is the angle from the axis, and pinholes."""
+        pinholes = super().initial_intrinsics(img_size)
         angular = [k.copy() for k in pinholes]
         for k in angular:
             k[[4, 5, 9, 10]] = ANGLE
         return angular + pinholes
 
     def radial(self, d: Array, s: Array) -> Array:
-        """See `Planar.radial`."""
         g: Array = (1 + s * (d[0] + s * (d[1] + s * d[4]))) / (1 + s * (d[5] + s * (d[6] + s * d[7])))
         return g
 
     def radial_jacobian(self, d: Array, s: Array) -> tuple[Array, Array, tuple[Array, ...]]:
-        """See `Planar.radial_jacobian`."""
         inverse = 1 / (1 + s * (d[5] + s * (d[6] + s * d[7])))
         g = (1 + s * (d[0] + s * (d[1] + s * d[4]))) * inverse
         a1 = s * inverse
@@ -67,8 +65,8 @@ class Rational(Pinhole):
         slope = d[0] + s * (2 * d[1] + 3 * d[4] * s) - g * (d[5] + s * (2 * d[6] + 3 * d[7] * s))
         return g, slope * inverse, (a1, a2, a3, -g * a1, -g * a2, -g * a3)
 
-    def stretch(self, d: Array, s: Array) -> tuple[Array, Array, Array]:
-        """See `Model.stretch`: numerator and denominator, each large, may cancel."""
+    def radial_derivative(self, d: Array, s: Array) -> tuple[Array, Array, Array]:
+        """Exact derivative: the first order would not do where numerator and denominator, each large, cancel."""
         above, below = d[[0, 1, 4]], d[5:]
         powers = s[:, None] ** ORDERS
         lower = powers * ORDERS / s[:, None]
@@ -84,7 +82,7 @@ class Rational(Pinhole):
         by_s = a_s / m - (n_s * b + n * b_s) / m**2 + by_m * m_s
         return a / m - b * n / m**2, by_d, by_s
 
-    def limit(self, d: Array) -> float:
+    def domain_radius(self, d: Array) -> float:
         """Radius up to which the radial part grows and has no pole."""
         k1, k2, p1, p2, k3, k4, k5, k6 = (float(c) for c in d)
         above, below, power = np.array([1, k1, k2, k3]), np.array([1, k4, k5, k6]), np.arange(4)
@@ -92,6 +90,6 @@ class Rational(Pinhole):
         grows = np.convolve(above * (1 + 2 * power), below) - 2 * np.convolve(above, below * power)
         in_r = np.zeros(14)
         in_r[::2] = grows
-        in_r[1::2] -= TANGENTIAL * math.hypot(p1, p2) * np.convolve(below, below)
+        in_r[1::2] -= MIN_TANGENTIAL_RATIO * math.hypot(p1, p2) * np.convolve(below, below)
         pole = first_root((0.0, k4, 0.0, k5, 0.0, k6), MAX_RADIUS)
         return min(first_root(tuple(in_r[1:].tolist()), MAX_RADIUS), pole)

@@ -9,11 +9,11 @@ import math
 from ..arrays import Array
 from .base import Coefficient, Prior, first_root
 from .pinhole import Pinhole
-from .planar import MAX_RADIUS, TANGENTIAL
+from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO
 
 
 class Rectilinear(Pinhole):
-    """See the module's docstring."""
+    """OpenCV's 5-coefficient model (formula: see the module)."""
 
     name = "rectilinear"
     coefficients = ("k1", "k2", "p1", "p2", "k3")
@@ -30,19 +30,19 @@ class Rectilinear(Pinhole):
             Coefficient(5.0, 3, 0.3),
         ),
     )
-    ladder = (0.35, 0.5, 0.7, 0.95, 1.3, 1.9, 2.8)
+    start_focals = (0.35, 0.5, 0.7, 0.95, 1.3, 1.9, 2.8)
 
     def radial(self, d: Array, s: Array) -> Array:
-        """See `Planar.radial`."""
         g: Array = 1 + s * (d[0] + s * (d[1] + s * d[4]))
         return g
 
     def radial_jacobian(self, d: Array, s: Array) -> tuple[Array, Array, tuple[Array, ...]]:
-        """See `Planar.radial_jacobian`."""
         s2 = s * s
         return self.radial(d, s), d[0] + s * (2 * d[1] + 3 * d[4] * s), (s, s2, s2 * s)
 
-    def limit(self, d: Array) -> float:
+    def domain_radius(self, d: Array) -> float:
         """Radius up to which the radial part grows: beyond it the image would fold."""
         k1, k2, p1, p2, k3 = (float(c) for c in d)
-        return first_root((-TANGENTIAL * math.hypot(p1, p2), 3 * k1, 0.0, 5 * k2, 0.0, 7 * k3), MAX_RADIUS)
+        return first_root(
+            (-MIN_TANGENTIAL_RATIO * math.hypot(p1, p2), 3 * k1, 0.0, 5 * k2, 0.0, 7 * k3), MAX_RADIUS
+        )
