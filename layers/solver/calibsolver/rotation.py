@@ -62,3 +62,17 @@ def nearest(m: Array) -> Array:
     u[..., :, 2] *= sign[..., None]
     closest: Array = u @ vt
     return closest
+
+
+def rotation_to_ray(ray: Array) -> Array:
+    """Shortest rotations (..., 3, 3) that take the optical axis (0, 0, 1) to unit rays (..., 3).
+
+    Of rays within 1e-4 radians of (0, 0, -1) there is no shortest one, and the result is no rotation.
+    """
+    x, y, z = np.moveaxis(ray, -1, 0)
+    s = 1 / np.maximum(1 + z, 1e-9)  # Rodrigues' formula with sin = |(x, y)|, (1 - cos) / sin^2 = 1 / (1 + z)
+    r = np.empty((*ray.shape, 3))
+    r[..., 0, 0], r[..., 0, 1], r[..., 0, 2] = 1 - x * x * s, -x * y * s, x
+    r[..., 1, 0], r[..., 1, 1], r[..., 1, 2] = -x * y * s, 1 - y * y * s, y
+    r[..., 2, 0], r[..., 2, 1], r[..., 2, 2] = -x, -y, z
+    return r

@@ -31,6 +31,17 @@ def test_nearest_is_a_rotation_even_of_a_reflection() -> None:
         assert np.linalg.det(r) == pytest.approx(1)
 
 
+def test_rotation_to_ray_is_the_shortest_one() -> None:
+    rays = np.random.default_rng(0).normal(size=(4, 50, 3))
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    rays[0, 0] = 0, 0, 1
+    r = rotation.rotation_to_ray(rays)
+    np.testing.assert_allclose(r[..., 2], rays, atol=1e-12)
+    np.testing.assert_allclose(r @ np.swapaxes(r, -1, -2), np.broadcast_to(np.eye(3), r.shape), atol=1e-12)
+    angle = np.linalg.norm(rotation.vector(r), axis=-1)
+    np.testing.assert_allclose(angle, np.arccos(np.clip(rays[..., 2], -1, 1)), atol=1e-7)
+
+
 @pytest.mark.parametrize("squares", [(9, 6), (8, 8), (5, 7)])
 def test_corners_are_opencvs(squares: tuple[int, int]) -> None:
     board = Board(squares=squares)
