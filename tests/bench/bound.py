@@ -5,8 +5,8 @@ import numpy as np
 from calibsolver import Board, Camera
 from calibsolver.arrays import symmetric_inverse
 from calibsolver.fitting import prior
-from calibsolver.guidance import Belief, ProjectionUncertainty
-from calibsolver.guidance.candidates import Range
+from calibsolver.guidance import IntrinsicsPosterior, ProjectionUncertainty
+from calibsolver.guidance.candidates import PoseLimits
 
 SWEEPS = 2
 
@@ -16,7 +16,7 @@ def bound(camera: Camera, counts: tuple[int, ...], noise: float = 0.2) -> list[f
     board = Board()
     guide = ProjectionUncertainty(board, camera.img_size, camera.model)
     law, k = guide.model, camera.intrinsics
-    nothing = Belief(law, k, prior.information(law, k, camera.img_size), noise, camera.img_size)
+    nothing = IntrinsicsPosterior(law, k, prior.information(law, k, camera.img_size), noise, camera.img_size)
     found: list[np.ndarray] = []
     out = []
     for count in counts:
@@ -32,17 +32,19 @@ def bound(camera: Camera, counts: tuple[int, ...], noise: float = 0.2) -> list[f
     return out
 
 
-def best(guide: ProjectionUncertainty, nothing: Belief, found: list[np.ndarray], index: int) -> np.ndarray:
+def best(
+    guide: ProjectionUncertainty, nothing: IntrinsicsPosterior, found: list[np.ndarray], index: int
+) -> np.ndarray:
     """Information (p, p) of the pose that is found best beside others."""
     information = nothing.information + sum(found, np.zeros_like(nothing.information))
-    belief = Belief(nothing.model, nothing.k, information, nothing.noise, nothing.img_size)
+    posterior = IntrinsicsPosterior(nothing.model, nothing.k, information, nothing.noise, nothing.img_size)
     with np.errstate(all="ignore"):
-        target = guide.choose(belief, index, Range())
-    after = guide.after(belief, target).information
+        target = guide.choose(posterior, index, PoseLimits())
+    after = guide.predict_posterior(posterior, target).information
     gained: np.ndarray = after - information
     return gained
 
 
-def error(nothing: Belief, found: list[np.ndarray]) -> float:
+def error(nothing: IntrinsicsPosterior, found: list[np.ndarray]) -> float:
     covariance = symmetric_inverse(nothing.information + sum(found, np.zeros_like(nothing.information)))
-    return float(np.sqrt(np.sum(covariance * nothing.weight)))
+    return float(np.sqrt(np.sum(covariance * nothing.error_metric)))

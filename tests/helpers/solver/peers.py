@@ -6,14 +6,20 @@ import numpy as np
 
 from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.normal_equations import Poses
-from calibsolver.guidance import Belief, PoseSelection, ProjectionUncertainty, TargetPose, candidates
-from calibsolver.guidance.candidates import Lattice, Range, Sight
-from calibsolver.guidance.overlap import jaccard, seen_outline
-from calibsolver.guidance.search import information
+from calibsolver.guidance import (
+    IntrinsicsPosterior,
+    PoseSelection,
+    ProjectionUncertainty,
+    TargetPose,
+    candidates,
+)
+from calibsolver.guidance.candidates import CornerGrid, PoseLimits
+from calibsolver.guidance.overlap import estimate_outline, jaccard_index
+from calibsolver.guidance.search import fisher_information
 from tests.helpers.solver.synthetic import Session, User, match_picture, seen
 
 PATIENCE = 8
-COMFORTABLE = Range(width=(0.30, 0.75), tilt=45.0, inside=0.9)
+COMFORTABLE = PoseLimits(width=(0.30, 0.75), max_tilt_deg=45.0, min_visible=0.9)
 
 
 class Comfortable:
@@ -47,13 +53,13 @@ def published(
     board, user = Board(), user or User()
     guide = PoseSelection(board, camera.img_size, camera.model)
     session, tried = Session(), list[tuple[float, View]]()
-    while session.attempts < most and not guide.done(session.views):
+    while session.attempts < most and not guide.is_done(session.views):
         session.attempts += 1
         target = guide.next_pose(session.views, None)
         asked = match_picture(board, guide.camera(session.views), camera, target)
         view = seen(board, camera, *user.hold(board, asked, rng), rng, noise, wild)
-        tried.append((jaccard(target.outline, seen_outline(board, view), camera.img_size), view))
-        if not guide.reached(target, view):
+        tried.append((jaccard_index(target.outline, estimate_outline(board, view), camera.img_size), view))
+        if not guide.is_reached(target, view):
             if len(tried) < PATIENCE:
                 continue
             view = max(tried, key=lambda one: one[0])[1]
@@ -64,7 +70,7 @@ def published(
             session.measure(camera, calibration, calibration.uncertainty().rms)
         else:
             session.nothing(camera)
-    session.stopped = len(session.views) if guide.done(session.views) else None
+    session.stopped = len(session.views) if guide.is_done(session.views) else None
     return session
 
 
@@ -81,15 +87,19 @@ def waving(camera: Camera, rng: np.random.Generator, views: int, noise: float = 
     steps = np.cumsum(0.04 * rng.normal(size=(40 * views, 6)), axis=0) + rng.uniform(0.3, 0.7, 6)
     unit = 1 - np.abs(steps % 2 - 1)  # reflected at the ends
     return _captured(
-        camera, _possible(camera, board, unit, Range(width=(0.3, 0.75), tilt=30.0)), rng, views, noise
+        camera,
+        _possible(camera, board, unit, PoseLimits(width=(0.3, 0.75), max_tilt_deg=30.0)),
+        rng,
+        views,
+        noise,
     )
 
 
-def _possible(camera: Camera, board: Board, unit: np.ndarray, limits: Range) -> Poses:
-    belief = Belief.of(camera.model, camera.img_size, None, camera)
-    poses = candidates.poses(unit, board, Sight.of(belief.model, belief.k, camera.img_size), limits)
+def _possible(camera: Camera, board: Board, unit: np.ndarray, limits: PoseLimits) -> Poses:
+    posterior = IntrinsicsPosterior.of(camera.model, camera.img_size, None, camera)
+    poses = candidates.poses_from_unit_cube(unit, board, posterior.rays, limits)
     with np.errstate(all="ignore"):
-        _, good = information(belief, poses, Lattice.of(board, 5), limits)
+        _, good = fisher_information(posterior, poses, CornerGrid.of(board, 5), limits)
     return Poses(poses.r[good], poses.t[good])
 
 

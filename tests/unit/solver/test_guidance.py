@@ -8,7 +8,7 @@ import pytest
 
 from calibsolver import Board, Calibration, Camera, guidance, models, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose
-from calibsolver.guidance.hints import TEXTS, Placement, between
+from calibsolver.guidance.hints import TEXTS, Placement, largest_difference
 from tests.helpers.solver import specimens, synthetic
 from tests.helpers.solver.peers import Comfortable
 from tests.helpers.stack.machine import slowness
@@ -137,7 +137,7 @@ def test_choice_is_a_function_of_what_it_is_given() -> None:
 
 def place(rvec: tuple[float, float, float], center: tuple[float, float, float]) -> Placement:
     r = rotation.matrix(np.array(rvec, dtype=float))
-    camera = guidance.Belief.of("rectilinear", (1280, 720), None).camera
+    camera = guidance.IntrinsicsPosterior.of("rectilinear", (1280, 720), None).camera
     board = Board()
     return Placement.of(board, camera, r, np.array(center) - r @ board.outline.mean(axis=0))
 
@@ -163,7 +163,7 @@ def test_hint_says_what_differs_most(
     rvec: tuple[float, float, float], center: tuple[float, float, float], code: str
 ) -> None:
     facing = place((0, 0, 0), (0, 0, 14))
-    assert between(facing, place(rvec, center), 1280).code == code
+    assert largest_difference(facing, place(rvec, center), 1280).code == code
 
 
 def test_hints_are_short() -> None:

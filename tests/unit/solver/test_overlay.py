@@ -29,7 +29,7 @@ def targets(kind: str) -> list[tuple[Camera, TargetPose]]:
         session = synthetic.run(cameras[i], np.random.default_rng(0), views=3)
         assert session.calibration is not None
         out.append((session.calibration.camera, guide.next_pose(session.views, session.calibration)))
-    easy = guidance.Belief.of(kind, (1280, 720), None).camera
+    easy = guidance.IntrinsicsPosterior.of(kind, (1280, 720), None).camera
     return [*out, (easy, guide.next_pose([], None))]
 
 
@@ -83,7 +83,7 @@ def test_png_is_transparent_outside() -> None:
 def test_markers_of_the_picture_are_found_with_their_ids() -> None:
     """OpenCV's own detector reads the board back from the green channel, each id at its corner."""
     for board in (BOARD, Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")):
-        camera = guidance.Belief.of("rectilinear", (1280, 720), None).camera
+        camera = guidance.IntrinsicsPosterior.of("rectilinear", (1280, 720), None).camera
         target = ProjectionUncertainty(board, (1280, 720)).next_pose([], None)
         green = np.ascontiguousarray(decoded(overlay.render(board, camera, target, "png"))[:, :, 1])
         # On black nothing separates the outer markers from the background: make it white.
@@ -118,7 +118,7 @@ def test_nothing_is_drawn_beyond_the_fold() -> None:
 
 
 def test_board_outside_the_image_is_an_empty_picture() -> None:
-    camera = guidance.Belief.of("rectilinear", (1280, 720), None).camera
+    camera = guidance.IntrinsicsPosterior.of("rectilinear", (1280, 720), None).camera
     far = TargetPose.seen(BOARD, camera, np.eye(3), np.array([60.0, 0.0, 20.0]), "", 0.0)
     assert far.ids == ()
     assert decoded(overlay.render(BOARD, camera, far)).max() < 10
@@ -171,9 +171,9 @@ def test_unknown_format_is_refused() -> None:
 
 def test_legacy_boards_differ_where_rows_are_even() -> None:
     """The first square is black in the new layout, and holds a marker in the old one."""
-    new, old = (overlay.image(Board(squares=(9, 6), legacy=flag), 16) for flag in (False, True))
+    new, old = (overlay.draw_board(Board(squares=(9, 6), legacy=flag), 16) for flag in (False, True))
     assert (new[1, 1], old[1, 1]) == (0, 255)
-    new, old = (overlay.image(Board(squares=(9, 7), legacy=flag), 16) for flag in (False, True))
+    new, old = (overlay.draw_board(Board(squares=(9, 7), legacy=flag), 16) for flag in (False, True))
     np.testing.assert_array_equal(new, old)
 
 
@@ -186,6 +186,6 @@ def test_legacy_boards_differ_where_rows_are_even() -> None:
     ],
 )
 def test_every_board_that_exists_can_be_drawn(board: Board) -> None:
-    camera = guidance.Belief.of("rectilinear", (640, 480), None).camera
+    camera = guidance.IntrinsicsPosterior.of("rectilinear", (640, 480), None).camera
     target = ProjectionUncertainty(board, (640, 480)).next_pose([], None)
     assert decoded(overlay.render(board, camera, target)).shape == (480, 640, 3)

@@ -5,16 +5,16 @@ import pytest
 
 from calibsolver import Board, Camera
 from calibsolver.guidance import PoseSelection
-from calibsolver.guidance.distorted_region import Box, next_region
-from calibsolver.guidance.overlap import jaccard
-from calibsolver.guidance.pose_selection import subdivision
+from calibsolver.guidance.distorted_region import Box, find_next_region
+from calibsolver.guidance.overlap import jaccard_index
+from calibsolver.guidance.pose_selection import subdivided_tilt_deg
 from tests.helpers.solver import peers, synthetic
 
 SIZE = (1280, 720)
 
 
 def test_angles_are_subdivided() -> None:
-    assert [subdivision(n) for n in range(4)] == [-35.0, 35.0, -52.5, 52.5]
+    assert [subdivided_tilt_deg(n) for n in range(4)] == [-35.0, 35.0, -52.5, 52.5]
 
 
 def test_the_first_two_poses() -> None:
@@ -32,19 +32,19 @@ def test_the_first_two_poses() -> None:
 def test_the_most_distorted_region_comes_first_and_once() -> None:
     matrix = np.array([[900, 0, 500], [0, 900, 359.5], [0, 0, 1.0]])
     camera = Camera("rectilinear", matrix, np.array([-0.3, 0.1, 0, 0, 0]), SIZE)
-    box = next_region(camera, [])
+    box = find_next_region(camera, [])
     assert box.left > 0.6  # the far side
     assert box.width >= 0.3
-    other = next_region(camera, [box])
+    other = find_next_region(camera, [box])
     assert other != box
-    assert next_region(camera, [Box(0, 0, 1, 1)]) == Box(0.0, 0.0, 1.0, 1.0)
+    assert find_next_region(camera, [Box(0, 0, 1, 1)]) == Box(0.0, 0.0, 1.0, 1.0)
 
 
 def test_overlap() -> None:
     square = np.array([[100, 100], [500, 100], [500, 500], [100, 500]], dtype=float)
-    assert jaccard(square, square, SIZE) == 1
-    assert jaccard(square, np.add(square, (200, 0)), SIZE) == pytest.approx(1 / 3, abs=0.02)
-    assert jaccard(square, np.add(square, (600, 0)), SIZE) == 0
+    assert jaccard_index(square, square, SIZE) == 1
+    assert jaccard_index(square, np.add(square, (200, 0)), SIZE) == pytest.approx(1 / 3, abs=0.02)
+    assert jaccard_index(square, np.add(square, (600, 0)), SIZE) == 0
 
 
 def test_it_stops_after_eight_to_ten_views_or_so() -> None:

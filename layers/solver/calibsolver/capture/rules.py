@@ -14,8 +14,8 @@ from ..fitting.calibration import Calibration
 from ..fitting.observations import Observations
 from ..fitting.resection import reprojection_score
 from ..fitting.uncertainty import Uncertainty
-from ..guidance import GUIDES, LEAST_NOISE, Belief, PoseSelection
-from ..guidance.hints import Hint, Placement, between
+from ..guidance import GUIDES, MIN_NOISE_WIDTHS, IntrinsicsPosterior, PoseSelection
+from ..guidance.hints import Hint, Placement, largest_difference
 from ..guidance.target import TargetPose
 from ..quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from ..view import View
@@ -73,7 +73,7 @@ class Capture:
         self.consistency = Consistency(self.img_size, self.model, self.seed)
         # Progress is measured from here: the first view brings the error that the prior predicts to some px.
         self._initial_rms = 0.03 * self.img_size[0]
-        self._initial_camera = Belief.of(self.model, self.img_size, None, self.seed).camera
+        self._initial_camera = IntrinsicsPosterior.of(self.model, self.img_size, None, self.seed).camera
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "Capture":
@@ -124,7 +124,7 @@ class Capture:
         u = self._uncertainty(calibration)
         on_target = u.rms < self.target_error
         if isinstance(self.guide, PoseSelection):
-            on_target = self.guide.done([views[i] for i in active])
+            on_target = self.guide.is_done([views[i] for i in active])
         full = len(active) >= MAX_VIEWS
         converged = (on_target and len(active) >= MIN_VIEWS) or full
         span = np.log(self._initial_rms / self.target_error)
@@ -265,7 +265,9 @@ class Capture:
         count = len(views) - len(estimate.excluded)
         ratio = 1.0
         if last not in estimate.excluded:
-            ratio = prediction_ratio(before, views[-1], calibration.used[-1], LEAST_NOISE * self.img_size[0])
+            ratio = prediction_ratio(
+                before, views[-1], calibration.used[-1], MIN_NOISE_WIDTHS * self.img_size[0]
+            )
         noisy = calibration.noise > MAX_DETECTOR_NOISE_WIDTHS * self.img_size[0] and count % MIN_VIEWS == 0
         disagrees = ratio > MAX_PREDICTION_RATIO
         if not (disagrees or noisy or len(estimate.excluded) > len(excluded_before)):
@@ -280,7 +282,7 @@ class Capture:
     def _is_informative(self, target: TargetPose, view: View, gain: float) -> bool:
         """Whether a consistent view brings enough of what was predicted for the target."""
         if isinstance(self.guide, PoseSelection):
-            return self.guide.reached(target, view)
+            return self.guide.is_reached(target, view)
         return gain >= MIN_GAIN_SHARE * target.gain
 
     def _uncertainty(self, calibration: Calibration) -> Uncertainty:
@@ -291,21 +293,21 @@ class Capture:
         """
         u = calibration.uncertainty()
         factor = UNCERTAINTY_INFLATION * max(
-            1.0, LEAST_NOISE * self.img_size[0] / max(calibration.noise, 1e-12)
+            1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12)
         )
         return Uncertainty(u.rms * factor, u.max * factor)
 
     def _gain(self, before: Calibration | None, view: View) -> float | None:
         """Gain of the view over the calibration `before` it, px^2; None where it cannot be posed."""
-        belief = Belief.of(self.model, self.img_size, before, self.seed)
+        posterior = IntrinsicsPosterior.of(self.model, self.img_size, before, self.seed)
         obs = Observations.of([view])
-        posed = initial_guess.at(belief.model, obs, belief.k)
+        posed = initial_guess.at(posterior.model, obs, posterior.k)
         if not posed.error < MAX_MEDIAN_ERROR_WIDTHS * self.img_size[0]:
             return None
-        q, j = normal_equations.projection_jacobian(belief.model, belief.k, posed.poses, obs.points)
+        q, j = normal_equations.projection_jacobian(posterior.model, posterior.k, posed.poses, obs.points)
         if not (np.isfinite(q).all() and np.isfinite(j).all()):
             return None
-        return belief.gain(normal_equations.fisher_information(j, obs.mask.astype(np.float64))[0])
+        return posterior.gain(normal_equations.fisher_information(j, obs.mask.astype(np.float64))[0])
 
     def _resection_error(self, camera: Camera, view: View) -> float | None:
         """Rms of the view with its pose alone fitted, px; None where it has no pose."""
@@ -328,4 +330,4 @@ class Capture:
         pose = reprojection_score(camera, [view]).poses[0]
         actual = Placement.of(self.board, camera, rotation.matrix(pose[:3]), pose[3:])
         wanted = Placement.of(self.board, camera, rotation.matrix(target.rvec), target.tvec)
-        return ViewDecision(False, reason, None, between(actual, wanted, self.img_size[0]))
+        return ViewDecision(False, reason, None, largest_difference(actual, wanted, self.img_size[0]))

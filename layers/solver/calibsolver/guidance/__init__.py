@@ -1,9 +1,9 @@
-"""Guidance: three methods to choose the next target pose."""
+"""Guidance: three ways to choose the next-best view."""
 
-from .belief import LEAST_NOISE, Belief
 from .fixed_plan import FixedPlan
 from .guide import Guide
 from .pose_selection import PoseSelection
+from .posterior import MIN_NOISE_WIDTHS, IntrinsicsPosterior
 from .projection_uncertainty import ProjectionUncertainty
 from .target import TargetPose
 
@@ -11,14 +11,14 @@ GUIDES: dict[str, type[ProjectionUncertainty] | type[PoseSelection]] = {
     "projection-uncertainty": ProjectionUncertainty,
     "pose-selection": PoseSelection,
 }
-"""By the names that a session is started with; the first is the default."""
+"""Guidance by the name that a session is started with; the first is the default."""
 
 __all__ = [
     "GUIDES",
-    "LEAST_NOISE",
-    "Belief",
+    "MIN_NOISE_WIDTHS",
     "FixedPlan",
     "Guide",
+    "IntrinsicsPosterior",
     "PoseSelection",
     "ProjectionUncertainty",
     "TargetPose",

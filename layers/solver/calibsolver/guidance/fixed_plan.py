@@ -1,8 +1,8 @@
-"""The plan that asks nobody: poses chosen beforehand for a camera like most.
+"""Fixed plan: a sequence of poses chosen beforehand for the prior's camera.
 
-For a client that has lost its server, and as the peer that shows what adapting brings. The criterion is that
-of `ProjectionUncertainty`, each pose chosen after those before it, at the prior's camera. Whoever follows the
-picture drawn with that camera comes close enough whatever the true focal length is.
+It serves a client that has lost its server, and is the baseline for the guidance that adapts. The criterion
+is that of `ProjectionUncertainty`, each pose chosen after those before it. A user who follows the picture
+drawn with the prior's camera comes close enough whatever the true focal length is.
 """
 
 from collections.abc import Sequence
@@ -14,15 +14,15 @@ from .. import rotation
 from ..board import Board
 from ..fitting.calibration import Calibration
 from ..view import View
-from .belief import Belief
-from .candidates import Range
+from .candidates import PoseLimits
 from .hints import Placement
+from .posterior import IntrinsicsPosterior
 from .projection_uncertainty import ProjectionUncertainty
 from .target import TargetPose
 
 LENGTH = 10
-PLANNED = Range(width=(0.35, 1.1), tilt=50.0, roll=45.0, inside=0.75)
-"""Nobody can say whether the board was seen, so it is asked for where it surely is."""
+PLAN_LIMITS = PoseLimits(width=(0.35, 1.1), max_tilt_deg=50.0, max_roll_deg=45.0, min_visible=0.75)
+"""Narrower than usual: no server checks that the board was found."""
 
 
 class FixedPlan:
@@ -36,22 +36,22 @@ class FixedPlan:
 
     @cached_property
     def poses(self) -> tuple[TargetPose, ...]:
-        """The poses in their order, as the prior's camera sees them."""
-        belief = Belief.of(self.model.name, self.img_size, None)
+        """Poses in their order, as the prior's camera sees them."""
+        posterior = IntrinsicsPosterior.of(self.model.name, self.img_size, None)
         chosen: list[TargetPose] = []
         last: Placement | None = None
         with np.errstate(all="ignore"):
             for index in range(LENGTH):
                 first = index == 0
                 target = (
-                    self._chooser.first_pose(belief)
+                    self._chooser.first_pose(posterior)
                     if first
-                    else self._chooser.choose(belief, index, PLANNED, last=last)
+                    else self._chooser.choose(posterior, index, PLAN_LIMITS, last=last)
                 )
                 chosen.append(target)
-                belief = self._chooser.after(belief, target)
+                posterior = self._chooser.predict_posterior(posterior, target)
                 r = rotation.matrix(target.rvec)
-                last = Placement.of(self.board, belief.camera, r, target.tvec)
+                last = Placement.of(self.board, posterior.camera, r, target.tvec)
         return tuple(chosen)
 
     def next_pose(
@@ -61,6 +61,6 @@ class FixedPlan:
         skipped: Sequence[TargetPose] = (),
         unreached: Sequence[TargetPose] = (),
     ) -> TargetPose:
-        """Return the pose after those that were answered or skipped; `calibration` changes nothing."""
+        """Next pose after those that were answered or skipped; `calibration` changes nothing."""
         del calibration, unreached
         return self.poses[(len(views) + len(skipped)) % LENGTH]

@@ -1,4 +1,4 @@
-"""What every guidance can do."""
+"""Interface of every guidance."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -9,7 +9,7 @@ from .target import TargetPose
 
 
 class Guide(Protocol):
-    """Chooses poses; which of them were answered is all it is told."""
+    """Chooser of poses; its only input is which of them were answered, and the estimate."""
 
     def next_pose(
         self,

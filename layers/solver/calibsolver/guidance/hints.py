@@ -1,4 +1,4 @@
-"""What to do, in a few words: from where the board is to where it should be."""
+"""Hints to the user: how to move the board from its last pose to the target."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -50,50 +50,50 @@ TEXTS: dict[Code, str] = {
 """At most six words each. Directions are those of the camera's picture: a page that mirrors its preview swaps
 left and right, and the sense of a turn."""
 
-MOVE, NEAR, TILT, TURN = 0.12, 0.15, 12.0, 20.0
-"""Equally conspicuous: a shift / image width, a logarithm of distances, a tilt and a turn, degrees."""
+SHIFT_WIDTHS, LOG_DISTANCE, TILT_DEG, ROLL_DEG = 0.12, 0.15, 12.0, 20.0
+"""Equally conspicuous differences: a shift / image width, a logarithm of distances, a tilt, a roll."""
 
 
 @dataclass(frozen=True)
 class Hint:
-    """One instruction: a code for programs, an English text of at most six words for people."""
+    """An instruction: a code for programs, an English text of at most six words for people."""
 
     code: Code
     text: str
 
     @classmethod
     def of(cls, code: Code) -> "Hint":
-        """Return the hint with this code."""
+        """Hint with this code."""
         return cls(code, TEXTS[code])
 
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """A board in the picture, as a person sees it.
+    """Placement of a board in the picture, as a person describes it.
 
     Attributes
     ----------
-    place
-        (2,) px, its centre.
+    center
+        (2,) px, of the board.
     distance
         Squares, of its centre from the camera.
     normal
         (3,) away from the viewer, in a frame whose z axis is the line of sight to the centre.
-    turn
+    roll
         Radians, clockwise in the picture.
     """
 
-    place: Array
+    center: Array
     distance: float
     normal: Array
-    turn: float
+    roll: float
 
     @classmethod
     def of(cls, board: Board, camera: Camera, r: Array, t: Array) -> "Placement":
         """Placement of a board at rotation (3, 3) and translation (3,)."""
         center = r @ board.outline.mean(axis=0) + t
         distance = float(np.linalg.norm(center))
-        upright = rotation.matrix(turn_to(center / distance)).T @ r
+        upright = rotation.rotation_to_ray(center / distance).T @ r
         return cls(
             camera.project(center[None])[0],
             distance,
@@ -107,27 +107,20 @@ class Placement:
         return float(np.degrees(np.arccos(np.clip(self.normal[2], -1, 1))))
 
 
-def turn_to(ray: Array) -> Array:
-    """Rotation vectors (..., 3) of the shortest turns that take the optical axis to unit rays (..., 3)."""
-    s = np.hypot(ray[..., 0], ray[..., 1])
-    angle = np.arctan2(s, ray[..., 2]) / np.maximum(s, 1e-12)
-    return np.stack([-ray[..., 1] * angle, ray[..., 0] * angle, np.zeros(s.shape)], axis=-1)
-
-
-def between(seen: Placement, target: Placement, width: int) -> Hint:
-    """Say what differs most between the board where it was last `seen` and its `target`; `width` in px."""
-    move = np.nan_to_num((target.place - seen.place) / (MOVE * width))
-    near = np.log(target.distance / max(seen.distance, 1e-9)) / NEAR
-    lean = np.degrees(target.normal[:2] - seen.normal[:2]) / TILT
-    turn = np.degrees(np.angle(np.exp(1j * (target.turn - seen.turn)))) / TURN
+def largest_difference(last: Placement, target: Placement, width: int) -> Hint:
+    """Hint at the largest difference between the `last` placement and the `target`; image `width` in px."""
+    shift = np.nan_to_num((target.center - last.center) / (SHIFT_WIDTHS * width))
+    distance = np.log(target.distance / max(last.distance, 1e-9)) / LOG_DISTANCE
+    tilt = np.degrees(target.normal[:2] - last.normal[:2]) / TILT_DEG
+    roll = np.degrees(np.angle(np.exp(1j * (target.roll - last.roll)))) / ROLL_DEG
     # The picture's y axis points down; a normal that leans up means the top edge is the near one.
-    ways: list[tuple[float, Code, Code]] = [
-        (move[0], "right", "left"),
-        (move[1], "down", "up"),
-        (near, "farther", "closer"),
-        (lean[0], "tilt_right", "tilt_left"),
-        (lean[1], "tilt_bottom", "tilt_top"),
-        (turn, "turn_clockwise", "turn_counterclockwise"),
+    differences: list[tuple[float, Code, Code]] = [
+        (shift[0], "right", "left"),
+        (shift[1], "down", "up"),
+        (distance, "farther", "closer"),
+        (tilt[0], "tilt_right", "tilt_left"),
+        (tilt[1], "tilt_bottom", "tilt_top"),
+        (roll, "turn_clockwise", "turn_counterclockwise"),
     ]
-    size, forth, back = max(ways, key=lambda way: abs(way[0]))
-    return Hint.of(forth if size > 0 else back)
+    size, positive, negative = max(differences, key=lambda difference: abs(difference[0]))
+    return Hint.of(positive if size > 0 else negative)

@@ -1,4 +1,4 @@
-"""How far two areas of an image are the same."""
+"""Overlap of two areas of an image: the Jaccard index."""
 
 import cv2
 import numpy as np
@@ -9,29 +9,29 @@ from ..board import Board
 from ..view import View
 from .target import edge_points
 
-SCALE = 8
-"""Pixels of the image a pixel of the masks."""
+MASK_PX = 8
+"""Side of a mask's pixel, px of the image."""
 
 
-def jaccard(one: Array, other: Array, img_size: tuple[int, int]) -> float:
+def jaccard_index(one: Array, other: Array, img_size: tuple[int, int]) -> float:
     """Area of the intersection / area of the union of two polygons (m, 2) px, inside the image."""
-    first, second = mask(one, img_size), mask(other, img_size)
+    first, second = rasterize(one, img_size), rasterize(other, img_size)
     union = int(np.count_nonzero(first | second))
     return float(np.count_nonzero(first & second) / union) if union else 0.0
 
 
-def mask(polygon: Array, img_size: tuple[int, int]) -> npt.NDArray[np.uint8]:
-    """Inside of a polygon (m, 2) px, as (h / SCALE, w / SCALE) of 0 and 1."""
+def rasterize(polygon: Array, img_size: tuple[int, int]) -> npt.NDArray[np.uint8]:
+    """Rasterize the inside of a polygon (m, 2) px: a mask (h / MASK_PX, w / MASK_PX) of 0 and 1."""
     w, h = img_size
-    picture = np.zeros((-(-h // SCALE), -(-w // SCALE)), dtype=np.uint8)
+    picture = np.zeros((-(-h // MASK_PX), -(-w // MASK_PX)), dtype=np.uint8)
     if len(polygon) >= 3:
-        corners = np.clip(polygon / SCALE, -1e4, 1e4)
+        corners = np.clip(polygon / MASK_PX, -1e4, 1e4)
         cv2.fillPoly(picture, [np.round(corners * 16).astype(np.int32)], 1, shift=4)
     return picture
 
 
-def seen_outline(board: Board, view: View) -> Array:
-    """Where the board's edge (m, 2) px lies by the corners seen, as far as a homography tells."""
+def estimate_outline(board: Board, view: View) -> Array:
+    """Estimate the board's edge (m, 2) px from the corners of a view, by a homography."""
     p, q = view.object_points[:, :2], view.image_points
     h, _ = cv2.findHomography(p, q, 0)
     if h is None:

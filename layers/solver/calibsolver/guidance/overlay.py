@@ -1,4 +1,4 @@
-"""The picture of a target pose: the board through the full camera model."""
+"""Overlay: picture of a target pose, drawn through the full camera model."""
 
 import math
 from functools import lru_cache
@@ -14,26 +14,25 @@ from ..board import Board
 from ..camera import Camera
 from .target import TargetPose
 
-STRIDES = (16, 8)
-"""Pixels between the rays that are computed, to a few hundredths of a pixel interpolated between them; the
-narrower one where the board reaches the end of the model's domain, and is drawn up to there."""
-FAR = 1e4
-"""Texture coordinates where there is no board: outside, and within the range of fixed-point maps."""
-SQUARE = 32
-"""Texture pixels a square, at least."""
-QUALITIES = (45, 30, 15)
-MOST_PIXELS = 12_000_000
-"""A larger picture is drawn smaller, in the same shape, and is stretched by whoever shows it."""
-MOST_BYTES = 60_000
-"""A JPEG of a finer board is coded more coarsely until it is no larger than this."""
+STRIDES_PX = (16, 8)
+"""Spacing of the rays that are computed; interpolation between them is right to a few hundredths of a pixel.
+The smaller one serves where the board reaches the end of the model's domain, and is drawn up to there."""
+OFF_BOARD = 1e4
+"""Texture coordinate of pixels without a board: outside it, and within the range of fixed-point maps."""
+MIN_TEXTURE_PX_PER_SQUARE = 32
+JPEG_QUALITIES = (45, 30, 15)
+MAX_PICTURE_PX = 12_000_000
+"""Pixels of a picture; a larger one is drawn smaller, in the same shape, and its reader scales it up."""
+MAX_JPEG_BYTES = 60_000
+"""Size from which a JPEG is coded again at the next lower quality."""
 
 Picture = npt.NDArray[np.uint8]
 
-LEVEL = np.arange(256, dtype=np.uint8)
-COLORS: Picture = np.where(LEVEL[:, None] > 0, np.stack([255 - LEVEL, LEVEL, 255 - LEVEL], axis=1), 0).astype(
-    np.uint8
-)[:, None]
-"""Blue, green, red (256, 1, 3) of a level: black without a board, then from magenta to green."""
+GRAY_LEVELS = np.arange(256, dtype=np.uint8)
+COLOR_MAP: Picture = np.where(
+    GRAY_LEVELS[:, None] > 0, np.stack([255 - GRAY_LEVELS, GRAY_LEVELS, 255 - GRAY_LEVELS], axis=1), 0
+).astype(np.uint8)[:, None]
+"""Blue, green, red (256, 1, 3) of a gray level: black without a board, then from magenta to green."""
 
 
 def render(
@@ -52,30 +51,32 @@ def render(
     w, h = drawn = drawn_size(camera.img_size)
     scale = np.array(camera.img_size) / drawn
     canvas = np.zeros((h, w), dtype=np.uint8)
-    box = bounds(reduced(target.outline, scale), drawn)
+    box = bounding_box(to_picture_px(target.outline, scale), drawn)
     if box is not None:
         x0, y0, x1, y1 = box
         # Fixed-point maps are read twice as fast, to a 32nd of a pixel of the texture.
         place, part = cv2.convertMaps(
-            board_coordinates(camera, target, box, resolution(board), scale), np.empty(0), cv2.CV_16SC2
+            texture_coordinates(camera, target, box, texture_px_per_square(board), scale),
+            np.empty(0),
+            cv2.CV_16SC2,
         )
         canvas[y0:y1, x0:x1] = cv2.remap(
             texture(board), place, part, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0
         )
-    picture: Picture = np.asarray(cv2.applyColorMap(canvas, COLORS), dtype=np.uint8)
+    picture: Picture = np.asarray(cv2.applyColorMap(canvas, COLOR_MAP), dtype=np.uint8)
     if image_format == "png":
         alpha = cv2.threshold(canvas, 0, 255, cv2.THRESH_BINARY)[1]
         with_alpha = np.asarray(cv2.merge([*cv2.split(picture), alpha]), dtype=np.uint8)
-        return encoded(".png", with_alpha, [cv2.IMWRITE_PNG_COMPRESSION, 1])
-    for quality in QUALITIES:
-        data = encoded(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])
-        if len(data) <= MOST_BYTES:
+        return encode(".png", with_alpha, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+    for quality in JPEG_QUALITIES:
+        data = encode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])
+        if len(data) <= MAX_JPEG_BYTES:
             break
     return data
 
 
-def encoded(suffix: str, picture: Picture, options: list[int]) -> bytes:
-    """Return the picture as a file of that suffix."""
+def encode(suffix: str, picture: Picture, options: list[int]) -> bytes:
+    """Encode the picture as a file of that suffix."""
     ok, data = cv2.imencode(suffix, picture, options)
     if not ok:  # cannot happen with memory left
         raise MemoryError("the overlay could not be encoded")
@@ -83,20 +84,20 @@ def encoded(suffix: str, picture: Picture, options: list[int]) -> bytes:
 
 
 def drawn_size(img_size: tuple[int, int]) -> tuple[int, int]:
-    """Return the size at which the picture for an image of `img_size` is drawn, px."""
+    """Width and height, px, at which the picture for an image of `img_size` is drawn."""
     w, h = img_size
-    shrink = math.sqrt(min(1.0, MOST_PIXELS / (w * h)))
+    shrink = math.sqrt(min(1.0, MAX_PICTURE_PX / (w * h)))
     return (w, h) if shrink == 1 else (max(1, math.floor(w * shrink)), max(1, math.floor(h * shrink)))
 
 
-def reduced(points: Array, scale: Array) -> Array:
-    """Carry px of the image (m, 2) to those of a picture `scale` (2,) times smaller; centres are whole."""
-    carried: Array = (points + 0.5) / scale - 0.5
-    return carried if len(points) else points
+def to_picture_px(points: Array, scale: Array) -> Array:
+    """Convert px of the image (m, 2) to those of a picture `scale` (2,) times smaller."""
+    picture_px: Array = (points + 0.5) / scale - 0.5
+    return picture_px if len(points) else points
 
 
-def bounds(outline: Array, img_size: tuple[int, int]) -> tuple[int, int, int, int] | None:
-    """Part of the image (x0, y0, x1, y1) that holds an outline (m, 2) and a little more; None outside it."""
+def bounding_box(outline: Array, img_size: tuple[int, int]) -> tuple[int, int, int, int] | None:
+    """Bounding box (x0, y0, x1, y1) of an outline (m, 2) with a margin, in the image; None outside it."""
     w, h = img_size
     if not len(outline):
         return None
@@ -107,42 +108,42 @@ def bounds(outline: Array, img_size: tuple[int, int]) -> tuple[int, int, int, in
     return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
 
 
-def resolution(board: Board) -> int:
-    """Texture pixels a square: enough for one a cell of the smallest marker."""
-    return max(SQUARE, math.ceil((board.marker_size + 2) / board.marker_ratio))
+def texture_px_per_square(board: Board) -> int:
+    """Texture pixels per square: at least one per cell of a marker."""
+    return max(MIN_TEXTURE_PX_PER_SQUARE, math.ceil((board.marker_size + 2) / board.marker_ratio))
 
 
-def board_coordinates(
+def texture_coordinates(
     camera: Camera, target: TargetPose, box: tuple[int, int, int, int], square: int, scale: Array
 ) -> npt.NDArray[np.float32]:
-    """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; far outside where there are none.
+    """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; outside the texture where there are none.
 
     The box is of a picture `scale` (2,) times smaller than the image.
     """
-    for stride in STRIDES:
-        coarse = lattice_coordinates(camera, target, box, stride, scale) * square - 0.5
+    for stride in STRIDES_PX:
+        coarse = board_coordinates(camera, target, box, stride, scale) * square - 0.5
         if np.isfinite(coarse).all():
             break
     x0, y0, x1, y1 = box
     step = np.array([[1 / stride, 0, 0], [0, 1 / stride, 0]])
     fine = cv2.warpAffine(
-        np.clip(coarse, -FAR, FAR).astype(np.float32),
+        np.clip(coarse, -OFF_BOARD, OFF_BOARD).astype(np.float32),
         step,
         (x1 - x0, y1 - y0),
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_REPLICATE,
     )
     if not np.isfinite(coarse).all():
-        fine[~np.isfinite(fine)] = -FAR
+        fine[~np.isfinite(fine)] = -OFF_BOARD
     return np.asarray(fine, dtype=np.float32)
 
 
-def lattice_coordinates(
+def board_coordinates(
     camera: Camera, target: TargetPose, box: tuple[int, int, int, int], stride: int, scale: Array
 ) -> Array:
     """Board coordinates (rows, columns, 2), squares, of every `stride`-th pixel; NaN where there are none.
 
-    `box` and `scale` as of `board_coordinates`.
+    `box` and `scale` as of `texture_coordinates`.
     """
     x0, y0, x1, y1 = box
     columns, rows = -(-(x1 - x0) // stride) + 1, -(-(y1 - y0) // stride) + 1
@@ -160,12 +161,12 @@ def lattice_coordinates(
 
 @lru_cache(maxsize=16)
 def texture(board: Board) -> Picture:
-    """Draw the board, `resolution` px a square, (rows, columns): 1 black, 255 white, for 0 is no board."""
-    return np.maximum(image(board, resolution(board)), 1)
+    """Picture of the board (rows, columns) to sample from: 1 black, 255 white; 0 means no board."""
+    return np.maximum(draw_board(board, texture_px_per_square(board)), 1)
 
 
-def image(board: Board, square: int) -> Picture:
-    """Black and white picture of the whole board without margin, `square` px a square."""
+def draw_board(board: Board, square: int) -> Picture:
+    """Draw the whole board in black and white, without margin, `square` px per square."""
     w, h = board.size
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
     charuco = cv2.aruco.CharucoBoard((w, h), 1.0, board.marker_ratio, dictionary)

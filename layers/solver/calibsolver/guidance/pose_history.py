@@ -1,4 +1,4 @@
-"""What a session has shown of what this user can hold and this camera can see."""
+"""Poses of a session so far: what this user could hold, and how noisy this camera's corners were there."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,31 +10,31 @@ from ..arrays import Array
 from ..board import Board
 from ..camera import Camera
 from ..fitting.calibration import Calibration
-from .belief import LEAST_NOISE
-from .candidates import Range
+from .candidates import PoseLimits
 from .hints import Placement
+from .posterior import MIN_NOISE_WIDTHS
 from .target import TargetPose
 
-WIDE, OBLIQUE = 0.75, 45.0
-"""Apparent width / image, and tilt, degrees, beyond which fixed-focus lenses blur and glossy boards shine."""
-UNPROVEN = 1.1
-"""Times the noise that is expected beyond these until a view has shown that it holds there."""
-WORSE = 1.35
-"""Times the noise of the best from which a view says that its kind is bad, not that it was unlucky."""
+CLOSE_UP_WIDTH, STEEP_TILT_DEG = 0.75, 45.0
+"""Apparent width / image, and tilt, from which fixed-focus lenses blur and glossy boards reflect."""
+UNPROVEN_NOISE_FACTOR = 1.1
+"""Noise expected beyond these, until a view has been there / noise of the best view."""
+MIN_BAD_NOISE_FACTOR = 1.35
+"""Noise of a view / noise of the best, from which poses like it are bad, not this one by chance."""
 RETREAT = 0.8
-"""Share of an unreached target's tilt or width that is asked for at most afterwards."""
-GENTLE_TILT, GENTLE_WIDTH = 25.0, 0.6
-"""What can always be asked for."""
+"""Share of an unreached target's tilt or width that later targets may have."""
+EASY_TILT_DEG, EASY_WIDTH = 25.0, 0.6
+"""Tilt and apparent width that can always be asked for."""
 
 
 @dataclass(frozen=True, eq=False)
-class Experience:
-    """Tilt (degrees), width (board / image) and noise (1: like the best) of views; targets not reached.
+class PoseHistory:
+    """Tilt, width and noise of the views of a session, and tilt and width of targets not reached.
 
     Attributes
     ----------
     tilt, width, noise
-        (v,)
+        (v,) degrees; apparent length of the board's longer side / the image's; noise / that of the best view.
     unreached
         (m, 2) tilt and width of targets that were given up.
     """
@@ -49,55 +49,56 @@ class Experience:
         cls,
         board: Board,
         camera: Camera,
-        focal: float,
         calibration: Calibration | None,
         unreached: Sequence[TargetPose],
-    ) -> "Experience":
-        """Gather it from a calibration's views and from targets given up, seen by `camera` of `focal` px."""
+    ) -> "PoseHistory":
+        """History of a calibration's views and of targets given up, as `camera` sees them."""
         rt = np.empty((0, 6)) if calibration is None else calibration.poses
         given_up = np.array([[*t.rvec, *t.tvec] for t in unreached]).reshape(-1, 6)
-        shapes = [
-            shape(Placement.of(board, camera, rotation.matrix(pose[:3]), pose[3:]), board, focal, camera)
+        tilts_and_widths = [
+            tilt_and_width(Placement.of(board, camera, rotation.matrix(pose[:3]), pose[3:]), board, camera)
             for pose in np.concatenate([rt, given_up])
         ]
-        tilt, width = np.array(shapes).reshape(-1, 2).T
+        tilt, width = np.array(tilts_and_widths).reshape(-1, 2).T
         noise = np.ones(len(rt))
         if calibration is not None:
             pairs = zip(calibration.residuals, calibration.used, strict=True)
-            # Six points say nothing: some pose fits them. Nor does noise below any detector's.
+            # Six points tell nothing: some pose fits them. Nor does noise below any detector's.
             enough = [(i, e[u]) for i, (e, u) in enumerate(pairs) if u.sum() > 6]
-            seen = np.array([np.sqrt(np.mean(e**2)) for _, e in enough])
-            seen = np.maximum(seen, LEAST_NOISE * camera.img_size[0])
-            noise[[i for i, _ in enough]] = seen / seen.min(initial=np.inf)
+            rms = np.array([np.sqrt(np.mean(e**2)) for _, e in enough])
+            rms = np.maximum(rms, MIN_NOISE_WIDTHS * camera.img_size[0])
+            noise[[i for i, _ in enough]] = rms / rms.min(initial=np.inf)
         v = len(rt)
         return cls(tilt[:v], width[:v], noise, np.stack([tilt[v:], width[v:]], axis=1))
 
-    def within(self, limits: Range) -> Range:
-        """Return `limits` without what could not be reached, unless a view has reached it since."""
-        tilt, (low, width) = limits.tilt, limits.width
+    def restrict(self, limits: PoseLimits) -> PoseLimits:
+        """Tighten `limits` to exclude poses as hard as those not reached, unless a view has been there."""
+        tilt, (low, width) = limits.max_tilt_deg, limits.width
         for t, w in self.unreached:
-            # Both are drawn in: nobody says which of them it was.
-            if t > OBLIQUE:
-                tilt = min(tilt, max(RETREAT * t, GENTLE_TILT, self.tilt.max(initial=0)))
-            if w > WIDE:
-                width = min(width, max(RETREAT * w, GENTLE_WIDTH, self.width.max(initial=0)))
-        return replace(limits, tilt=float(tilt), width=(low, float(max(width, low))))
+            # Both are reduced: it is unknown which of them was too hard.
+            if t > STEEP_TILT_DEG:
+                tilt = min(tilt, max(RETREAT * t, EASY_TILT_DEG, self.tilt.max(initial=0)))
+            if w > CLOSE_UP_WIDTH:
+                width = min(width, max(RETREAT * w, EASY_WIDTH, self.width.max(initial=0)))
+        return replace(limits, max_tilt_deg=float(tilt), width=(low, float(max(width, low))))
 
     def expected_noise(self, tilt: Array, width: Array) -> Array:
-        """Noise (c,) of poses of tilts and widths (c,), 1: like the best so far."""
+        """Noise (c,) to expect at poses of tilts and widths (c,) / noise of the best view."""
         factor = np.ones(len(tilt))
-        if self.tilt.max(initial=0) < OBLIQUE:
-            factor = np.where(tilt > OBLIQUE, UNPROVEN, factor)
-        if self.width.max(initial=0) < WIDE:
-            factor = np.where(width > WIDE, factor * UNPROVEN, factor)
+        if self.tilt.max(initial=0) < STEEP_TILT_DEG:
+            factor = np.where(tilt > STEEP_TILT_DEG, UNPROVEN_NOISE_FACTOR, factor)
+        if self.width.max(initial=0) < CLOSE_UP_WIDTH:
+            factor = np.where(width > CLOSE_UP_WIDTH, factor * UNPROVEN_NOISE_FACTOR, factor)
         for t, w, noise in zip(self.tilt, self.width, self.noise, strict=True):
-            if noise < WORSE:
+            if noise < MIN_BAD_NOISE_FACTOR:
                 continue
-            alike = ((t > OBLIQUE - 15) & (tilt > t - 5)) | ((w > WIDE) & (width > 0.9 * w))
-            factor = np.where(alike, np.maximum(factor, noise), factor)
+            steeper = (t > STEEP_TILT_DEG - 15) & (tilt > t - 5)
+            closer = (w > CLOSE_UP_WIDTH) & (width > 0.9 * w)
+            factor = np.where(steeper | closer, np.maximum(factor, noise), factor)
         return factor
 
 
-def shape(placement: Placement, board: Board, focal: float, camera: Camera) -> tuple[float, float]:
+def tilt_and_width(placement: Placement, board: Board, camera: Camera) -> tuple[float, float]:
     """Tilt, degrees, and apparent length of the board's longer side / the image's longer side."""
-    return placement.tilt, focal * max(board.size) / (placement.distance * max(camera.img_size))
+    width = camera.focal[0] * max(board.size) / (placement.distance * max(camera.img_size))
+    return placement.tilt, width

@@ -1,9 +1,10 @@
-"""The published method: one parameter at a time, until the last view of each helped little.
+"""Pose selection as published: one parameter at a time, until the last view of each helped little.
 
 Rojtberg & Kuijper, "Efficient Pose Selection for Interactive Camera Calibration" (ISMAR 2018) and "User
 Guidance for Interactive Camera Calibration" (2019), as the papers describe it: plain least squares after each
 view, the parameter with the largest index of dispersion next, tilted views for the intrinsics, views of the
-most distorted part of the image for the coefficients. Offered as a peer; everything follows from the views.
+most distorted part of the image for the coefficients. It is a baseline for the default guidance; its state
+follows from the views.
 """
 
 from collections.abc import Sequence
@@ -19,41 +20,55 @@ from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..view import View
-from .distorted_region import Box, next_region
-from .hints import Placement, turn_to
-from .overlap import jaccard, seen_outline
+from .distorted_region import Box, find_next_region
+from .hints import Placement
+from .overlap import estimate_outline, jaccard_index
 from .target import TargetPose
 
-DISTANCE = 1.6
-"""Board lengths at which tilted poses stand, whatever the lens."""
-MOST_TILT = 70.0
-"""Degrees to either side, subdivided."""
-SHIFT = 0.05
-"""Of the image, by which the board is moved for the principal point."""
-OVERLAP = 0.85
+DISTANCE_LENGTHS = 1.6
+"""Distance of tilted boards / their length, whatever the lens."""
+TILT_RANGE_DEG = 70.0
+"""Tilt to either side, subdivided."""
+SHIFT_SHARE = 0.05
+"""Share of the image by which the board is moved for the principal point."""
+MIN_OVERLAP = 0.85
 """Jaccard index of target and observed board from which a target is reached."""
-SETTLED = 0.10
-"""Relative fall of a standard deviation below which the parameter is done."""
-POINTS = (27, 27, 15)
-"""Corners that the first view, the second and every later one must have."""
-FIRST_FOCAL = 1000 / 1280
-"""Focal length / image width that is assumed at first."""
+CONVERGED_DECREASE = 0.10
+"""Relative decrease of a standard deviation below which the parameter has converged."""
+MIN_REACHED_CORNERS = 15
+"""Corners that a view must show to reach its target."""
+INITIAL_FOCAL_WIDTHS = 1000 / 1280
+"""Focal length / image width that is assumed before the first fit."""
 INTRINSICS = ("fx", "fy", "cx", "cy")
 
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """Where the method stands: parameters done, how often each was aimed at, regions shown, the last fit."""
+    """Progress of the method after some views.
 
-    done: frozenset[int]
-    aimed: tuple[int, ...]
-    shown: tuple[Box, ...]
+    Attributes
+    ----------
+    converged
+        Indices of the parameters that have converged.
+    target_counts
+        (p,) targets that each parameter has had.
+    covered
+        Regions of the image that targets for the distortion have covered.
+    calibration
+        The last fit; None where it failed.
+    next_parameter
+        Index of the parameter that the next target is for; None where all have converged.
+    """
+
+    converged: frozenset[int]
+    target_counts: tuple[int, ...]
+    covered: tuple[Box, ...]
     calibration: Calibration | None
-    next: int | None
+    next_parameter: int | None
 
 
 class PoseSelection:
-    """The guidance of the published method; see the module's docstring. `seed` is not used."""
+    """Guidance by the published method; see the module's docstring. `seed` is not used."""
 
     def __init__(
         self,
@@ -80,36 +95,40 @@ class PoseSelection:
         step = (len(views) + len(skipped)) if len(views) < 2 else len(views)
         if step == 0:
             r = rotation.matrix(np.radians([0, 45.0, 0])) @ rotation.matrix(np.radians([0, 0, 22.5]))
-            return self._target(r, self._apart(r), self.camera(views), "a first look")
+            return self._target(r, self._place_on_axis(r), self.camera(views), "a first look")
         if step == 1 or not views:
-            return self._facing(Box(0.0, 0.0, 1.0, 1.0), self.camera(views), "to fill the picture")
+            return self._fronto_parallel_target(
+                Box(0.0, 0.0, 1.0, 1.0), self.camera(views), "to fill the picture"
+            )
         progress = self.progress(views)
         camera = self.camera(views)
-        aimed = progress.next if progress.next is not None else 0
-        times = progress.aimed[aimed] + len(skipped)
-        if aimed >= len(INTRINSICS):
-            region = next_region(camera, (*progress.shown,))
-            return self._facing(region, camera, f"to measure {self.model.coefficients[aimed - 4]}")
+        parameter = progress.next_parameter if progress.next_parameter is not None else 0
+        times = progress.target_counts[parameter] + len(skipped)
+        if parameter >= len(INTRINSICS):
+            region = find_next_region(camera, progress.covered)
+            return self._fronto_parallel_target(
+                region, camera, f"to measure {self.model.coefficients[parameter - 4]}"
+            )
         # fx and cx are seen in a tilt about the upright axis, fy and cy in one about the other.
-        axis = np.array([0.0, 1.0, 0.0]) if aimed % 2 == 0 else np.array([1.0, 0.0, 0.0])
-        r = rotation.matrix(np.radians(subdivision(times)) * axis)
-        place = self._apart(r)
-        if aimed >= 2:
-            side = SHIFT * (1 if times % 2 == 0 else -1)
-            off = side * np.array(self.img_size) * axis[[1, 0]]
-            z = DISTANCE * max(self.board.size)
-            place = place + np.array([*(off / np.diagonal(camera.matrix)[:2] * z), 0.0])
-        return self._target(r, place, camera, f"to measure {INTRINSICS[aimed]}")
+        axis = np.array([0.0, 1.0, 0.0]) if parameter % 2 == 0 else np.array([1.0, 0.0, 0.0])
+        r = rotation.matrix(np.radians(subdivided_tilt_deg(times)) * axis)
+        t = self._place_on_axis(r)
+        if parameter >= 2:
+            side = SHIFT_SHARE * (1 if times % 2 == 0 else -1)
+            shift_px = side * np.array(self.img_size) * axis[[1, 0]]
+            z = DISTANCE_LENGTHS * max(self.board.size)
+            t = t + np.array([*(shift_px / np.diagonal(camera.matrix)[:2] * z), 0.0])
+        return self._target(r, t, camera, f"to measure {INTRINSICS[parameter]}")
 
-    def reached(self, target: TargetPose, view: View) -> bool:
+    def is_reached(self, target: TargetPose, view: View) -> bool:
         """Whether the board lies where the target does, and enough of it was seen."""
-        if len(view) < min(POINTS[-1], self.board.corner_count):
+        if len(view) < min(MIN_REACHED_CORNERS, self.board.corner_count):
             return False
-        return jaccard(target.outline, seen_outline(self.board, view), self.img_size) > OVERLAP
+        return jaccard_index(target.outline, estimate_outline(self.board, view), self.img_size) > MIN_OVERLAP
 
-    def done(self, views: Sequence[View]) -> bool:
-        """Whether the method stops: every parameter is done."""
-        return len(views) >= 2 and self.progress(views).next is None
+    def is_done(self, views: Sequence[View]) -> bool:
+        """Whether the method stops: every parameter has converged."""
+        return len(views) >= 2 and self.progress(views).next_parameter is None
 
     def estimate(self, views: Sequence[View]) -> Calibration | None:
         """Fit as the method does: plain least squares; None where that fails."""
@@ -119,57 +138,57 @@ class PoseSelection:
             return None
 
     def progress(self, views: Sequence[View]) -> Progress:
-        """Replay the method over `views`; what was replayed before is remembered."""
+        """Replay the method over `views`; steps that were replayed before are cached."""
         known = 0
         while known < min(len(views), len(self._steps)) and self._steps[known][0] is views[known]:
             known += 1
         del self._steps[known:]
         for i in range(known, len(views)):
             last = self._steps[-1][1] if self._steps else None
-            self._steps.append((views[i], self._step(list(views[: i + 1]), last)))
+            self._steps.append((views[i], self._advance(list(views[: i + 1]), last)))
         return self._steps[-1][1]
 
-    def _step(self, views: list[View], last: Progress | None) -> Progress:
+    def _advance(self, views: list[View], last: Progress | None) -> Progress:
         size = self.model.size
         calibration = self.estimate(views) if len(views) >= 2 else None
         if last is None or last.calibration is None or calibration is None:
-            chosen = None if calibration is None else self._widest(calibration, frozenset())
+            chosen = None if calibration is None else self._most_dispersed(calibration, frozenset())
             return Progress(frozenset(), (0,) * size, (), calibration, 0 if chosen is None else chosen)
-        done, aimed, shown = set(last.done), list(last.aimed), last.shown
-        if last.next is not None:
-            aimed[last.next] += 1
-            group = range(4) if last.next < 4 else range(4, size)
-            if last.next >= 4:
-                shown = (*shown, next_region(last.calibration.camera, last.shown))
+        converged, counts, covered = set(last.converged), list(last.target_counts), last.covered
+        if last.next_parameter is not None:
+            counts[last.next_parameter] += 1
+            group = range(4) if last.next_parameter < 4 else range(4, size)
+            if last.next_parameter >= 4:
+                covered = (*covered, find_next_region(last.calibration.camera, last.covered))
             std, before = (np.sqrt(np.diagonal(c.covariance)) for c in (calibration, last.calibration))
-            fallen = 1 - std / np.maximum(before, 1e-300)
-            done |= {i for i in group if 0 <= fallen[i] <= SETTLED}
-        chosen = self._widest(calibration, frozenset(done))
-        return Progress(frozenset(done), tuple(aimed), shown, calibration, chosen)
+            decrease = 1 - std / np.maximum(before, 1e-300)
+            converged |= {i for i in group if 0 <= decrease[i] <= CONVERGED_DECREASE}
+        chosen = self._most_dispersed(calibration, frozenset(converged))
+        return Progress(frozenset(converged), tuple(counts), covered, calibration, chosen)
 
-    def _widest(self, calibration: Calibration, done: frozenset[int]) -> int | None:
-        """Return the parameter with the largest index of dispersion, variance / |value|, not yet done."""
+    def _most_dispersed(self, calibration: Calibration, converged: frozenset[int]) -> int | None:
+        """Parameter with the largest index of dispersion, variance / |value|, not yet converged."""
         variance = np.diagonal(calibration.covariance)
         dispersion = variance / np.maximum(np.abs(calibration.camera.intrinsics), 1e-12)
-        left = [i for i in range(self.model.size) if i not in done]
+        left = [i for i in range(self.model.size) if i not in converged]
         return max(left, key=lambda i: float(dispersion[i])) if left else None
 
     def camera(self, views: Sequence[View]) -> Camera:
-        """Return the camera that the method believes in: nothing before the second view."""
+        """Camera that the method draws with: its last fit, or an assumed one before the second view."""
         if len(views) >= 2:
             calibration = self.progress(views).calibration
             if calibration is not None:
                 return calibration.camera
-        k = self.model.start(FIRST_FOCAL * self.img_size[0], self.img_size)
+        k = self.model.start(INITIAL_FOCAL_WIDTHS * self.img_size[0], self.img_size)
         return Camera.from_intrinsics(self.model.name, k, self.img_size)
 
-    def _apart(self, r: Array) -> Array:
-        """Return the translation that puts the board's centre on the axis, DISTANCE away."""
-        center = np.array([0.0, 0.0, DISTANCE * max(self.board.size)])
-        place: Array = center - r @ self.board.outline.mean(axis=0)
-        return place
+    def _place_on_axis(self, r: Array) -> Array:
+        """Put the board's centre on the axis, DISTANCE_LENGTHS away: the translation (3,)."""
+        center = np.array([0.0, 0.0, DISTANCE_LENGTHS * max(self.board.size)])
+        t: Array = center - r @ self.board.outline.mean(axis=0)
+        return t
 
-    def _facing(self, box: Box, camera: Camera, purpose: str) -> TargetPose:
+    def _fronto_parallel_target(self, box: Box, camera: Camera, purpose: str) -> TargetPose:
         """Fronto-parallel target that fills a part of the image as far as its shape allows."""
         (w, h), (columns, rows) = self.img_size, self.board.size
         width = min(box.width * w, box.height * h * columns / rows)
@@ -177,7 +196,7 @@ class PoseSelection:
         ray = camera.unproject(middle)[0]
         if not np.isfinite(ray).all():
             ray = np.array([0.0, 0.0, 1.0])
-        r = rotation.matrix(turn_to(ray))
+        r = rotation.rotation_to_ray(ray)
         distance = columns * camera.matrix[0, 0] / width
         return self._target(r, ray * distance - r @ self.board.outline.mean(axis=0), camera, purpose)
 
@@ -189,13 +208,13 @@ class PoseSelection:
         return TargetPose.seen(self.board, camera, r, t, purpose, 0.0, last)
 
 
-def subdivision(times: int) -> float:
-    """Return the angle, degrees, at which a parameter is aimed at for the n-th time: -35, 35, -52.5, ..."""
+def subdivided_tilt_deg(times: int) -> float:
+    """Tilt of the target after `times` earlier ones for a parameter: -35, 35, -52.5, ..."""
     depth, place = 1, times
     while place >= 2**depth:
         place -= 2**depth
         depth += 1
     # Within a level from the outside in, sides in turn: the widest angles tell most.
-    steps = 2 * MOST_TILT / 2 ** (depth + 1)
-    angles = [-MOST_TILT + steps * (2 * i + 1) for i in range(2**depth)]
+    steps = 2 * TILT_RANGE_DEG / 2 ** (depth + 1)
+    angles = [-TILT_RANGE_DEG + steps * (2 * i + 1) for i in range(2**depth)]
     return float(sorted(angles, key=lambda a: (-abs(a), a))[place])

@@ -1,4 +1,4 @@
-"""What is known of a camera's intrinsics: the prior, or a calibration."""
+"""Posterior of a camera's intrinsics: mean and Fisher information after the prior alone, or a calibration."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,18 +11,33 @@ from ..camera import Camera
 from ..fitting import prior, uncertainty
 from ..fitting.calibration import Calibration
 from ..models import Model
-from .candidates import Sight
+from .candidates import RayGrid
 
-GRID = (12, 9)
-NOMINAL_NOISE = 0.3 / 1280
-"""Standard deviation of a corner's coordinate / image width, before anything was measured."""
-LEAST_NOISE = 0.05 / 1280
-"""No detector is better than this; views that fit by luck do not promise it either."""
+ERROR_GRID = (12, 9)
+"""Columns and rows of pixels over which the projection error is averaged."""
+NOMINAL_NOISE_WIDTHS = 0.3 / 1280
+"""Standard deviation of a corner's coordinate / image width, before any measurement."""
+MIN_NOISE_WIDTHS = 0.05 / 1280
+"""The same of the best detector: residuals that are smaller by chance do not promise more."""
 
 
 @dataclass(frozen=True, eq=False)
-class Belief:
-    """What is known of the intrinsics: values (p,), information (p, p), and noise of a corner, px."""
+class IntrinsicsPosterior:
+    """Normal distribution of the intrinsics.
+
+    Attributes
+    ----------
+    model
+        The distortion model.
+    k
+        (p,) mean of the intrinsics.
+    information
+        (p, p) Fisher information, the inverse of their covariance.
+    noise
+        Standard deviation of a corner's coordinate, px.
+    img_size
+        Width and height, px.
+    """
 
     model: Model
     k: Array
@@ -33,45 +48,45 @@ class Belief:
     @classmethod
     def of(
         cls,
-        model: str,
+        model_name: str,
         img_size: tuple[int, int],
         calibration: Calibration | None,
-        known: Camera | None = None,
-    ) -> "Belief":
-        """From a calibration, or from the model's prior alone, about a camera `known` from elsewhere if any.
+        seed: Camera | None = None,
+    ) -> "IntrinsicsPosterior":
+        """Posterior after a calibration, or the prior alone, around a `seed` camera if there is one.
 
-        What others measured says where to begin, and no more: how sure one may be of it is not believed.
+        A seed is where the search begins. Its uncertainty is not used: the information is the prior's.
         """
-        law = models.get(model)
+        model = models.get(model_name)
         w = img_size[0]
         if calibration is None:
-            k = law.start(law.prior.focal * w, img_size)
-            if known is not None and (known.model, known.img_size) == (model, img_size):
-                k = known.intrinsics
-            return cls(law, k, prior.information(law, k, img_size), NOMINAL_NOISE * w, img_size)
+            k = model.start(model.prior.focal * w, img_size)
+            if seed is not None and (seed.model, seed.img_size) == (model_name, img_size):
+                k = seed.intrinsics
+            return cls(model, k, prior.information(model, k, img_size), NOMINAL_NOISE_WIDTHS * w, img_size)
         k = calibration.camera.intrinsics
-        noise = max(calibration.noise, LEAST_NOISE * w)
+        noise = max(calibration.noise, MIN_NOISE_WIDTHS * w)
         covariance = calibration.covariance * (noise / max(calibration.noise, 1e-12)) ** 2
-        return cls(law, k, symmetric_inverse(covariance), noise, img_size)
+        return cls(model, k, symmetric_inverse(covariance), noise, img_size)
 
-    @property
+    @cached_property
     def camera(self) -> Camera:
-        """The camera at the believed intrinsics."""
+        """Camera at the mean of the intrinsics."""
         return Camera.from_intrinsics(self.model.name, self.k, self.img_size)
 
     @cached_property
-    def sight(self) -> Sight:
-        """Rays over the image."""
-        return Sight.of(self.model, self.k, self.img_size)
+    def rays(self) -> RayGrid:
+        """Rays over the image at the mean of the intrinsics."""
+        return RayGrid.of(self.camera)
 
     @cached_property
-    def weight(self) -> Array:
-        """W (p, p), see `uncertainty.weight`."""
-        return uncertainty.weight(uncertainty.sensitivity(self.model, self.k, self.img_size, GRID))
+    def error_metric(self) -> Array:
+        """W (p, p): trace(covariance W) is the mean square projection error, px^2; `uncertainty.weight`."""
+        return uncertainty.weight(uncertainty.sensitivity(self.model, self.k, self.img_size, ERROR_GRID))
 
     def gain(self, information: Array) -> float:
-        """Return how far views of `information` (p, p) at unit noise lower the mean square error, px^2."""
-        w = self.weight
+        """Decrease of the mean square error, px^2, by views of Fisher `information` (p, p) at unit noise."""
+        w = self.error_metric
         before = symmetric_inverse(self.information)
         after = symmetric_inverse(self.information + information / self.noise**2)
         return float(np.sum((before - after) * w))

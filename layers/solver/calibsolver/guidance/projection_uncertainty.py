@@ -1,10 +1,10 @@
-"""Where to hold the board next: there where the projection over the image gains most.
+"""Next-best view by projection uncertainty: the pose that reduces the projection error over the image most.
 
-A view adds its information S to that of the intrinsics; the mean square projection error over the image is
-trace(covariance W) (`uncertainty.weight`). Of some hundred poses that a person can hold the one is taken
-after which that is least. The idea of choosing views by expected error is AprilCal's (Richardson, Strom,
-Olson, IROS 2013) and Calibration Wizard's (Peng, Sturm, ICCV 2019); the measure, the error over the image
-up to a rotation, is mrcal's.
+A view adds its Fisher information S to that of the intrinsics; the mean square projection error over the
+image is trace(covariance W) (`uncertainty.weight`). Of some hundred poses that a person can hold, the one is
+chosen after which that error is least. The idea of choosing views by expected error is AprilCal's
+(Richardson, Strom, Olson, IROS 2013) and Calibration Wizard's (Peng, Sturm, ICCV 2019); the measure, the
+error over the image up to a rotation, is mrcal's.
 """
 
 from collections.abc import Sequence
@@ -20,25 +20,25 @@ from ..fitting import normal_equations
 from ..fitting.calibration import Calibration
 from ..view import View
 from . import candidates
-from .belief import Belief
-from .candidates import Lattice, Range
-from .experience import Experience
+from .candidates import CornerGrid, PoseLimits
 from .hints import Placement
-from .search import Search, information
+from .pose_history import PoseHistory
+from .posterior import IntrinsicsPosterior
+from .search import Search, fisher_information
 from .target import TargetPose
 
-ANY = Range(inside=0.0, oblique=90.0, spacing=0.0)
-"""Whatever comes: for a pose that has been chosen already."""
-PLENTY = 10
-"""Corners that a target shows at least, of a board that has so many: a hand misses by some."""
-EASY = Range(width=(0.45, 0.75), tilt=30.0, roll=15.0, inside=1.0)
-"""A pose for someone who could not reach the last one: little tilt, all of the board in the picture."""
-TIE = 1.02
-"""Scores within this factor of the best are as good: of these the pose nearest to the hand's is taken."""
-PLANNED = 2
-"""Views from which each is chosen by itself; before, the next and the one after it together."""
-ARM = 3.0
-"""Lengths of the board that it may be away, unless the lens is so long that it would not fit otherwise."""
+NO_LIMITS = PoseLimits(min_visible=0.0, max_incidence_deg=90.0, min_spacing=0.0)
+"""For a pose that is chosen already."""
+MIN_CORNERS = 10
+"""Corners that a target shows, of a board that has so many: a hand misses a pose by some."""
+EASY_LIMITS = PoseLimits(width=(0.45, 0.75), max_tilt_deg=30.0, max_roll_deg=15.0, min_visible=1.0)
+"""For a user who could not reach the last target: little tilt, all of the board in the picture."""
+TIE_RATIO = 1.02
+"""Score / best score of poses that count as equally good: of these the nearest to the last pose is chosen."""
+MAX_PAIRED_VIEWS = 2
+"""Views before which the next one and the one after it are chosen together; from then on, one by one."""
+MAX_DISTANCE_LENGTHS = 3.0
+"""Distance of the board / its length, unless the lens is so long that it would not fit otherwise."""
 
 
 class ProjectionUncertainty:
@@ -63,7 +63,7 @@ class ProjectionUncertainty:
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model)
         self.seed = seed
-        self._all = Lattice.of(board, None)
+        self._corners = CornerGrid.of(board, None)
 
     def next_pose(
         self,
@@ -71,7 +71,7 @@ class ProjectionUncertainty:
         calibration: Calibration | None,
         skipped: Sequence[TargetPose] = (),
         unreached: Sequence[TargetPose] = (),
-        limits: Range | None = None,
+        limits: PoseLimits | None = None,
     ) -> TargetPose:
         """Choose the pose of the next view.
 
@@ -84,93 +84,99 @@ class ProjectionUncertainty:
         skipped
             Targets the user could not reach: one unlike them is chosen, easy to hold and wholly visible.
         unreached
-            Targets given up earlier in this session: as far as they were hard, less is asked from now on.
+            Targets given up earlier in this session: from then on easier ones are chosen.
         limits
-            What may be asked of the user.
+            Limits of the pose; None: the usual ones, tightened by what was skipped or unreached.
         """
-        belief = Belief.of(self.model.name, self.img_size, calibration, self.seed)
-        # Estimates may be wild at first: what overflows is refused as invisible.
+        posterior = IntrinsicsPosterior.of(self.model.name, self.img_size, calibration, self.seed)
+        # First estimates may be far off: corners that overflow count as invisible.
         with np.errstate(all="ignore"):
             if not views and not skipped:
-                return self.first_pose(belief)
-            experience = Experience.of(self.board, belief.camera, belief.sight.focal, calibration, unreached)
-            limits = limits or experience.within(EASY if skipped else Range())
+                return self.first_pose(posterior)
+            history = PoseHistory.of(self.board, posterior.camera, calibration, unreached)
+            limits = limits or history.restrict(EASY_LIMITS if skipped else PoseLimits())
             last = None
             if calibration is not None:
                 r, t = rotation.matrix(calibration.poses[-1, :3]), calibration.poses[-1, 3:]
-                last = Placement.of(self.board, belief.camera, r, t)
-            ahead = 2 if 0 < len(views) < PLANNED else 1
-            return self.choose(belief, len(views), limits, ahead, tuple(skipped), experience, last)
+                last = Placement.of(self.board, posterior.camera, r, t)
+            ahead = 2 if 0 < len(views) < MAX_PAIRED_VIEWS else 1
+            return self.choose(posterior, len(views), limits, ahead, tuple(skipped), history, last)
 
-    def first_pose(self, belief: Belief) -> TargetPose:
-        """Easy: all of the board in the middle, two thirds of the image, tilted about a diagonal."""
-        return self._first(belief, belief)
+    def first_pose(self, posterior: IntrinsicsPosterior) -> TargetPose:
+        """First target, an easy one: all of the board, central, two thirds of the image, tilted."""
+        return self._first(posterior, posterior)
 
     def choose(
         self,
-        belief: Belief,
+        posterior: IntrinsicsPosterior,
         index: int,
-        limits: Range,
+        limits: PoseLimits,
         ahead: int = 1,
         skipped: tuple[TargetPose, ...] = (),
-        experience: Experience | None = None,
+        history: PoseHistory | None = None,
         last: Placement | None = None,
     ) -> TargetPose:
-        """Choose by what is believed, as the next of `ahead` views; `index` varies the search."""
-        whole = min(1.0, PLENTY / self.board.corner_count)
+        """Choose a target by the posterior, as the next of `ahead` views; `index` varies the search."""
+        min_visible = min(1.0, MIN_CORNERS / self.board.corner_count)
         low, high = limits.width
-        reach = belief.sight.focal / (ARM * max(self.img_size))
+        min_width = posterior.rays.focal / (MAX_DISTANCE_LENGTHS * max(self.img_size))
         limits = replace(
-            limits, inside=max(limits.inside, whole), width=(min(max(low, reach), max(low, 0.6 * high)), high)
+            limits,
+            min_visible=max(limits.min_visible, min_visible),
+            width=(min(max(low, min_width), max(low, 0.6 * high)), high),
         )
-        found = Search(self.board, belief, limits, skipped, experience).best(index, ahead)
+        found = Search(self.board, posterior, limits, skipped, history).best(index, ahead)
         if found is None:
-            return self._first(Belief.of(self.model.name, self.img_size, None, self.seed), belief)
+            before_views = IntrinsicsPosterior.of(self.model.name, self.img_size, None, self.seed)
+            return self._first(before_views, posterior)
         unit, score = found
-        ties = int(np.count_nonzero(score <= TIE * score.min()))  # none where rounding is all there is
+        ties = int(np.count_nonzero(score <= TIE_RATIO * score.min()))  # none where rounding is all there is
         unit = unit[np.argsort(score)][: max(ties, 1)]
-        poses = candidates.poses(unit, self.board, belief.sight, limits)
-        pick = 0 if last is None else int(np.argmin(self._way(poses, last)))
+        poses = candidates.poses_from_unit_cube(unit, self.board, posterior.rays, limits)
+        pick = 0 if last is None else int(np.argmin(self._movement(poses, last)))
         r, t = poses.r[pick], poses.t[pick]
-        s, _ = information(belief, normal_equations.Poses(r[None], t[None]), self._all, ANY)
-        gain = belief.gain(s[0])
-        return TargetPose.seen(self.board, belief.camera, r, t, self._purpose(belief, s[0]), gain, last)
+        s, _ = fisher_information(
+            posterior, normal_equations.Poses(r[None], t[None]), self._corners, NO_LIMITS
+        )
+        gain = posterior.gain(s[0])
+        purpose = self._purpose(posterior, s[0])
+        return TargetPose.seen(self.board, posterior.camera, r, t, purpose, gain, last)
 
-    def after(self, belief: Belief, target: TargetPose) -> Belief:
-        """Return what will be known after a view of the target."""
+    def predict_posterior(self, posterior: IntrinsicsPosterior, target: TargetPose) -> IntrinsicsPosterior:
+        """Predict the posterior after a view of the target."""
         poses = normal_equations.Poses(rotation.matrix(target.rvec[None]), target.tvec[None])
         with np.errstate(all="ignore"):
-            s, _ = information(belief, poses, self._all, ANY)
-        return replace(belief, information=belief.information + s[0] / belief.noise**2)
+            s, _ = fisher_information(posterior, poses, self._corners, NO_LIMITS)
+        return replace(posterior, information=posterior.information + s[0] / posterior.noise**2)
 
-    def _first(self, belief: Belief, known: Belief) -> TargetPose:
-        """Place the first pose by one belief; what it would bring is told by what is `known`."""
+    def _first(self, posterior: IntrinsicsPosterior, current: IntrinsicsPosterior) -> TargetPose:
+        """First target, placed by one posterior; its gain is that over the `current` one."""
         image, board = sorted(self.img_size), sorted(self.board.size)
         length = min(0.72, 0.72 * image[0] * board[1] / (image[1] * board[0]))
-        limits = Range(width=(length, length), tilt=44.0, roll=0.0)
+        limits = PoseLimits(width=(length, length), max_tilt_deg=44.0, max_roll_deg=0.0)
         unit = np.array([[0.5, 0.5, 0.5, 1.0, 0.82, 0.5]])
-        poses = candidates.poses(unit, self.board, belief.sight, limits)
-        s, _ = information(belief, poses, self._all, ANY)
+        poses = candidates.poses_from_unit_cube(unit, self.board, posterior.rays, limits)
+        s, _ = fisher_information(posterior, poses, self._corners, NO_LIMITS)
         return TargetPose.seen(
-            self.board, belief.camera, poses.r[0], poses.t[0], "a first look", known.gain(s[0])
+            self.board, posterior.camera, poses.r[0], poses.t[0], "a first look", current.gain(s[0])
         )
 
-    def _way(self, poses: normal_equations.Poses, last: Placement) -> Array:
-        """How far (c,) the hand moves: distance in squares of the board's length, and the change of tilt."""
+    def _movement(self, poses: normal_equations.Poses, last: Placement) -> Array:
+        """Movement (c,) of the hand: logarithm of the distances' ratio, and the change of the normal."""
         center = poses.r @ self.board.outline.mean(axis=0) + poses.t
-        far = np.abs(np.log(np.linalg.norm(center, axis=1) / last.distance))
-        lean = np.linalg.norm(poses.r[:, :, 2] - last.normal, axis=1)
-        way: Array = far + lean
-        return way
+        distance = np.abs(np.log(np.linalg.norm(center, axis=1) / last.distance))
+        tilt = np.linalg.norm(poses.r[:, :, 2] - last.normal, axis=1)
+        movement: Array = distance + tilt
+        return movement
 
-    def _purpose(self, belief: Belief, s: Array) -> str:
-        """Name the group of parameters that the view pins down most."""
-        before = symmetric_inverse(belief.information)
-        after = symmetric_inverse(belief.information + s / belief.noise**2)
-        left = np.diagonal(after) / np.diagonal(before)
+    def _purpose(self, posterior: IntrinsicsPosterior, s: Array) -> str:
+        """Purpose of a view of information s (p, p): the group of parameters that it improves most."""
+        before = symmetric_inverse(posterior.information)
+        after = symmetric_inverse(posterior.information + s / posterior.noise**2)
+        ratio = np.diagonal(after) / np.diagonal(before)
         groups = {
-            "the focal length": left[:2].min(),
-            "the centre of the image": left[2:4].min(),
-            "the distortion": left[4:].min(),
+            "the focal length": ratio[:2].min(),
+            "the centre of the image": ratio[2:4].min(),
+            "the distortion": ratio[4:].min(),
         }
         return f"to measure {min(groups, key=lambda name: float(groups[name]))}"

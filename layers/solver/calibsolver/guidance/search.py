@@ -1,4 +1,4 @@
-"""Looks for the poses after which the projection error is least, among those a person can hold."""
+"""Search for the next-best view: the candidate pose after which the projection error is least."""
 
 from dataclasses import dataclass
 
@@ -10,40 +10,50 @@ from ..board import Board
 from ..fitting import normal_equations
 from ..fitting.normal_equations import Poses
 from . import candidates
-from .belief import Belief
-from .candidates import Lattice, Range
-from .experience import Experience
+from .candidates import CornerGrid, PoseLimits
+from .pose_history import PoseHistory
+from .posterior import IntrinsicsPosterior
 from .target import TargetPose
 
-CANDIDATES = 128
-BEST, AROUND = 4, 16
-"""How many of the candidates are refined, and how many are tried around each."""
-WIDE = (0.3, 0.2, 0.14, 0.09, 0.05)
-NARROW = (0.2, 0.12, 0.06)
-"""How far around, in units of a candidate's range: in a search, and where many have been tried before."""
+CANDIDATE_COUNT = 128
+ELITE_COUNT, SAMPLES_PER_ELITE = 4, 16
+"""Candidates that are refined in a round, and samples around each of them."""
+SEARCH_RADII = (0.3, 0.2, 0.14, 0.09, 0.05)
+REFINEMENT_RADII = (0.2, 0.12, 0.06)
+"""Radii around the elite, in units of a candidate's range: in a new search, and among earlier candidates."""
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
-    """Candidates looked at: points (c, 6) of the unit cube, and what each tells, whitened (c, p, p)."""
+class Candidates:
+    """Evaluated candidates.
+
+    Attributes
+    ----------
+    unit
+        (c, 6) points of the unit cube.
+    information
+        (c, p, p) their Fisher information, whitened by that of the posterior.
+    """
 
     unit: Array
-    tells: Array
+    information: Array
 
-    def and_(self, other: "Tried") -> "Tried":
-        """Return both."""
-        return Tried(np.concatenate([self.unit, other.unit]), np.concatenate([self.tells, other.tells]))
+    def concat(self, other: "Candidates") -> "Candidates":
+        """Concatenate two sets of candidates."""
+        return Candidates(
+            np.concatenate([self.unit, other.unit]), np.concatenate([self.information, other.information])
+        )
 
-    def of(self, index: IntArray) -> "Tried":
-        """Return some."""
-        return Tried(self.unit[index], self.tells[index])
+    def take(self, index: IntArray) -> "Candidates":
+        """Select candidates by their indices."""
+        return Candidates(self.unit[index], self.information[index])
 
 
 def whitening(information: Array) -> Array:
-    """Return M (p, p) with M A M' = 1 for what is known, A (p, p).
+    """Whitening matrix M (p, p) of an information matrix A (p, p): M A M' = 1.
 
     Corners with hardly any noise leave some directions known so much better than others that rounding makes
-    A indefinite: of the worst it is then taken to say next to nothing.
+    A indefinite; then the eigenvalues of the worst directions are raised to a small positive number.
     """
     scale = 1 / np.sqrt(np.maximum(np.diagonal(information), 1e-300))
     unit = information * scale[:, None] * scale + 1e-13 * np.eye(len(scale))
@@ -55,134 +65,144 @@ def whitening(information: Array) -> Array:
 
 
 class Search:
-    """The cross-entropy method: spread widely, then ever closer around the best so far.
+    """Cross-entropy method: wide sampling, then ever closer samples around the best candidates (the elite).
 
-    Information is whitened by what is known before, so that nothing is badly scaled: with A = L L' known,
-    trace((A + S)^-1 W) = trace((1 + L^-1 S L^-T)^-1 L^-1 W L^-T).
+    Information is whitened by the posterior's, so that nothing is badly scaled: with A = L L' the posterior's
+    information and S a candidate's, trace((A + S)^-1 W) = trace((1 + L^-1 S L^-T)^-1 L^-1 W L^-T).
 
     Parameters
     ----------
     board
-        What is held.
-    belief
-        What is known of the camera.
+        The board.
+    posterior
+        Posterior of the camera's intrinsics.
     limits
-        What may be asked for.
+        Limits of the poses.
     skipped
         Targets that candidates must not resemble.
-    experience
-        What noise to expect of which pose; None where nothing is known.
+    history
+        Noise to expect by pose; None where no view has shown any.
     """
 
     def __init__(
         self,
         board: Board,
-        belief: Belief,
-        limits: Range,
+        posterior: IntrinsicsPosterior,
+        limits: PoseLimits,
         skipped: tuple[TargetPose, ...] = (),
-        experience: Experience | None = None,
+        history: PoseHistory | None = None,
     ) -> None:
         self.board = board
-        self.belief = belief
+        self.posterior = posterior
         self.limits = limits
         self.skipped = skipped
-        self.experience = experience
-        self.lattice = Lattice.of(board, 5)
-        self._whiten = whitening(belief.information)
-        self._weight = self._whiten @ belief.weight @ self._whiten.T
-        self._around = candidates.sequence(AROUND * BEST, 1) - 0.5
+        self.history = history
+        self.corners = CornerGrid.of(board, 5)
+        self._whiten = whitening(posterior.information)
+        self._metric = self._whiten @ posterior.error_metric @ self._whiten.T
+        self._offsets = candidates.r_sequence(SAMPLES_PER_ELITE * ELITE_COUNT, 1) - 0.5
 
-    def first(self, index: int) -> Tried:
-        """Try CANDIDATES poses from everywhere; `index` varies which."""
-        return self.tried(candidates.sequence(CANDIDATES, index + 7 * len(self.skipped)))
+    def sample(self, index: int) -> Candidates:
+        """Evaluate CANDIDATE_COUNT poses from all of the unit cube; `index` varies which."""
+        return self.evaluate(candidates.r_sequence(CANDIDATE_COUNT, index + 7 * len(self.skipped)))
 
-    def tried(self, unit: Array) -> Tried:
-        """Look at candidates (c, 6); those that may not be asked for are left out."""
-        belief = self.belief
-        poses = candidates.poses(unit, self.board, belief.sight, self.limits)
-        s, good = information(belief, poses, self.lattice, self.limits)
-        good &= candidates.in_front(poses, self.board, belief.sight)
+    def evaluate(self, unit: Array) -> Candidates:
+        """Evaluate candidates (c, 6); those outside the limits are left out."""
+        posterior = self.posterior
+        poses = candidates.poses_from_unit_cube(unit, self.board, posterior.rays, self.limits)
+        s, feasible = fisher_information(posterior, poses, self.corners, self.limits)
+        feasible &= candidates.is_in_front(poses, self.board, posterior.rays)
         for target in self.skipped:
-            good &= ~alike(poses, target, self.board)
-        use = np.flatnonzero(good)
-        noise = np.full(use.size, belief.noise)
-        if self.experience is not None:
-            noise *= self.experience.expected_noise(*candidates.shape(unit[use], self.limits))
-        return Tried(unit[use], self._whiten @ (s[use] / noise[:, None, None] ** 2) @ self._whiten.T)
+            feasible &= ~is_similar(poses, target, self.board)
+        use = np.flatnonzero(feasible)
+        noise = np.full(use.size, posterior.noise)
+        if self.history is not None:
+            tilt, width = candidates.tilt_and_width_from_unit_cube(unit[use], self.limits)
+            noise *= self.history.expected_noise(tilt, width)
+        return Candidates(unit[use], self._whiten @ (s[use] / noise[:, None, None] ** 2) @ self._whiten.T)
 
-    def score(self, tells: Array, also: Array | None = None) -> Array:
-        """Mean square projection error (c,) px^2 after candidates that tell (c, p, p), and `also` (p, p)."""
-        known = np.eye(len(self._weight)) if also is None else np.eye(len(self._weight)) + also
-        error: Array = np.einsum("cij,ij->c", np.linalg.inv(known + tells), self._weight)
+    def score(self, information: Array, other: Array | None = None) -> Array:
+        """Mean square projection error (c,) px^2 after candidates of information (c, p, p).
+
+        `other` (p, p) is the information of another view that is added to each.
+        """
+        known = np.eye(len(self._metric)) if other is None else np.eye(len(self._metric)) + other
+        error: Array = np.einsum("cij,ij->c", np.linalg.inv(known + information), self._metric)
         return error
 
     def refine(
-        self, tried: Tried, radii: tuple[float, ...], also: Array | None = None
-    ) -> tuple[Tried, Tried, Array]:
-        """Search around the best of those `tried`, after `also` (p, p): all, the last round, its scores."""
-        score = self.score(tried.tells, also)
-        everything, last = tried, tried
+        self, start: Candidates, radii: tuple[float, ...], other: Array | None = None
+    ) -> tuple[Candidates, Candidates, Array]:
+        """Search around the best candidates, beside another view of information `other` (p, p).
+
+        Returns all candidates, those of the last round, and the scores of the latter.
+        """
+        score = self.score(start.information, other)
+        evaluated, last = start, start
         for radius in radii:
             if not last.unit.size:
                 break
-            best = np.argsort(score)[:BEST]
-            near = np.repeat(last.unit[best], AROUND, axis=0)
-            near = near + 2 * radius * self._around[: len(near)]
+            elite = np.argsort(score)[:ELITE_COUNT]
+            near = np.repeat(last.unit[elite], SAMPLES_PER_ELITE, axis=0)
+            near = near + 2 * radius * self._offsets[: len(near)]
             near[:, 4] %= 1.0
-            new = self.tried(np.clip(near, 0.0, 1.0))
-            everything, last = everything.and_(new), last.of(best).and_(new)
-            score = np.concatenate([score[best], self.score(new.tells, also)])
-        return everything, last, score
+            new = self.evaluate(np.clip(near, 0.0, 1.0))
+            evaluated, last = evaluated.concat(new), last.take(elite).concat(new)
+            score = np.concatenate([score[elite], self.score(new.information, other)])
+        return evaluated, last, score
 
     def best(self, index: int, ahead: int) -> tuple[Array, Array] | None:
-        """Return the best candidates (c, 6) for the next of `ahead` views, 1 or 2, and their scores (c,).
+        """Find the best candidates (c, 6) for the next of `ahead` views, 1 or 2, and their scores (c,).
 
         The best single pose need not be one of the best two: the second is chosen to go with the first, and
-        then the first again to go with the second. The one that helps more by itself is asked for first.
+        then the first again to go with the second. The one that helps more by itself comes first.
         """
-        everything, last, score = self.refine(self.first(index), WIDE)
+        evaluated, last, score = self.refine(self.sample(index), SEARCH_RADII)
         if not last.unit.size:
             return None
         if ahead < 2:
             return last.unit, score
-        one = last.tells[int(np.argmin(score))]
-        everything, last, score = self.refine(everything, NARROW, one)
-        other, with_one = last.of(np.argsort(score)[:8]), float(score.min())
-        pair = other.tells[0]
-        _, last, score = self.refine(everything, NARROW, pair)
-        again = last.of(np.argsort(score)[:8])
-        if score.min() < with_one:
-            one = again.tells[0]
-        alone = self.score(np.stack([one, pair]))
+        first = last.information[int(np.argmin(score))]
+        evaluated, last, score = self.refine(evaluated, REFINEMENT_RADII, first)
+        second_best, second_score = last.take(np.argsort(score)[:8]), float(score.min())
+        second = second_best.information[0]
+        _, last, score = self.refine(evaluated, REFINEMENT_RADII, second)
+        first_best = last.take(np.argsort(score)[:8])
+        if score.min() < second_score:
+            first = first_best.information[0]
+        alone = self.score(np.stack([first, second]))
         if alone[1] < alone[0]:
-            return other.unit, self.score(other.tells, one)
-        return again.unit, self.score(again.tells, pair)
+            return second_best.unit, self.score(second_best.information, first)
+        return first_best.unit, self.score(first_best.information, second)
 
 
-def information(belief: Belief, poses: Poses, lattice: Lattice, limits: Range) -> tuple[Array, Mask]:
-    """Information (c, p, p) at unit noise of poses (c), and whether each may be asked for (0 where not)."""
-    p = poses.r @ lattice.points + poses.t[:, :, None]
-    q = belief.model.project(belief.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
-    seen, good = candidates.visible(
-        p, q, poses.r[:, :, 2], lattice, belief.model, belief.k, belief.img_size, limits
-    )
-    use = np.flatnonzero(good)
-    s = np.zeros((len(good), belief.model.size, belief.model.size))
+def fisher_information(
+    posterior: IntrinsicsPosterior, poses: Poses, corners: CornerGrid, limits: PoseLimits
+) -> tuple[Array, Mask]:
+    """Fisher information (c, p, p) of the intrinsics from views at poses (c), at noise of 1 px.
+
+    The poses are marginalised. Also returned is which poses (c,) respect the limits; others have 0.
+    """
+    p = poses.r @ corners.points + poses.t[:, :, None]
+    q = posterior.model.project(posterior.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
+    visible, feasible = candidates.check_visibility(p, q, poses.r[:, :, 2], corners, posterior.camera, limits)
+    use = np.flatnonzero(feasible)
+    s = np.zeros((len(feasible), posterior.model.size, posterior.model.size))
     if use.size:
         _, j = normal_equations.projection_jacobian(
-            belief.model, belief.k, Poses(poses.r[use], poses.t[use]), lattice.points
+            posterior.model, posterior.k, Poses(poses.r[use], poses.t[use]), corners.points
         )
-        seen = seen[use]
-        j = np.where(seen[:, None, None, :], j, 0.0)
-        s[use] = normal_equations.fisher_information(j, seen.astype(np.float64) * lattice.share)
-    return s, good
+        visible = visible[use]
+        j = np.where(visible[:, None, None, :], j, 0.0)
+        s[use] = normal_equations.fisher_information(j, visible.astype(np.float64) * corners.multiplicity)
+    return s, feasible
 
 
-def alike(poses: Poses, target: TargetPose, board: Board) -> Mask:
-    """Whether poses (c) are much like a target: normals within 20 degrees, centres within 1.5 squares."""
+def is_similar(poses: Poses, target: TargetPose, board: Board) -> Mask:
+    """Whether poses (c) resemble a target: normals within 20 degrees, centres within 1.5 squares."""
     r = rotation.matrix(target.rvec)
     center = board.outline.mean(axis=0)
-    place = np.linalg.norm(poses.r @ center + poses.t - (r @ center + target.tvec), axis=1)
-    angle = poses.r[:, :, 2] @ r[:, 2]
-    same: Mask = (angle > np.cos(np.radians(20))) & (place < 1.5)
-    return same
+    distance = np.linalg.norm(poses.r @ center + poses.t - (r @ center + target.tvec), axis=1)
+    cos_angle = poses.r[:, :, 2] @ r[:, 2]
+    similar: Mask = (cos_angle > np.cos(np.radians(20))) & (distance < 1.5)
+    return similar

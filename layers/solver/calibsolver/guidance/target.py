@@ -1,4 +1,4 @@
-"""Where the user is asked to hold the board."""
+"""Target pose: where the user is asked to hold the board."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from .. import rotation
-from ..arrays import Array, frozen
+from ..arrays import Array, Mask, frozen
 from ..board import Board
 from ..camera import Camera
-from .hints import TEXTS, Code, Hint, Placement, between
+from .hints import TEXTS, Code, Hint, Placement, largest_difference
 
 EDGE_SAMPLES = 12
-"""Points along one edge of an outline: a bent edge is drawn to a fraction of a pixel."""
+"""Points along one edge of an outline: enough to draw a curved edge to a fraction of a pixel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +32,9 @@ class TargetPose:
         (m, 2) px, the board's edge, distortion included, clockwise on the board; parts outside the model's
         one-to-one domain are left out, parts outside the image are not.
     purpose
-        What the view is for, one English phrase.
+        Purpose of the view, one English phrase.
     hint, hint_code
-        What to do next, in English and as a code (`hints.Code`): what differs most from where the board was.
+        Hint in English and as a code (`hints.Code`): the largest difference from the last placement.
     gain
         px^2, by how much the mean square projection error over the image is predicted to fall.
     """
@@ -65,13 +65,13 @@ class TargetPose:
         gain: float,
         last: Placement | None = None,
     ) -> "TargetPose":
-        """Target at rotation (3, 3) and translation (3,) as `camera` would see it; `last`: where it was."""
+        """Target at rotation (3, 3) and translation (3,) as `camera` sees it; `last`: last placement."""
         q = camera.project(board.points @ r.T + t)
         inside = in_image(q, camera.img_size)
         edge = camera.project(edge_points(board) @ r.T + t)
         hint = Hint.of("first")
         if last is not None:
-            hint = between(last, Placement.of(board, camera, r, t), camera.img_size[0])
+            hint = largest_difference(last, Placement.of(board, camera, r, t), camera.img_size[0])
         return cls(
             rvec=rotation.vector(r),
             tvec=t,
@@ -114,15 +114,16 @@ class TargetPose:
         )
 
 
-def in_image(q: Array, img_size: tuple[int, int], margin: float = 0.0) -> Any:
+def in_image(q: Array, img_size: tuple[int, int], margin: float = 0.0) -> Mask:
     """Whether pixels (..., 2) lie in the image, at least `margin` px from its border; NaN does not."""
     w, h = img_size
     x, y = q[..., 0], q[..., 1]
-    return (x >= margin) & (y >= margin) & (x <= w - 1 - margin) & (y <= h - 1 - margin)
+    inside: Mask = (x >= margin) & (y >= margin) & (x <= w - 1 - margin) & (y <= h - 1 - margin)
+    return inside
 
 
 def edge_points(board: Board) -> Array:
-    """Points along the board's edge (4 * EDGE_SAMPLES, 3), board frame, clockwise from the top left."""
+    """Points along the board's edge, (4 * EDGE_SAMPLES, 3), board frame, clockwise from the top left."""
     start, end = board.outline, np.roll(board.outline, -1, axis=0)
     s = np.arange(EDGE_SAMPLES)[None, :, None] / EDGE_SAMPLES
     points: Array = (start[:, None, :] * (1 - s) + end[:, None, :] * s).reshape(-1, 3)
