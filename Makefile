@@ -4,7 +4,6 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; done)
 PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
-export CALIBDB_DATA ?= $(abspath ../shared/data)
 # As the functions are given it: of small matrices a second thread waits for the first.
 export OPENBLAS_NUM_THREADS ?= 1
 

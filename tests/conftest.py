@@ -1,11 +1,16 @@
-"""What holds for all tests: which are left out, and that none of them fails by chance."""
+"""Selection of tests by marker and environment, and the profile of Hypothesis."""
 
 import os
 
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.helpers.data import EXTERNAL
+
 THOROUGH = bool(os.environ.get("THOROUGH"))  # `make thorough`
+
+#: markers whose tests run only on a condition
+SELECTED = {"thorough": THOROUGH, "external_data": EXTERNAL is not None}
 
 # The same examples each time, however slow the machine is; new ones are looked for where there is time.
 settings.register_profile(
@@ -15,8 +20,13 @@ settings.load_profile("calibdb")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    if THOROUGH:
-        return
-    left = [item for item in items if item.get_closest_marker("thorough")]
-    config.hook.pytest_deselected(items=left)
-    items[:] = [item for item in items if item not in left]
+    unwanted = {name for name, wanted in SELECTED.items() if not wanted}
+    deselected = [item for item in items if unwanted & {mark.name for mark in item.iter_markers()}]
+    if deselected:
+        config.hook.pytest_deselected(items=deselected)
+        items[:] = [item for item in items if item not in deselected]
+
+
+def pytest_configure() -> None:
+    if EXTERNAL is not None and not EXTERNAL.is_dir():
+        raise pytest.UsageError(f"CALIBDB_DATA names no folder: {EXTERNAL}")

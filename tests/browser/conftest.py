@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -38,10 +37,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def executable(name: str) -> str:
-    """Path of a browser. Absent: the test is skipped, but where `CI` is set it fails."""
+    """Path of a browser; the test is skipped where it is not installed."""
     path = shutil.which(name)
     if path is None:
-        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"{name} is not installed")
+        pytest.skip(f"{name} is not installed")
     return path
 
 

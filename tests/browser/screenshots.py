@@ -18,7 +18,7 @@ from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.scenes import CAMERA, UNANSWERED, no_network, unreadable
 from tests.helpers.browser.specimens import CAMERAS, answer, camera, cameras, result
 from tests.helpers.browser.truth import Truth
-from tests.helpers.data import data_dir
+from tests.helpers.data import data_dir, external_data
 
 from .conftest import OUTPUT
 
@@ -63,6 +63,7 @@ def test_other_languages(page: Page, name: str, language: str) -> None:
     picture(page, f"shot-{name}-{language}", ["hand"], full=True)
 
 
+@external_data
 def test_photographs(page: Page) -> None:
     board = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
     page.goto(f"/photos/?{board}")
@@ -224,6 +225,7 @@ def test_the_board_alone(page: Page) -> None:
     picture(page, "shot-board-impossible", SIZES, full=True)
 
 
+@external_data
 def test_what_photographs_lack(page: Page) -> None:
     page.goto("/photos/?squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000")
     some = sorted((data_dir() / "photos" / "charuco_640x480").glob("*.jpg"))[0]

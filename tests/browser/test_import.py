@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
-from calibsolver import Board, View, fit
+from calibsolver import fit
 from calibsolver.formats import Subject, write
 from tests.helpers.browser.pictures import picture
-from tests.helpers.data import corner_set
+from tests.helpers.solver import specimens, synthetic
 from tests.helpers.solver.formats import subject
 
 NAME = "LifeCam HD-3000 (045e:0779)"
@@ -22,15 +22,14 @@ SENT = {
 }  # fmt: skip
 
 
-def real() -> tuple[Subject, tuple[int, int]]:
-    """A real camera's keypoints, and what a fit of all of them says."""
-    loaded = corner_set("pv_charuco_1280")
-    size: tuple[int, int] = (loaded["image_size"][0], loaded["image_size"][1])
-    board = Board((8, 8))
-    views = tuple(board.view(view["ids"], np.array(view["img"])) for view in loaded["views"])
-    own = [View(np.array(view["obj"]), np.array(view["img"])) for view in loaded["views"]]
-    fitted = fit(own, size)
-    return Subject(fitted.camera, views, board, NAME, rms=fitted.avg_reprojection_error), size
+def captured() -> tuple[Subject, tuple[int, int]]:
+    """Keypoints of 16 synthetic views, and the camera that a fit of all of them gives."""
+    camera = synthetic.rectilinear_cameras()[5]
+    views = specimens.views(camera, np.random.default_rng(0), count=16)
+    fitted = fit(views, camera.img_size)
+    return Subject(
+        fitted.camera, tuple(views), specimens.BOARD, NAME, rms=fitted.avg_reprojection_error
+    ), camera.img_size
 
 
 def telling(sent: list[Request]) -> list[str]:
@@ -50,7 +49,7 @@ def give(page: Page, tmp_path: Path, name: str, content: bytes) -> None:
 
 @pytest.mark.parametrize("form", ["photonvision", "corners-vnl"])
 def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -> None:
-    kept, size = real()
+    kept, size = captured()
     sent: list[Request] = []
     page.goto("/import/")
     page.on("request", lambda request: sent.append(request))
@@ -58,12 +57,12 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     give(page, tmp_path, content.filename, content.content)
     if form == "corners-vnl":
         page.locator("#status", has_text="which board was it").wait_for()
-        assert [page.locator(f"#{side}").input_value() for side in ("columns", "rows")] == ["8", "8"]
+        assert [page.locator(f"#{side}").input_value() for side in ("columns", "rows")] == ["9", "6"]
         page.locator("#width").fill(str(size[0]))
         page.locator("#height").fill(str(size[1]))
         picture(page, "import-table", full=True)
         page.locator("#table button").click()
-    page.locator("#status", has_text="16 views of a board of 8 × 8 squares, 1280 × 720 px").wait_for()
+    page.locator("#status", has_text="16 views of a board of 9 × 6 squares, 1280 × 720 px").wait_for()
     assert page.locator("#views li").count() == 16
     assert telling(sent) == [], "nothing is sent before one asks for it"
     picture(page, f"import-{form}", full=True)
@@ -109,7 +108,7 @@ def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> N
     sent: list[Request] = []
     page.goto("/import/")
     page.on("request", lambda request: sent.append(request))
-    whole = write(real()[0], "photonvision").content
+    whole = write(captured()[0], "photonvision").content
     for name, content, said in (
         ("cut.json", whole[:2000], "damaged"),
         ("odd.json", whole.replace(b'"x": ', b'"x": "a", "q": ', 1), "locationInObjectSpace"),
@@ -135,7 +134,7 @@ def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> N
 def test_other_languages(context: BrowserContext, tmp_path: Path, language: str) -> None:
     page = context.new_page()
     page.goto(f"/import/?lang={language}")
-    file = write(real()[0], "photonvision")
+    file = write(captured()[0], "photonvision")
     give(page, tmp_path, file.filename, file.content)
     page.locator("#views li").first.wait_for()
     picture(page, f"import-{language}", ["hand"], full=True)

@@ -8,8 +8,9 @@ import numpy as np
 from playwright.sync_api import BrowserContext, Page
 
 from tests.helpers.browser.captures import begin
-from tests.helpers.data import data_dir
+from tests.helpers.data import data_dir, external_data
 
+pytestmark = external_data
 BOARD = {"squares": [8, 8], "marker_ratio": 0.75, "dictionary": "DICT_4X4_1000", "legacy": False}
 SIZE = (640, 480)
 FEWEST = 6

@@ -11,8 +11,9 @@ from playwright.sync_api import BrowserContext, Page, Request, Route
 
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.waiting import until
-from tests.helpers.data import data_dir
+from tests.helpers.data import data_dir, external_data
 
+pytestmark = external_data
 BOARD = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
 PAGE = f"/photos/?{BOARD}"
 NAME = "LifeCam HD-3000"

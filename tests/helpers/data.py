@@ -1,26 +1,62 @@
-"""Where the real data of the tests are."""
+"""Real data of the tests: corner sets that are committed, and what CALIBDB_DATA adds.
+
+The committed sets are in `tests/data/corners`. Data under other licences is read from the folder that the
+environment variable CALIBDB_DATA names; without it the tests on that data are not collected.
+"""
 
 import json
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from calibsolver import View
+
 ROOT = Path(__file__).resolve().parents[2]
+COMMITTED = ROOT / "tests" / "data" / "corners"
+EXTERNAL = Path(os.environ["CALIBDB_DATA"]) if os.environ.get("CALIBDB_DATA") else None
+
+#: mark of a test that reads `data_dir()`: collected only where CALIBDB_DATA is set
+external_data = pytest.mark.external_data
 
 
 def data_dir() -> Path:
-    """Folder of CALIBDB_DATA. Absent: the test is skipped, but where `CI` is set it fails."""
-    path = Path(os.environ.get("CALIBDB_DATA") or ROOT.parent / "shared" / "data")
-    if path.is_dir():
-        return path
-    if os.environ.get("CI"):
-        pytest.fail(f"no data at {path}: set CALIBDB_DATA")
-    pytest.skip(f"no data at {path}: set CALIBDB_DATA")
+    """Folder of CALIBDB_DATA. Raises FileNotFoundError where it is unset or names no folder."""
+    if EXTERNAL is None or not EXTERNAL.is_dir():
+        raise FileNotFoundError(f"no data at {EXTERNAL}: set CALIBDB_DATA")
+    return EXTERNAL
+
+
+def is_committed(name: str) -> bool:
+    """Whether a corner set belongs to this repository."""
+    return (COMMITTED / f"{name}.json").exists()
+
+
+def available(names: Iterable[str]) -> list[str]:
+    """Those corner sets, in their order, that are committed or that CALIBDB_DATA adds."""
+    return [name for name in names if EXTERNAL is not None or is_committed(name)]
 
 
 def corner_set(name: str) -> dict[str, Any]:
-    """One of `corners/*.json` as it is."""
-    loaded: dict[str, Any] = json.loads((data_dir() / "corners" / f"{name}.json").read_text())
+    """Corner set `{name, image_size [w, h], views [{file, obj [[X, Y, Z]], img [[x, y]], ids?, split?}]}`.
+
+    `obj` in units of the board's own file, `img` in px, the centre of the first pixel at (0, 0).
+    """
+    path = COMMITTED / f"{name}.json"
+    if not path.exists():
+        external: dict[str, Any] = json.loads((data_dir() / "corners" / path.name).read_text())
+        return external
+    loaded: dict[str, Any] = json.loads(path.read_text())
+    board = [[x, y, 0] for x, y in loaded.pop("board")]
+    for view in loaded["views"]:
+        view["obj"] = [board[corner] for corner in view.pop("corners", range(len(board)))]
     return loaded
+
+
+def corner_views(name: str) -> tuple[list[View], tuple[int, int]]:
+    """Views of a corner set, and the size (w, h) of its images."""
+    data = corner_set(name)
+    w, h = data["image_size"]
+    return [View(v["obj"], v["img"]) for v in data["views"]], (w, h)

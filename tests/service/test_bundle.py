@@ -17,11 +17,12 @@ from calibdb.store import Store
 from infra.local import LocalStack
 from infra.ops.bundle import Bundled, bundle
 from infra.ops.context import OpsContext
-from tests.helpers.data import ROOT, data_dir
+from tests.helpers.data import ROOT, data_dir, external_data
 from tests.helpers.service.client import Client
 from tests.helpers.service.known import LENS, LINUX, calibration, consensus, fit
 from tests.service.test_lookup import put
 
+pytestmark = external_data
 PLATFORMS = {
     "Linux": LINUX,
     "Firefox": "X11; Linux x86_64; rv:140.0",

@@ -15,7 +15,7 @@ from calibdb import schema
 from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
-from tests.helpers.data import corner_set
+from tests.helpers.data import available, corner_set
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
 from tests.helpers.service.storage_calls import storage_calls
 
@@ -217,26 +217,44 @@ def test_without_agreement_there_is_no_answer(stack: LocalStack) -> None:
     assert (answer.status, answer.json["reason"]) == (307, "disagree")
 
 
-def test_real_corners_give_what_opencv_gives(client: Client) -> None:
+#: of each corner set: the board's squares, and the distortion model
+REAL = {"jy_left": ([9, 7], "fisheye"), "pv_charuco_480": ([8, 8], "rectilinear")}
+
+
+def calibrated_by_opencv(
+    views: list[dict[str, Any]], size: tuple[int, int], model: str
+) -> tuple[float, np.ndarray]:
+    """Error in px rms, and camera matrix (3, 3)."""
+    objects = [np.array(view["obj"], np.float64) for view in views]
+    pixels = [np.array(view["img"], np.float64) for view in views]
+    if model == "fisheye":
+        flags = cv2.CALIB_RECOMPUTE_EXTRINSIC | cv2.CALIB_FIX_SKEW
+        boards, seen = [p[None] for p in objects], [q[None] for q in pixels]
+        rms, matrix, *_ = cv2.fisheye.calibrate(boards, seen, size, None, None, flags=flags)
+    else:
+        rms, matrix, *_ = cv2.calibrateCamera(
+            [p.astype(np.float32) for p in objects], [q.astype(np.float32) for q in pixels], size, None, None
+        )
+    return rms, matrix
+
+
+@pytest.mark.parametrize("name", available(REAL))
+def test_real_corners_give_what_opencv_gives(client: Client, name: str) -> None:
     """Photographs of a printed board, through the API as a session sends them."""
-    data = corner_set("pv_charuco_480")
-    board = {"squares": [8, 8], "marker_ratio": 0.75, "dictionary": "DICT_4X4_1000"}
-    size = tuple(data["image_size"])
-    assert client.open(camera="LifeCam", img_size=list(size), board=board, target_error=0.001).status == 201
+    data = corner_set(name)
+    squares, model = REAL[name]
+    board = {"squares": squares, "marker_ratio": 0.75, "dictionary": "DICT_4X4_1000"}
+    w, h = data["image_size"]
+    lens = {"img_size": [w, h], "distortion_model": model}
+    assert client.open(camera="LifeCam", **lens, board=board, target_error=0.001).status == 201
     taken = []
     for view in data["views"]:
         pose = client.pose()
-        answer = client.view(pose.json["index"], view["ids"], view["img"]).json
-        if answer["accepted"]:
+        ids = view.get("ids") or list(range(len(view["img"])))
+        if client.view(pose.json["index"], ids, view["img"]).json["accepted"]:
             taken.append(view)
     assert len(taken) >= 5
-    rms, matrix, _, _, _ = cv2.calibrateCamera(
-        [np.array(view["obj"], np.float32) for view in taken],
-        [np.array(view["img"], np.float32) for view in taken],
-        size,
-        None,
-        None,
-    )
+    rms, matrix = calibrated_by_opencv(taken, (w, h), model)
     calibration = client.state()["calibration"]
     found = np.array(calibration["camera_matrix"])
     for place in ((0, 0), (1, 1), (0, 2), (1, 2)):

@@ -17,7 +17,8 @@ from calibsolver import models
 from calibsolver.models.rectilinear import Rectilinear
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.helpers.data import data_dir as shared
+from tests.helpers.data import data_dir as external_dir
+from tests.helpers.data import external_data
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.published import calibration
 
@@ -190,11 +191,12 @@ def seed(path: Path, *options: str) -> int:
     return main(["seed", str(path), *names, *options])
 
 
+@external_data
 def test_guesses_from_elsewhere_are_no_answers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
-    profiles = (shared() / "lens_profiles.csv").read_text().splitlines(keepends=True)
+    profiles = (external_dir() / "lens_profiles.csv").read_text().splitlines(keepends=True)
     some = tmp_path / "some.csv"
     some.write_text("".join(profiles[:81]))
     assert seed(some, "--source", "lens profiles (CC0)") == 0

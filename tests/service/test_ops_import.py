@@ -1,6 +1,5 @@
 """Calibrations made with other tools, taken in by the operator."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 from calibsolver import View, fit, formats
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.helpers.data import data_dir as shared
+from tests.helpers.data import corner_views
 from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.solver.formats import subject
 
@@ -22,16 +21,21 @@ def data_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "data"
 
 
+SIZE = (640, 480)
+
+
 def real_views() -> tuple[View, ...]:
-    held = json.loads((shared() / "corners" / "pv_charuco_1280.json").read_text())
-    return tuple(View(np.array(v["obj"]) * 25.4, np.array(v["img"])) for v in held["views"])
+    """Views of a board whose squares are 25.4 mm wide."""
+    views, size = corner_views("opencv_left")
+    assert size == SIZE
+    return tuple(View(25.4 * view.object_points, view.image_points) for view in views)
 
 
 def test_keypoints_become_a_calibration_like_any_other(
     data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     views = real_views()
-    calibration = fit(views, (1280, 720))
+    calibration = fit(views, SIZE)
     file = formats.write(
         formats.Subject(calibration.camera, views, name="LifeCam", rms=calibration.avg_reprojection_error),
         "photonvision",
@@ -56,7 +60,7 @@ def test_keypoints_become_a_calibration_like_any_other(
         # audited like any other: its keypoints make the fit of another model, too
         wide = client.call("GET", f"/v1/calibrations/{name}", token=TOKEN, query="format=gyroflow")
         assert wide.status == 200
-        asked = client.lookup(camera=WHOSE[1], platform=WHOSE[3], redirect="false")
+        asked = client.lookup(camera=WHOSE[1], platform=WHOSE[3], img_size=list(SIZE), redirect="false")
         assert asked.status == 404
         assert asked.json["reason"] == "too_few"
 

@@ -9,8 +9,9 @@ from calibdb.camera_key import (
     Identity,
     identify,
 )
-from tests.helpers.data import data_dir
+from tests.helpers.data import data_dir, external_data
 
+pytestmark = external_data
 LINUX, WINDOWS, MAC = "X11; Linux x86_64", "Windows NT 10.0; Win64; x64", "Macintosh; Intel Mac OS X 10_15_7"
 IPHONE = "iPhone; CPU iPhone OS 17_5 like Mac OS X"
 Row = dict[str, str]

@@ -7,9 +7,8 @@ import pytest
 
 from calibdb.lookup.relation import relate, scaling_window, transfer_intrinsics
 from calibdb.schema import Calibration, FitRecord
-from calibsolver import View
 from calibsolver import fit as solve
-from tests.helpers.data import corner_set
+from tests.helpers.data import corner_views, external_data
 from tests.helpers.service.known import consensus, fit
 
 Size = tuple[int, int]
@@ -101,12 +100,11 @@ def test_uncertain_calibrations_neither_verify_nor_refute() -> None:
 
 
 def measured(name: str) -> Calibration:
-    data = corner_set(name)
-    views = [View(np.array(v["obj"], float), np.array(v["img"], float)) for v in data["views"]]
-    record = solve(views, tuple(data["image_size"])).record()
+    record = solve(*corner_views(name)).record()
     return camera(FitRecord.model_validate(json.loads(json.dumps(record))))
 
 
+@external_data
 @pytest.mark.parametrize(
     ("one", "other", "ratio"),
     [("pv_charuco_1280", "pv_charuco_480", 1.06 / 0.88), ("pv_picam_1920", "pv_picam_960", 1.0 / 1.43)],

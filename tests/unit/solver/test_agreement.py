@@ -8,6 +8,7 @@ import pytest
 from calibsolver import fit
 from calibsolver.consensus.agreement import compare, gather, without_two
 from calibsolver.consensus.pooling import Member, by_chance, pool
+from tests.helpers.data import external_data
 from tests.helpers.solver import attacks, specimens, synthetic
 
 
@@ -53,6 +54,7 @@ def test_liars_alone_are_never_the_answer() -> None:
     assert (pooled.reliable, pooled.reason) == (False, "few_contributors")
 
 
+@external_data
 def test_published_calibrations_of_one_mode_agree_and_of_several_lenses_do_not() -> None:
     """Draws of five: of two modes whose lens and setting are named, and across the lenses of one camera."""
     rng = np.random.default_rng(0)

@@ -6,7 +6,7 @@ import pytest
 from calibsolver import CalibrationError, View, models
 from calibsolver.quality.cross_validation import HeldOut
 from calibsolver.quality.model_selection import not_significantly_worse, suggest_model
-from tests.helpers.data import corner_set
+from tests.helpers.data import available, corner_views
 from tests.helpers.solver import specimens, synthetic
 
 WIDE = {"fisheye", "rational", "omnidirectional"}
@@ -22,10 +22,9 @@ EXPECTED = {
 }
 
 
-@pytest.mark.parametrize("name", EXPECTED)
+@pytest.mark.parametrize("name", available(EXPECTED))
 def test_real_lenses(name: str) -> None:
-    data = corner_set(name)
-    choice = suggest_model([View(v["obj"], v["img"]) for v in data["views"]], tuple(data["image_size"]))
+    choice = suggest_model(*corner_views(name))
     assert choice.model in EXPECTED[name]
     assert set(choice.held_out) == set(models.NAMES)
     least = min(error for error in choice.held_out.values() if error is not None)

@@ -9,7 +9,7 @@ import pytest
 from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, Rule, balanced, pool
-from tests.helpers.data import corner_set
+from tests.helpers.data import available, corner_views
 from tests.helpers.solver import specimens, synthetic
 
 SIZE = (1280, 720)
@@ -128,16 +128,15 @@ def test_difference_is_in_pixels_after_the_best_turn() -> None:
     assert d[0, 0] == 0
 
 
-@pytest.mark.parametrize(
-    ("name", "model", "parts"),
-    [("mint_isaw", "rectilinear", 5), ("jy_left", "fisheye", 5), ("babel_ov_plane", "omnidirectional", 5)],
-)
-def test_real_views_in_parts_pool_to_the_fit_of_all(name: str, model: str, parts: int) -> None:
+MODELS = {"mint_isaw": "rectilinear", "jy_left": "fisheye", "babel_ov_plane": "omnidirectional"}
+
+
+@pytest.mark.parametrize("name", available(MODELS))
+def test_real_views_in_parts_pool_to_the_fit_of_all(name: str) -> None:
     """The photographs of one camera, dealt out to five members: they agree, and nothing is lost."""
-    data = corner_set(name)
-    size = tuple(data["image_size"])
-    views = [View(v["obj"], v["img"]) for v in data["views"]]
-    pooled = pool([Member(str(i), "lab", tuple(views[i::parts])) for i in range(parts)], size, model)
+    views, size = corner_views(name)
+    model = MODELS[name]
+    pooled = pool([Member(str(i), "lab", tuple(views[i::5])) for i in range(5)], size, model)
     whole = fit(views, size, model)
     assert pooled.reliable
     assert compare([pooled.calibration, whole])[0, 1] < 0.02

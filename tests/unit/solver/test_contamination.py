@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calibsolver import View, fit
-from tests.helpers.data import corner_set
+from tests.helpers.data import available, corner_views
 from tests.helpers.solver import synthetic
 
 MODELS = {
@@ -18,19 +18,13 @@ MODELS = {
 }
 
 
-def load(name: str) -> tuple[list[View], tuple[int, int]]:
-    data = corner_set(name)
-    w, h = data["image_size"]
-    return [View(v["obj"], v["img"]) for v in data["views"]], (w, h)
-
-
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", available(MODELS))
 def test_points_3_to_50_px_off_leave_no_trace(name: str) -> None:
     """One in twenty: the fit is the one of the other points alone, to 0.02 px over the image.
 
     Against the fit of all points it moves by what those lost had told, a quarter of the standard deviation.
     """
-    views, size = load(name)
+    views, size = corner_views(name)
     model = MODELS[name]
     clean = fit(views, size, model)
     rng = np.random.default_rng(1)
@@ -48,10 +42,10 @@ def test_points_3_to_50_px_off_leave_no_trace(name: str) -> None:
     assert lost < max(0.1, 0.35 * clean.uncertainty().rms)
 
 
-@pytest.mark.parametrize("name", [n for n in MODELS if n != "pv_charuco_480"])
+@pytest.mark.parametrize("name", available(n for n in MODELS if n != "pv_charuco_480"))
 def test_every_fifth_view_shifted_by_a_corner(name: str) -> None:
     """All corners of it carry the next one's name; those at the ends of rows land on the next row."""
-    views, size = load(name)
+    views, size = corner_views(name)
     model = MODELS[name]
     shifted, rest = list(views), list(views)
     for i in range(0, len(views), 5):
@@ -65,7 +59,7 @@ def test_every_fifth_view_shifted_by_a_corner(name: str) -> None:
 
 
 def test_views_left_out_are_named_with_a_reason() -> None:
-    views, size = load("opencv_right")
+    views, size = corner_views("opencv_right")
     rng = np.random.default_rng(0)
     wrong = list(views)
     wrong[2] = View(views[2].object_points, rng.permutation(views[2].image_points))

@@ -7,7 +7,7 @@ import pytest
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.fitting import normal_equations
 from calibsolver.fitting.fit import MIN_POINTS
-from tests.helpers.data import corner_set
+from tests.helpers.data import available, corner_views
 from tests.helpers.solver import formats, synthetic
 
 RECTILINEAR = [
@@ -37,15 +37,9 @@ RATIONAL = [
 ]
 
 
-def load(name: str) -> tuple[list[View], tuple[int, int]]:
-    data = corner_set(name)
-    w, h = data["image_size"]
-    return [View(v["obj"], v["img"]) for v in data["views"]], (w, h)
-
-
-@pytest.mark.parametrize("name", RECTILINEAR)
+@pytest.mark.parametrize("name", available(RECTILINEAR))
 def test_rectilinear_equals_opencv(name: str) -> None:
-    views, size = load(name)
+    views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
     pixels = [v.image_points.astype(np.float32) for v in views]
     rms, matrix, _, _, _ = cv2.calibrateCamera(objects, pixels, size, None, None)
@@ -54,9 +48,9 @@ def test_rectilinear_equals_opencv(name: str) -> None:
     np.testing.assert_allclose(ours.camera.matrix, matrix, atol=0.05)
 
 
-@pytest.mark.parametrize("name", RATIONAL)
+@pytest.mark.parametrize("name", available(RATIONAL))
 def test_rational_equals_opencv(name: str) -> None:
-    views, size = load(name)
+    views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
     pixels = [v.image_points.astype(np.float32) for v in views]
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 500, 1e-13)
@@ -68,18 +62,18 @@ def test_rational_equals_opencv(name: str) -> None:
     assert ours.camera.matrix[0, 0] == pytest.approx(matrix[0, 0], abs=0.05)
 
 
-@pytest.mark.parametrize("name", ["jy_left", "pv_picam_320"])
+@pytest.mark.parametrize("name", available(["jy_left", "pv_picam_320"]))
 def test_rational_is_lower_where_opencv_stops_in_the_valley(name: str) -> None:
-    views, size = load(name)
+    views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
     pixels = [v.image_points.astype(np.float32) for v in views]
     rms, *_ = cv2.calibrateCamera(objects, pixels, size, None, None, flags=cv2.CALIB_RATIONAL_MODEL)
     assert fit(views, size, "rational", robust=False).avg_reprojection_error < rms + 1e-6
 
 
-@pytest.mark.parametrize("name", RECTILINEAR)
+@pytest.mark.parametrize("name", available(RECTILINEAR))
 def test_fisheye_equals_opencv(name: str) -> None:
-    views, size = load(name)
+    views, size = corner_views(name)
     objects = [v.object_points[None] for v in views]
     pixels = [v.image_points[None] for v in views]
     rms, matrix, _, _, _ = cv2.fisheye.calibrate(
@@ -96,30 +90,33 @@ def test_fisheye_equals_opencv(name: str) -> None:
     assert ours.camera.matrix[0, 0] == pytest.approx(matrix[0, 0], abs=0.05)
 
 
-@pytest.mark.parametrize(("name", "bound"), [("babel_ov_plane", 0.49), ("ocam_fisheye2", 0.33)])
-def test_fisheye_works_where_opencv_throws(name: str, bound: float) -> None:
-    views, size = load(name)
+OPENCV_THROWS = {"babel_ov_plane": 0.49, "ocam_fisheye2": 0.33}  # px rms
+
+
+@pytest.mark.parametrize("name", available(OPENCV_THROWS))
+def test_fisheye_works_where_opencv_throws(name: str) -> None:
+    views, size = corner_views(name)
     ours = fit(views, size, "fisheye", robust=False)
-    assert ours.avg_reprojection_error <= bound
+    assert ours.avg_reprojection_error <= OPENCV_THROWS[name]
     assert ours.camera.distortion.shape == (4,)
 
 
-@pytest.mark.parametrize("name", ["pv_charuco_480", "pv_charuco_1280", "jy_left"])
+@pytest.mark.parametrize("name", available(["pv_charuco_480", "pv_charuco_1280", "jy_left"]))
 def test_robust_fit_of_clean_views_is_the_same_camera(name: str) -> None:
-    views, size = load(name)
+    views, size = corner_views(name)
     model = "fisheye" if name == "jy_left" else "rectilinear"
     plain, robust = fit(views, size, model, robust=False), fit(views, size, model)
     np.testing.assert_allclose(robust.camera.matrix, plain.camera.matrix, rtol=0.005, atol=1e-9)
     assert robust.avg_reprojection_error < 1.02 * plain.avg_reprojection_error
 
 
-@pytest.mark.parametrize("name", ["pv_charuco_480", "pv_charuco_1280", "opencv_right"])
+@pytest.mark.parametrize("name", available(["pv_charuco_480", "pv_charuco_1280", "opencv_right"]))
 def test_wild_points_hardly_move_the_projection(name: str) -> None:
     """One point in twenty is 3 to 50 px off: the error counts them all, the camera hardly feels them.
 
     A twentieth of the measurements is lost with them: the bound is what the clean ones leave open.
     """
-    views, size = load(name)
+    views, size = corner_views(name)
     clean = fit(views, size)
     rng = np.random.default_rng(5)
     dirty = []
@@ -140,7 +137,7 @@ def test_wild_points_hardly_move_the_projection(name: str) -> None:
 
 
 def test_error_is_over_all_points_and_poses_are_board_to_camera() -> None:
-    views, size = load("pv_charuco_480")
+    views, size = corner_views("opencv_left")
     c = fit(views, size)
     square, count = 0.0, 0
     for view, (rx, ry, rz, *t), rms in zip(views, c.poses, c.view_errors, strict=True):
@@ -154,7 +151,7 @@ def test_error_is_over_all_points_and_poses_are_board_to_camera() -> None:
 
 
 def test_order_of_views_and_points_does_not_matter() -> None:
-    views, size = load("pv_charuco_480")
+    views, size = corner_views("opencv_left")
     rng = np.random.default_rng(1)
     mixed = []
     for i in rng.permutation(len(views)):
@@ -165,7 +162,7 @@ def test_order_of_views_and_points_does_not_matter() -> None:
 
 
 def test_scale_of_the_board_only_scales_translations() -> None:
-    views, size = load("opencv_right")
+    views, size = corner_views("opencv_right")
     a = fit(views, size)
     b = fit([View(25.4 * v.object_points, v.image_points) for v in views], size)
     np.testing.assert_allclose(a.camera.intrinsics, b.camera.intrinsics, rtol=1e-7, atol=1e-7)
@@ -174,10 +171,10 @@ def test_scale_of_the_board_only_scales_translations() -> None:
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
-@pytest.mark.parametrize("name", ["opencv_left", "pv_charuco_480", "jy_left", "arizonat_fe"])
+@pytest.mark.parametrize("name", available(["opencv_left", "pv_charuco_480", "jy_left", "arizonat_fe"]))
 def test_one_real_view_is_a_whole_camera(name: str, model: str) -> None:
     """The prior carries what a single view does not: near the truth, and the uncertainty is owned up to."""
-    views, size = load(name)
+    views, size = corner_views(name)
     truth = fit(views, size, "fisheye" if name == "jy_left" else model, robust=False).camera
     for view in views[:4]:
         c = fit([view], size, model)
@@ -266,13 +263,13 @@ def test_sizes_of_no_image_are_refused() -> None:
 
 
 def test_views_may_come_one_by_one() -> None:
-    views, size = load("pv_charuco_480")
+    views, size = corner_views("opencv_left")
     one_by_one = fit((view for view in views), size)  # type: ignore[arg-type]
     np.testing.assert_array_equal(one_by_one.camera.matrix, fit(views, size).camera.matrix)
 
 
 def test_record_is_what_files_hold() -> None:
-    views, size = load("pv_charuco_480")
+    views, size = corner_views("opencv_left")
     record = fit(views, size).record()
     assert set(record) == {
         "img_size",

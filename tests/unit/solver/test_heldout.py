@@ -6,13 +6,8 @@ import pytest
 from calibsolver import CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.quality.cross_validation import held_out
-from tests.helpers.data import corner_set
+from tests.helpers.data import corner_set, corner_views, external_data
 from tests.helpers.solver import specimens, synthetic
-
-
-def real(name: str) -> tuple[list[View], tuple[int, int]]:
-    data = corner_set(name)
-    return [View(v["obj"], v["img"]) for v in data["views"]], tuple(data["image_size"])
 
 
 @pytest.mark.parametrize("camera", [synthetic.rectilinear_cameras()[4], synthetic.fisheye_cameras()[8]])
@@ -29,7 +24,7 @@ def test_the_true_camera_leaves_the_noise(camera: Camera) -> None:
 
 def test_poses_are_those_of_the_least_squares_fit() -> None:
     """On the views that a camera was fitted to, its score is the error of the fit."""
-    views, size = real("pv_charuco_480")
+    views, size = corner_views("opencv_left")
     calibration = fit(views, size, robust=False)
     result = reprojection_score(calibration.camera, views)
     assert result.rms == pytest.approx(calibration.avg_reprojection_error, rel=1e-6)
@@ -38,10 +33,11 @@ def test_poses_are_those_of_the_least_squares_fit() -> None:
     )
 
 
+@external_data
 def test_another_camera_is_told_by_its_score() -> None:
     """The same webcam at two resolutions: another field of view, so that scaling the matrix is wrong."""
-    small, size = real("pv_charuco_480")
-    large, other = real("pv_charuco_1280")
+    small, size = corner_views("pv_charuco_480")
+    large, other = corner_views("pv_charuco_1280")
     camera = fit(small, size).camera
     k = camera.intrinsics
     k[:2] *= other[0] / size[0]
@@ -70,9 +66,10 @@ def test_scoring_needs_views_with_points() -> None:
     assert caught.value.code == "too_few_points"
 
 
+@external_data
 def test_no_fold_stands_out_where_opencv_diverges() -> None:
     """On one training fold of arizonat_fe cv2.fisheye diverges without a word (85 px held out)."""
-    views, size = real("arizonat_fe")
+    views, size = corner_views("arizonat_fe")
     result = held_out(views, size, "fisheye")
     assert result.rms < 0.18
     for i, fold in enumerate(result.folds):
@@ -81,7 +78,7 @@ def test_no_fold_stands_out_where_opencv_diverges() -> None:
 
 def test_the_split_of_the_authors() -> None:
     data = corner_set("babel_ov_plane")
-    views, size = real("babel_ov_plane")
+    views, size = corner_views("babel_ov_plane")
     split = [0 if view["split"] == "test" else -1 for view in data["views"]]
     result = held_out(views, size, "fisheye", split=split)
     assert result.rms <= 0.48
@@ -90,7 +87,7 @@ def test_the_split_of_the_authors() -> None:
 
 
 def test_every_view_is_left_out_once() -> None:
-    views, size = real("opencv_left")
+    views, size = corner_views("opencv_left")
     result = held_out(views, size)
     assert len(result.folds) == 5
     n = np.array([len(view) for view in views])

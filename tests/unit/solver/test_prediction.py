@@ -6,7 +6,7 @@ import pytest
 from calibsolver import Board, Camera, View, fit
 from calibsolver.capture import Capture
 from calibsolver.quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
-from tests.helpers import data
+from tests.helpers.data import corner_views
 from tests.helpers.solver import synthetic
 
 BOARD = Board()
@@ -49,9 +49,7 @@ def test_a_prediction_that_fails_is_said_and_the_capture_goes_on() -> None:
 
 def test_a_model_that_is_too_simple_is_named_with_a_better_one() -> None:
     """Photographs through a fisheye, taken as if by a plain lens."""
-    corners = data.corner_set("jy_left")
-    size = tuple(corners["image_size"])
-    views = [View(np.array(v["obj"], float), np.array(v["img"], float)) for v in corners["views"]]
+    views, size = corner_views("jy_left")
     rules = Capture(BOARD, size, target_error=1e-3)
     taken: list[View] = []
     estimate, suggested, advice = rules.estimate([]), None, set[str]()

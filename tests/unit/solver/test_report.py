@@ -9,7 +9,7 @@ import pytest
 from calibsolver import Board, Calibration, View, fit, rotation
 from calibsolver.quality.assessment import residual_vectors
 from calibsolver.quality.report import assess, describe
-from tests.helpers.data import corner_set
+from tests.helpers.data import corner_views
 from tests.helpers.solver import specimens, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[5]
@@ -79,9 +79,7 @@ def test_noise_outliers_and_views_left_out() -> None:
 
 def test_what_a_model_cannot_follow_is_said() -> None:
     """OpenCV's fisheye lens, real: the rectilinear model errs by 0.15 px everywhere alike."""
-    data = corner_set("jy_left")
-    views = [View(v["obj"], v["img"]) for v in data["views"]]
-    size = tuple(data["image_size"])
+    views, size = corner_views("jy_left")
     assert codes(fit(views, size), views) == {"model_too_simple"}
     assert codes(fit(views, size, "fisheye"), views) == set()
 

@@ -6,23 +6,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from calibsolver import View, fit, models
-from tests.helpers.data import corner_set
+from tests.helpers.data import corner_views
 
 budget = settings(max_examples=3)
-SETS = {"rectilinear": "opencv_right", "fisheye": "jy_left", "rational": "jy_left"}
-
-
-def load(name: str) -> tuple[list[View], tuple[int, int]]:
-    data = corner_set(name)
-    w, h = data["image_size"]
-    return [View(v["obj"], v["img"]) for v in data["views"]], (w, h)
+SETS = {
+    "rectilinear": "opencv_right",
+    "fisheye": "jy_left",
+    "rational": "jy_left",
+    "omnidirectional": "jy_left",
+}
 
 
 @pytest.mark.parametrize("model", models.NAMES)
 @given(seed=st.integers(0, 2**32 - 1), robust=st.booleans())
 @budget
 def test_order_changes_nothing(model: str, seed: int, robust: bool) -> None:
-    views, size = load(SETS.get(model, "mint_isaw"))
+    views, size = corner_views("opencv_right" if model == "rectilinear" else "jy_left")
     rng = np.random.default_rng(seed)
     order = rng.permutation(len(views))
     mixed, mixes = [], []
@@ -42,7 +41,7 @@ def test_order_changes_nothing(model: str, seed: int, robust: bool) -> None:
 @given(scale=st.floats(1e-3, 1e3))
 @budget
 def test_scale_of_the_board_scales_translations_alone(scale: float) -> None:
-    views, size = load("opencv_right")
+    views, size = corner_views("opencv_right")
     a = fit(views, size)
     b = fit([View(scale * v.object_points, v.image_points) for v in views], size)
     np.testing.assert_allclose(a.camera.intrinsics, b.camera.intrinsics, rtol=1e-9, atol=1e-9)

@@ -16,7 +16,7 @@ from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
 from infra.ops.context import OpsError
 from infra.ops.files import read_file
-from tests.helpers.data import data_dir
+from tests.helpers.data import available, corner_set, corner_views
 from tests.helpers.solver.formats import IMG_SIZE, subject
 
 READABLE = {
@@ -87,12 +87,16 @@ def test_gyroflows_own_profiles_without_the_flag_have_their_axis_in_the_middle()
     assert camera.matrix[:2, 2].tolist() == [640.0, 360.0]
 
 
-def test_corners_of_real_photographs_are_recognised_as_the_board_they_are_of() -> None:
-    held = json.loads((data_dir() / "corners" / "pv_charuco_1280.json").read_text())
-    views = tuple(View(np.array(v["obj"]), np.array(v["img"])) for v in held["views"])
-    recognised = grid(views)
-    assert recognised.squares == (8, 8)
-    assert all(list(ids) == list(v["ids"]) for ids, v in zip(recognised.ids, held["views"], strict=True))
+SQUARES = {"opencv_left": (10, 7), "pv_charuco_1280": (8, 8)}
+
+
+@pytest.mark.parametrize("name", available(SQUARES))
+def test_corners_of_real_photographs_are_recognised_as_the_board_they_are_of(name: str) -> None:
+    held = corner_set(name)["views"]
+    recognised = grid(tuple(corner_views(name)[0]))
+    assert recognised.squares == SQUARES[name]
+    expected = [list(v.get("ids", range(len(v["obj"])))) for v in held]
+    assert [list(ids) for ids in recognised.ids] == expected
 
 
 def test_what_makes_no_sense_is_refused_with_a_reason(tmp_path: Path) -> None:
