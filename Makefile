@@ -39,11 +39,9 @@ unit: setup
 service: setup
 	$(PYTEST) $(TWO) tests/service
 
-# What measures time has the machine to itself.
 browser: setup
 	@bash infra/ci/browsers.sh
-	$(PYTEST) $(TWO) -m "not alone" tests/browser
-	$(PYTEST) -m alone tests/browser
+	$(PYTEST) $(TWO) tests/browser
 
 # Those tests too that take long and are left out of `make test`, and new examples where they are made up.
 thorough: export THOROUGH := 1

@@ -1,6 +1,8 @@
-"""The detector in its Worker, and the capture page with a camera: pace, memory, first detection. Chromium."""
+"""Detector, capture page and rectifier in Chromium: frame rate, longest task, memory, first detection."""
 
+import json
 import shutil
+import statistics
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,9 +14,14 @@ from infra.local import LocalStack
 from tests.bench.table import Row
 from tests.browser.conftest import CHROMIUM
 from tests.browser.test_detector import WATCH
-from tests.helpers.browser.pace import best_pace, camera, first_detection
+from tests.browser.test_kept_files import HOST, kept
+from tests.browser.test_rectifier import calibration
+from tests.helpers.browser.fake_camera import camera
+from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.frame_rate import RECTIFIED_AT_RATE, first_detection, median_pace
 
 FRAMES = 2_000
+RATE = 30  # frames/s of the rectifier's video
 
 
 def rows() -> Iterator[Row]:
@@ -24,12 +31,19 @@ def rows() -> Iterator[Row]:
     with LocalStack() as stack, stack.serve() as url, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=CHROMIUM)
         page = browser.new_page(base_url=url, service_workers="block")
-        first = min([first_detection(page) for _ in range(4)][1:])
+        first = statistics.median([first_detection(page) for _ in range(4)][1:])
         page.goto("/board/")
         seen = page.evaluate(WATCH, FRAMES)
+        rectified = page.evaluate(RECTIFIED_AT_RATE, [calibration("rectilinear"), RATE])
+        visitor = browser.new_page(base_url=url.replace("127.0.0.1", HOST))
+        visitor.goto("/calibrate/")
+        kept(visitor, name="opencv.wasm")
+        second_visit = statistics.median(first_detection(visitor) for _ in range(3))
         browser.close()
+        argument = json.dumps([calibration("rectilinear"), RATE])
+        in_other = in_firefox(f"{url}/board/", f"() => ({RECTIFIED_AT_RATE})({argument})")
         with tempfile.TemporaryDirectory() as folder, camera(playwright, url, Path(folder), rate=30) as page:
-            pace = best_pace(page)
+            pace = median_pace(page)
     memory = np.array(seen["memory"])
     yield Row(
         "browser: detection 1280x720, a frame", float(np.median(seen["elapsed"])), 66.7, "ms", "15 frames/s"
@@ -40,3 +54,9 @@ def rows() -> Iterator[Row]:
     yield Row("browser: time of a frame in the capture", 1000 / pace.rate, 66.7, "ms", "15 frames/s")
     yield Row("browser: longest task of the page", pace.longest, 50.0, "ms", "0: none reached 50 ms")
     yield Row("browser: first detection, from cache", first, 3.0, "s")
+    yield Row("browser: first detection, from the service worker", second_visit, 3.0, "s")
+    for name, found in (("Chromium", rectified), ("Firefox", in_other)):
+        yield Row(
+            f"rectifier at half size, {name}, a frame", found["median"], 1000 / RATE, "ms", "30 frames/s"
+        )
+        yield Row(f"rectifier at half size, {name}, frames dropped", found["dropped"], 0.0, "of 30")

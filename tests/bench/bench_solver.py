@@ -9,10 +9,11 @@ import numpy as np
 
 from calibsolver import Board, Camera, View, fit, guidance, rotation
 from calibsolver.capture import Capture
+from calibsolver.consensus.pooling import Member, pool
 from calibsolver.guidance import overlay
 from tests.bench.table import Row, p50, ratio
 from tests.helpers import data
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import specimens, synthetic
 
 
 def rows() -> Iterator[Row]:
@@ -24,6 +25,7 @@ def rows() -> Iterator[Row]:
         yield fisheye("jy_left")
         yield omnidirectional("mint_isaw")
         yield from many()
+        yield pool_of_fifty()
         yield from guide()
         yield from convergence()
     finally:
@@ -113,6 +115,16 @@ def many() -> Iterator[Row]:
     peak = tracemalloc.get_traced_memory()[1] / 1e6
     tracemalloc.stop()
     yield Row("fit, 1000 views, memory", peak, 200, "MB")
+
+
+def pool_of_fifty() -> Row:
+    """CPU time of a consensus of 50 calibrations, each of twelve views."""
+    rng = np.random.default_rng(0)
+    camera = synthetic.rectilinear_cameras()[6]
+    members = [Member(f"{i}", f"{i}", tuple(specimens.views(camera, rng, count=12))) for i in range(50)]
+    start = time.process_time()
+    pool(members, camera.img_size, "rectilinear")
+    return Row("consensus of 50 calibrations", time.process_time() - start, 10, "s")
 
 
 def guide() -> Iterator[Row]:

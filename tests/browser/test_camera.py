@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import Playwright
 
+from tests.helpers.browser.fake_camera import HEIGHT, WIDTH, board_seen, camera
 from tests.helpers.browser.interruptions import stop
-from tests.helpers.browser.pace import HEIGHT, WIDTH, board_seen, camera
 
 
 def test_first_view_and_lookup_through_a_real_camera(

@@ -11,8 +11,8 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
 from tests.helpers.browser.firefox import driven
+from tests.helpers.browser.frame_rate import WATCH
 from tests.helpers.browser.interruptions import views
-from tests.helpers.browser.pace import WATCH
 from tests.helpers.browser.truth import Truth, projection_errors
 from tests.helpers.browser.waiting import address
 

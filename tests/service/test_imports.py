@@ -22,16 +22,11 @@ SCRIPT = """
 import sys, time
 sys.path[:0] = {paths}
 start = time.process_time()
-sum(number * number for number in range(300_000))
-work = time.process_time() - start
-start = time.process_time()
 import app
-took = (time.process_time() - start) / max(1.0, work / {usual})
+took = time.process_time() - start
 import json
 print(json.dumps([took, callable(app.handler), sorted(sys.modules), sorted(sys.path)]))
 """
-#: CPU seconds that the work before the import takes on the machine that the budgets are for
-USUAL = 0.009
 #: what answers anything needs: requests, schemas, storage; idna where an address is written in Unicode
 SERVED = {
     *("annotated_types", "anyio", "botocore", "calibdb", "dateutil", "idna", "itsdangerous", "jmespath"),
@@ -55,7 +50,7 @@ ELSEWHERE = {
 
 @dataclass(frozen=True)
 class Imported:
-    """What an import took, CPU seconds of a machine as usual, and all modules that it left."""
+    """CPU seconds of an import, and all modules that are loaded after it."""
 
     took: float
     callable: bool
@@ -97,19 +92,25 @@ def contents(layer: str) -> Iterator[Path]:
             yield Path(str(of.locate_file(top)))
 
 
-@pytest.fixture(scope="module")
-def layers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    places = {layer: tmp_path_factory.mktemp(layer) for layer in ("service", "solver")}
+def link_layers(folder: Path) -> dict[str, Path]:
+    """Make a folder of links for each layer below `folder`, and return both."""
+    places = {layer: folder / layer for layer in ("service", "solver")}
     for layer, place in places.items():
+        place.mkdir()
         for there in set(contents(layer)):
             (place / there.name).symlink_to(there)
     return places
 
 
+@pytest.fixture(scope="module")
+def layers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    return link_layers(tmp_path_factory.mktemp("layers"))
+
+
 def imported(function: str, layers: dict[str, Path]) -> Imported:
     paths = [str(ROOT / "functions" / function), *(str(layers[layer]) for layer in deployed()[function])]
     run = subprocess.run(
-        [sys.executable, "-I", "-S", "-c", SCRIPT.format(paths=paths, usual=USUAL)],
+        [sys.executable, "-I", "-S", "-c", SCRIPT.format(paths=paths)],
         capture_output=True,
         check=False,
         text=True,
@@ -144,15 +145,3 @@ def test_geometry_is_where_it_is_needed_and_there_only_as_far(all_imported: dict
         assert {"numpy", "calibsolver"} <= found.foreign, function
         parts = [m.removeprefix("calibsolver.") for m in found.modules if m.startswith("calibsolver.")]
         assert [m for m in parts if m.startswith(without)] == [], function
-
-
-@pytest.mark.parametrize(("function", "seconds"), [("lookup", 0.4), ("submit", 1.0)])
-def test_imports_are_quick(
-    all_imported: dict[str, Imported], layers: dict[str, Path], function: str, seconds: float
-) -> None:
-    took = all_imported[function].took
-    for _ in range(3):  # the best of four: what other processes do to the caches is not the import's
-        if took < seconds:
-            break
-        took = min(took, imported(function, layers).took)
-    assert took < seconds

@@ -1,6 +1,5 @@
 """Pooling: agreement, reliability, and a minority that lies."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -179,10 +178,3 @@ def test_nothing_to_pool_is_an_error() -> None:
     with pytest.raises(CalibrationError) as caught:
         pool([few], SIZE, "rectilinear")
     assert caught.value.code == "too_few_points"
-
-
-def test_fifty_calibrations_take_seconds(honest: list[Member]) -> None:
-    many = [Member(f"{i}", f"{i}", (*honest[i % 7].views, *honest[i % 7].views)) for i in range(50)]
-    begin = time.process_time()
-    assert pool(many, SIZE, "rectilinear").total == 50
-    assert time.process_time() - begin < 10

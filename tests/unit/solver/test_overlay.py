@@ -1,6 +1,5 @@
 """The picture says what the numbers say."""
 
-import time
 from typing import Literal
 
 import cv2
@@ -10,7 +9,6 @@ import pytest
 from calibsolver import Board, Camera, guidance, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose, overlay
 from tests.helpers.solver import synthetic
-from tests.helpers.stack.machine import slowness
 
 BOARD = Board()
 
@@ -124,33 +122,21 @@ def test_board_outside_the_image_is_an_empty_picture() -> None:
     assert decoded(overlay.render(BOARD, camera, far)).max() < 10
 
 
-def test_cheap_enough_for_every_request() -> None:
-    """60 KB; 15 ms of CPU is the budget, twice that here, where other programs take their share.
-
-    On a machine that is slower than usual so much more.
-    """
+def test_jpeg_has_at_most_60_kb() -> None:
     for kind in ("rectilinear", "fisheye"):
         for camera, target in targets(kind):
-            times, slow = [], slowness()
-            for _ in range(7):
-                begin = time.process_time()
-                data = overlay.render(BOARD, camera, target)
-                times.append(time.process_time() - begin)
-            assert len(data) <= 60 * 1024
-            assert np.median(times) < 0.030 * slow
+            assert len(overlay.render(BOARD, camera, target)) <= 60 * 1024
 
 
 @pytest.mark.parametrize("image_format", ["jpeg", "png"])
 def test_a_picture_of_many_pixels_is_drawn_smaller(image_format: Literal["jpeg", "png"]) -> None:
-    """In the same shape, the board in the same place, and in reasonable time."""
+    """In the same shape, the board in the same place."""
     size = (8192, 6144)
     camera = Camera(
         "rectilinear", np.array([[8000.0, 0, 4000], [0, 8000, 3000], [0, 0, 1]]), [0.1, 0, 0, 0, 0], size
     )
     target = TargetPose.seen(BOARD, camera, np.eye(3), np.array([-4.0, -3.0, 16.0]), "", 0.0)
-    began = time.process_time()
     picture = decoded(overlay.render(BOARD, camera, target, image_format))
-    assert time.process_time() - began < 2
     assert overlay.drawn_size((4000, 3000)) == (4000, 3000)
     w, h = overlay.drawn_size(size)
     assert picture.shape[:2] == (h, w)

@@ -1,0 +1,69 @@
+"""A Chromium whose camera shows a board."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import cv2
+import numpy as np
+from playwright.sync_api import Page, Playwright
+
+from ...browser.conftest import CHROMIUM, executable
+from .waiting import PATIENCE
+
+WIDTH, HEIGHT = 1280, 720
+SQUARE = 80  # texture pixels
+
+
+def board_seen() -> tuple[np.ndarray, np.ndarray]:
+    """Grey picture of the default board as OpenCV draws it, tilted, and where its corners are, (40, 2)."""
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    board = cv2.aruco.CharucoBoard((9, 6), 1, 0.65, dictionary)
+    texture = board.generateImage((11 * SQUARE, 8 * SQUARE), marginSize=SQUARE)
+    matrix = np.array([[1000, 0, 640], [0, 1000, 360], [0, 0, 1.0]])
+    rotation, translation = np.array([0.25, -0.45, 0.05]), np.array([-4.0, -2.8, 10.0])
+    plane = matrix @ np.column_stack([cv2.Rodrigues(rotation)[0][:, :2], translation])
+    # Texture pixel → board: the origin is the edge of the first square, half a pixel before its centre.
+    to_board = np.array([[1 / SQUARE, 0, 0.5 / SQUARE - 1], [0, 1 / SQUARE, 0.5 / SQUARE - 1], [0, 0, 1]])
+    picture = cv2.warpPerspective(
+        texture,
+        plane @ to_board,
+        (WIDTH, HEIGHT),
+        flags=cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_CONSTANT,
+        borderValue=120,
+    )
+    corners = np.array([(x, y, 0.0) for y in range(1, 6) for x in range(1, 9)])
+    points = cv2.projectPoints(corners, rotation, translation, matrix, None)[0].reshape(-1, 2)
+    return cv2.GaussianBlur(picture, (0, 0), 0.7), points
+
+
+def video(path: Path, grey: np.ndarray, rate: int) -> Path:
+    """Write one picture as a YUV4MPEG2 file, which Chromium shows over and over."""
+    luma = (16 + grey.astype(np.float64) * (219 / 255)).round().astype(np.uint8).tobytes()
+    chroma = bytes([128]) * (WIDTH * HEIGHT // 2)
+    with path.open("wb") as file:
+        file.write(f"YUV4MPEG2 W{WIDTH} H{HEIGHT} F{rate}:1 Ip A1:1 C420mpeg2\n".encode())
+        for _ in range(4):
+            file.write(b"FRAME\n" + luma + chroma)
+    return path
+
+
+@contextmanager
+def camera(playwright: Playwright, url: str, folder: Path, rate: int = 20) -> Iterator[Page]:
+    """Give a page in a Chromium whose camera shows a board."""
+    source = video(folder / "board.y4m", board_seen()[0], rate)
+    flags = [
+        "--use-fake-ui-for-media-stream",
+        "--use-fake-device-for-media-stream",
+        f"--use-file-for-fake-video-capture={source}",
+    ]
+    browser = playwright.chromium.launch(executable_path=executable("chromium"), args=CHROMIUM + flags)
+    try:
+        page = browser.new_page(base_url=url, service_workers="block")
+        page.set_default_timeout(1000 * PATIENCE)
+        yield page
+    finally:
+        browser.close()
