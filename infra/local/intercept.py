@@ -76,3 +76,14 @@ def intercepting(services: Mapping[str, Service]) -> Iterator[None]:
         yield
     finally:
         _interceptor.services = {}
+
+
+@contextmanager
+def wrapping(wrap: Callable[[str, Service], Service]) -> Iterator[None]:
+    """Replace each service of the running stack by `wrap(name, service)` until the end of the block."""
+    services = _interceptor.services
+    _interceptor.services = {name: wrap(name, service) for name, service in services.items()}
+    try:
+        yield
+    finally:
+        _interceptor.services = services

@@ -1,4 +1,4 @@
-"""Write the poses that the page asks for while it cannot reach the API: `make plan`.
+"""Write the poses that the page asks for while it cannot reach the API: `python -m infra.web_build.plan`.
 
 Poses are relative to the board (unit = one square), for the default board and a camera of 1280 x 720 px with
 fx = fy = 0.8 widths, no distortion. For another board or size the page scales them.

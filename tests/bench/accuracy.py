@@ -1,4 +1,4 @@
-"""`make bench-accuracy`: every real corner set with every model, ours beside OpenCV's.
+"""`make bench DOCS=accuracy`: every real corner set with every model, ours beside OpenCV's.
 
 Held out: five folds (view i in fold i mod 5) or the split of the set's authors; intrinsics from the training
 views, the poses of the views left out fitted by `calibsolver.fitting.resection` for both sides. OpenCV runs

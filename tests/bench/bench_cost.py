@@ -1,15 +1,15 @@
-"""What is asked of AWS, at list prices: `make cost` says what for."""
+"""What is asked of AWS, at list prices: `make cost` prints the parts."""
 
 from collections.abc import Iterator
 
 import yaml
 
-from infra.cost import MOST, PRICES, measured, price, scale
+from infra.measure.cost import MAX_USD, PRICES, measure, price, scale_factor
 from tests.bench.table import Row
 
 
 def rows() -> Iterator[Row]:
     prices = yaml.safe_load(PRICES.read_text())
-    for name, use in measured().items():
-        total = scale(name, use) * sum(price(use, prices).values())
-        yield Row(f"price of {name}", total, MOST[name], "USD", "list prices")
+    for name, use in measure().items():
+        total = scale_factor(name, use) * sum(price(use, prices).values())
+        yield Row(f"price of {name}", total, MAX_USD[name], "USD", "list prices")

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from calibdb import schema
-from infra.cost import Meter
 from infra.local import LocalStack
+from infra.measure.cost import Meter
 from tests.bench.table import Row, p50
 from tests.helpers.service.client import Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store

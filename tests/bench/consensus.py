@@ -1,4 +1,4 @@
-"""`make bench-consensus`: how far liars get, and what published lens profiles become.
+"""`make bench DOCS=consensus`: how far liars get, and what published lens profiles become.
 
 `python -m tests.bench.consensus [CAMERAS]`: 1,000 simulated cameras unless told otherwise. Writes to docs/;
 `ONLY=poisoning` or `ONLY="lens profiles"` one table.

@@ -1,7 +1,7 @@
-"""`make bench-load`: many clients at once on a line that drops; what was acknowledged must be there, once.
+"""Many clients at once over a failing connection: every acknowledged view must be stored, once.
 
-64 clients run 2,000 captures against a server of its own, by `infra.load_test`, one request in five on a
-failing line. `make bench-load SESSIONS=500 CLIENTS=64` runs a part.
+`make bench DOCS=load` runs 2,000 captures from 64 clients against a server of its own, by
+`infra.measure.load_test`, one request in five on a failing line; `SESSIONS=500 CLIENTS=64` runs a part.
 """
 
 import os
@@ -12,12 +12,12 @@ from pathlib import Path
 
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.load_test import Heard, drive
 from infra.local import DEVELOPMENT_TOKEN, LocalStack
+from infra.measure.load_test import CaptureRecord, drive
 from tests.helpers.stack.processes import LocalProcess
 
 
-def missing_or_double(data_dir: Path, heard: list[Heard]) -> list[str]:
+def missing_or_double(data_dir: Path, heard: list[CaptureRecord]) -> list[str]:
     """Return what is wrong with what a server, by now stopped, has kept; nothing, where all is there once."""
     with LocalStack(data_dir) as stack:
         store = Store.of(Settings.from_environment(stack.environment))

@@ -1,4 +1,4 @@
-"""`make bench-guidance`: captures in the closed loop, every way of guiding them; writes docs/accuracy.md.
+"""Captures in the closed loop with every guidance; writes docs/accuracy.md (`make bench DOCS=guidance`).
 
 `SEEDS=10` captures a camera and noise level; `ONLY=methods,conditions,bound` runs a part.
 """

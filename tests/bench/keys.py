@@ -1,4 +1,4 @@
-"""`make bench-keys`: does the key of a camera suffice? Writes docs/camera-keys.md.
+"""`make bench DOCS=keys`: does the key of a camera suffice? Writes docs/camera-keys.md.
 
 Two kinds of evidence. Labels that browsers were seen to report, with what is known of the product behind
 each: which ways of making a key tell products apart, and which find a product again. And published lens

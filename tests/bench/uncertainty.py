@@ -1,4 +1,4 @@
-"""`make bench-uncertainty`: predicted errors against those that happen; writes to docs/accuracy.md."""
+"""`make bench DOCS=uncertainty`: predicted errors against those that happen; writes to docs/accuracy.md."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Pictures of every page in every state, to be looked at: `make screenshots`, into tests/browser/output/.
+"""Pictures of every page in every state, left in tests/browser/output/ for people to look at.
 
 Not a test by its name, so that `make test` passes over it; the tests hold the same states to what must hold.
 """

@@ -1,11 +1,11 @@
-"""Sixty-four clients on a bad line: what was acknowledged is there, once. A tenth of `make bench-load`."""
+"""Many clients over failing connections: every acknowledged view is stored, once (`make bench DOCS=load`)."""
 
 from pathlib import Path
 
 import pytest
 
-from infra.load_test import drive, main
 from infra.local import DEVELOPMENT_TOKEN, LocalStack
+from infra.measure.load_test import drive, main
 from tests.bench.crowd import missing_or_double
 from tests.helpers.stack.processes import LocalProcess
 

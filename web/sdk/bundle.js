@@ -4,7 +4,7 @@
 //     const bundle = new Bundle(await (await fetch("cameras.json")).json());
 //     const { calibration } = await lookup(track, { bundle });
 //
-// `make bundle` writes the file. Which label means which camera it has found by the service's own rules, label by label:
+// `python -m infra.ops bundle` writes the file. Which label means which camera it has found by the service's own rules, label by label:
 // here they are only compared, so what it does not name, it does not know.
 
 /**

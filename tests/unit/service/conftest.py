@@ -15,7 +15,7 @@ REGION = "eu-central-1"
 
 @contextmanager
 def elsewhere(endpoint: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Another implementation than moto (`make conformance`), left as it was found."""
+    """Another implementation than moto (`make verify ONLY=conformance`), left as it was found."""
     monkeypatch.setenv("AWS_ENDPOINT_URL", endpoint)
     yield
     s3, dynamodb = boto3.client("s3", REGION), boto3.client("dynamodb", REGION)

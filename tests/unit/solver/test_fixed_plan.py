@@ -15,8 +15,12 @@ def test_the_committed_file_is_what_the_plan_gives() -> None:
     ours, theirs = json.loads(plan.text()), json.loads(plan.TARGET.read_text())
     assert len(ours) == len(theirs)
     for one, other in zip(ours, theirs, strict=True):
-        np.testing.assert_allclose(one["rvec"], other["rvec"], atol=2e-4, err_msg="run `make plan`")
-        np.testing.assert_allclose(one["tvec"], other["tvec"], atol=2e-3, err_msg="run `make plan`")
+        np.testing.assert_allclose(
+            one["rvec"], other["rvec"], atol=2e-4, err_msg="run `python -m infra.web_build.plan`"
+        )
+        np.testing.assert_allclose(
+            one["tvec"], other["tvec"], atol=2e-3, err_msg="run `python -m infra.web_build.plan`"
+        )
         assert [one[k] for k in ("purpose", "hint", "hint_code")] == [
             other[k] for k in ("purpose", "hint", "hint_code")
         ]

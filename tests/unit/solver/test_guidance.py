@@ -27,7 +27,7 @@ def at(sessions: list[synthetic.Session], views: int) -> np.ndarray:
 
 
 def test_few_views_are_enough(rectilinear: list[synthetic.Session]) -> None:
-    """The bounds of `make bench-guidance`, for half of its captures."""
+    """The bounds of `make bench DOCS=guidance`, for half of its captures."""
     assert all(len(session.views) == 5 for session in rectilinear)
     assert (at(rectilinear, 3) <= (0.20, 0.40)).all()
     assert (at(rectilinear, 4) <= (0.16, 0.36)).all()

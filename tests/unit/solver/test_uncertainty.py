@@ -11,7 +11,7 @@ from tests.helpers.solver import intervals, specimens, synthetic
 
 @pytest.mark.parametrize("model", models.NAMES)
 def test_prediction_is_the_error_that_happens(model: str) -> None:
-    """Sixty captures. The bounds are for so few: `make bench-uncertainty` takes many.
+    """Sixty captures. The bounds are for so few: `make bench DOCS=uncertainty` takes many.
 
     The ratio of two errors scatters by 0.7 from capture to capture, its mean square by 1.4, so the root of
     that by 0.09 for sixty. Of 60 intervals that hold the truth in 95 of 100 cases 49 or fewer do so once in

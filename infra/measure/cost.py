@@ -1,7 +1,7 @@
-"""`python -m infra.cost`: what a million lookups cost, and a finished calibration.
+"""Price of a million lookups and of a finished calibration on AWS: `python -m infra.measure.cost`.
 
 Calls, durations and sizes are measured on a local stack, whose functions ask the same of storage as they do
-on AWS; prices and what cannot be measured here are in `infra/prices.yaml`.
+on AWS; prices and what cannot be measured here are in `infra/measure/prices.yaml`.
 """
 
 from __future__ import annotations
@@ -20,25 +20,25 @@ from typing import Any
 import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
-from infra import load_test
 from infra.local import LocalStack, intercept
 from infra.local.stack import DEVELOPMENT_TOKEN
 from infra.local.storage import Answer
+from infra.measure import load_test
 
 PRICES = Path(__file__).with_name("prices.yaml")
 LOOKUPS, CALIBRATION = "a million lookups", "a finished calibration"
-MOST = {LOOKUPS: 2.0, CALIBRATION: 0.0006}  # USD
+MAX_USD = {LOOKUPS: 2.0, CALIBRATION: 0.0006}  # USD
 _CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
-_ENOUGH = 5  # calibrations, that a lookup hits
+_CALIBRATIONS = 5  # calibrations, that a lookup hits
 _GB = 1e9
-_IDLE_S = 120.0  # after which a consensus is surely computed
+_IDLE_TIMEOUT_S = 120.0  # after which a consensus is surely computed
 _READS = {"GetItem", "Query"}
-_WHOLE_PROCESSOR = 1769  # MB, AWS Lambda developer guide, "Configure Lambda function memory"
+_MB_PER_VCPU = 1769  # MB, AWS Lambda developer guide, "Configure Lambda function memory"
 
 
 @dataclass
-class Use:
-    """What some requests used.
+class Usage:
+    """Resources that some requests used.
 
     Attributes
     ----------
@@ -70,8 +70,8 @@ class Use:
     waits: list[tuple[str, float]] = field(default_factory=list)  # service, GB of who waits
 
 
-def price(use: Use, prices: Mapping[str, Any]) -> dict[str, float]:
-    """Return USD by what they are for."""
+def price(use: Usage, prices: Mapping[str, Any]) -> dict[str, float]:
+    """Price the usage; USD by kind of cost."""
     assumed = prices["assumed"]
     waited = sum(assumed[f"{service}_seconds"] * gb for service, gb in use.waits)
     started = assumed["cold_starts"] * assumed["start_seconds"] * use.memory
@@ -90,8 +90,8 @@ def price(use: Use, prices: Mapping[str, Any]) -> dict[str, float]:
     }
 
 
-def at_the_edge(parts: Mapping[str, float], sent: float, prices: Mapping[str, Any]) -> tuple[float, float]:
-    """Return USD for a million requests through CloudFront: where it must ask, and where it has the answer.
+def price_at_edge(parts: Mapping[str, float], sent: float, prices: Mapping[str, Any]) -> tuple[float, float]:
+    """Price a million requests through CloudFront; USD for cache misses and for cache hits.
 
     What it fetches from AWS is not paid for as transfer; what it sends is.
     """
@@ -100,7 +100,7 @@ def at_the_edge(parts: Mapping[str, float], sent: float, prices: Mapping[str, An
 
 
 def read_units(answer: int, *, consistent: bool) -> float:
-    """Return the units of a read whose items have so many bytes.
+    """Compute the read units of an answer of so many bytes.
 
     Source: Amazon DynamoDB developer guide, "Read and write operations".
     """
@@ -108,7 +108,7 @@ def read_units(answer: int, *, consistent: bool) -> float:
 
 
 def write_units(item: int, *, together: bool) -> float:
-    """Return the units of a write of so many bytes; `together`: in a transaction."""
+    """Compute the write units of an item of so many bytes; `together`: in a transaction."""
     return max(1, math.ceil(item / 1024)) * (2.0 if together else 1.0)
 
 
@@ -120,21 +120,21 @@ class _Storage(threading.local):
 
 
 class Meter:
-    """Counts what a stack's functions use."""
+    """Meter of the resources that a stack's functions use."""
 
     def __init__(self, stack: LocalStack) -> None:
         self._stack = stack
-        self.use = Use()
+        self.use = Usage()
         self._gb = 0.0
         self._storage = _Storage()
 
     @contextmanager
-    def running(self) -> Iterator[Use]:
+    def running(self) -> Iterator[Usage]:
         """Count within the block, from nothing."""
         from calibdb.settings import Settings
         from calibdb.store import clients
 
-        self.use = Use()
+        self.use = Usage()
         region = Settings.from_environment(self._stack.environment).region
         used = (clients.dynamodb(region), clients.s3(region))
         for client in used:
@@ -142,12 +142,10 @@ class Meter:
             client.meta.events.register("after-call.*", self._answered, unique_id="meter-after")
         functions = dict(self._stack.functions)
         self._stack.functions.update({name: self._timed(f) for name, f in functions.items()})
-        services = intercept._interceptor.services
-        intercept._interceptor.services = {name: self._around(name, s) for name, s in services.items()}
         try:
-            yield self.use
+            with intercept.wrapping(self._around):
+                yield self.use
         finally:
-            intercept._interceptor.services = services
             self._stack.functions.update(functions)
             for client in used:
                 client.meta.events.unregister("provide-client-params.*", unique_id="meter")
@@ -176,7 +174,7 @@ class Meter:
                 # Lambda gives a part of a processor with a part of its memory, and bills whole milliseconds.
                 alone = time.thread_time() - self._storage.seconds - begun
                 self.use.seconds += alone
-                taken = alone / min(1, memory / _WHOLE_PROCESSOR)
+                taken = alone / min(1, memory / _MB_PER_VCPU)
                 self.use.gb_seconds += math.ceil(taken * 1e3) / 1e3 * memory / 1024
                 self.use.memory += memory / 1024
                 self.use.invocations += 1
@@ -218,13 +216,13 @@ class Meter:
             self.use.reads += read_units(len(http_response.content), consistent=self._storage.consistent)
 
 
-def finished(meter: Meter, seed: int) -> None:
+def run_capture(meter: Meter, seed: int) -> None:
     """Run one capture as the page does: each pose as numbers and as a picture, views until it is done."""
     token = DEVELOPMENT_TOKEN
     session = json.loads(meter.ask("POST", "/v1/auth", token))["session_id"]
     meter.ask("POST", "/v1/session", session, {**_CAMERA, "target_error": 1.0})
     index = 0
-    for ids, points in load_test.seen(seed):
+    for ids, points in load_test.observe_board(seed):
         for _ in range(2):
             meter.ask("GET", "/v1/session/pose", session)
         view = {"index": index, "ids": ids, "points": points}
@@ -235,17 +233,17 @@ def finished(meter: Meter, seed: int) -> None:
     raise RuntimeError("a capture did not end")
 
 
-def measured(lookups: int = 200) -> dict[str, Use]:
-    """Return what lookups that hit use, together, and the last of several calibrations of a camera."""
+def measure(lookups: int = 200) -> dict[str, Usage]:
+    """Measure some lookups that hit, together, and the last of several calibrations of a camera."""
     with LocalStack() as stack:
         meter = Meter(stack)
         with meter.running():
-            for seed in range(_ENOUGH):
-                finished(meter, seed)
-            stack.wait_until_idle(_IDLE_S)
+            for seed in range(_CALIBRATIONS):
+                run_capture(meter, seed)
+            stack.wait_until_idle(_IDLE_TIMEOUT_S)
         with meter.running() as calibration:
-            finished(meter, _ENOUGH)
-            stack.wait_until_idle(_IDLE_S)
+            run_capture(meter, _CALIBRATIONS)
+            stack.wait_until_idle(_IDLE_TIMEOUT_S)
         meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
         with meter.running() as lookup:
             for _ in range(lookups):
@@ -253,8 +251,8 @@ def measured(lookups: int = 200) -> dict[str, Use]:
     return {LOOKUPS: lookup, CALIBRATION: calibration}
 
 
-def scale(name: str, use: Use) -> float:
-    """Return how often what was measured makes what `name` says."""
+def scale_factor(name: str, use: Usage) -> float:
+    """Compute by how much the measured usage is multiplied for the price that `name` stands for."""
     return 1e6 / use.requests if name == LOOKUPS else 1.0
 
 
@@ -262,19 +260,19 @@ def main(say: Callable[[str], None] = print) -> int:
     """Print the prices; return 1 where one is above its bound."""
     prices = yaml.safe_load(PRICES.read_text(encoding="utf-8"))
     status = 0
-    for name, use in measured().items():
-        times = scale(name, use)
+    for name, use in measure().items():
+        times = scale_factor(name, use)
         parts = {part: times * usd for part, usd in price(use, prices).items()}
         total = sum(parts.values())
-        say(f"{name}: {total:.6f} USD, at most {MOST[name]}")
+        say(f"{name}: {total:.6f} USD, at most {MAX_USD[name]}")
         for part, usd in parts.items():
             say(f"  {part:16} {usd:.6f}")
         if name == LOOKUPS:
-            asked, known = at_the_edge(parts, times * use.sent, prices)
-            enough = max(0.0, (asked - MOST[name]) / (asked - known))
+            asked, known = price_at_edge(parts, times * use.sent, prices)
+            enough = max(0.0, (asked - MAX_USD[name]) / (asked - known))
             say(f"  through CloudFront {asked:.2f} where it must ask, {known:.2f} where it has the answer:")
-            say(f"  at most {MOST[name]} where it has {math.ceil(100 * enough)} % of them")
-        status |= total > MOST[name]
+            say(f"  at most {MAX_USD[name]} where it has {math.ceil(100 * enough)} % of them")
+        status |= total > MAX_USD[name]
     return status
 
 

@@ -1,4 +1,6 @@
-"""`python -m infra.load_test`: many captures at once against a running stack, on a line that drops.
+"""Load test: many captures at once against a running stack, over a failing connection.
+
+`python -m infra.measure.load_test`.
 
 Each client opens sessions, submits views of a camera that does not exist, and looks it up. Some requests are
 cut off half way, sent without waiting for an answer, or sent twice at once; like a page that lost its
@@ -27,11 +29,11 @@ import numpy as np
 from calibsolver import Board, Camera
 from calibsolver import rotation as rotations
 
-FAULTS = 0.2  # share of the requests
-_PATIENCE = 60.0  # s for one answer
+FAULT_RATE = 0.2  # share of the requests
+_TIMEOUT_S = 60.0  # s for one answer
 _ATTEMPTS = 10  # where the stack says that it has no time
-_ENOUGH = 100.0  # px: the fourth accepted view ends the capture
-_NOISE = 0.15  # px
+_TARGET_ERROR_PX = 100.0  # px: the fourth accepted view ends the capture
+_NOISE_PX = 0.15  # px
 _SIZE = (1280, 720)
 # (rvec about x and y, rad) of a board that teaches something each time
 _TILTS = ((0.5, 0.0), (-0.5, 0.1), (0.1, 0.55), (0.0, -0.6), (0.4, 0.4), (-0.4, -0.4), (0.45, -0.4))
@@ -40,8 +42,8 @@ View = tuple[int, list[int], list[list[float]]]  # index, ids, points
 
 
 @dataclass
-class Heard:
-    """What one client was told of one capture."""
+class CaptureRecord:
+    """The views and the calibration of one capture that a client was told were stored."""
 
     views: list[View] = field(default_factory=list)
     calibration_id: str | None = None
@@ -49,19 +51,19 @@ class Heard:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What happened, and how it went."""
+    """Outcome of a load test: captures, faults and latencies."""
 
-    heard: list[Heard]
+    heard: list[CaptureRecord]
     counts: Counter[str]
     latencies: list[float]  # ms, sorted
     seconds: float
 
     def percentile(self, share: float) -> float:
-        """Return the time, ms, within which this share of the answers came."""
+        """Compute the latency, ms, that this share of the requests stayed within."""
         return self.latencies[min(len(self.latencies) - 1, int(share * len(self.latencies)))]
 
     def lines(self) -> Iterator[str]:
-        """Yield what a person wants to know of it."""
+        """Yield a summary, line by line."""
         faults = ", ".join(f"{n} {name}" for name, n in sorted(self.counts.items()) if name != "requests")
         yield f"{len(self.heard)} captures in {self.seconds:.0f} s"
         yield f"{self.counts['requests']} requests, of these {faults or 'all on a good line'}"
@@ -78,7 +80,7 @@ class Line:
 
     url: str
     rng: random.Random
-    faults: float = FAULTS
+    faults: float = FAULT_RATE
     counts: Counter[str] = field(default_factory=Counter)
     latencies: list[float] = field(default_factory=list)
 
@@ -99,7 +101,7 @@ class Line:
     def _connection(self) -> http.client.HTTPConnection:
         parts = urlsplit(self.url)
         kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
-        return kind(parts.netloc, timeout=_PATIENCE)
+        return kind(parts.netloc, timeout=_TIMEOUT_S)
 
     def _ask(self, method: str, path: str, credential: str, content: bytes) -> Any:
         """Ask as a page does: a stack that has no time just now is asked again."""
@@ -145,7 +147,7 @@ def drive(
     *,
     cameras: int = 16,
     finished: float = 1.0,
-    faults: float = FAULTS,
+    faults: float = FAULT_RATE,
     seed: int = 0,
 ) -> Outcome:
     """Run captures from many clients at once.
@@ -172,7 +174,7 @@ def drive(
     """
     lines = [Line(url, random.Random(f"{seed}/{n}"), faults) for n in range(clients)]  # noqa: S311
 
-    def client(n: int) -> list[Heard]:
+    def client(n: int) -> list[CaptureRecord]:
         return [
             capture(
                 lines[n], token, seed + k, f"Load camera {k % cameras:03d}", lines[n].rng.random() < finished
@@ -191,13 +193,18 @@ def drive(
     )
 
 
-def capture(line: Line, token: str, seed: int, camera: str, finish: bool) -> Heard:
+def capture(line: Line, token: str, seed: int, camera: str, finish: bool) -> CaptureRecord:
     """Run one capture and return what was acknowledged; where not to `finish`, end after a view."""
-    heard = Heard()
+    heard = CaptureRecord()
     session = line.call("POST", "/v1/auth", token)["session_id"]
-    start = {"camera": camera, "platform": "X11; Linux x86_64", "img_size": _SIZE, "target_error": _ENOUGH}
+    start = {
+        "camera": camera,
+        "platform": "X11; Linux x86_64",
+        "img_size": _SIZE,
+        "target_error": _TARGET_ERROR_PX,
+    }
     state = line.call("POST", "/v1/session", session, start)
-    for ids, points in seen(seed):
+    for ids, points in observe_board(seed):
         if state["status"] == "converged" or (heard.views and not finish):
             break
         index = len(heard.views)
@@ -214,7 +221,7 @@ def capture(line: Line, token: str, seed: int, camera: str, finish: bool) -> Hea
     return heard
 
 
-def seen(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
+def observe_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
     """Yield ids and points that a detector would find on one capture's frames."""
     rng = np.random.default_rng(seed)
     board = Board()
@@ -223,20 +230,24 @@ def seen(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
     for n, (x, y) in enumerate(_TILTS):
         rotation = rotations.matrix(np.array([x, y, 0.1 * n]) + rng.normal(0, 0.04, 3))
         place = np.array([-4.5 + (n % 3 - 1), -3.0 + 0.5 * (n % 2), 9.0 + n % 4])
-        q = camera.project(board.points @ rotation.T + place) + rng.normal(0, _NOISE, (len(board.points), 2))
+        q = camera.project(board.points @ rotation.T + place) + rng.normal(
+            0, _NOISE_PX, (len(board.points), 2)
+        )
         inside = np.flatnonzero(((q >= 0) & (q <= np.array(_SIZE) - 1)).all(axis=1))
         yield inside.tolist(), q[inside].tolist()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Drive the stack that is named; return the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m infra.load_test", description="Many captures at once.")
+    parser = argparse.ArgumentParser(
+        prog="python -m infra.measure.load_test", description="Many captures at once."
+    )
     parser.add_argument("url", help="of the API, without /v1: http://127.0.0.1:8000")
     parser.add_argument("--token", default="cdb_dev_local")
     parser.add_argument("--sessions", type=int, default=200)
     parser.add_argument("--clients", type=int, default=64)
     parser.add_argument("--cameras", type=int, default=16)
-    parser.add_argument("--faults", type=float, default=FAULTS, help="share of requests that fail (0.2)")
+    parser.add_argument("--faults", type=float, default=FAULT_RATE, help="share of requests that fail (0.2)")
     asked = parser.parse_args(arguments)
     try:
         outcome = drive(

@@ -1,0 +1,1 @@
+"""Measurements of a stack: its cost on AWS, and its behaviour under load."""
