@@ -52,7 +52,7 @@ PLUG = """(there) => {
 }"""
 
 
-def test_language_keys_and_drawers_in_the_middle_of_a_capture(page: Page) -> None:
+def test_language_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> None:
     listen(page)
     page.goto(f"{ENDLESS}&camera=Another+one")
     page.locator("#undo:enabled").wait_for()
@@ -74,14 +74,14 @@ def test_language_keys_and_drawers_in_the_middle_of_a_capture(page: Page) -> Non
             page.set_viewport_size({"width": width, "height": height})
             assert not page.evaluate(CRAMPED), f"{language} at {width} x {height}"
 
-    drawer = page.locator("#senses")
-    drawer.locator("summary").click()
+    popover = page.locator("#senses")
+    popover.locator("summary").click()
     page.keyboard.press("Escape")
-    assert drawer.get_attribute("open") is None
+    assert popover.get_attribute("open") is None
     assert page.evaluate("document.activeElement.parentElement.id") == "senses", "the focus stays there"
-    drawer.locator("summary").click()
+    popover.locator("summary").click()
     page.locator("#stage").click()
-    assert drawer.get_attribute("open") is None
+    assert popover.get_attribute("open") is None
     page.keyboard.press("Escape")
     assert page.locator("#controls").is_visible(), "no key ends a capture by accident"
 

@@ -3,7 +3,8 @@ import { createServer } from "node:http";
 import { test } from "node:test";
 import { reach } from "../../web/lib/network.js";
 import { Api, ApiError, OfflineError } from "../../web/lib/api.js";
-import { CaptureSession, isAway, viewCount } from "../../web/lib/session.js";
+import { CaptureSession, isUnavailable } from "../../web/lib/session.js";
+import { viewCount } from "../../web/calibrate/state.js";
 
 const json = (status, body, headers = {}) =>
   new Response(body === null ? null : JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
@@ -96,15 +97,15 @@ test("a programming error is not a lost network", async () => {
 });
 
 test("what is asked for the first time is said to be, by kind and not by view", async () => {
-  const known = new Set();
+  const answered = new Set();
   const { api } = service(({ call }) => {
     if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
     return json(200, { index: 0, status: "capturing", accepted: true, views: [] });
   });
   const asked = [];
   for (const expected of [[true, true, true, false, true, false, true, false], [false, false, false, false, false, false, false, false]]) {
-    const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] }, { known });
-    capture.onAsk = (isFirst) => asked.push(isFirst);
+    const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] }, { answered });
+    capture.onRequest = (isFirst) => asked.push(isFirst);
     await capture.start();
     await capture.pose(); // as numbers and as a picture
     for (const index of [0, 1]) await capture.submit(index, { ids: [index], points: [[1, 1]] });
@@ -160,7 +161,7 @@ test("a capture is taken up again with the views it had, also one whose answer w
 test("views taken while the service is away are sent in their order once it is back, by this page or the next one", async () => {
   const taken = [];
   let away = false;
-  let kept = null;
+  let saved = null;
   const { api, calls } = service(({ call, body }) => {
     if (away) return json(503, {});
     if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
@@ -172,20 +173,20 @@ test("views taken while the service is away are sent in their order once it is b
   });
   const view = (id) => ({ ids: [id], points: [[id, id]] });
   const request = { camera: "c", platform: "p", img_size: [640, 480] };
-  const capture = new CaptureSession(api, "token", request, { about: "c", save: (now) => (kept = structuredClone(now)) });
+  const capture = new CaptureSession(api, "token", request, { about: "c", save: (now) => (saved = structuredClone(now)) });
   await capture.start();
   await capture.submit(0, view(1));
   away = true;
   const began = calls.length;
-  await assert.rejects(capture.submit(1, view(2)), isAway);
+  await assert.rejects(capture.submit(1, view(2)), isUnavailable);
   assert.equal(calls.length - began, 3, "two seconds of patience: the page has better to do than to wait");
-  capture.keep(view(3));
-  capture.keep(view(4));
+  capture.store(view(3));
+  capture.store(view(4));
   assert.equal(capture.waiting, 3);
-  assert.equal(viewCount({ session: { views: [{ index: 0 }] }, stored: capture.waiting }), 4);
-  await assert.rejects(capture.resume(), isAway);
+  assert.equal(viewCount({ capture: { session: { views: [{ index: 0 }] } }, link: { stored: capture.waiting } }), 4);
+  await assert.rejects(capture.resume(), isUnavailable);
   away = false;
-  const next = new CaptureSession(api, "token", request, { about: "c", kept });
+  const next = new CaptureSession(api, "token", request, { about: "c", saved });
   const { state, refused } = await next.resume();
   assert.deepEqual([taken, refused, state.views.length, next.waiting], [[1, 2, 4], 1, 3, 0]);
 });
@@ -200,8 +201,8 @@ test("a capture begun without the service is sent when it is there, and may be s
   });
   let told = 0;
   const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
-  capture.keep({ ids: [1], points: [[1, 1]] });
-  capture.keep({ ids: [2], points: [[2, 2]] });
+  capture.store({ ids: [1], points: [[1, 1]] });
+  capture.store({ ids: [2], points: [[2, 2]] });
   assert.deepEqual([capture.size, capture.waiting, capture.lastIsTaken], [2, 2, false]);
   const back = await capture.resume(undefined, { onSending: () => (told += 1) });
   assert.deepEqual([calls[0].call, taken, back.taken, told, capture.lastIsTaken], ["POST /v1/auth", [1, 2], 2, 1, true]);
@@ -215,7 +216,7 @@ test("a capture begun without the service is sent when it is there, and may be s
 test("a view not yet sent is taken back without the service", async () => {
   const { api, calls } = service(() => json(200, {}));
   const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
-  capture.keep({ ids: [1], points: [[1, 1]] });
+  capture.store({ ids: [1], points: [[1, 1]] });
   assert.equal(await capture.undo(), null);
   assert.deepEqual([calls.length, capture.waiting], [0, 0]);
 });

@@ -23,22 +23,22 @@ function serve(t) {
 }
 
 for (const room of [true, false]) {
-  test(`a capture goes on with the views that are left, ${room ? "kept on the device" : "where nothing can be kept, too"}`, async (t) => {
+  test(`a capture goes on with the views that are left, ${room ? "saved on the device" : "where nothing can be saved, too"}`, async (t) => {
     const sent = serve(t);
-    const kept = new Map();
-    const unkept = [];
-    const cupboard = {
-      load: async (about) => kept.get(about) ?? null,
-      save: async (each) => room && Boolean(kept.set(each.about, each)),
-      remove: async (about) => void kept.delete(about),
+    const saved = new Map();
+    const unsaved = [];
+    const store = {
+      load: async (about) => saved.get(about) ?? null,
+      save: async (each) => room && Boolean(saved.set(each.about, each)),
+      remove: async (about) => void saved.delete(about),
     };
-    const captures = new Captures(cupboard, { address: () => "?", onUnkept: () => unkept.push(1) });
+    const captures = new Captures(store, { address: () => "?", onUnsaved: () => unsaved.push(1) });
     const run = { signal: new AbortController().signal, onPatience() {} };
     const { session } = await captures.open(REQUEST, run);
     for (const id of [1, 2, 3]) await session.submit(id - 1, view(id));
     const fisheye = { ...REQUEST, distortion_model: "fisheye" };
     await captures.move(session, fisheye, [1]);
-    assert.deepEqual([kept.has(captureKey(REQUEST)), kept.has(captureKey(fisheye)), unkept.length > 0], [false, room, !room]);
+    assert.deepEqual([saved.has(captureKey(REQUEST)), saved.has(captureKey(fisheye)), unsaved.length > 0], [false, room, !room]);
     await captures.open(fisheye, run);
     assert.deepEqual(sent, [[1, 2, 3], [1, 3]]);
     await captures.forget(captureKey(fisheye));

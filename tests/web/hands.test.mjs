@@ -4,8 +4,8 @@ import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { decide, lenience } from "../../web/calibrate/hold.js";
 import { nextPlanned } from "../../web/calibrate/plan.js";
-import { isEnough } from "../../web/lib/session.js";
-import { initial, reduce } from "../../web/calibrate/state.js";
+import { initial, reduce } from "../../web/calibrate/reducer.js";
+import { isEnough } from "../../web/calibrate/state.js";
 import { motion } from "../../web/calibrate/stillness.js";
 import { Hand } from "../../web/lib/virtual/hand.js";
 import { project } from "../../web/lib/virtual/lens.js";
@@ -35,27 +35,27 @@ function seen(pose, blur, random) {
   return { ids, points, markers: ids.length, size: [WIDTH, HEIGHT], elapsed: 15, memory: 1 };
 }
 
-/** A whole capture by the page's own targets, frame by frame, as the guide runs it. */
+/** A whole capture by the page's own targets, frame by frame, as the capture loop runs it. */
 function capture(kind, seed) {
   const random = seeded(seed);
   const start = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
   const hand = new Hand(kind, { error: 1, seed, pivot: [4.5, 3, 0], focal: LENS.fx, start });
   let state = initial(DEFAULT_BOARD, { camera: null, img_size: null, distortion_model: "rectilinear" });
-  const tell = (event) => (state = reduce(state, event));
+  const dispatch = (event) => (state = reduce(state, event));
   let [planned, skipped, time] = [0, 0, 0];
   const next = () => {
     const found = nextPlanned(PLAN, planned, DEFAULT_BOARD, KEY.img_size, null);
     planned = found.next;
-    tell({ type: "pose", pose: found.pose, picture: null, time });
+    dispatch({ type: "pose", pose: found.pose, picture: null, time });
     hand.follow(matched(DEFAULT_BOARD, LENS, found.pose), time);
   };
-  tell({ type: "open" });
-  tell({ type: "opened", key: KEY, mirrored: false, cropped: false });
-  tell({ type: "offline", stored: 0, time });
+  dispatch({ type: "open" });
+  dispatch({ type: "opened", key: KEY, mirrored: false, cropped: false });
+  dispatch({ type: "opened-offline", stored: 0, time });
   next();
   for (; time < LIMIT && !isEnough(state); time += FRAME) {
     const detection = seen(hand.pose(time), hand.blur(), random);
-    tell({ type: "frame", detection, time });
+    dispatch({ type: "frame", detection, time });
     const action = decide(state, time);
     if (action === "skip") {
       skipped += 1;
@@ -63,11 +63,11 @@ function capture(kind, seed) {
     }
     if (action !== "submit") continue;
     const view = seen(hand.pose(time + FRAME), 0, random);
-    if (motion(state.corners, view) > 3 * lenience(state, time)) continue;
-    tell({ type: "stored", corners: view, stored: state.stored + 1, time });
+    if (motion(state.detector.corners, view) > 3 * lenience(state, time)) continue;
+    dispatch({ type: "stored", corners: view, stored: state.link.stored + 1, time });
     if (!isEnough(state)) next();
   }
-  return { views: state.stored, seconds: time / 1000, skipped };
+  return { views: state.link.stored, seconds: time / 1000, skipped };
 }
 
 // Eight views without the service, each a way to the target and a hold of 0.7 s.

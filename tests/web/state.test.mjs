@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
-import { HOLD, LONG_HOLD, decide, holdProgress, lenience } from "../../web/calibrate/hold.js";
-import { initial, reduce } from "../../web/calibrate/state.js";
-import { isEnough, wantedAway } from "../../web/lib/session.js";
+import { HOLD_MS, LONG_HOLD_MS, decide, holdProgress, lenience } from "../../web/calibrate/hold.js";
+import { initial, reduce } from "../../web/calibrate/reducer.js";
+import { isEnough, offlineGoal } from "../../web/calibrate/state.js";
 import { HEALTHY } from "../../web/calibrate/diagnosis.js";
 import { asMirrored } from "../../web/calibrate/instruction.js";
 import { project } from "../../web/lib/virtual/lens.js";
@@ -34,7 +34,7 @@ function capturing(events = []) {
   return [
     { type: "open" },
     { type: "opened", key: KEY, mirrored: false, cropped: false },
-    { type: "session", session: SESSION },
+    { type: "session", session: SESSION, time: 0 },
     { type: "pose", pose: target(THERE), picture: "blob:1", time: 0 },
     ...events,
   ].reduce(reduce, initial(DEFAULT_BOARD, wanted));
@@ -43,63 +43,63 @@ const frames = (detection, ms, from = 0) =>
   Array.from({ length: ms / 50 + 1 }, (_, index) => ({ type: "frame", detection, time: from + 50 * index }));
 
 test("a board held still on the target is sent after the hold, not before", () => {
-  const before = capturing(frames(frame(THERE), HOLD - 50));
-  assert.ok(before.overlap > 0.99);
-  assert.equal(decide(before, HOLD - 50), null);
+  const before = capturing(frames(frame(THERE), HOLD_MS - 50));
+  assert.ok(before.detector.overlap > 0.99);
+  assert.equal(decide(before, HOLD_MS - 50), null);
   assert.ok(holdProgress(before) > 0.8 && holdProgress(before) < 1);
-  assert.equal(decide(capturing(frames(frame(THERE), HOLD)), HOLD), "submit");
+  assert.equal(decide(capturing(frames(frame(THERE), HOLD_MS)), HOLD_MS), "submit");
 });
 
 test("a tilted board held elsewhere is sent too, after longer; one that faces the camera is not", () => {
   const tilted = (ms) => capturing(frames(frame(ELSEWHERE), ms));
-  assert.ok(tilted(100).overlap < 0.3);
-  assert.equal(decide(tilted(LONG_HOLD - 50), LONG_HOLD - 50), null);
-  assert.equal(decide(tilted(LONG_HOLD), LONG_HOLD), "submit");
-  assert.equal(decide(capturing(frames(frame(FACING), 2 * LONG_HOLD)), 2 * LONG_HOLD), null);
+  assert.ok(tilted(100).detector.overlap < 0.3);
+  assert.equal(decide(tilted(LONG_HOLD_MS - 50), LONG_HOLD_MS - 50), null);
+  assert.equal(decide(tilted(LONG_HOLD_MS), LONG_HOLD_MS), "submit");
+  assert.equal(decide(capturing(frames(frame(FACING), 2 * LONG_HOLD_MS)), 2 * LONG_HOLD_MS), null);
 });
 
 test("nothing is sent while a view is on its way, nor the same hold twice", () => {
-  const held = capturing(frames(frame(THERE), HOLD));
-  assert.equal(decide(reduce(held, { type: "busy" }), HOLD), null);
+  const held = capturing(frames(frame(THERE), HOLD_MS));
+  assert.equal(decide(reduce(held, { type: "busy" }), HOLD_MS), null);
   const answer = { ...SESSION, accepted: false, reason: "no_information" };
-  const refused = reduce(held, { type: "answer", answer, corners: held.corners, time: 600 });
-  const again = frames(frame(THERE), HOLD, 650).reduce(reduce, refused);
-  assert.equal(decide(again, 650 + HOLD), null);
-  assert.equal(refused.notice.key, "capture.useless");
-  assert.equal(refused.pose.index, 0, "a refused view leaves the target where it is");
+  const refused = reduce(held, { type: "answer", answer, corners: held.detector.corners, time: 600 });
+  const again = frames(frame(THERE), HOLD_MS, 650).reduce(reduce, refused);
+  assert.equal(decide(again, 650 + HOLD_MS), null);
+  assert.equal(refused.ui.notice.key, "capture.useless");
+  assert.equal(refused.capture.pose.index, 0, "a refused view leaves the target where it is");
   const moved = { rvec: [0.45, -0.5, 0.1], tvec: [-4.3, -3, 12] };
-  const better = frames(frame(moved), HOLD, 2000).reduce(reduce, again);
-  assert.equal(decide(better, 2000 + HOLD), "submit");
+  const better = frames(frame(moved), HOLD_MS, 2000).reduce(reduce, again);
+  assert.equal(decide(better, 2000 + HOLD_MS), "submit");
 });
 
 test("a target refused in its own place is given up soon: after 1 s where nothing can be done about it, after 3 s to read why else", () => {
-  const held = capturing(frames(frame(THERE), HOLD));
+  const held = capturing(frames(frame(THERE), HOLD_MS));
   const answer = { ...SESSION, accepted: false, reason: "no_information" };
-  const refused = reduce(held, { type: "answer", answer, corners: held.corners, time: 600 });
+  const refused = reduce(held, { type: "answer", answer, corners: held.detector.corners, time: 600 });
   assert.equal(decide(refused, 1_500), null);
   assert.equal(decide(refused, 1_700), "skip");
   const unlike = { ...answer, reason: "outlier", views: [{ index: 0, points: 40, rms: 0.1 }] };
-  const doubted = reduce(held, { type: "answer", answer: unlike, corners: held.corners, time: 600 });
-  assert.equal(doubted.notice.key, "capture.refused_outlier");
+  const doubted = reduce(held, { type: "answer", answer: unlike, corners: held.detector.corners, time: 600 });
+  assert.equal(doubted.ui.notice.key, "capture.refused_outlier");
   assert.equal(decide(doubted, 3_500), null);
   assert.equal(decide(doubted, 3_700), "skip");
-  const elsewhere = reduce(capturing(frames(frame(ELSEWHERE), LONG_HOLD)), { type: "answer", answer, corners: frame(ELSEWHERE), time: 1600 });
+  const elsewhere = reduce(capturing(frames(frame(ELSEWHERE), LONG_HOLD_MS)), { type: "answer", answer, corners: frame(ELSEWHERE), time: 1600 });
   assert.equal(decide(elsewhere, 14_000), null);
 });
 
 test("an accepted view takes the target away, and progress never falls but by undo", () => {
   const views = [{ index: 0, points: 40, rms: 0.1 }];
-  const held = capturing(frames(frame(THERE), HOLD));
-  const taken = reduce(held, { type: "answer", answer: { ...SESSION, views, progress: 0.5, accepted: true, reason: null }, corners: held.corners, time: 600 });
-  assert.deepEqual([taken.pose, taken.picture, taken.progress, taken.busy], [null, null, 0.5, false]);
-  assert.equal(reduce(taken, { type: "session", session: { ...SESSION, views, progress: 0.4 } }).progress, 0.5);
+  const held = capturing(frames(frame(THERE), HOLD_MS));
+  const taken = reduce(held, { type: "answer", answer: { ...SESSION, views, progress: 0.5, accepted: true, reason: null }, corners: held.detector.corners, time: 600 });
+  assert.deepEqual([taken.capture.pose, taken.ui.picture, taken.capture.progress, taken.link.busy], [null, null, 0.5, false]);
+  assert.equal(reduce(taken, { type: "session", session: { ...SESSION, views, progress: 0.4 } }).capture.progress, 0.5);
   const undone = reduce(taken, { type: "undone", session: SESSION, time: 700 });
-  assert.deepEqual([undone.progress, undone.answered], [0, null]);
+  assert.deepEqual([undone.capture.progress, undone.capture.lastSent], [0, null]);
 });
 
 test("convergence ends the capture", () => {
   const done = reduce(capturing(), { type: "session", session: { ...SESSION, status: "converged", calibration: {}, progress: 1 } });
-  assert.deepEqual([done.phase, done.progress, done.pose], ["done", 1, null]);
+  assert.deepEqual([done.phase, done.capture.progress, done.capture.pose], ["done", 1, null]);
   assert.equal(decide(done, 1e9), null);
   assert.equal(reduce(done, { type: "frame", detection: frame(THERE), time: 1 }), done);
 });
@@ -113,29 +113,29 @@ test("a target not reached for 15 s is given up, unless no board is in sight", (
 
 test("instructions say what is missing, and stand for 400 ms", () => {
   const blind = capturing(frames(NOTHING, 500));
-  assert.equal(blind.instruction.code, "show");
+  assert.equal(blind.ui.instruction.code, "show");
   const first = reduce(blind, { type: "frame", detection: frame(ELSEWHERE), time: 550 });
-  assert.equal(first.instruction.code, "show");
+  assert.equal(first.ui.instruction.code, "show");
   const later = frames(frame(ELSEWHERE), 400, 600).reduce(reduce, first);
-  assert.equal(later.instruction.code, "tilt_left", "the largest difference first");
+  assert.equal(later.ui.instruction.code, "tilt_left", "the largest difference first");
   const there = frames(frame(THERE), 450, 1100).reduce(reduce, later);
-  assert.equal(there.instruction.code, "hold");
+  assert.equal(there.ui.instruction.code, "hold");
 });
 
 test("what was said of one target does not stand for the next", () => {
   const held = capturing(frames(frame(THERE), 600));
-  assert.equal(held.instruction.code, "hold");
+  assert.equal(held.ui.instruction.code, "hold");
   const next = reduce(held, { type: "pose", pose: target(ELSEWHERE, 1), picture: "blob:2", time: 650 });
-  assert.equal(next.instruction.code, "tilt_right");
+  assert.equal(next.ui.instruction.code, "tilt_right");
   const unseen = reduce(capturing(frames(NOTHING, 500)), { type: "pose", pose: target(ELSEWHERE, 1), picture: "blob:2", time: 650 });
-  assert.equal(unseen.instruction.code, "show", "without a board in sight there is nothing new to say");
+  assert.equal(unseen.ui.instruction.code, "show", "without a board in sight there is nothing new to say");
 });
 
 test("in a mirrored preview left is right", () => {
   assert.deepEqual(["left", "up_right", "tilt_left", "turn_clockwise", "tilt_top", "closer"].map(asMirrored),
     ["right", "up_left", "tilt_right", "turn_counterclockwise", "tilt_top", "closer"]);
   const mirrored = reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false });
-  const shown = (state, pose) => [pose, ...frames(frame(ELSEWHERE), 450)].reduce(reduce, state).instruction.code;
+  const shown = (state, pose) => [pose, ...frames(frame(ELSEWHERE), 450)].reduce(reduce, state).ui.instruction.code;
   const known = { type: "pose", pose: target(THERE), picture: "blob:2", time: 0 };
   assert.equal(shown(capturing(), known), "tilt_left");
   assert.equal(shown(mirrored, known), "tilt_right");
@@ -148,7 +148,7 @@ test("in a mirrored preview left is right", () => {
 });
 
 test("a hand that is not steady is asked for less, the longer it tries", () => {
-  const state = { posedAt: 1000 };
+  const state = { capture: { posedAt: 1000 } };
   assert.deepEqual([1000, 4000, 5500, 60_000].map((time) => lenience(state, time)), [1, 1, 1.5, 4]);
   const trembling = (from, ms) => frames(frame(THERE), ms, from).map((event, index) => {
     const points = event.detection.points.map(([x, y]) => [x + (index % 2 ? 3 : 0), y]);
@@ -163,47 +163,47 @@ test("who comes nearer, slowly, keeps the target", () => {
   const slow = Array.from({ length: 17 }, (_, index) => 1000 * index)
     .reduce((state, time) => reduce(state, { type: "frame", detection: frame(far(time)), time }), capturing());
   assert.equal(decide(slow, 16_001), null);
-  assert.equal(decide(slow, slow.nearest.time + 15_001), "skip");
-  assert.equal(decide({ ...slow, nearest: { ...slow.nearest, time: 45_000 } }, 45_001), "skip");
+  assert.equal(decide(slow, slow.capture.nearest.time + 15_001), "skip");
+  assert.equal(decide({ ...slow, capture: { ...slow.capture, nearest: { ...slow.capture.nearest, time: 45_000 } } }, 45_001), "skip");
 });
 
 test("without the service, views are kept and counted, and the target is the page's own", () => {
-  const held = capturing(frames(frame(THERE), HOLD));
-  const away = reduce(held, { type: "away", stored: 1 });
-  assert.deepEqual([away.away, away.stored, away.pose, away.notice], [true, 1, null, null]);
+  const held = capturing(frames(frame(THERE), HOLD_MS));
+  const away = reduce(held, { type: "offline", stored: 1 });
+  assert.deepEqual([away.link.offline, away.link.stored, away.capture.pose, away.ui.notice], [true, 1, null, null]);
   const planned = reduce(away, { type: "pose", pose: { ...target(ELSEWHERE), index: -1 }, picture: null, time: 900 });
-  assert.equal(decide(frames(frame(ELSEWHERE), HOLD, 1000).reduce(reduce, planned), 1000 + HOLD), "submit");
+  assert.equal(decide(frames(frame(ELSEWHERE), HOLD_MS, 1000).reduce(reduce, planned), 1000 + HOLD_MS), "submit");
   const stored = reduce(planned, { type: "stored", corners: frame(ELSEWHERE), stored: 2, time: 2000 });
-  assert.deepEqual([stored.stored, stored.pose, stored.notice.key], [2, null, "capture.view_stored"]);
+  assert.deepEqual([stored.link.stored, stored.capture.pose, stored.ui.notice.key], [2, null, "capture.view_stored"]);
   const views = [{ index: 0, points: 40, rms: 0.1 }, { index: 1, points: 40, rms: 0.1 }];
-  const far = { ...stored, session: { ...SESSION, progress: 0.6 }, progress: 0.6 };
+  const far = { ...stored, capture: { ...stored.capture, session: { ...SESSION, progress: 0.6 }, progress: 0.6 } };
   const keep = (state, count) => reduce(state, { type: "stored", corners: frame(ELSEWHERE), stored: count, time: 2000 });
-  const grown = [3, 4, 5, 6, 7, 8].reduce((all, count) => [...all, keep(all.at(-1), count)], [far]).map(({ progress }) => progress);
+  const grown = [3, 4, 5, 6, 7, 8].reduce((all, count) => [...all, keep(all.at(-1), count)], [far]).map(({ capture: { progress } }) => progress);
   assert.ok(grown.every((each, at) => at === 0 || each > grown[at - 1]), `progress only grows: ${grown}`);
   assert.ok(Math.abs(grown.at(-1) - 0.95) < 1e-9, "the service alone says that it is the end");
-  const trying = reduce(stored, { type: "patience", attempt: 2 });
-  const back = reduce(trying, { type: "back", session: { ...SESSION, views, progress: 0.5 }, taken: 2, refused: 0, time: 3000 });
-  assert.deepEqual([back.away, back.stored, back.progress, back.notice.key], [false, 0, 0.5, "capture.came_back"]);
-  assert.equal(back.patience, 0, "the connection is not lost any more");
+  const trying = reduce(stored, { type: "retrying", attempts: 2 });
+  const back = reduce(trying, { type: "online", session: { ...SESSION, views, progress: 0.5 }, taken: 2, refused: 0, time: 3000 });
+  assert.deepEqual([back.link.offline, back.link.stored, back.capture.progress, back.ui.notice.key], [false, 0, 0.5, "capture.came_back"]);
+  assert.equal(back.link.attempts, 0, "the connection is not lost any more");
 });
 
 test("without the service there is an end: eight views, or three more where it went on asking", () => {
-  const offline = (stored) => reduce(capturing(), { type: "offline", stored });
-  assert.deepEqual([offline(0).notice, offline(3).away, offline(3).phase], [null, true, "capturing"]);
-  assert.deepEqual([wantedAway(offline(0)), isEnough(offline(7)), isEnough(offline(8))], [8, false, true]);
+  const offline = (stored) => reduce(capturing(), { type: "opened-offline", stored, time: 0 });
+  assert.deepEqual([offline(0).ui.notice, offline(3).link.offline, offline(3).phase], [null, true, "capturing"]);
+  assert.deepEqual([offlineGoal(offline(0)), isEnough(offline(7)), isEnough(offline(8))], [8, false, true]);
   const views = Array.from({ length: 7 }, (_, index) => ({ index, points: 40, rms: 0.1 }));
-  const late = reduce(reduce(capturing(), { type: "session", session: { ...SESSION, views } }), { type: "away", stored: 2 });
-  assert.deepEqual([wantedAway(late), isEnough(late), isEnough({ ...late, stored: 3 })], [3, false, true]);
+  const late = reduce(reduce(capturing(), { type: "session", session: { ...SESSION, views } }), { type: "offline", stored: 2 });
+  assert.deepEqual([offlineGoal(late), isEnough(late), isEnough({ ...late, link: { ...late.link, stored: 3 } })], [3, false, true]);
   const told = frames(NOTHING, 500).reduce(reduce, offline(8));
-  assert.equal(told.instruction.code, "enough");
-  assert.equal(reduce(late, { type: "sending", sending: true }).sending, true);
-  const back = (taken, refused) => reduce(late, { type: "back", session: SESSION, taken, refused, time: 2 }).notice.key;
+  assert.equal(told.ui.instruction.code, "enough");
+  assert.equal(reduce(late, { type: "sending", sending: true }).link.sending, true);
+  const back = (taken, refused) => reduce(late, { type: "online", session: SESSION, taken, refused, time: 2 }).ui.notice.key;
   assert.deepEqual([back(2, 0), back(1, 1), back(0, 0)], ["capture.came_back", "capture.came_back_less", "capture.came_back_only"]);
 });
 
 test("a refusal says what would help, as the preview shows it", () => {
   const answer = { ...SESSION, accepted: false, reason: "too_few_points", hint: { code: "left", text: "Move left" } };
-  const refuse = (state, hint) => reduce(state, { type: "answer", answer: { ...answer, hint }, corners: frame(ELSEWHERE), time: 1 }).notice;
+  const refuse = (state, hint) => reduce(state, { type: "answer", answer: { ...answer, hint }, corners: frame(ELSEWHERE), time: 1 }).ui.notice;
   assert.deepEqual(refuse(capturing(), answer.hint), { key: "capture.refused_too_few_points", kind: "bad", hint: "left" });
   assert.equal(refuse(reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false }), answer.hint).hint, "right");
   assert.equal(refuse(capturing(), { code: "dance", text: "" }).hint, undefined);
@@ -214,43 +214,60 @@ test("a view that is set aside later is said to be, once", () => {
   const views = [{ index: 0, points: 40, rms: 9, set_aside: { reason: "outlier", detail: "" } }, { index: 1, points: 40, rms: 0.1 }];
   const answer = { ...SESSION, views, accepted: true, reason: null };
   const first = reduce(capturing(), { type: "answer", answer, corners: frame(THERE), time: 1 });
-  assert.deepEqual([first.notice.key, first.notice.values.number], ["capture.view_set_aside", 1]);
+  assert.deepEqual([first.ui.notice.key, first.ui.notice.values.number], ["capture.view_set_aside", 1]);
   const second = reduce(first, { type: "answer", answer, corners: frame(THERE), time: 2 });
-  assert.equal(second.notice.key, "capture.view_taken");
+  assert.equal(second.ui.notice.key, "capture.view_taken");
 });
 
 test("a board of the other layout is taken as such while nothing is lost by it", () => {
-  const legacy = { ...HEALTHY, trouble: "legacy" };
-  assert.equal(decide({ ...capturing(), diagnosis: legacy }, 1), "relayout");
-  assert.equal(decide({ ...capturing(), diagnosis: legacy, stored: 1 }, 1), null);
+  const legacy = (stored) => {
+    const { detector, link, ...rest } = capturing();
+    return { ...rest, detector: { ...detector, diagnosis: { ...HEALTHY, trouble: "legacy" } }, link: { ...link, stored } };
+  };
+  assert.equal(decide(legacy(0), 1), "relayout");
+  assert.equal(decide(legacy(1), 1), null);
 });
 
 test("the time in a hidden tab does not count", () => {
-  const state = reduce(capturing(frames(frame(FACING), 200)), { type: "shown", time: 60_000 });
+  const state = reduce(capturing(frames(frame(FACING), 200)), { type: "visible", time: 60_000 });
   assert.equal(decide(state, 60_001), null);
-  assert.equal(state.stillness.held, 0);
+  assert.equal(state.detector.stillness.held, 0);
 });
 
 test("a picture of another size ends the capture, and nothing of it is ever sent", () => {
   const turned = { ...frame(THERE), size: [720, 1280] };
-  const held = capturing(frames(frame(THERE), HOLD));
-  assert.equal(decide(held, HOLD), "submit");
-  const state = reduce(held, { type: "frame", detection: turned, time: HOLD + 50 });
+  const held = capturing(frames(frame(THERE), HOLD_MS));
+  assert.equal(decide(held, HOLD_MS), "submit");
+  const state = reduce(held, { type: "frame", detection: turned, time: HOLD_MS + 50 });
   assert.equal(state.phase, "failed");
   assert.equal(state.failure.code, "resized");
-  assert.equal(decide(state, HOLD + 50), null);
-  const later = frames(frame(THERE), 3 * LONG_HOLD, HOLD + 100).reduce(reduce, state);
+  assert.equal(decide(state, HOLD_MS + 50), null);
+  const later = frames(frame(THERE), 3 * LONG_HOLD_MS, HOLD_MS + 100).reduce(reduce, state);
   assert.deepEqual([later.phase, decide(later, 6_000)], ["failed", null]);
 });
 
 test("starting over keeps the cameras and forgets the rest", () => {
   const state = reduce(capturing(frames(frame(THERE), 200)), { type: "cameras", cameras: [{ id: "a", label: "A" }] });
   const fresh = reduce(state, { type: "restart" });
-  assert.deepEqual([fresh.phase, fresh.pose, fresh.session, fresh.cameras.length], ["welcome", null, null, 1]);
+  assert.deepEqual([fresh.phase, fresh.capture.pose, fresh.capture.session, fresh.ui.cameras.length], ["welcome", null, null, 1]);
 });
 
 test("a device too slow to colour the picture stays so, whatever is begun anew", () => {
   const slow = reduce(capturing(), { type: "slow" });
-  assert.equal(slow.plain, true);
-  assert.equal(reduce(slow, { type: "open" }).plain, true);
+  assert.equal(slow.ui.plain, true);
+  assert.equal(reduce(slow, { type: "open" }).ui.plain, true);
+});
+
+test("the notice that a capture is opened with is shown once the capture runs", () => {
+  const notice = { key: "capture.resized", kind: "plain" };
+  const opening = reduce(capturing(), { type: "open", notice });
+  assert.deepEqual([opening.ui.notice, opening.ui.openingNotice], [null, notice]);
+  for (const type of ["session", "opened-offline"]) {
+    const { phase, ui } = reduce(opening, { type, session: SESSION, stored: 0, time: 7_000 });
+    assert.deepEqual([phase, ui.notice, ui.noticedAt, ui.openingNotice], ["capturing", notice, 7_000, null]);
+  }
+  const converged = { ...SESSION, status: "converged", calibration: {}, progress: 1 };
+  assert.equal(reduce(opening, { type: "session", session: converged, time: 7_000 }).ui.notice, null);
+  const failed = reduce(opening, { type: "failed", code: "not_found" });
+  assert.equal(reduce(failed, { type: "open" }).ui.openingNotice, null, "nor by the next one");
 });

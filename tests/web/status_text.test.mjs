@@ -4,8 +4,8 @@ import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { Announcer } from "../../web/calibrate/announcer.js";
 import { propose } from "../../web/lib/camera.js";
 import { setLanguage } from "../../web/lib/i18n.js";
-import { initial } from "../../web/calibrate/state.js";
-import * as words from "../../web/calibrate/status-text.js";
+import { initial } from "../../web/calibrate/reducer.js";
+import * as statusText from "../../web/calibrate/status-text.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/camera.js";
 
 setLanguage("en");
@@ -13,7 +13,12 @@ const VIRTUAL = { id: "virtual", label: labelOf(setupFrom(new URLSearchParams())
 const BUILT_IN = { id: "a", label: "Integrated Camera", named: true };
 const C920 = { id: "b", label: "C920", named: true };
 const wanted = { camera: "C920", img_size: [1280, 720], distortion_model: "rectilinear" };
-const state = { ...initial(DEFAULT_BOARD, wanted), cameras: [BUILT_IN, VIRTUAL] };
+const fresh = initial(DEFAULT_BOARD, wanted);
+/** A state with changes of its parts. */
+const having = (changes, state = fresh) => ({
+  ...state, ...Object.fromEntries(Object.entries(changes).map(([part, change]) => [part, { ...state[part], ...change }])),
+});
+const state = having({ ui: { cameras: [BUILT_IN, VIRTUAL] } });
 const key = { camera: "C920", platform: "X11", img_size: [1280, 720], zoom: 0 };
 
 test("the camera asked for is proposed, and the virtual one never in its place", () => {
@@ -27,23 +32,23 @@ test("the camera asked for is proposed, and the virtual one never in its place",
 });
 
 test("a camera that is not there is said not to be, as soon as names are known", () => {
-  assert.equal(words.wanted(state), "Asked for: C920 at 1280\u00a0×\u00a0720. It is not among the cameras found here.");
-  assert.equal(words.wanted({ ...state, cameras: [C920, VIRTUAL] }), "Asked for: C920 at 1280\u00a0×\u00a0720.");
+  assert.equal(statusText.wanted(state), "Asked for: C920 at 1280\u00a0×\u00a0720. It is not among the cameras found here.");
+  assert.equal(statusText.wanted(having({ ui: { cameras: [C920, VIRTUAL] } })), "Asked for: C920 at 1280\u00a0×\u00a0720.");
   const nameless = { id: "", label: "Camera 1", named: false };
-  assert.equal(words.wanted({ ...state, cameras: [nameless, VIRTUAL] }), "Asked for: C920 at 1280\u00a0×\u00a0720.");
-  assert.match(words.wanted({ ...state, cameras: [VIRTUAL] }), /No camera was found here/);
+  assert.equal(statusText.wanted(having({ ui: { cameras: [nameless, VIRTUAL] } })), "Asked for: C920 at 1280\u00a0×\u00a0720.");
+  assert.match(statusText.wanted(having({ ui: { cameras: [VIRTUAL] } })), /No camera was found here/);
 });
 
 test("another camera, or another size, than was asked for is said to be opened", () => {
-  assert.equal(words.another({ ...state, key }), "");
-  assert.match(words.another({ ...state, key: { ...key, camera: "Integrated Camera" } }), /C920 at 1280\u00a0×\u00a0720. Opened: Integrated Camera/);
-  assert.match(words.another({ ...state, key: { ...key, img_size: [640, 480] } }), /Opened: C920 at 640\u00a0×\u00a0480/);
-  assert.equal(words.another({ ...state, key, wanted: { ...wanted, camera: null } }), "");
+  assert.equal(statusText.cameraMismatch(having({ capture: { key } })), "");
+  assert.match(statusText.cameraMismatch(having({ capture: { key: { ...key, camera: "Integrated Camera" } } })), /C920 at 1280\u00a0×\u00a0720. Opened: Integrated Camera/);
+  assert.match(statusText.cameraMismatch(having({ capture: { key: { ...key, img_size: [640, 480] } } })), /Opened: C920 at 640\u00a0×\u00a0480/);
+  assert.equal(statusText.cameraMismatch(having({ capture: { key }, wanted: { camera: null } })), "");
 });
 
 test("all that is sent is shown, as it is sent", () => {
   const request = { ...key, board: DEFAULT_BOARD, distortion_model: "fisheye", target_error: 0.1, track: { focusMode: "manual" } };
-  const shown = words.sent({ ...state, key, request }).split("\n").map((line) => line.split(/: (.*)/s));
+  const shown = statusText.requestText(having({ capture: { key, request } })).split("\n").map((line) => line.split(/: (.*)/s));
   assert.deepEqual(Object.fromEntries(shown.map(([name, value]) => [name, JSON.parse(value)])), request);
 });
 
@@ -67,14 +72,14 @@ test("what has happened is said once, what is to be done whenever it changes", a
 
 test("a model that would fit better is offered, unless it is the one", () => {
   const session = { suggested_model: "fisheye" };
-  assert.equal(words.withModel({ ...state, session }), "Start again with “fisheye”");
-  assert.equal(words.withModel({ ...state, session, wanted: { ...wanted, distortion_model: "fisheye" } }), "");
-  assert.equal(words.withModel(state), "");
+  assert.equal(statusText.suggestedModel(having({ capture: { session } })), "Start again with “fisheye”");
+  assert.equal(statusText.suggestedModel(having({ capture: { session }, wanted: { distortion_model: "fisheye" } })), "");
+  assert.equal(statusText.suggestedModel(state), "");
 });
 
 test("what is waited for is named", () => {
-  assert.match(words.opening({ ...state, waiting: "camera" }), /If your browser asks, allow it/);
-  assert.match(words.opening({ ...state, waiting: "detector", loading: 0.5 }), /Loading the board detector/);
-  assert.match(words.opening({ ...state, waiting: "service" }), /Asking calibDB/);
-  assert.match(words.opening({ ...state, waiting: "service", patience: 2 }), /lost. Trying again/);
+  assert.match(statusText.opening(having({ ui: { waiting: "camera" } })), /If your browser asks, allow it/);
+  assert.match(statusText.opening(having({ ui: { waiting: "detector" }, detector: { loading: 0.5 } })), /Loading the board detector/);
+  assert.match(statusText.opening(having({ ui: { waiting: "service" } })), /Asking calibDB/);
+  assert.match(statusText.opening(having({ ui: { waiting: "service" }, link: { attempts: 2 } })), /lost. Trying again/);
 });

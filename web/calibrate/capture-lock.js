@@ -1,29 +1,30 @@
-// One capture belongs to one tab: two that sent views of the same camera to the same session would undo each other's.
+// Lock on a capture (Web Locks): two tabs that sent views to one session would undo each other's.
 
-const NAME = "calibdb capture ";
-const TURN = 250; // ms
-const GRACE = 6; // turns in which a page that is just left lets go; time that this page was busy for itself is none of them
+const PREFIX = "calibdb capture ";
+const TURN_MS = 250;
+const MAX_TURNS = 6; // in which a page that is being left releases its lock; time for which this page is busy does not count
 
 /**
- * Takes a capture for this tab.
- * @param {string} about what the capture is of @param {AbortSignal} signal after which it is let go
- * @returns {Promise<boolean>} false: another tab has it. True where the browser cannot tell
+ * Locks a capture for this tab.
+ * @param {string} key of the capture @param {AbortSignal} signal releases the lock
+ * @returns {Promise<boolean>} false: another tab holds it. True where the browser has no locks
  */
-export function acquireLock(about, signal) {
+export function acquireLock(key, signal) {
   if (!navigator.locks || signal.aborted) return Promise.resolve(true);
-  const over = new AbortController();
+  const timeout = new AbortController();
   let turns = 0;
-  const timer = setInterval(() => ++turns === GRACE && over.abort(), TURN);
+  const timer = setInterval(() => ++turns === MAX_TURNS && timeout.abort(), TURN_MS);
   return /** @type {Promise<boolean>} */ (new Promise((resolve, reject) => {
-    navigator.locks.request(NAME + about, { signal: over.signal }, () => {
+    navigator.locks.request(PREFIX + key, { signal: timeout.signal }, () => {
       resolve(true);
-      if (!signal.aborted) return new Promise((free) => signal.addEventListener("abort", free));
+      if (!signal.aborted) return new Promise((release) => signal.addEventListener("abort", release));
     }).catch((error) => (error instanceof DOMException ? resolve(false) : reject(error)));
   })).finally(() => clearInterval(timer));
 }
 
-/** What captures go on now are about, in whichever tab. @returns {Promise<Set<string>>} */
+/** Keys of the captures that are locked, in whichever tab. @returns {Promise<Set<string>>} */
 export async function heldLocks() {
   const { held = [] } = (await navigator.locks?.query()) ?? {};
-  return new Set(held.map(({ name = "" }) => name).filter((name) => name.startsWith(NAME)).map((name) => name.slice(NAME.length)));
+  const names = held.map(({ name = "" }) => name).filter((name) => name.startsWith(PREFIX));
+  return new Set(names.map((name) => name.slice(PREFIX.length)));
 }

@@ -1,13 +1,12 @@
-// The loop of one capture: looks, sends what is held still, follows the targets, and goes on when something fails.
+// Loop of one capture: detects the board, sends what is held still, sets the targets, and goes on when something fails.
 import { facts, lockFocus } from "../lib/camera.js";
-import { RequestQueue } from "./request-queue.js";
 import { DetectorError, grab } from "../lib/detector.js";
-import { nextProbe } from "./diagnosis.js";
 import { Pace, nextFrame } from "../lib/frames.js";
+import { nextProbe } from "./diagnosis.js";
 import { decide, isSettled, lenience } from "./hold.js";
 import { nextPlanned, trusted } from "./plan.js";
-import { isEnough, viewCount } from "../lib/session.js";
-import { isOfSize } from "./state.js";
+import { RequestQueue } from "./request-queue.js";
+import { isEnough, isOfSize, viewCount } from "./state.js";
 import { motion } from "./stillness.js";
 import { tint } from "./tint.js";
 
@@ -19,19 +18,23 @@ import { tint } from "./tint.js";
  * @property {() => import("./state.js").State} state as it is now
  * @property {(event: Event) => void} dispatch
  * @property {(error: unknown, signal: AbortSignal) => void} fail
- * @property {() => Promise<Detector>} openDetector a new one where the last has failed
+ * @property {() => Promise<Detector>} openDetector a new one if the last has failed
  *
- * @typedef {import("../lib/session.js").CaptureSession} CaptureSession
+ * @typedef {object} Resources
+ * @property {import("../lib/session.js").CaptureSession} session
+ * @property {Detector} detector
+ * @property {import("../lib/camera.js").OpenCamera} camera
+ * @property {import("./plan.js").Step[]} plan
+ * @property {AbortSignal} signal
+ *
  * @typedef {import("../lib/detector.js").Detector} Detector
- * @typedef {import("../lib/camera.js").OpenCamera} OpenCamera
  */
 
-const STEADY = 3; // px between the hold's last frame and the one that is sent, at 1280 px width
-const CRISP = 0.75; // of the sharpness that the hold's frames had: less is one blurred frame, and the next one will do
-const REMEMBERED = 12; // frames
-const RESTARTS = 3; // of the detector in one capture: a fourth would not help
+const MAX_MOTION_PX = 3; // between the hold's last frame and the one that is sent, at 1280 px width
+const MIN_RELATIVE_SHARPNESS = 0.75; // of the hold's frames: less is one blurred frame, and the next one will do
+const SHARPNESS_FRAMES = 12; // over which the median sharpness is taken
+const MAX_RESTARTS = 3; // of the detector in one capture: a fourth would not help
 
-/** The loop of one capture. */
 export class CaptureLoop {
   #page;
   #session;
@@ -41,18 +44,15 @@ export class CaptureLoop {
   #signal;
   #planned = 0;
   #restarts = 0;
-  #focused = false;
-  #hidden = false;
-  #looked = false;
+  #isFocused = false;
+  #wasHidden = false;
+  #isFirst = true;
   /** @type {number[]} of the last frames */
   #sharpness = [];
   #pace = new Pace();
   #queue;
 
-  /**
-   * @param {Page} page
-   * @param {{session: CaptureSession, detector: Detector, camera: OpenCamera, plan: import("./plan.js").Step[], signal: AbortSignal}} means
-   */
+  /** @param {Page} page @param {Resources} resources */
   constructor(page, { session, detector, camera, plan, signal }) {
     this.#page = page;
     this.#session = session;
@@ -61,13 +61,16 @@ export class CaptureLoop {
     this.#plan = plan;
     this.#signal = signal;
     this.#queue = new RequestQueue(page, session, {
-      tell: (event) => this.#tell(event), signal, onAway: () => this.#planPose(), onBack: () => this.#nextPose(),
+      dispatch: (event) => this.#dispatch(event),
+      signal,
+      onOffline: () => this.#setPlannedTarget(),
+      onOnline: () => this.#fetchTarget(),
     });
     const on = (/** @type {HTMLElement} */ button, /** @type {() => void} */ action) =>
       button.addEventListener("click", action, { signal });
     on(page.parts.undo, () => this.#undo());
     on(page.parts.skip, () => this.#skip());
-    document.addEventListener("keydown", (event) => this.#key(event), { signal });
+    document.addEventListener("keydown", (event) => this.#handleKey(event), { signal });
   }
 
   get #state() {
@@ -79,72 +82,77 @@ export class CaptureLoop {
   }
 
   /**
-   * Looks at one frame after the other until the session has converged.
+   * Processes one frame after the other until the session has converged.
    * @returns {Promise<"relayout" | null>} relayout: the capture is to begin again with the board's other layout
    */
   async run() {
-    if (this.#state.away) this.#queue.goOffline();
-    else void this.#nextPose();
+    if (this.#state.link.offline) this.#queue.goOffline();
+    else void this.#fetchTarget();
     while (this.#state.phase === "capturing" && !this.#signal.aborted) {
       await nextFrame(this.#video);
       if (this.#signal.aborted || this.#isHidden()) continue;
       const began = performance.now();
-      const detection = await this.#look({ probe: nextProbe(this.#state.diagnosis, performance.now()) });
+      const detection = await this.#detect({ probe: nextProbe(this.#state.detector.diagnosis, began) });
       if (this.#signal.aborted) return null;
       if (!detection) continue;
-      // Where colouring the picture takes the time that looking at it needs, the target is drawn in a plainer way.
-      if (!this.#state.plain && this.#pace.isSlow(performance.now() - began)) this.#tell({ type: "slow" });
-      if (!this.#looked) performance.mark("first detection");
-      this.#looked = true;
-      if (detection.metrics?.sharpness) this.#sharpness = [...this.#sharpness, detection.metrics.sharpness].slice(-REMEMBERED);
-      this.#tell({ type: "frame", detection, time: performance.now() });
+      this.#measure(detection, performance.now() - began);
+      this.#dispatch({ type: "frame", detection, time: performance.now() });
       this.#focus();
       const action = decide(this.#state, performance.now());
       if (action === "relayout") return action;
       if (action === "submit") await this.#submit();
-      else if (action === "skip") void this.#nextPose({ skip: true });
+      else if (action === "skip") void this.#fetchTarget({ skip: true });
     }
     return null;
   }
 
-  /** Nobody holds a board in a tab that is not seen. */
+  /** @param {import("../lib/detector.js").Detection} detection @param {number} taken ms */
+  #measure({ metrics }, taken) {
+    // If colouring the picture takes the time that detection needs, the target is drawn in a plainer way.
+    if (!this.#state.ui.plain && this.#pace.isSlow(taken)) this.#dispatch({ type: "slow" });
+    if (this.#isFirst) performance.mark("first detection");
+    this.#isFirst = false;
+    if (metrics?.sharpness) this.#sharpness = [...this.#sharpness, metrics.sharpness].slice(-SHARPNESS_FRAMES);
+  }
+
+  /** Whether the tab is hidden: nobody holds a board before it. */
   #isHidden() {
     const hidden = document.hidden;
-    if (this.#hidden && !hidden) {
-      this.#tell({ type: "shown", time: performance.now() });
-      this.#tell({ type: "told", notice: { key: "capture.was_hidden", kind: "plain" }, time: performance.now() });
+    if (this.#wasHidden && !hidden) {
+      this.#dispatch({ type: "visible", time: performance.now() });
+      this.#notify("capture.was_hidden");
     }
-    this.#hidden = hidden;
+    this.#wasHidden = hidden;
     return hidden;
   }
 
   /**
-   * One frame through the detector; null where the detector stopped and another one had to be made.
+   * Runs one frame through the detector; null if the detector stopped and another one had to be made.
    * @param {{full?: boolean, probe?: string | null}} options
    */
-  async #look(options) {
+  async #detect(options) {
     try {
       return await this.#detector.detect(await grab(this.#video), options);
     } catch (error) {
-      if (!(error instanceof DetectorError) || this.#signal.aborted || ++this.#restarts > RESTARTS) throw error;
-      console.info("the detector is started again:", error.message);
+      if (!(error instanceof DetectorError) || this.#signal.aborted || ++this.#restarts > MAX_RESTARTS) throw error;
+      console.info("the detector is restarted:", error.message);
     }
-    this.#tell({ type: "stalled", stalled: true });
+    this.#dispatch({ type: "stalled", stalled: true });
     this.#detector.close();
     this.#detector = await this.#page.openDetector();
-    this.#tell({ type: "stalled", stalled: false });
-    this.#tell({ type: "shown", time: performance.now() });
+    this.#dispatch({ type: "stalled", stalled: false });
+    this.#dispatch({ type: "visible", time: performance.now() });
     return null;
   }
 
   #focus() {
-    if (this.#focused || !isSettled(this.#state)) return;
-    this.#focused = true;
-    void this.#lock();
+    if (this.#isFocused || !isSettled(this.#state)) return;
+    this.#isFocused = true;
+    void this.#lockFocus();
   }
 
-  /** What was recorded of the camera was so before its focus was held: a session without views is begun anew. */
-  async #lock() {
+  /** Locks the focus. The track's recorded settings are from before: a session without views is replaced. */
+  async #lockFocus() {
     const before = JSON.stringify(this.#session.request.track);
     await lockFocus(this.#camera.track);
     const track = facts(this.#camera.track);
@@ -152,101 +160,112 @@ export class CaptureLoop {
     await this.#queue.drained();
     if (this.#signal.aborted) return;
     this.#session.track(track);
-    const { phase, session, away } = this.#state;
-    if (phase !== "capturing" || (session && (away || viewCount(this.#state) > 0))) return;
-    this.#tell({ type: "request", request: this.#session.request });
-    if (!session) return; // it is begun once the service is there
-    await this.#queue.ask(() => this.#session.start(), (begun) => this.#tell({ type: "session", session: begun }));
-    if (this.#state.phase === "capturing") await this.#nextPose();
+    const { phase, capture: { session }, link: { offline } } = this.#state;
+    if (phase !== "capturing" || (session && (offline || viewCount(this.#state) > 0))) return;
+    this.#dispatch({ type: "request", request: this.#session.request });
+    if (!session) return; // it is started once the service is there
+    await this.#queue.send(
+      () => this.#session.start(),
+      (started) => this.#dispatch({ type: "session", session: started, time: performance.now() }),
+    );
+    if (this.#state.phase === "capturing") await this.#fetchTarget();
   }
 
   async #submit() {
-    const { pose, key, corners } = this.#state;
+    const { capture: { pose, key }, detector } = this.#state;
     if (!pose || !key) return;
-    const detection = await this.#look({ full: true });
+    const detection = await this.#detect({ full: true });
     if (!detection || this.#signal.aborted) return;
     const { ids, points, size, metrics } = detection;
     // Between the two frames the device may have been turned, the hold may have ended, the hand may have jerked.
-    if (!isOfSize(size, key)) return this.#tell({ type: "frame", detection, time: performance.now() });
+    if (!isOfSize(size, key)) return this.#dispatch({ type: "frame", detection, time: performance.now() });
     const usual = [...this.#sharpness].sort((a, b) => a - b)[this.#sharpness.length >> 1];
-    if (metrics?.sharpness && usual && metrics.sharpness < CRISP * usual) return;
-    const view = { ids, points };
-    const steady = (STEADY * key.img_size[0] * lenience(this.#state, performance.now())) / 1280;
-    if (ids.length === 0 || motion(corners, view) > steady) return;
-    if (this.#state.away) {
-      this.#session.keep(view);
-      this.#tell({ type: "stored", corners: view, stored: this.#session.stored(this.#state), time: performance.now() });
-    } else {
-      // Looking goes on meanwhile: the service may take its time, or be away.
-      void this.#queue.ask(
-        () => {
-          this.#tell({ type: "sent", corners: view });
-          return this.#session.submit(pose.index, view);
-        },
-        (answer) => this.#tell({ type: "answer", answer, corners: view, time: performance.now() }),
-      ).then(() => this.#goOn());
-      return;
+    if (metrics?.sharpness && usual && metrics.sharpness < MIN_RELATIVE_SHARPNESS * usual) return;
+    const corners = { ids, points };
+    const steady = (MAX_MOTION_PX * key.img_size[0] * lenience(this.#state, performance.now())) / 1280;
+    if (ids.length === 0 || motion(detector.corners, corners) > steady) return;
+    if (this.#state.link.offline) {
+      this.#session.store(corners);
+      const stored = this.#session.stored(this.#state.capture);
+      this.#dispatch({ type: "stored", corners, stored, time: performance.now() });
+      return this.#continue();
     }
-    this.#goOn();
+    // Detection goes on meanwhile: the service may take its time, or be away.
+    void this.#queue.send(
+      () => {
+        this.#dispatch({ type: "sent", corners });
+        return this.#session.submit(pose.index, corners);
+      },
+      (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
+    ).then(() => this.#continue());
   }
 
-  #goOn() {
-    if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.pose) void this.#nextPose();
+  #continue() {
+    if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.capture.pose) void this.#fetchTarget();
   }
 
   /** @param {{skip?: boolean}} [options] */
-  #nextPose(options) {
-    if (this.#state.away) return Promise.resolve(this.#planPose());
-    return this.#queue.ask(async () => {
+  #fetchTarget(options) {
+    if (this.#state.link.offline) return Promise.resolve(this.#setPlannedTarget());
+    return this.#queue.send(async () => {
       const { pose, picture } = await this.#session.pose(options);
       return { pose, tinted: await tint(picture) };
     }, ({ pose, tinted }) => {
-      if (this.#signal.aborted) return;
-      this.#tell({ type: "pose", pose, picture: URL.createObjectURL(tinted), time: performance.now() });
-      this.#camera.virtual?.follow(pose);
+      if (!this.#signal.aborted) this.#setTarget(pose, URL.createObjectURL(tinted));
     });
   }
 
-  /** A target of our own, where there is one. */
-  #planPose() {
-    const { board, key, session } = this.#state;
+  /** Sets a target of the page's own plan, if there is one. */
+  #setPlannedTarget() {
+    const { board, capture: { key, session } } = this.#state;
     if (isEnough(this.#state)) return;
     const planned = key && nextPlanned(this.#plan, this.#planned, board, key.img_size, trusted(session));
     if (!planned) return;
-    const { pose, next } = planned;
-    this.#planned = next;
-    this.#tell({ type: "pose", pose, picture: null, time: performance.now() });
+    this.#planned = planned.next;
+    this.#setTarget(planned.pose, null);
+  }
+
+  /** @param {import("../lib/session.js").Pose} pose @param {string | null} picture object URL */
+  #setTarget(pose, picture) {
+    this.#dispatch({ type: "pose", pose, picture, time: performance.now() });
     this.#camera.virtual?.follow(pose);
   }
 
   async #skip() {
     await this.#queue.drained();
-    if (this.#state.phase === "capturing") await this.#nextPose({ skip: true });
+    if (this.#state.phase === "capturing") await this.#fetchTarget({ skip: true });
   }
 
   async #undo() {
     await this.#queue.drained();
-    if (this.#state.phase !== "capturing" || viewCount(this.#state) === 0) return;
-    // What the service has, or is just being sent, only the service can take back.
-    if (this.#state.away && (this.#state.sending || this.#queue.late || this.#session.lastIsTaken)) {
-      return this.#tell({ type: "told", notice: { key: "capture.undo_away", kind: "plain" }, time: performance.now() });
+    const { phase, link } = this.#state;
+    if (phase !== "capturing" || viewCount(this.#state) === 0) return;
+    // Only the service can undo a view that it has, or is just being sent.
+    if (link.offline && (link.sending || this.#queue.isOverdue || this.#session.lastIsTaken)) {
+      return this.#notify("capture.undo_away");
     }
-    await this.#queue.ask(
-      () => this.#session.undo(),
-      (session) => this.#tell({ type: "undone", session, stored: this.#session.stored(this.#state), time: performance.now() }),
-    );
-    await this.#nextPose();
+    await this.#queue.send(() => this.#session.undo(), (session) => {
+      const stored = this.#session.stored(this.#state.capture);
+      this.#dispatch({ type: "undone", session, stored, time: performance.now() });
+    });
+    await this.#fetchTarget();
   }
 
-  /** What arrives after the run has ended is of no use to the next one. @param {Event} event */
-  #tell(event) {
+  /** @param {string} key of a message */
+  #notify(key) {
+    this.#dispatch({ type: "notice", notice: { key, kind: "plain" }, time: performance.now() });
+  }
+
+  /** Dispatches, unless the capture has ended. @param {Event} event */
+  #dispatch(event) {
     if (!this.#signal.aborted) this.#page.dispatch(event);
   }
 
   /** @param {KeyboardEvent} event */
-  #key(event) {
+  #handleKey(event) {
     if (event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.target instanceof Element && event.target.closest("input:not([type=checkbox]), select, textarea, [contenteditable]")) return;
+    const fields = "input:not([type=checkbox]), select, textarea, [contenteditable]";
+    if (event.target instanceof Element && event.target.closest(fields)) return;
     const key = event.key.toLowerCase();
     if (key === "u") void this.#undo();
     else if (key === "n") void this.#skip();

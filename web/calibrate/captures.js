@@ -1,59 +1,60 @@
-// The captures of this page and of earlier ones, by what they are about: each can be taken up again.
-import { OfflineError } from "../lib/network.js";
-import { keptSettings, loadSettings } from "../lib/settings.js";
+// Captures of this page and of earlier ones, by key: each can be resumed.
 import { Api, ApiError, PAUSES } from "../lib/api.js";
-import { CaptureSession, isAway } from "../lib/session.js";
+import { OfflineError } from "../lib/network.js";
+import { CaptureSession, isUnavailable } from "../lib/session.js";
+import { keptSettings, loadSettings } from "../lib/settings.js";
 
 /**
  * @typedef {import("../lib/session.js").SessionRequest} Request
  * @typedef {import("../lib/session.js").SessionState} SessionState
+ * @typedef {import("../lib/session.js").SavedCapture} SavedCapture
  *
  * @typedef {object} Run
  * @property {AbortSignal} signal
  * @property {(patience: {attempt: number} | null) => void} onPatience
  */
 
-/** ms that a fit of fifteen views takes at most, ten times over: who is silent for longer is away. */
-const ANSWER = 10_000;
-const SETTINGS = 5_000; // ms
+const RESPONSE_TIMEOUT_MS = 10_000; // ten times as long as a fit of fifteen views takes
+const SETTINGS_TIMEOUT_MS = 5_000;
 
-/** What a capture is about, as text: how it was focused does not belong to it. @param {Request} request */
+/** Key of a capture, from its request but for the track's settings (focus changes). @param {Request} request */
 export const captureKey = ({ track, ...request }) => JSON.stringify(request);
 
 export class Captures {
   #store;
   #address;
-  #onUnkept;
+  #onUnsaved;
   /** @type {Map<string, CaptureSession>} */
   #sessions = new Map();
-  /** Moved here, and not taken up yet: the device may have no room to keep them. @type {Map<string, import("../lib/session.js").Kept>} */
+  /** Moved and not yet opened: the device may have no room to save them. @type {Map<string, SavedCapture>} */
   #moved = new Map();
-  /** What the service has answered in this page, by kind. @type {Set<string>} */
-  #known = new Set();
+  /** Kinds of requests that the service has answered in this page. @type {Set<string>} */
+  #answered = new Set();
 
   /**
    * @param {import("./capture-store.js").CaptureStore} captureStore
-   * @param {{address: () => string, onUnkept: () => void}} page address: of the page that can go on with what is kept;
-   *   onUnkept: called where there is no room for it
+   * @param {{address: () => string, onUnsaved: () => void}} page address: of the page that can resume the capture;
+   *   onUnsaved: called when there is no room for it
    */
-  constructor(captureStore, { address, onUnkept }) {
+  constructor(captureStore, { address, onUnsaved }) {
     this.#store = captureStore;
     this.#address = address;
-    this.#onUnkept = onUnkept;
+    this.#onUnsaved = onUnsaved;
   }
 
   /**
-   * A session: one that was interrupted, where it is about the same.
+   * Opens a session, or resumes the interrupted one with the same key.
    * @param {Request} request @param {Run} run
    * @returns {Promise<{session: CaptureSession, state: SessionState | null}>} state: null while the service is away
    */
   async open(request, run) {
-    const { api: base, token } = await settings(run);
-    const api = new Api(base, { ...run, patience: ANSWER });
+    const { api: base, token } = await fetchSettings(run);
+    const api = new Api(base, { ...run, patience: RESPONSE_TIMEOUT_MS });
     const about = captureKey(request);
-    const kept = this.#moved.get(about) ?? await this.#store.load(about);
+    const saved = this.#moved.get(about) ?? await this.#store.load(about);
     const same = this.#sessions.get(about);
-    const session = same ?? new CaptureSession(api, token, request, { about, kept, save: (now) => this.#save(now), known: this.#known });
+    const memory = { about, saved, save: (/** @type {SavedCapture} */ capture) => this.#save(capture), answered: this.#answered };
+    const session = same ?? new CaptureSession(api, token, request, memory);
     this.#sessions.set(about, session);
     this.#moved.delete(about);
     try {
@@ -61,8 +62,8 @@ export class Captures {
       if (state.status === "converged") this.#sessions.delete(about);
       return { session, state };
     } catch (error) {
-      // An hour that is used up is not waited for; all else that passes by itself is.
-      if (!isAway(error) || (error instanceof ApiError && error.status === 429)) throw error;
+      // A used-up quota is not waited for; all other passing failures are.
+      if (!isUnavailable(error) || (error instanceof ApiError && error.status === 429)) throw error;
       return { session, state: null };
     }
   }
@@ -75,33 +76,33 @@ export class Captures {
   }
 
   /**
-   * Makes the views of one capture those of another, which has not sent them yet.
-   * @param {CaptureSession} session @param {Request} request @param {number[]} [without] indices of views that are left behind
+   * Moves the views of one capture to another, which has not sent them yet.
+   * @param {CaptureSession} session @param {Request} request @param {number[]} [without] indices of views to leave out
    */
   async move(session, request, without = []) {
-    const kept = { ...session.unsent(without), about: captureKey(request) };
+    const moved = { ...session.unsent(without), about: captureKey(request) };
     await this.forget(captureKey(session.request));
-    this.#moved.set(kept.about, kept);
-    await this.#save(kept);
+    this.#moved.set(moved.about, moved);
+    await this.#save(moved);
   }
 
-  /** @param {import("../lib/session.js").Kept} kept */
-  async #save(kept) {
-    const saved = kept.views.length ? await this.#store.save({ ...kept, address: this.#address() }) : (await this.#store.remove(kept.about), true);
-    if (!saved) this.#onUnkept();
+  /** @param {SavedCapture} capture */
+  async #save(capture) {
+    if (capture.views.length === 0) await this.#store.remove(capture.about);
+    else if (!await this.#store.save({ ...capture, address: this.#address() })) this.#onUnsaved();
   }
 }
 
-/** Those of the last visit where there is no network; where there was none yet, they are waited for. @param {Run} run */
-async function settings({ signal, onPatience }) {
+/** Settings of the page; without a network those of the last visit, which the first visit waits for. @param {Run} run */
+async function fetchSettings({ signal, onPatience }) {
   for (let attempt = 0; ; attempt++) {
     try {
-      const found = await loadSettings({ patience: SETTINGS });
+      const found = await loadSettings({ patience: SETTINGS_TIMEOUT_MS });
       if (attempt > 0) onPatience(null);
       return found;
     } catch (error) {
-      const kept = error instanceof OfflineError && keptSettings();
-      if (kept) return kept;
+      const last = error instanceof OfflineError && keptSettings();
+      if (last) return last;
       if (!(error instanceof OfflineError) || attempt === PAUSES.length) throw error;
     }
     onPatience({ attempt: attempt + 1 });

@@ -1,40 +1,40 @@
-// The page's address: of the capture while there is one, of its result afterwards, so that a reload shows what is there.
+// Address of the capture page: of the capture while it runs, of its result afterwards, so that a reload shows what is there.
 
 import { asked, inLanguage } from "../lib/i18n.js";
 
-/** Says that the page is opened to go on with what is kept. */
-export const GO_ON = "#go-on";
+/** Fragment of an address that resumes the saved capture. */
+export const RESUME = "#go-on";
+
+const CAPTURE_PATH = location.pathname;
 
 /** @param {URLSearchParams} parameters */
 const queryOf = (parameters) => (parameters.size > 0 ? `?${parameters}` : "");
 
-/** What of the page's address says what it captures: in which language does not. @param {URLSearchParams | string} parameters */
-export function address(parameters) {
+/** The part of the address that says what is captured: the language does not. @param {URLSearchParams | string} parameters */
+export function captureQuery(parameters) {
   const own = new URLSearchParams(parameters);
   own.delete("lang");
   return queryOf(own);
 }
 
-const CAPTURE = location.pathname;
-
 /** @param {URLSearchParams} parameters */
-export function atCapture(parameters) {
-  history.replaceState(null, "", CAPTURE + queryOf(parameters));
+export function showCaptureAddress(parameters) {
+  history.replaceState(null, "", CAPTURE_PATH + queryOf(parameters));
 }
 
 /** @param {URLSearchParams} parameters @param {string | null} id of the result, if it has one */
-export function atResult(parameters, id) {
+export function showResultAddress(parameters, id) {
   if (!id) return;
   const query = new URLSearchParams({ id });
   for (const name of ["return_to", "lang"]) {
     const value = parameters.get(name);
     if (value !== null) query.set(name, value);
   }
-  history.replaceState(null, "", new URL(`../result/?${query}`, new URL(CAPTURE, location.origin)));
+  history.replaceState(null, "", new URL(`../result/?${query}`, new URL(CAPTURE_PATH, location.origin)));
 }
 
-/** Opens this page anew, to go on there. @param {string} other address, see above */
-export function goTo(other) {
-  const [there, spoken] = [new URL(CAPTURE + other + GO_ON, location.origin).href, asked()];
-  location.assign(spoken === null ? there : inLanguage(there, spoken));
+/** Reloads this page with another query, and resumes the capture there. @param {string} query as `captureQuery` gives it */
+export function resumeAt(query) {
+  const [address, language] = [new URL(CAPTURE_PATH + query + RESUME, location.origin).href, asked()];
+  location.assign(language === null ? address : inLanguage(address, language));
 }

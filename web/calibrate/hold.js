@@ -1,78 +1,81 @@
-// Is the board where it is to be, is it held still there, and what does the page do about it by itself? Pure.
+// Rules for taking a view by itself: is the board at the target, is it held still there, for how long? Pure.
 import { foreshortening } from "../lib/board-outline.js";
-import { difference } from "./target.js";
-import { viewCount } from "../lib/session.js";
+import { viewCount } from "./state.js";
 import { motion } from "./stillness.js";
+import { difference } from "./target.js";
 
 /** @typedef {import("./state.js").State} State */
 
-export const HOLD = 700; // ms still in the target's place
-export const LONG_HOLD = 1500; // ms still anywhere else: the service judges whether it helps all the same
-const OVERLAP = 0.6; // Jaccard index with the target that counts as there,
-const DIFFERENCE = 0.08; // where the board also lies as the target does
-const TILTED = 0.08; // foreshortening from which a pose other than the target may be worth sending
-const FRAMES = 3; // in a hold at least: a video that delivers nothing new is not a steady hand
-const NEW_PLACE = 8; // px at 1280 px image width from the hold that was sent last
-export const STUCK = 15_000; // ms without coming nearer to the target, then another kind of pose is asked for
-const ENDLESS = 45_000; // ms after which one is asked for in any case
-const FUTILE = 3_000; // ms after a refusal in the target's place: time to read why
-const USELESS = 1_000; // ms after one that nothing can be done about
-const SETTLED = 300; // ms for which the board is held before the camera's focus is: less than a view takes
-const IN_SIGHT = 0.6; // part of the board's corners from which the lens is taken to be focused on it
-const STRAINED = 3_000; // ms in which a steady hand would have been still: then less is asked of it,
-const LENIENCE = 4; // at most so many times the motion of a steady one
+export const HOLD_MS = 700; // still at the target
+export const LONG_HOLD_MS = 1_500; // still anywhere else: the service judges whether the view helps all the same
+const MIN_OVERLAP = 0.6; // Jaccard index with the target that counts as there,
+const MAX_DIFFERENCE = 0.08; // if the board is also tilted as the target is
+const MIN_FORESHORTENING = 0.08; // from which a pose other than the target may be worth sending
+const MIN_HOLD_FRAMES = 3; // a video that delivers nothing new is not a steady hand
+const MIN_DISPLACEMENT_PX = 8; // at 1280 px image width, from the hold that was sent last
+const STUCK_MS = 15_000; // without coming nearer to the target, then another kind of pose is requested
+const MAX_TARGET_MS = 45_000; // after which one is requested in any case
+const READ_REFUSAL_MS = 3_000; // after a refusal at the target: time to read the reason
+const READ_USELESS_MS = 1_000; // after a refusal that nothing can be done about
+const SETTLED_MS = 300; // of holding still before the camera's focus is locked: less than a view takes
+const MIN_VISIBLE_SHARE = 0.6; // of the board's corners from which the lens is taken to be focused on it
+const LENIENT_AFTER_MS = 3_000; // in which a steady hand would have been still: then less is asked of it,
+const MAX_LENIENCE = 4; // at most so many times the motion of a steady hand
 
-/** Is the board where the target is, and as it is? @param {State} state */
-export function isThere({ overlap, outline, aim }) {
-  return overlap > OVERLAP && outline !== null && (aim === null || difference(outline, aim) < DIFFERENCE);
+/** Whether the board is at the target, and tilted as the target is. @param {State} state */
+export function isThere({ capture: { aim }, detector: { overlap, outline } }) {
+  return overlap > MIN_OVERLAP && outline !== null && (aim === null || difference(outline, aim) < MAX_DIFFERENCE);
 }
 
 /**
- * How long the board must be held still where it is now; null: as long as one likes, it will not be taken.
+ * Time for which the board must be held still where it is now, ms; null: no view will be taken there.
  * @param {State} state
  */
 export function requiredHold(state) {
-  const { key, pose, outline, answered: sent, corners } = state;
+  const { capture: { key, pose, lastSent }, detector: { outline, corners } } = state;
   if (!key || !pose || !outline) return null;
-  if (sent && motion(sent, corners) < (NEW_PLACE * key.img_size[0]) / 1280) return null;
-  if (isThere(state)) return HOLD;
-  return foreshortening(outline) > TILTED ? LONG_HOLD : null;
+  if (lastSent && motion(lastSent, corners) < (MIN_DISPLACEMENT_PX * key.img_size[0]) / 1280) return null;
+  if (isThere(state)) return HOLD_MS;
+  return foreshortening(outline) > MIN_FORESHORTENING ? LONG_HOLD_MS : null;
 }
 
-/** The hold as shown: 0…1. @param {State} state */
+/** Progress of the hold, 0…1. @param {State} state */
 export function holdProgress(state) {
   const required = requiredHold(state);
-  return required === null || state.busy ? 0 : Math.min(1, state.stillness.held / required);
+  return required === null || state.link.busy ? 0 : Math.min(1, state.detector.stillness.held / required);
 }
 
 /**
- * How many times a steady hand's motion counts as still: not everybody has one.
+ * Factor on the motion that counts as still: not everybody has a steady hand.
  * @param {State} state @param {number} time ms
  */
-export function lenience({ posedAt }, time) {
-  return Math.min(LENIENCE, Math.max(1, (time - posedAt) / STRAINED));
+export function lenience({ capture: { posedAt } }, time) {
+  return Math.min(MAX_LENIENCE, Math.max(1, (time - posedAt) / LENIENT_AFTER_MS));
 }
 
-/** Is the board held before the camera, and seen sharply? What is out of focus must not be held there. @param {State} state */
-export function isSettled({ board: { squares: [columns, rows] }, corners, diagnosis, stillness }) {
-  return diagnosis.suspected === null && stillness.held >= SETTLED && corners.ids.length >= IN_SIGHT * (columns - 1) * (rows - 1);
+/** Whether the board is held before the camera and is in focus, so that the focus may be locked. @param {State} state */
+export function isSettled({ board: { squares: [columns, rows] }, detector: { corners, diagnosis, stillness } }) {
+  return diagnosis.suspected === null && stillness.held >= SETTLED_MS
+    && corners.ids.length >= MIN_VISIBLE_SHARE * (columns - 1) * (rows - 1);
 }
 
 /** Time to read why a view was refused, ms. @param {boolean} useless nothing can be done about it */
-export const timeToRead = (useless) => (useless ? USELESS : FUTILE);
+export const timeToRead = (useless) => (useless ? READ_USELESS_MS : READ_REFUSAL_MS);
 
 /**
- * What the page should do by itself now.
+ * Decides what the page does by itself now.
  * @param {State} state @param {number} time ms
- * @returns {"submit" | "skip" | "relayout" | null} relayout: the board shown has the other layout, so that is what it is
+ * @returns {"submit" | "skip" | "relayout" | null} relayout: the board shown has the other layout: go on with that one
  */
 export function decide(state, time) {
-  if (state.phase !== "capturing" || state.busy || !state.pose) return null;
+  const { phase, capture, link, detector, ui } = state;
+  if (phase !== "capturing" || link.busy || !capture.pose) return null;
   const required = requiredHold(state);
-  if (required !== null && state.stillness.held >= required && state.stillness.frames >= FRAMES) return "submit";
-  if (state.diagnosis.trouble === "legacy" && viewCount(state) === 0) return "relayout";
-  // Where no board is in sight, another pose would not help.
-  if (state.corners.ids.length === 0) return null;
-  if (state.futile !== null) return time - state.noticedAt > state.futile ? "skip" : null;
-  return time - state.nearest.time > STUCK || time - state.posedAt > ENDLESS ? "skip" : null;
+  const { held, frames } = detector.stillness;
+  if (required !== null && held >= required && frames >= MIN_HOLD_FRAMES) return "submit";
+  if (detector.diagnosis.trouble === "legacy" && viewCount(state) === 0) return "relayout";
+  // While no board is in sight, another pose would not help.
+  if (detector.corners.ids.length === 0) return null;
+  if (capture.skipAfter !== null) return time - ui.noticedAt > capture.skipAfter ? "skip" : null;
+  return time - capture.nearest.time > STUCK_MS || time - capture.posedAt > MAX_TARGET_MS ? "skip" : null;
 }

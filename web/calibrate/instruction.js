@@ -1,42 +1,44 @@
-// One short instruction at a time, the largest difference first, and none that flickers.
-import { isEnough } from "../lib/session.js";
+// Choice of the one instruction that is shown: the largest difference first, and steady enough to be read.
+import { isEnough } from "./state.js";
 import { advice } from "./target.js";
 
 /**
  * @typedef {object} Instruction
- * @property {string} code what is shown: a text `capture.say_<code>`
- * @property {string} next what would be shown
- * @property {number} since ms, when `next` was first wanted
+ * @property {string} code shown now: a message `capture.say_<code>`
+ * @property {string} next to be shown
+ * @property {number} since ms, when `next` was first chosen
  */
 
 /** @type {Instruction} */
 export const SILENT = { code: "", next: "", since: 0 };
 
-/** What the service may hint at, where the page cannot see for itself. */
+/** Hints of the service that the page has a message for. */
 export const HINTS = new Set([
   "closer", "farther", "left", "right", "up", "down", "tilt_top", "tilt_bottom", "tilt_left", "tilt_right",
   "turn_clockwise", "turn_counterclockwise", "first",
 ]);
 
-const STEADY = 400; // ms that a new instruction must be wanted for
+const MIN_CHOSEN_MS = 400; // before a new instruction replaces the one that is shown
 
 /**
- * @param {import("./state.js").State} state @param {boolean} holding would this be taken if it were held still?
+ * @param {import("./state.js").State} state @param {boolean} holding whether a view would be taken if the board were held still
  * @param {number} time ms
  * @returns {Instruction}
  */
 export function instruct(state, holding, time) {
   const wanted = choose(state, holding);
-  const { code, next, since } = state.instruction;
+  const { code, next, since } = state.ui.instruction;
   if (wanted !== next) return { code: code || wanted, next: wanted, since: time };
-  return time - since >= STEADY ? { code: wanted, next, since } : state.instruction;
+  return time - since >= MIN_CHOSEN_MS ? { code: wanted, next, since } : state.ui.instruction;
 }
 
 /** @param {import("./state.js").State} state @param {boolean} holding */
 function choose(state, holding) {
-  const { pose, away, busy, corners, markers, outline, aim, mirrored, diagnosis: { trouble } } = state;
+  const { pose, aim, mirrored } = state.capture;
+  const { offline, busy } = state.link;
+  const { corners, markers, outline, diagnosis: { trouble } } = state.detector;
   if (isEnough(state)) return "enough";
-  if (!pose || busy) return away ? "away" : "wait"; // what is on its way need not be held any more
+  if (!pose || busy) return offline ? "away" : "wait"; // a view in flight need not be held any more
   if (trouble) return trouble;
   if (corners.ids.length === 0) return markers > 0 ? "slower" : "show";
   if (!outline) return "more";
@@ -47,14 +49,14 @@ function choose(state, holding) {
 }
 
 /** @type {Record<string, string>} */
-const OTHER_SIDE = {
+const MIRROR_IMAGE = {
   left: "right", right: "left", clockwise: "counterclockwise", counterclockwise: "clockwise",
 };
 
 /**
- * Directions as they look in a mirror: what is said must agree with the preview, and codes speak of the camera's picture.
+ * Mirrors the direction in a code: an instruction must agree with the preview, and codes are about the camera's image.
  * @param {string} code
  */
 export function asMirrored(code) {
-  return code.split("_").map((part) => OTHER_SIDE[part] ?? part).join("_");
+  return code.split("_").map((part) => MIRROR_IMAGE[part] ?? part).join("_");
 }

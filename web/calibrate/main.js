@@ -1,84 +1,87 @@
-// The capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows it.
-import { boardFrom, boardQuery } from "../lib/board.js";
+// Capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows the state.
 import { showProblem } from "../lib/board-problem.js";
-import { language, onLanguage } from "../lib/i18n.js";
-import { openPage } from "../lib/page.js";
-import { cameraKey, platformHere } from "../sdk/key.js";
-import { isVirtual } from "../lib/virtual/camera.js";
-import captureWords from "../messages/capture.js";
-import { Announcer } from "./announcer.js";
-import { targetError, wantedFrom } from "./query.js";
+import { boardFrom, boardQuery } from "../lib/board.js";
 import { CameraError, cameras, facts, open, play } from "../lib/camera.js";
-import { Captures, captureKey } from "./captures.js";
-import { acquireLock, heldLocks } from "./capture-lock.js";
 import { Detector, DetectorError } from "../lib/detector.js";
-import { openDrawers } from "./popovers.js";
-import { failureOf } from "./failure.js";
-import { Feedback } from "./feedback.js";
+import { language, onLanguage } from "../lib/i18n.js";
+import { latest } from "../lib/latest.js";
+import { openPage } from "../lib/page.js";
+import { isVirtual } from "../lib/virtual/camera.js";
+import captureMessages from "../messages/capture.js";
+import { cameraKey, platformHere } from "../sdk/key.js";
+import { Announcer } from "./announcer.js";
+import { acquireLock, heldLocks } from "./capture-lock.js";
 import { CaptureLoop } from "./capture-loop.js";
 import { openCaptureStore } from "./capture-store.js";
+import { Captures, captureKey } from "./captures.js";
+import { failureOf } from "./failure.js";
+import { Feedback } from "./feedback.js";
+import { RESUME, captureQuery, resumeAt, showCaptureAddress, showResultAddress } from "./history.js";
 import { loadPlan } from "./plan.js";
-import { address, atCapture, atResult, GO_ON, goTo } from "./history.js";
+import { watchPopovers } from "./popovers.js";
+import { parseTargetError, parseWanted } from "./query.js";
+import { initial, reduce } from "./reducer.js";
 import { findParts, render, renderChoice } from "./render.js";
 import { Sizes } from "./sizes.js";
-import { initial, reduce } from "./state.js";
-import * as words from "./status-text.js";
+import * as statusText from "./status-text.js";
 
 /**
  * @typedef {import("./state.js").State} State
  * @typedef {import("./state.js").Event} Event
- * @typedef {import("../vendor/api.js").SessionRequest} Request
+ * @typedef {import("./state.js").Notice} Notice
+ * @typedef {import("../lib/camera.js").OpenCamera} OpenCamera
+ * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
  */
 
-openPage({ capture: captureWords });
+openPage({ capture: captureMessages });
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
 const captureStore = openCaptureStore();
-const captures = new Captures(captureStore, { address: () => address(parameters), onUnkept: () => dispatch({ type: "unkept" }) });
+const captures = new Captures(captureStore, {
+  address: () => captureQuery(parameters), onUnsaved: () => dispatch({ type: "unsaved" }),
+});
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
-/** What shows the result: it arrives while the capture goes on. @type {import("./outcome.js").Outcome | null} */
+/** View of the result: loaded while the capture goes on. @type {import("./outcome.js").Outcome | null} */
 let outcome = null;
-
 /** @type {State} */
-let state = initial(board, wantedFrom(parameters));
+let state = initial(board, parseWanted(parameters));
 /** @type {State | null} */
 let shown = null;
-/** One run of the capture; a new one makes all that is still on its way for the old one meaningless. */
-/** @type {AbortController | null} */
-let run = null;
 /** @type {Promise<Detector> | null} */
 let detector = null;
-/** The session of the last run. @type {import("../lib/session.js").CaptureSession | null} */
+/** The session of the last capture. @type {import("../lib/session.js").CaptureSession | null} */
 let session = null;
-/** Id of the camera that was asked for last, and the size asked of it, px. */
+/** Id of the camera that was requested last, and the size requested of it, px. */
 let chosen = "";
 let size = state.wanted.img_size ?? Sizes.USUAL;
 
 /** @param {Event} event */
 function dispatch(event) {
   state = reduce(state, event);
-  // Before the page turns to it: it takes the focus, and the camera's last picture.
+  // Before the page shows the result sheet, which takes the focus: the outcome needs the camera's last frame.
   if (state.phase === "done" && shown?.phase !== "done") {
     outcome?.show(state);
-    atResult(parameters, state.session?.calibration_id ?? null);
+    showResultAddress(parameters, state.capture.session?.calibration_id ?? null);
   }
   else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
-  if (shown?.picture && shown.picture !== state.picture) URL.revokeObjectURL(shown.picture);
-  signal(event);
+  if (shown?.ui.picture && shown.ui.picture !== state.ui.picture) URL.revokeObjectURL(shown.ui.picture);
+  giveFeedback(event);
   shown = state;
 }
 
-/** What is heard and felt. @param {Event} event */
-function signal(event) {
+/** Sounds, vibration, speech and the live region. @param {Event} event */
+function giveFeedback(event) {
   if (state.phase === "done" && shown?.phase !== "done") feedback.give("done");
   else if (event.type === "stored" || (event.type === "answer" && event.answer.accepted)) feedback.give("taken");
   else if (event.type === "answer") feedback.give("refused");
   if (state.phase !== "capturing") return;
-  const hint = words.instruction(state);
-  announcer.say([hint, words.remedy(state)].filter(Boolean).join(". "), words.warning(state), words.standing(state), words.notice(state.notice));
+  const hint = statusText.instruction(state);
+  const { mismatchWarning, remedy, statusLine, notice } = statusText;
+  const news = [mismatchWarning(state), statusLine(state), notice(state.ui.notice)];
+  announcer.say([hint, remedy(state)].filter(Boolean).join(". "), ...news);
   feedback.say(hint, language(), performance.now());
 }
 
@@ -96,190 +99,210 @@ function openDetector() {
   return detector;
 }
 
-/**
- * @param {string} choice id of a camera
- * @param {import("../lib/camera.js").OpenCamera | null} [opened] that camera, where it is open already
- */
-async function capture(choice, opened = null) {
-  run?.abort();
-  const own = run = new AbortController();
-  const { signal } = own;
-  chosen = choice;
-  atCapture(parameters);
-  dispatch({ type: "open" });
-  try {
-    const camera = opened ?? await open(choice, {
-      parameters, board: state.board, place: document.body, size,
-    });
-    const letGo = () => camera.close();
-    signal.addEventListener("abort", letGo);
-    if (signal.aborted) return letGo();
-    // Before it was permitted the browser's own choice had no id: it is this camera from now on.
-    if (!camera.virtual) chosen = camera.track.getSettings().deviceId || choice;
-    await play(parts.video, camera.stream);
-    // What arrives is what is calibrated: on a turned device some browsers' settings still speak of the sensor.
-    const { videoWidth, videoHeight } = parts.video;
-    const img_size = /** @type {[number, number]} */ ([videoWidth, videoHeight]);
-    const key = { ...cameraKey(camera.track), platform: await platformHere(), img_size };
-    const request = { ...requestFor(key), track: facts(camera.track) };
-    dispatch({ type: "opened", key, request, mirrored: camera.mirrored, cropped: camera.cropped });
-    camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
+/** Closes the detector; the next capture makes a new one. */
+function closeDetector() {
+  void detector?.then((made) => made.close(), () => {});
+  detector = null;
+}
 
-    if (!await acquireLock(captureKey(request), signal)) throw new CameraError("elsewhere");
-    dispatch({ type: "waiting", waiting: "detector" });
-    const plan = loadPlan().catch(() => []);
-    const finder = await openDetector();
+/**
+ * @typedef {object} Opened
+ * @property {Notice} [notice] why the capture was opened, shown as soon as it runs
+ * @property {OpenCamera | null} [camera] the chosen camera, if it is open already
+ */
+
+/** One capture, from opening the camera to its end; a new one aborts the one before. */
+const capture = latest(async (signal, /** @type {string} */ choice, /** @type {Opened} */ { notice, camera = null } = {}) => {
+  chosen = choice;
+  showCaptureAddress(parameters);
+  dispatch({ type: "open", notice });
+  try {
+    const opened = await openCamera(signal, choice, camera);
+    const request = await identify(opened, signal);
+    const end = await run(opened, request, signal);
     if (signal.aborted) return;
-    await prepareOutcome();
-    dispatch({ type: "waiting", waiting: "service" });
-    session = await converse(request, signal);
-    if (state.phase === "capturing" && !state.notice && !isVirtual(key.camera) && String(size) !== String(img_size)) {
-      tell("capture.got_size", { size: img_size.join(" × ") });
-    }
-    const means = { session, detector: finder, camera, plan: await plan, signal };
-    const end = state.phase === "capturing" ? await new CaptureLoop(page, means).run() : null;
-    if (signal.aborted) return;
-    const resized = state.phase === "failed" && state.failure?.code === "resized";
-    if (resized) signal.removeEventListener("abort", letGo);
-    own.abort();
-    if (resized) await again("capture.resized", camera);
-    else if (end === "relayout") await relayout();
-    else await captures.forget(captureKey(request));
+    await finish(end, opened, request);
   } catch (error) {
     fail(error, signal);
   }
+});
+
+/**
+ * @param {AbortSignal} signal closes the camera, unless `finish` hands it to the next capture
+ * @param {string} choice id of a camera @param {OpenCamera | null} opened that camera, if it is open already
+ */
+async function openCamera(signal, choice, opened) {
+  const camera = opened ?? await open(choice, { parameters, board: state.board, place: document.body, size });
+  const close = () => camera.close();
+  if (signal.aborted) close();
+  signal.throwIfAborted();
+  signal.addEventListener("abort", close);
+  // Before it was permitted the browser's own choice had no id: it is this camera from now on.
+  if (!camera.virtual) chosen = camera.track.getSettings().deviceId || choice;
+  await play(parts.video, camera.stream);
+  return { camera, keepOpen: () => signal.removeEventListener("abort", close) };
 }
 
-/** What only a capture that goes on will need. */
-async function prepareOutcome() {
-  const { Outcome } = await import("./outcome.js");
-  const onAgain = () => capture(chosen);
-  outcome ??= new Outcome(parts.result, parts.video, { returnTo: parameters.get("return_to"), asked: state.wanted.camera, onAgain, onWithout: goOnWithout });
+/** @typedef {Awaited<ReturnType<typeof openCamera>>} OpenedCamera */
+
+/** Says which camera is open, and how it delivers. @param {OpenedCamera} opened @param {AbortSignal} signal @returns {Promise<SessionRequest>} */
+async function identify({ camera }, signal) {
+  // The frames' size counts: on a turned device some browsers' settings still give the sensor's.
+  const { videoWidth, videoHeight } = parts.video;
+  const img_size = /** @type {[number, number]} */ ([videoWidth, videoHeight]);
+  const key = { ...cameraKey(camera.track), platform: await platformHere(), img_size };
+  const request = { ...requestFor(key), track: facts(camera.track) };
+  dispatch({ type: "opened", key, request, mirrored: camera.mirrored, cropped: camera.cropped });
+  camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
+  return request;
 }
 
 /**
- * Another capture of the same camera, with its reason. A device that was turned shows a picture of another size: that is
- * calibrated as such, and the capture before waits for the device to be turned back.
- * @param {string} why a text @param {import("../lib/camera.js").OpenCamera | null} [camera] where it stays open
+ * @param {OpenedCamera} opened @param {SessionRequest} request @param {AbortSignal} signal
+ * @returns {Promise<"relayout" | null>} as `CaptureLoop.run`
  */
-async function again(why, camera = null) {
-  const begun = capture(chosen, camera);
-  const told = setInterval(() => {
-    if (state.phase === "opening") return;
-    clearInterval(told);
-    if (state.phase === "capturing") tell(why);
-  }, 100);
-  await begun;
-}
-
-/** @param {string} key of a text @param {Record<string, string | number>} [values] */
-function tell(key, values) {
-  dispatch({ type: "told", notice: { key, kind: "plain", values }, time: performance.now() });
-}
-
-/** The board that is shown has the other layout: that is the board, then. */
-async function relayout() {
-  void detector?.then((made) => made.close());
-  detector = null;
-  dispatch({ type: "board", board: { ...state.board, legacy: !state.board.legacy } });
-  await again("capture.legacy_taken");
-}
-
-/** @param {import("../sdk/calibdb.js").CameraKey} key @returns {Request} what is sent of a capture, but its views */
-function requestFor(key) {
-  return { ...key, board: state.board, distortion_model: state.wanted.distortion_model, ...targetError(parameters) };
-}
-
-/** @param {Request} request @param {AbortSignal} signal */
-async function converse(request, signal) {
-  const onPatience = (/** @type {{attempt: number} | null} */ patience) =>
-    signal.aborted || dispatch({ type: "patience", attempt: patience?.attempt ?? 0 });
-  const { session, state: answer } = await captures.open(request, { signal, onPatience });
+async function run({ camera }, request, signal) {
+  if (!await acquireLock(captureKey(request), signal)) throw new CameraError("elsewhere");
+  dispatch({ type: "waiting", waiting: "detector" });
+  const plan = loadPlan().catch(() => []);
+  const finder = await openDetector();
   signal.throwIfAborted();
-  dispatch({ type: "request", request: session.request });
-  if (answer) dispatch({ type: "session", session: answer, stored: session.waiting });
-  else dispatch({ type: "offline", stored: session.size });
-  return session;
+  await prepareOutcome();
+  dispatch({ type: "waiting", waiting: "service" });
+  session = await openSession(request, signal);
+  if (state.phase !== "capturing") return null;
+  const { camera: label, img_size } = request;
+  if (!state.ui.notice && !isVirtual(label) && String(size) !== String(img_size)) {
+    const notice = plainNotice("capture.got_size", { size: img_size.join(" × ") });
+    dispatch({ type: "notice", notice, time: performance.now() });
+  }
+  return new CaptureLoop(page, { session, detector: finder, camera, plan: await plan, signal }).run();
 }
 
-/** @param {unknown} error @param {AbortSignal} signal of the run that it happened in */
+/**
+ * Ends a capture, or goes on with another one of the same camera: of the board's other layout, or of the size that a turned
+ * device delivers. The capture before waits for the device to be turned back.
+ * @param {"relayout" | null} end @param {OpenedCamera} opened @param {SessionRequest} request
+ */
+async function finish(end, { camera, keepOpen }, request) {
+  const isResized = state.phase === "failed" && state.failure?.code === "resized";
+  if (isResized) {
+    keepOpen();
+    return void capture(chosen, { notice: plainNotice("capture.resized"), camera });
+  }
+  capture.cancel();
+  if (end !== "relayout") return captures.forget(captureKey(request));
+  closeDetector();
+  dispatch({ type: "board", board: { ...state.board, legacy: !state.board.legacy } });
+  void capture(chosen, { notice: plainNotice("capture.legacy_taken") });
+}
+
+/** Loads what only a capture that goes on will need. */
+async function prepareOutcome() {
+  const { Outcome } = await import("./outcome.js");
+  outcome ??= new Outcome(parts.result, parts.video, {
+    returnTo: parameters.get("return_to"), asked: state.wanted.camera,
+    onAgain: () => capture(chosen), onWithout: continueWithout,
+  });
+}
+
+/** @param {string} key of a message @param {Record<string, string | number>} [values] @returns {Notice} */
+const plainNotice = (key, values) => ({ key, kind: "plain", values });
+
+/** @param {import("../sdk/calibdb.js").CameraKey} key @returns {SessionRequest} without the track */
+function requestFor(key) {
+  const { distortion_model } = state.wanted;
+  return { ...key, board: state.board, distortion_model, ...parseTargetError(parameters) };
+}
+
+/** @param {SessionRequest} request @param {AbortSignal} signal */
+async function openSession(request, signal) {
+  const onPatience = (/** @type {{attempt: number} | null} */ retry) =>
+    signal.aborted || dispatch({ type: "retrying", attempts: retry?.attempt ?? 0 });
+  const { session: opened, state: answer } = await captures.open(request, { signal, onPatience });
+  signal.throwIfAborted();
+  dispatch({ type: "request", request: opened.request });
+  const time = performance.now();
+  if (answer) dispatch({ type: "session", session: answer, stored: opened.waiting, time });
+  else dispatch({ type: "opened-offline", stored: opened.size, time });
+  return opened;
+}
+
+/** @param {unknown} error @param {AbortSignal} signal of the capture that failed */
 function fail(error, signal) {
   if (signal.aborted) return;
-  run?.abort();
-  if (error instanceof DetectorError) {
-    void detector?.then((broken) => broken.close(), () => {});
-    detector = null;
-  }
+  capture.cancel();
+  if (error instanceof DetectorError) closeDetector();
   dispatch({ type: "failed", ...failureOf(error) });
 }
 
-/** To the first sheet, where what was interrupted is offered again. */
+/** Returns to the first sheet, which offers to resume what was interrupted. */
 function restart() {
-  run?.abort();
-  atCapture(parameters);
+  capture.cancel();
+  showCaptureAddress(parameters);
   dispatch({ type: "restart" });
   void listInterrupted().then(listCameras);
 }
 
-/** What a failure interrupted is kept; what a person ended is not. @param {State["key"]} key */
+/** A capture that failed stays saved; one that a person ended does not. @param {State["capture"]["key"]} key */
 async function end(key) {
-  run?.abort();
+  capture.cancel();
   if (key) await captures.forget(captureKey(requestFor(key)));
   restart();
 }
 
-/** Once more, with the model that the service suggests. */
+/** Starts again with the model that the service suggests, and with the same views. */
 async function changeModel() {
-  const model = state.session?.suggested_model;
+  const model = state.capture.session?.suggested_model;
   if (!model) return;
-  run?.abort();
-  dispatch({ type: "model", model: /** @type {State["wanted"]["distortion_model"]} */ (model) });
+  capture.cancel();
+  dispatch({ type: "model", model });
   parameters.set("distortion_model", model);
-  await goOnWithout([]);
+  await continueWithout([]);
 }
 
-/** Once more with the views that there are, but for some. @param {number[]} indices */
-async function goOnWithout(indices) {
-  if (!session || !state.key) return;
-  run?.abort();
-  await captures.move(session, requestFor(state.key), indices);
+/** Starts again with the same views, but for some. @param {number[]} indices */
+async function continueWithout(indices) {
+  const { key } = state.capture;
+  if (!session || !key) return;
+  capture.cancel();
+  await captures.move(session, requestFor(key), indices);
   await capture(chosen);
 }
 
 function stop() {
-  const { key } = state;
+  const { key } = state.capture;
   dispatch({ type: "stop", time: performance.now() });
   if (state.phase === "welcome") void end(key);
 }
 
 async function listCameras() {
   dispatch({ type: "cameras", cameras: await cameras(parameters) });
-  // The camera that was pulled out is there again: nobody has to press anything.
-  const { phase, failure } = state;
-  if (phase === "failed" && failure?.code === "unplugged" && chosen !== "virtual" && state.cameras.some(({ id }) => id === chosen)) {
-    void capture(chosen);
-  }
+  // A camera that was unplugged and is back is opened again without a click.
+  const { phase, failure, ui } = state;
+  const isUnplugged = phase === "failed" && failure?.code === "unplugged" && chosen !== "virtual";
+  if (isUnplugged && ui.cameras.some(({ id }) => id === chosen)) void capture(chosen);
 }
 
 async function listInterrupted() {
-  const kept = await captureStore.last(await heldLocks());
-  dispatch({
-    type: "interrupted",
-    interrupted: kept && { camera: kept.camera, views: kept.views.length, about: kept.about, address: kept.address ?? address(parameters) },
-  });
+  const last = await captureStore.last(await heldLocks());
+  const interrupted = last && {
+    camera: last.camera, views: last.views.length, about: last.about, address: last.address ?? captureQuery(parameters),
+  };
+  dispatch({ type: "interrupted", interrupted });
 }
 
-/** Goes on with what was interrupted: on the page that it was begun on, since that says what it is of. */
-async function goOn() {
-  const { interrupted } = state;
+/** Resumes what was interrupted, on the page that it was begun on: its address says what is captured. */
+async function resume() {
+  const { interrupted, cameras: found } = state.ui;
   if (!interrupted) return;
-  if (address(interrupted.address) !== address(parameters)) return goTo(interrupted.address);
+  if (captureQuery(interrupted.address) !== captureQuery(parameters)) return resumeAt(interrupted.address);
   size = JSON.parse(interrupted.about).img_size;
-  await capture(state.cameras.find(({ label }) => label === interrupted.camera)?.id ?? parts.camera.value);
+  await capture(found.find(({ label }) => label === interrupted.camera)?.id ?? parts.camera.value);
 }
 
 async function forget() {
-  if (state.interrupted) await captures.forget(state.interrupted.about);
+  if (state.ui.interrupted) await captures.forget(state.ui.interrupted.about);
   await listInterrupted();
   parts.start.focus();
 }
@@ -287,18 +310,18 @@ async function forget() {
 const sizes = new Sizes(parts.resolution, size);
 const listed = listInterrupted().then(listCameras);
 parts.start.addEventListener("click", async () => {
-  await listed; // who is quicker than the browser gets the camera that was asked for all the same
+  await listed; // a click before the browser has listed its cameras
   size = sizes.chosen;
   void capture(parts.camera.value);
 });
-parts.goOn.addEventListener("click", goOn);
+parts.goOn.addEventListener("click", resume);
 for (const button of parts.models) button.addEventListener("click", changeModel);
 parts.camera.addEventListener("change", () => renderChoice(parts));
-openDrawers(() => state.phase === "opening" && restart());
+watchPopovers(() => state.phase === "opening" && restart());
 for (const button of [parts.startVirtual, parts.failedVirtual]) button.addEventListener("click", () => capture("virtual"));
 for (const button of [parts.cancel, parts.other]) button.addEventListener("click", restart);
 parts.again.addEventListener("click", () => capture(chosen));
-// Who presses twice in haste means it once, where what is lost does not come back.
+// A double click counts once where what is lost does not come back.
 for (const [button, action] of /** @type {const} */ ([[parts.stop, stop], [parts.forget, forget]])) {
   button.addEventListener("click", ({ detail }) => detail < 2 && action());
 }
@@ -319,9 +342,9 @@ document.addEventListener("visibilitychange", () => document.hidden || void list
 showProblem(parts.problem, problem);
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
 await listed;
-const onward = location.hash === GO_ON;
-atCapture(parameters);
-if (onward) void goOn();
+const isResumed = location.hash === RESUME;
+showCaptureAddress(parameters);
+if (isResumed) void resume();
 else if (parameters.has("virtual")) void capture("virtual");
-// The detector arrives while the visitor reads. If it does not, capture() asks again and says why.
+// The detector loads while the visitor reads. If that fails, the capture tries again and says why.
 else openDetector().catch((error) => console.info("detector not loaded yet:", error.message));

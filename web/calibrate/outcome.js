@@ -1,7 +1,8 @@
-// What came out of a capture: shown at once as the session says it, and in full when the service has sent its report.
+// Result of a capture: shown at once as the session has it, and in full when the service has sent its report.
 import { ApiError, OfflineError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
 import { learn, t } from "../lib/i18n.js";
+import { latest } from "../lib/latest.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 import { SettingsError, loadSettings } from "../lib/settings.js";
@@ -9,6 +10,7 @@ import { isVirtual } from "../lib/virtual/camera.js";
 import words from "../messages/result.js";
 
 /** @typedef {import("./state.js").State} State */
+/** @typedef {import("../lib/result/view.js").Result} Result */
 
 learn({ result: words });
 
@@ -19,8 +21,10 @@ export class Outcome {
   #asked;
   #onAgain;
   #onWithout;
-  /** The capture whose outcome is shown; what arrives for an earlier one comes too late. */
-  #shown = 0;
+  #complete = latest(async (signal, /** @type {string} */ id, /** @type {Result} */ result) => {
+    const [{ report }, { return_origins: returnOrigins }] = await Promise.all([load(id), loadSettings()]);
+    if (!signal.aborted) this.#view.show({ ...result, report, returnOrigins });
+  });
 
   /**
    * @param {HTMLElement} place @param {HTMLVideoElement} video whose last picture is straightened
@@ -37,32 +41,31 @@ export class Outcome {
   }
 
   /** @param {State} state of a capture that is done */
-  show({ session, key }) {
+  show({ capture: { session, key } }) {
     const { calibration, calibration_id: id, advice = [] } = session ?? {};
     if (!calibration) return;
-    const own = ++this.#shown;
     const practice = isVirtual(key?.camera ?? "");
-    // An application gets no made-up camera for a real one, only where that is what it asked for.
+    // An application gets a practice result only if it asked for the virtual camera.
     const returnTo = practice && key?.camera !== this.#asked ? null : this.#returnTo;
-    /** @type {import("../lib/result/view.js").Result} */
+    /** @type {Result} */
     const result = {
       calibration, report: null, picture: still(this.#video, calibration.img_size), notes: advice,
-      origin: practice ? "practice" : "added", again: { label: () => t("capture.once_more"), action: this.#onAgain }, goOn: this.#onWithout, explain,
+      origin: practice ? "practice" : "added", again: { label: () => t("capture.once_more"), action: this.#onAgain },
+      goOn: this.#onWithout, explain,
     };
+    this.#complete.cancel();
     this.#view.show(result);
     if (!id) return;
-    void Promise.all([load(id), loadSettings()]).then(([{ report }, { return_origins: returnOrigins }]) => {
-      if (own === this.#shown) this.#view.show({ ...result, report, returnTo, returnOrigins });
-    }).catch((error) => console.info("no report:", explain(error)));
+    this.#complete(id, { ...result, returnTo }).catch((error) => console.info("no report:", explain(error)));
   }
 
   clear() {
-    this.#shown += 1;
+    this.#complete.cancel();
     this.#view.clear();
   }
 }
 
-/** The picture that a video shows now; it stays in this page. @param {HTMLVideoElement} video @param {[number, number]} size px */
+/** Current frame of a video; it stays in this page. @param {HTMLVideoElement} video @param {[number, number]} size px */
 function still(video, [width, height]) {
   if (video.videoWidth !== width || video.videoHeight !== height) return null;
   const canvas = el("canvas", { width, height });

@@ -1,7 +1,7 @@
-// What is drawn over the video: the target, its ghost, the corners seen, the arrows. Kept elements are moved: making a
-// hundred a frame would cost more than finding the board.
-import { arrows } from "./hint-arrows.js";
+// Overlay on the video: the target and its preview, the detected corners, the arrows. Elements are reused: making a hundred
+// for each frame would cost more than detecting the board.
 import { blackSquares } from "../lib/target-preview.js";
+import { arrows } from "./hint-arrows.js";
 import { unmirrored } from "./status-text.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -11,33 +11,34 @@ const SVG = "http://www.w3.org/2000/svg";
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 export function renderTarget({ overlay, target, targetBack, targetCorner, ghost }, state, before) {
-  if (state.picture !== before?.picture) {
-    overlay.hidden = !state.picture;
-    if (state.picture) overlay.src = state.picture;
+  const { capture: { pose }, ui: { picture } } = state;
+  if (picture !== before?.ui.picture) {
+    overlay.hidden = !picture;
+    if (picture) overlay.src = picture;
   }
-  if (state.pose === before?.pose) return;
-  const outline = polygon(state.pose?.outline ?? []);
+  if (pose === before?.capture.pose) return;
+  const outline = polygon(pose?.outline ?? []);
   target.setAttribute("points", outline);
   targetBack.setAttribute("points", outline);
-  ghost.setAttribute("d", state.pose ? blackSquares(state.board, state.pose).map((square) => `M${polygon(square)}Z`).join("") : "");
-  // Which way up: the board's first corner has a dot, on the target as on the printed board's marker 0.
-  const [x, y] = state.pose?.outline[0] ?? [-99, -99];
+  ghost.setAttribute("d", pose ? blackSquares(state.board, pose).map((square) => `M${polygon(square)}Z`).join("") : "");
+  // A dot shows which way up: at the board's first corner, where the printed board has marker 0.
+  const [x, y] = pose?.outline[0] ?? [-99, -99];
   targetCorner.setAttribute("cx", String(x));
   targetCorner.setAttribute("cy", String(y));
 }
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
-export function renderSeen({ corners, arrows: group, seenOutline }, state, before) {
-  if (state.corners === before?.corners && state.instruction === before?.instruction) return;
-  circles(corners, state.corners.points);
-  seenOutline.setAttribute("points", polygon(state.outline ?? []));
-  const width = state.key?.img_size[0] ?? 1280;
-  lines(group, arrows(unmirrored(state), state.outline, state.aim, width));
+export function renderDetection({ corners, arrows: group, seenOutline }, state, before) {
+  const { detector, ui, capture: { aim, key } } = state;
+  if (detector.corners === before?.detector.corners && ui.instruction === before?.ui.instruction) return;
+  drawCircles(corners, detector.corners.points);
+  seenOutline.setAttribute("points", polygon(detector.outline ?? []));
+  drawLines(group, arrows(unmirrored(state), detector.outline, aim, key?.img_size[0] ?? 1280));
 }
 
 /** @param {SVGElement} group @param {number[][]} points */
-function circles(group, points) {
-  keep(group, "circle", points.length, { class: "corner", r: "5" });
+function drawCircles(group, points) {
+  resize(group, "circle", points.length, { class: "corner", r: "5" });
   points.forEach(([x, y], index) => {
     group.children[index].setAttribute("cx", x.toFixed(1));
     group.children[index].setAttribute("cy", y.toFixed(1));
@@ -45,15 +46,15 @@ function circles(group, points) {
 }
 
 /** @param {SVGElement} group @param {import("./hint-arrows.js").Arrow[]} ways */
-function lines(group, ways) {
-  keep(group, "line", ways.length, { "marker-end": "url(#arrowhead)" });
+function drawLines(group, ways) {
+  resize(group, "line", ways.length, { "marker-end": "url(#arrowhead)" });
   ways.forEach((way, index) => {
     ["x1", "y1", "x2", "y2"].forEach((name, at) => group.children[index].setAttribute(name, way[at].toFixed(1)));
   });
 }
 
 /** @param {SVGElement} group @param {string} name @param {number} count @param {Record<string, string>} attributes */
-function keep(group, name, count, attributes) {
+function resize(group, name, count, attributes) {
   while (group.children.length < count) {
     const made = document.createElementNS(SVG, name);
     for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);

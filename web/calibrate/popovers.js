@@ -1,19 +1,21 @@
-// What folds out over the picture folds in again by Escape, and by a press anywhere else.
+// Popovers at the rim of the viewfinder: Escape and a press anywhere else close them.
 
 const OPEN = ".rim details[open]";
 
-/** @param {() => void} onEscape where there was nothing to fold in */
-export function openDrawers(onEscape) {
+/** @param {() => void} onEscape called when no popover was open */
+export function watchPopovers(onEscape) {
   document.addEventListener("keydown", ({ key }) => {
     if (key !== "Escape") return;
-    const drawers = document.querySelectorAll(OPEN);
-    for (const drawer of drawers) {
-      if (drawer.contains(document.activeElement)) drawer.querySelector("summary")?.focus();
-      drawer.removeAttribute("open");
+    const popovers = document.querySelectorAll(OPEN);
+    for (const popover of popovers) {
+      if (popover.contains(document.activeElement)) popover.querySelector("summary")?.focus();
+      popover.removeAttribute("open");
     }
-    if (drawers.length === 0) onEscape();
+    if (popovers.length === 0) onEscape();
   });
   document.addEventListener("pointerdown", ({ target }) => {
-    for (const drawer of document.querySelectorAll(OPEN)) if (target instanceof Node && !drawer.contains(target)) drawer.removeAttribute("open");
+    for (const popover of document.querySelectorAll(OPEN)) {
+      if (target instanceof Node && !popover.contains(target)) popover.removeAttribute("open");
+    }
   });
 }

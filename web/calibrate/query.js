@@ -1,7 +1,7 @@
-// What the page's address asks for.
+// Query parameters of the capture page.
 
-/** @param {URLSearchParams} query @returns {import("./state.js").Wanted} */
-export function wantedFrom(query) {
+/** @param {URLSearchParams} query @returns {import("./state.js").Wanted} the camera that the page was opened for */
+export function parseWanted(query) {
   const [, width, height] = /^(\d{1,5})[x×,](\d{1,5})$/.exec(query.get("img_size") ?? "") ?? [];
   const model = query.get("distortion_model");
   return {
@@ -11,8 +11,8 @@ export function wantedFrom(query) {
   };
 }
 
-/** What the session is to reach, where the address says so, px. @param {URLSearchParams} query */
-export function targetError(query) {
+/** Goal of the session, px, where the address gives one. @param {URLSearchParams} query */
+export function parseTargetError(query) {
   const value = Number(query.get("target_error"));
   return value > 0 ? { target_error: value } : {};
 }

@@ -1,79 +1,83 @@
-// Puts the state into the page. Reads nothing back, decides nothing.
+// Rendering of the state into the page. Reads nothing back, decides nothing.
+import { propose } from "../lib/camera.js";
+import { part } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/camera.js";
-import { propose } from "../lib/camera.js";
 import { holdProgress, requiredHold } from "./hold.js";
-import { renderSeen, renderTarget } from "./overlay-layer.js";
-import { viewCount } from "../lib/session.js";
-import * as words from "./status-text.js";
+import { renderDetection, renderTarget } from "./overlay-layer.js";
+import { viewCount } from "./state.js";
+import * as statusText from "./status-text.js";
 
 /** @typedef {import("./state.js").State} State */
 
-/** @template {Element} E @param {string} id @param {new () => E} type @returns {E} */
-function element(id, type) {
-  const found = document.getElementById(id);
-  if (!(found instanceof type)) throw new TypeError(`the page has no ${type.name} #${id}`);
-  return found;
-}
-
-/** The page's parts, found once: a page that lacks one says so at once. */
+/** Elements of the page, found once; throws if the page lacks one. */
 export function findParts() {
-  const html = (/** @type {string} */ id) => element(id, HTMLElement);
-  const svg = (/** @type {string} */ id) => element(id, SVGElement);
+  const html = (/** @type {string} */ id) => part(id, HTMLElement);
+  const svg = (/** @type {string} */ id) => part(id, SVGElement);
   return {
     sheets: { welcome: html("welcome"), opening: html("opening"), failed: html("failed"), done: html("done") },
-    stage: html("stage"), video: element("video", HTMLVideoElement), overlay: element("overlay", HTMLImageElement),
-    marks: svg("marks"), pictureEdge: svg("picture-edge"), target: svg("target"), targetBack: svg("target-back"), targetCorner: svg("target-corner"),
-    corners: svg("corners"), held: svg("held"), ring: svg("ring"), ghost: svg("ghost"), arrows: svg("arrows"), seenOutline: svg("seen-outline"),
-    reticle: html("reticle"), instruction: html("instruction"), notice: html("notice"), remedy: html("remedy"), away: html("away"),
+    stage: html("stage"), video: part("video", HTMLVideoElement), overlay: part("overlay", HTMLImageElement),
+    marks: svg("marks"), pictureEdge: svg("picture-edge"), corners: svg("corners"), seenOutline: svg("seen-outline"),
+    target: svg("target"), targetBack: svg("target-back"), targetCorner: svg("target-corner"), ghost: svg("ghost"),
+    held: svg("held"), ring: svg("ring"), arrows: svg("arrows"),
+    reticle: html("reticle"), instruction: html("instruction"), notice: html("notice"), remedy: html("remedy"), statusLine: html("away"),
     said: html("said"), facts: html("facts"), sent: html("sent"), sentJson: html("sent-json"),
     wanted: html("wanted"), problem: html("problem"),
-    interrupted: html("interrupted"), interruptedText: html("interrupted-text"), forget: element("forget", HTMLButtonElement),
-    senses: { sound: element("sound", HTMLInputElement), vibration: element("vibration", HTMLInputElement), voice: element("voice", HTMLInputElement) },
-    resolution: element("resolution", HTMLSelectElement), resolutions: html("resolutions"), goOn: element("go-on", HTMLButtonElement), practice: html("practice"),
-    models: [element("model", HTMLButtonElement), element("model-done", HTMLButtonElement)],
-    another: html("another"), anothers: /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".another")),
+    interrupted: html("interrupted"), interruptedText: html("interrupted-text"),
+    forget: part("forget", HTMLButtonElement), goOn: part("go-on", HTMLButtonElement),
+    senses: {
+      sound: part("sound", HTMLInputElement), vibration: part("vibration", HTMLInputElement),
+      voice: part("voice", HTMLInputElement),
+    },
+    resolution: part("resolution", HTMLSelectElement), resolutions: html("resolutions"), practice: html("practice"),
+    models: [part("model", HTMLButtonElement), part("model-done", HTMLButtonElement)],
+    another: html("another"), mismatches: /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".another")),
     boardLinks: /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href="../board/"]')),
-    camera: element("camera", HTMLSelectElement),
-    start: element("start", HTMLButtonElement), startVirtual: element("start-virtual", HTMLButtonElement),
-    cancel: element("cancel", HTMLButtonElement), again: element("again", HTMLButtonElement),
-    other: element("other", HTMLButtonElement), failedVirtual: element("failed-virtual", HTMLButtonElement),
-    loading: element("loading", HTMLProgressElement), openingText: html("opening-text"), failure: html("failure"), kept: html("kept"),
-    loadingMeter: html("loading-meter"),
-    controls: html("controls"), progress: element("progress", HTMLProgressElement), counts: html("counts"),
-    undo: element("undo", HTMLButtonElement), skip: element("skip", HTMLButtonElement), stop: element("stop", HTMLButtonElement),
+    camera: part("camera", HTMLSelectElement),
+    start: part("start", HTMLButtonElement), startVirtual: part("start-virtual", HTMLButtonElement),
+    cancel: part("cancel", HTMLButtonElement), again: part("again", HTMLButtonElement),
+    other: part("other", HTMLButtonElement), failedVirtual: part("failed-virtual", HTMLButtonElement),
+    loading: part("loading", HTMLProgressElement), loadingMeter: html("loading-meter"),
+    openingText: html("opening-text"), failure: html("failure"), kept: html("kept"),
+    controls: html("controls"), progress: part("progress", HTMLProgressElement), counts: html("counts"),
+    undo: part("undo", HTMLButtonElement), skip: part("skip", HTMLButtonElement), stop: part("stop", HTMLButtonElement),
     result: html("result"),
   };
 }
 
 /** @typedef {ReturnType<typeof findParts>} Parts */
 
-/** @param {Parts} parts @param {State} state @param {State | null} before what the page shows */
+/** @param {Parts} parts @param {State} state @param {State | null} before as the page shows it now */
 export function render(parts, state, before) {
-  const { phase } = state;
-  if (phase !== before?.phase) {
-    for (const [name, sheet] of Object.entries(parts.sheets)) sheet.hidden = name !== phase;
-    parts.reticle.hidden = parts.controls.hidden = phase !== "capturing";
-    // Dark where one looks, light where one reads.
-    document.body.classList.toggle("viewfinder", phase !== "done");
-    // What had the focus is gone: go on where the page goes on. Not when it is first shown.
-    if (before) focus(parts, phase);
-    if (phase === "failed") renderFailure(parts, state);
-  }
-  if (state.cameras !== before?.cameras) renderCameras(parts, state);
-  if (state.interrupted !== before?.interrupted) {
-    parts.interrupted.hidden = state.interrupted === null;
-    text(parts.interruptedText, words.interrupted(state));
+  const { phase, capture, link, detector, ui } = state;
+  if (phase !== before?.phase) renderPhase(parts, state, before !== null);
+  if (ui.cameras !== before?.ui.cameras) renderCameras(parts, state);
+  if (ui.interrupted !== before?.ui.interrupted) {
+    parts.interrupted.hidden = ui.interrupted === null;
+    write(parts.interruptedText, statusText.interrupted(state));
     renderChoice(parts);
   }
-  if (state.key !== before?.key || state.request !== before?.request || state.cropped !== before?.cropped) renderCamera(parts, state);
-  parts.loading.value = state.loading;
-  parts.stage.classList.toggle("plain", state.plain || (state.pose !== null && state.picture === null));
+  const { key, request, cropped, session, progress } = before?.capture ?? {};
+  if (capture.key !== key || capture.request !== request || capture.cropped !== cropped) renderCamera(parts, state);
+  parts.loading.value = detector.loading;
+  parts.stage.classList.toggle("plain", ui.plain || (capture.pose !== null && ui.picture === null));
   if (phase === "opening") renderOpening(parts, state);
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);
-  if (state.session !== before?.session || state.progress !== before?.progress || state.stored !== before?.stored
-    || state.away !== before?.away) renderProgress(parts, state);
+  if (capture.session !== session || capture.progress !== progress || link.stored !== before?.link.stored
+    || link.offline !== before?.link.offline) renderProgress(parts, state);
+}
+
+/** @param {Parts} parts @param {State} state @param {boolean} moveFocus not when the page is first shown */
+function renderPhase(parts, state, moveFocus) {
+  const { phase } = state;
+  for (const [name, sheet] of Object.entries(parts.sheets)) sheet.hidden = name !== phase;
+  parts.reticle.hidden = parts.controls.hidden = phase !== "capturing";
+  // Dark behind the video, light behind text.
+  document.body.classList.toggle("viewfinder", phase !== "done");
+  // The element that had the focus is hidden now.
+  if (moveFocus) focus(parts, phase);
+  if (phase === "failed") renderFailure(parts, state);
 }
 
 /** @param {Parts} parts @param {State["phase"]} phase */
@@ -84,32 +88,36 @@ function focus({ instruction, sheets }, phase) {
 
 /** @param {Parts} parts @param {State} state */
 function renderOpening({ openingText, loadingMeter }, state) {
-  loadingMeter.hidden = state.waiting !== "detector";
-  text(openingText, words.opening(state));
+  loadingMeter.hidden = state.ui.waiting !== "detector";
+  write(openingText, statusText.opening(state));
 }
 
 /** @param {Parts} parts @param {State} state */
 function renderFailure({ failure, kept, failedVirtual }, state) {
-  text(failure, words.failure(state));
-  text(kept, words.kept(state));
-  kept.hidden = words.kept(state) === "";
+  write(failure, statusText.failure(state));
+  show(kept, statusText.saved(state));
   failedVirtual.hidden = state.failure?.code !== "not_found";
 }
 
 /** @param {Parts} parts @param {State} state */
 function renderCameras(parts, state) {
   const { camera, wanted } = parts;
-  const proposed = propose(state.cameras, state.wanted.camera ?? state.interrupted?.camera ?? null, camera.value);
-  camera.replaceChildren(...state.cameras.map((choice) => new Option(words.named(choice), choice.id)));
-  // Before the browser has said which there are, nothing is said of them.
-  if (proposed === "" && state.cameras.length > 0 && state.cameras.every(({ id }) => id !== "")) camera.prepend(new Option(t("capture.no_camera"), ""));
+  const { cameras, interrupted } = state.ui;
+  const proposed = propose(cameras, state.wanted.camera ?? interrupted?.camera ?? null, camera.value);
+  camera.replaceChildren(...cameras.map((choice) => new Option(statusText.cameraLabel(choice), choice.id)));
+  // Until the browser has listed its cameras, nothing is said about them.
+  const isListed = cameras.length > 0 && cameras.every(({ id }) => id !== "");
+  if (proposed === "" && isListed) camera.prepend(new Option(t("capture.no_camera"), ""));
   camera.value = proposed;
   renderChoice(parts);
-  text(wanted, words.wanted(state));
-  wanted.hidden = words.wanted(state) === "";
+  show(wanted, statusText.wanted(state));
 }
 
-/** What can be done with the camera chosen: a made-up one has one size, none cannot be opened, and what was interrupted comes first. @param {Parts} parts */
+/**
+ * Offers what can be done with the chosen camera: the virtual one has one size, without one the virtual camera comes first,
+ * and an interrupted capture comes before either.
+ * @param {Parts} parts
+ */
 export function renderChoice({ camera, resolutions, start, startVirtual, interrupted }) {
   resolutions.hidden = camera.value === "virtual";
   const none = camera.selectedOptions[0]?.text === t("capture.no_camera");
@@ -118,16 +126,13 @@ export function renderChoice({ camera, resolutions, start, startVirtual, interru
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderCamera({ practice, stage, marks, pictureEdge, facts, sent, sentJson, anothers }, state) {
-  const { key, mirrored } = state;
-  for (const place of anothers) {
-    text(place, words.another(state));
-    place.hidden = words.another(state) === "";
-  }
+function renderCamera({ practice, stage, marks, pictureEdge, facts, sent, sentJson, mismatches }, state) {
+  const { key, mirrored } = state.capture;
+  for (const place of mismatches) show(place, statusText.cameraMismatch(state));
   stage.classList.toggle("mirrored", mirrored);
   sent.hidden = !key;
-  text(facts, words.facts(state));
-  text(sentJson, words.sent(state));
+  write(facts, statusText.cameraFacts(state));
+  write(sentJson, statusText.requestText(state));
   practice.hidden = !isVirtual(key?.camera ?? "");
   if (!key) return;
   marks.setAttribute("viewBox", `-0.5 -0.5 ${key.img_size.join(" ")}`);
@@ -137,41 +142,42 @@ function renderCamera({ practice, stage, marks, pictureEdge, facts, sent, sentJs
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 function renderCapture(parts, state, before) {
-  renderSeen(parts, state, before);
+  const { capture, link, ui: { notice } } = state;
+  renderDetection(parts, state, before);
   const held = Math.round(100 * holdProgress(state));
   parts.held.setAttribute("stroke-dasharray", `${held} 100`);
-  // The ring stands for the last view until another one is held, or on its way.
-  const free = requiredHold(state) === null && !(state.busy && state.pose);
-  const taken = free && state.notice?.kind === "good" && state.notice.key.startsWith("capture.view_");
+  // The ring shows the last view as taken until another one is held, or in flight.
+  const free = requiredHold(state) === null && !(link.busy && capture.pose);
+  const taken = free && notice?.kind === "good" && notice.key.startsWith("capture.view_");
   parts.ring.toggleAttribute("hidden", held === 0 && !taken);
   parts.ring.classList.toggle("taken", held === 0 && taken);
-  text(parts.instruction, words.instruction(state));
-  show(parts.remedy, words.remedy(state));
-  show(parts.away, words.standing(state));
-  show(parts.notice, words.notice(state.notice));
-  for (const kind of ["bad", "plain"]) parts.notice.classList.toggle(kind, state.notice?.kind === kind);
-  text(parts.stop, words.stopping(state));
-}
-
-/** @param {HTMLElement} where @param {string} words hidden where there are none */
-function show(where, words) {
-  text(where, words);
-  where.hidden = words === "";
+  write(parts.instruction, statusText.instruction(state));
+  show(parts.remedy, statusText.remedy(state));
+  show(parts.statusLine, statusText.statusLine(state));
+  show(parts.notice, statusText.notice(notice));
+  for (const kind of ["bad", "plain"]) parts.notice.classList.toggle(kind, notice?.kind === kind);
+  write(parts.stop, statusText.stopLabel(state));
 }
 
 /** @param {Parts} parts @param {State} state */
 function renderProgress(parts, state) {
-  parts.progress.value = state.progress;
-  for (const button of parts.models) show(button, words.withModel(state));
-  text(parts.counts, words.counts(state));
+  parts.progress.value = state.capture.progress;
+  for (const button of parts.models) show(button, statusText.suggestedModel(state));
+  write(parts.counts, statusText.counts(state));
+  show(parts.another, statusText.mismatchWarning(state));
   // Not while busy: a button that is disabled under the finger loses the keyboard's focus.
   const none = viewCount(state) === 0;
-  show(parts.another, words.warning(state));
   if (none && document.activeElement === parts.undo) parts.instruction.focus();
   parts.undo.disabled = none;
 }
 
-/** Writes only what changed: a live region speaks on every write. @param {Element} where @param {string} words */
-function text(where, words) {
-  if (where.textContent !== words) where.textContent = words;
+/** Writes a text, and hides an element without one. @param {HTMLElement} place @param {string} text */
+function show(place, text) {
+  write(place, text);
+  place.hidden = text === "";
+}
+
+/** Writes only changes: a live region speaks on every write. @param {Element} place @param {string} text */
+function write(place, text) {
+  if (place.textContent !== text) place.textContent = text;
 }

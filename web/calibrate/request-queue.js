@@ -1,34 +1,37 @@
-// What a capture says to the service, one thing at a time, and how it does without where nothing comes back.
+// Queue of a capture's requests to the service, one at a time, and its offline mode for when no response comes.
 import { ApiError } from "../lib/api.js";
+import { isUnavailable } from "../lib/session.js";
 import { ResponseTimeout } from "./response-timeout.js";
-import { isAway } from "../lib/session.js";
 
 /**
- * @typedef {object} Means
- * @property {(event: import("./state.js").Event) => void} tell
+ * @typedef {object} QueueOptions
+ * @property {(event: import("./state.js").Event) => void} dispatch
  * @property {AbortSignal} signal
- * @property {() => void} onAway the service is away: targets are the page's own
- * @property {() => Promise<void>} onBack it is there again
+ * @property {() => void} onOffline called when the service is away: targets are the page's own
+ * @property {() => Promise<void>} onOnline called when it is back
  */
 
-const PATIENCE = 2_000; // ms without an answer: then it goes on without the service
-const AT_FIRST = 5_000; // ms the first time: a function that nobody has asked for a while has to start
-const RECONNECT = [1, 2, 3, 4, 5]; // s between attempts; the last one again and again
+const RESPONSE_MS = 2_000; // without a response, then the capture goes on offline
+const FIRST_RESPONSE_MS = 5_000; // for the first request of a kind: an idle function has to start
+const RECONNECT_PAUSES_S = [1, 2, 3, 4, 5]; // between attempts; the last one again and again
 
 export class RequestQueue {
   #page;
   #session;
-  #means;
-  /** What is being asked. */
+  #options;
+  /** The request in flight. */
   #inFlight = Promise.resolve();
-  /** Was something asked that is not waited for any more? */
-  late = false;
+  /** Whether a request that timed out may still be answered. */
+  isOverdue = false;
 
-  /** @param {import("./capture-loop.js").Page} page @param {import("../lib/session.js").CaptureSession} session @param {Means} means */
-  constructor(page, session, means) {
+  /**
+   * @param {import("./capture-loop.js").Page} page @param {import("../lib/session.js").CaptureSession} session
+   * @param {QueueOptions} options
+   */
+  constructor(page, session, options) {
     this.#page = page;
     this.#session = session;
-    this.#means = means;
+    this.#options = options;
   }
 
   get #state() {
@@ -36,106 +39,112 @@ export class RequestQueue {
   }
 
   /**
-   * One conversation with the service at a time; what the page does by itself does not queue.
-   * @template T @param {() => Promise<T>} ask @param {(answer: T) => void} tell called where the answer came in time
+   * Sends a request, unless another one is in flight: what the page does by itself does not queue.
+   * @template T @param {() => Promise<T>} request @param {(response: T) => void} deliver called if the response was in time
    */
-  ask(ask, tell) {
-    if (!this.#state.busy) this.#inFlight = this.#run(ask, tell);
+  send(request, deliver) {
+    if (!this.#state.link.busy) this.#inFlight = this.#run(request, deliver);
     return this.#inFlight;
   }
 
-  /** @template T @param {() => Promise<T>} ask @param {(answer: T) => void} tell */
-  async #run(ask, tell) {
-    this.#means.tell({ type: "busy" });
-    const { restored } = this.#session;
-    const patience = new ResponseTimeout(PATIENCE, () => this.#leave());
-    this.#session.onAsk = (isFirst) => patience.renew(isFirst ? AT_FIRST : PATIENCE);
-    this.#session.onAnswer = () => patience.renew();
+  /** @template T @param {() => Promise<T>} request @param {(response: T) => void} deliver */
+  async #run(request, deliver) {
+    const { dispatch, signal } = this.#options;
+    dispatch({ type: "busy" });
+    const { renewals } = this.#session;
+    const timeout = new ResponseTimeout(RESPONSE_MS, () => this.#leave());
+    this.#session.onRequest = (isFirst) => timeout.restart(isFirst ? FIRST_RESPONSE_MS : RESPONSE_MS);
+    this.#session.onResponse = () => timeout.restart();
     try {
-      const answer = await ask();
-      // How many of its views a new session took, only it knows.
-      const anew = this.#session.restored > restored ? (await this.#session.resume()).state : null;
-      if (patience.lost) return this.#return([0, ...RECONNECT]);
-      tell(answer);
-      this.#means.tell({ type: "idle" });
-      if (!anew) return;
-      this.#means.tell({ type: "session", session: anew });
-      this.#means.tell({ type: "told", notice: { key: "capture.begun_anew", kind: "plain" }, time: performance.now() });
+      const response = await request();
+      // Only the service knows how many of the views a new session took.
+      const renewed = this.#session.renewals > renewals ? (await this.#session.resume()).state : null;
+      if (timeout.expired) return this.#settle([0, ...RECONNECT_PAUSES_S]);
+      deliver(response);
+      dispatch({ type: "idle" });
+      if (!renewed) return;
+      dispatch({ type: "session", session: renewed, time: performance.now() });
+      dispatch({ type: "notice", notice: { key: "capture.begun_anew", kind: "plain" }, time: performance.now() });
     } catch (error) {
-      patience.end();
-      if (this.#means.signal.aborted) return;
-      const contrary = error instanceof ApiError && error.status === 409;
-      if (patience.lost && (contrary || isAway(error))) this.#return(RECONNECT);
-      else if (isAway(error)) this.#goAway();
-      else if (contrary) await this.#agree();
-      else this.#page.fail(error, this.#means.signal);
+      timeout.cancel();
+      if (signal.aborted) return;
+      const conflict = error instanceof ApiError && error.status === 409;
+      if (timeout.expired && (conflict || isUnavailable(error))) this.#settle(RECONNECT_PAUSES_S);
+      else if (isUnavailable(error)) this.#handleOutage();
+      else if (conflict) await this.#resynchronize();
+      else this.#page.fail(error, signal);
     } finally {
-      patience.end();
+      timeout.cancel();
     }
   }
 
-  /** Nothing was heard for too long: it goes on without, and what was asked may still be answered. */
+  /** Goes on offline after a timeout; the request may still be answered. */
   #leave() {
-    if (this.#means.signal.aborted || this.#state.away || this.#state.phase !== "capturing") return;
-    this.late = true;
-    this.#means.tell({ type: "away", stored: this.#session.stored(this.#state) });
-    this.#means.onAway();
+    const { dispatch, signal, onOffline } = this.#options;
+    if (signal.aborted || this.#state.link.offline || this.#state.phase !== "capturing") return;
+    this.isOverdue = true;
+    dispatch({ type: "offline", stored: this.#session.stored(this.#state.capture) });
+    onOffline();
   }
 
-  /** What was asked is answered after all, or will never be. @param {number[]} pauses s */
-  #return(pauses) {
-    this.late = false;
-    if (this.#state.away) void this.#reconnect(pauses);
-    else this.#means.tell({ type: "idle" });
+  /** The overdue request has been answered after all, or has failed. @param {number[]} pauses s */
+  #settle(pauses) {
+    this.isOverdue = false;
+    if (this.#state.link.offline) void this.#reconnect(pauses);
+    else this.#options.dispatch({ type: "idle" });
   }
 
-  /** The service is of another mind about the session, after a lost answer: what it says holds. */
-  async #agree() {
+  /** Takes over the service's state of the session, which differs from ours after a lost response. */
+  async #resynchronize() {
+    const { dispatch, signal, onOnline } = this.#options;
     try {
       const { state } = await this.#session.resume();
-      this.#means.tell({ type: "session", session: state });
-      this.#means.tell({ type: "idle" });
-      if (this.#state.phase === "capturing") setTimeout(() => void this.#means.onBack(), 0);
+      dispatch({ type: "session", session: state, time: performance.now() });
+      dispatch({ type: "idle" });
+      if (this.#state.phase === "capturing") setTimeout(() => void onOnline(), 0);
     } catch (error) {
-      if (isAway(error)) this.#goAway();
-      else this.#page.fail(error, this.#means.signal);
+      if (isUnavailable(error)) this.#handleOutage();
+      else this.#page.fail(error, signal);
     }
   }
 
-  #goAway() {
-    if (this.#state.away) return this.#means.tell({ type: "idle" });
-    this.#means.tell({ type: "away", stored: this.#session.stored(this.#state) });
+  #handleOutage() {
+    const { dispatch } = this.#options;
+    if (this.#state.link.offline) return dispatch({ type: "idle" });
+    dispatch({ type: "offline", stored: this.#session.stored(this.#state.capture) });
     this.goOffline();
   }
 
-  /** Without the service: targets from the plan, views kept, and asking every now and then. */
+  /** Goes on without the service: targets from the plan, views stored, and an attempt to reconnect now and then. */
   goOffline() {
-    this.#means.onAway();
+    this.#options.onOffline();
     void this.#reconnect();
   }
 
   /** @param {number[]} [pauses] s between attempts; the last one again and again */
-  async #reconnect(pauses = RECONNECT) {
+  async #reconnect(pauses = RECONNECT_PAUSES_S) {
+    const { dispatch, signal, onOnline } = this.#options;
+    const onSending = () => dispatch({ type: "sending", sending: true });
     let [taken, refused] = [0, 0];
-    for (let attempt = 0; !this.#means.signal.aborted; attempt++) {
+    for (let attempt = 0; !signal.aborted; attempt++) {
       await new Promise((resolve) => setTimeout(resolve, 1000 * (pauses[attempt] ?? pauses[pauses.length - 1])));
-      if (this.#means.signal.aborted) return;
+      if (signal.aborted) return;
       try {
-        const sent = await this.#session.resume(undefined, { onSending: () => this.#means.tell({ type: "sending", sending: true }) });
+        const sent = await this.#session.resume(undefined, { onSending });
         [taken, refused] = [taken + sent.taken, refused + sent.refused];
-        if (this.#session.waiting > 0 && sent.state.status !== "converged") continue; // taken while these were sent
-        this.#means.tell({ type: "back", session: sent.state, taken, refused, time: performance.now() });
+        if (this.#session.waiting > 0 && sent.state.status !== "converged") continue; // stored while these were sent
+        dispatch({ type: "online", session: sent.state, taken, refused, time: performance.now() });
         break;
       } catch (error) {
-        if (!isAway(error)) return this.#page.fail(error, this.#means.signal);
-        this.#means.tell({ type: "sending", sending: false });
+        if (!isUnavailable(error)) return this.#page.fail(error, signal);
+        dispatch({ type: "sending", sending: false });
       }
     }
-    if (this.#state.phase === "capturing") await this.#means.onBack();
+    if (this.#state.phase === "capturing") await onOnline();
   }
 
-  /** What a person asked for waits for its turn. */
+  /** Resolves when no request is in flight: what a person asked for waits for its turn. */
   async drained() {
-    while (this.#state.busy && !this.#means.signal.aborted) await this.#inFlight;
+    while (this.#state.link.busy && !this.#options.signal.aborted) await this.#inFlight;
   }
 }

@@ -1,34 +1,34 @@
-// ResponseTimeout with a service that says nothing: renewed by each answer and by each new question, and then at an end.
+// Timeout for responses of the service: restarted by each request and each response.
 
 export class ResponseTimeout {
   #ms;
-  #onEnd;
+  #onExpire;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #timer;
-  /** Is it at an end? */
-  lost = false;
-  #ended = false;
+  /** Whether the time is over. */
+  expired = false;
+  #cancelled = false;
 
-  /** @param {number} ms @param {() => void} onEnd */
-  constructor(ms, onEnd) {
+  /** @param {number} ms @param {() => void} onExpire */
+  constructor(ms, onExpire) {
     this.#ms = ms;
-    this.#onEnd = onEnd;
-    this.renew();
+    this.#onExpire = onExpire;
+    this.restart();
   }
 
-  /** @param {number} [ms] for what is asked now */
-  renew(ms = this.#ms) {
-    if (this.lost || this.#ended) return;
+  /** @param {number} [ms] for the request that is sent now */
+  restart(ms = this.#ms) {
+    if (this.expired || this.#cancelled) return;
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
-      this.lost = true;
-      this.#onEnd();
+      this.expired = true;
+      this.#onExpire();
     }, ms);
   }
 
-  /** There is nothing more to wait for. */
-  end() {
-    this.#ended = true;
+  /** Stops waiting. */
+  cancel() {
+    this.#cancelled = true;
     clearTimeout(this.#timer);
   }
 }

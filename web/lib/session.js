@@ -1,57 +1,37 @@
-// One guided capture at the service. Its views are kept here too, and on this device: when the session expires, the
-// network fails or the page is loaded anew, nothing that was captured is lost.
+// Session of one guided capture at the service. Its views are also stored in the page and on this device: nothing is lost
+// when the session expires, the network fails or the page is reloaded.
 import { ApiError, OfflineError } from "./api.js";
 
 /**
  * @typedef {import("./board-outline.js").Corners} Corners
- * @typedef {import("../vendor/api.js").Pose & {hint_code?: string}} Pose
+ * @typedef {import("../vendor/api.js").Pose} Pose
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
- *
- * @typedef {object} ViewState
- * @property {number} index
- * @property {number} points
- * @property {number | null} rms
- * @property {{reason: string, detail: string} | null} [set_aside] why the view is not used any more
- *
- * @typedef {Omit<import("../vendor/api.js").SessionState, "views"> & {views: ViewState[], advice?: {code: string, text: string}[],
- *   suggested_model?: string | null}} SessionState
- * @typedef {SessionState & {accepted: boolean, reason: string | null, hint?: {code: string, text: string} | null}} ViewAnswer
+ * @typedef {import("../vendor/api.js").SessionState} SessionState
+ * @typedef {import("../vendor/api.js").ViewAnswer} ViewAnswer
  *
  * @typedef {object} View
  * @property {number[]} ids
  * @property {number[][]} points px
  * @property {number | null} index of the pose that it was sent for; null: not yet sent
- * @property {boolean} taken has the service said that it is part of the session?
+ * @property {boolean} taken the service has said that it is part of the session
  *
- * @typedef {object} Kept all that is needed to go on
- * @property {string} about what the capture is of: camera, size, board, model
+ * @typedef {object} SavedCapture all that is needed to resume a capture
+ * @property {string} about key of the capture: camera, size, board, model
  * @property {string} camera its label
  * @property {string} credential
  * @property {View[]} views
  * @property {string} [address] of the page that it was captured with, "?virtual=1"
  *
- * @typedef {{credential?: string, body?: object, accept?: string}} Asking credential: another than the session's own
+ * @typedef {{credential?: string, body?: object, accept?: string}} RequestOptions credential: another than the session's own
  *
- * @typedef {object} Reconciled what became of the views that were waiting
+ * @typedef {object} Resumed outcome of sending the views that were waiting
  * @property {SessionState} state
  * @property {number} taken
  * @property {number} refused
  */
 
-/** @param {unknown} error Is the service away, for a while? */
-export const isAway = (error) => error instanceof OfflineError || (error instanceof ApiError && error.passing);
-
-const ENOUGH = 8; // views in all, of which a fit is good where their poses were not chosen for it,
-const MORE = 3; // and so many at least where the service went on asking
-
-/** Views to keep while the service is away. @param {{session: SessionState | null}} capture */
-export const wantedAway = ({ session }) => Math.max(MORE, ENOUGH - viewCount({ session, stored: 0 }));
-
-/** Are there enough views to wait for the service with? @param {{away: boolean, session: SessionState | null, stored: number}} capture */
-export const isEnough = (capture) => capture.away && capture.stored >= wantedAway(capture);
-
-/** Views that the person has taken, wherever they are. @param {{session: SessionState | null, stored: number}} capture */
-export const viewCount = ({ session, stored }) => (session?.views.filter(({ set_aside }) => !set_aside).length ?? 0) + stored;
+/** Whether the service is unavailable for a while. @param {unknown} error */
+export const isUnavailable = (error) => error instanceof OfflineError || (error instanceof ApiError && error.passing);
 
 export class CaptureSession {
   #api;
@@ -59,32 +39,32 @@ export class CaptureSession {
   #request;
   #about;
   #credential = "";
-  /** How often it was begun anew, with its views, since the one before was there no more. */
-  restored = 0;
+  /** Number of new sessions that replaced an expired one. */
+  renewals = 0;
   /** @type {View[]} in the order in which they were captured */
   #views = [];
   #save;
-  #known;
-  /** Called whenever something is asked. @type {(isFirst: boolean) => void} isFirst: nothing of its kind was answered yet */
-  onAsk = () => {};
-  /** Called whenever the service has answered. */
-  onAnswer = () => {};
+  #answered;
+  /** Called before each request. @type {(isFirst: boolean) => void} isFirst: none of its kind has been answered yet */
+  onRequest = () => {};
+  /** Called after each response. */
+  onResponse = () => {};
 
   /**
    * @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request
-   * @param {{about?: string, save?: (kept: Kept) => void, kept?: Kept | null, known?: Set<string>}} [memory] save: called
-   *   whenever there is something new to keep; kept: of an earlier page; known: kinds of calls that were answered before
+   * @param {{about?: string, save?: (capture: SavedCapture) => void, saved?: SavedCapture | null, answered?: Set<string>}} [memory] save: called
+   *   after each change; saved: by an earlier page; answered: kinds of requests that have been answered before
    */
-  constructor(api, token, request, { about = "", save = () => {}, kept = null, known = new Set() } = {}) {
+  constructor(api, token, request, { about = "", save = () => {}, saved = null, answered = new Set() } = {}) {
     this.#api = api;
     this.#token = token;
     this.#request = request;
     this.#about = about;
     this.#save = save;
-    this.#known = known;
-    if (kept) {
-      this.#credential = kept.credential;
-      this.#views = kept.views.map((view) => ({ ...view }));
+    this.#answered = answered;
+    if (saved) {
+      this.#credential = saved.credential;
+      this.#views = saved.views.map((view) => ({ ...view }));
     }
   }
 
@@ -93,7 +73,7 @@ export class CaptureSession {
     return this.#views.filter(({ taken }) => !taken).length;
   }
 
-  /** How many views the service is not known to have. @param {{session: SessionState | null}} capture */
+  /** Number of views that the service is not known to have. @param {{session: SessionState | null}} capture */
   stored({ session }) {
     return session ? this.waiting : this.size;
   }
@@ -103,12 +83,12 @@ export class CaptureSession {
     return this.#views.length;
   }
 
-  /** Has the service the last view? Then it alone can take it back. */
+  /** Whether the service has the last view: then only the service can undo it. */
   get lastIsTaken() {
     return this.#views.at(-1)?.taken ?? false;
   }
 
-  /** What the session is about, as it is sent. */
+  /** Body of POST /v1/session. */
   get request() {
     return this.#request;
   }
@@ -121,91 +101,91 @@ export class CaptureSession {
     return state;
   }
 
-  /** The camera has changed its ways: a session that is begun from now on says so. @param {SessionRequest["track"]} track */
+  /** Facts about the camera, for sessions that are started from now on. @param {SessionRequest["track"]} track */
   track(track) {
     this.#request = { ...this.#request, track };
   }
 
-  /** What is kept, as if nothing of it had ever been sent. @param {number[]} [without] indices of views that are not @returns {Kept} */
+  /** The capture as if nothing of it had been sent. @param {number[]} [without] indices of views to leave out @returns {SavedCapture} */
   unsent(without = []) {
-    const kept = this.#views.filter(({ index }) => index === null || !without.includes(index));
-    const views = kept.map((view) => ({ ...view, index: null, taken: false }));
+    const left = this.#views.filter(({ index }) => index === null || !without.includes(index));
+    const views = left.map((view) => ({ ...view, index: null, taken: false }));
     return { about: this.#about, camera: this.#request.camera, credential: "", views };
   }
 
   /**
-   * Goes on after the camera, the network or the page was lost: by another connection, with all views so far.
-   * @param {import("./api.js").Api} [api] @param {{onSending?: () => void}} [options] onSending: the service is there, and has views to come
-   * @returns {Promise<Reconciled>}
+   * Resumes the capture after the camera, the network or the page was lost, with all views so far.
+   * @param {import("./api.js").Api} [api] @param {{onSending?: () => void}} [options] onSending: called when the service is there and views are about to be sent
+   * @returns {Promise<Resumed>}
    */
   async resume(api = this.#api, { onSending = () => {} } = {}) {
     this.#api = api;
-    if (this.#credential === "") await this.start(); // it was begun while the service was away
-    return this.#lasting(() => this.#reconcile(onSending));
+    if (this.#credential === "") await this.start(); // it was opened while the service was away
+    return this.#withSession(() => this.#reconcile(onSending));
   }
 
   /**
-   * Where to hold the board, and the picture that shows it.
+   * Fetches the next target, and the picture that shows it.
    * @param {{skip?: boolean}} [options] skip: a pose of another kind
    * @returns {Promise<{pose: Pose, picture: Blob}>}
    */
   pose({ skip = false } = {}) {
-    return this.#lasting(async () => {
+    return this.#withSession(async () => {
       const pose = await this.#call("GET", `/session/pose${skip ? "?skip=1" : ""}`);
       // The same pose until a view answers it, so the picture is of this one.
-      const picture = await this.#ask("GET", "/session/pose", { accept: "image/jpeg" });
+      const picture = await this.#fetch("GET", "/session/pose", { accept: "image/jpeg" });
       return { pose, picture: await picture.blob() };
     });
   }
 
   /**
-   * Keeps the view, and sends it. Where the service is away the view stays here and `resume` sends it.
+   * Stores the view, and sends it. While the service is away the view stays here and `resume` sends it.
    * @param {number} index of the pose it answers @param {Corners} corners @returns {Promise<ViewAnswer>}
    */
   submit(index, corners) {
-    const view = this.#keep(corners);
-    return this.#lasting(async (restored) => {
-      return this.#send(view, restored ? (await this.#call("GET", "/session/pose")).index : index);
+    const view = this.#add(corners);
+    return this.#withSession(async (renewed) => {
+      return this.#send(view, renewed ? (await this.#call("GET", "/session/pose")).index : index);
     }, view);
   }
 
-  /** Keeps a view for when the service is there again. @param {Corners} corners */
-  keep(corners) {
-    this.#keep(corners);
+  /** Stores a view until the service is back. @param {Corners} corners */
+  store(corners) {
+    this.#add(corners);
   }
 
-  /** Takes the last view back. @returns {Promise<SessionState | null>} null: it had not been sent */
+  /** Undoes the last view. @returns {Promise<SessionState | null>} null: it had not been sent */
   undo() {
-    return this.#lasting(async () => {
+    return this.#withSession(async () => {
       const last = this.#views.at(-1);
-      if (!last) throw new RangeError("there is no view to take back");
+      if (!last) throw new RangeError("there is no view to undo");
       const state = last.taken ? await this.#call("DELETE", `/session/views/${last.index}`) : null;
-      this.#views = this.#views.filter((view) => view !== last); // others may have been kept meanwhile
-      this.#changed();
+      this.#views = this.#views.filter((view) => view !== last); // others may have been stored meanwhile
+      this.#persist();
       return state;
     });
   }
 
   /** @param {Corners} corners */
-  #keep({ ids, points }) {
+  #add({ ids, points }) {
     const view = { ids, points, index: null, taken: false };
     this.#views.push(view);
-    this.#changed();
+    this.#persist();
     return view;
   }
 
   /** @param {View} view @param {number} index @returns {Promise<ViewAnswer>} */
   async #send(view, index) {
     view.index = index;
-    this.#changed(); // where the answer is lost, this tells which view the service may have
+    this.#persist(); // if the response is lost, this tells which view the service may have
     const answer = await this.#call("POST", "/session/views", { body: { index, ids: view.ids, points: view.points } });
     view.taken = answer.accepted;
     if (!view.taken) this.#views = this.#views.filter((each) => each !== view);
-    this.#changed();
+    this.#persist();
     return answer;
   }
 
-  /** Makes the service's views and ours the same. @param {() => void} onSending @returns {Promise<Reconciled>} */
+  /** Sends the views that the service does not have. @param {() => void} onSending @returns {Promise<Resumed>} */
   async #reconcile(onSending) {
     let state = /** @type {SessionState} */ (await this.#call("GET", "/session"));
     const there = new Set(state.views.map(({ index }) => index));
@@ -219,46 +199,46 @@ export class CaptureSession {
       else refused += 1;
       state = answer;
     }
-    this.#changed();
+    this.#persist();
     return { state, taken, refused };
   }
 
-  #changed() {
+  #persist() {
     const views = this.#views.map((view) => ({ ...view }));
     this.#save({ about: this.#about, camera: this.#request.camera, credential: this.#credential, views });
   }
 
-  /** @param {string} method @param {string} path @param {Asking} [asking] @returns {Promise<any>} the body */
-  async #call(method, path, asking) {
-    const answer = await this.#ask(method, path, asking);
+  /** @param {string} method @param {string} path @param {RequestOptions} [options] @returns {Promise<any>} the body */
+  async #call(method, path, options) {
+    const answer = await this.#fetch(method, path, options);
     return answer.status === 204 ? null : answer.json();
   }
 
-  /** @param {string} method @param {string} path @param {Asking} [asking] */
-  async #ask(method, path, { credential = this.#credential, ...asking } = {}) {
+  /** @param {string} method @param {string} path @param {RequestOptions} [options] */
+  async #fetch(method, path, { credential = this.#credential, ...options } = {}) {
     const kind = `${method} ${path.replace(/[?\d].*/, "")}`;
-    this.onAsk(!this.#known.has(kind));
-    const answer = await this.#api.send(method, path, credential, { ...asking, brief: true });
-    this.#known.add(kind);
-    this.onAnswer();
+    this.onRequest(!this.#answered.has(kind));
+    const answer = await this.#api.send(method, path, credential, { ...options, brief: true });
+    this.#answered.add(kind);
+    this.onResponse();
     return answer;
   }
 
   /**
-   * Does something that needs the session; once more in a new session when this one is there no more.
-   * @template T @param {(restored: boolean) => Promise<T>} action @param {View | null} [own] the view that the action
+   * Runs an action that needs the session; once more in a new session if this one has expired.
+   * @template T @param {(renewed: boolean) => Promise<T>} action @param {View | null} [own] the view that the action
    *   itself sends @returns {Promise<T>}
    */
-  async #lasting(action, own = null) {
+  async #withSession(action, own = null) {
     try {
       return await action(false);
     } catch (error) {
-      if (!isGone(error)) throw error;
+      if (!isExpired(error)) throw error;
     }
     for (const view of this.#views) [view.index, view.taken] = [null, false];
     await this.start();
-    this.restored += 1;
-    this.#changed();
+    this.renewals += 1;
+    this.#persist();
     for (const view of this.#views.filter((each) => each !== own)) {
       const { index } = await this.#call("GET", "/session/pose");
       if ((await this.#send(view, index)).status === "converged") break;
@@ -267,7 +247,7 @@ export class CaptureSession {
   }
 }
 
-/** Has the session expired, or been forgotten? @param {unknown} error */
-function isGone(error) {
+/** Whether the session has expired or was forgotten. @param {unknown} error */
+function isExpired(error) {
   return error instanceof ApiError && (error.status === 401 || error.kind === "session-expired" || error.status === 404);
 }

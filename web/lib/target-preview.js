@@ -1,4 +1,4 @@
-// The target as a ghost of the board: its black squares, drawn through the same lens as its corners.
+// Preview of the target: the board's black squares, drawn through the same lens as its corners.
 import { isBlack } from "./board.js";
 
 /**
@@ -7,8 +7,8 @@ import { isBlack } from "./board.js";
  */
 
 /**
- * The black squares of the board in a pose. Vertices that the service gives are exact; those at the board's edge go on
- * as the two before them did.
+ * Black squares of the board in a pose. The inner vertices are the service's and exact; those at the board's edge are
+ * extrapolated from the two before them.
  * @param {Board} board @param {{ids: number[], corners: number[][]}} pose
  * @returns {Polygon[]} px
  */
@@ -17,10 +17,10 @@ export function blackSquares(board, { ids, corners }) {
   const place = new Map(ids.map((id, index) => [id, corners[index]]));
   /** @type {(x: number, y: number) => number[] | null} */
   const vertex = (x, y) => {
-    if (x === 0) return beyond(vertex(1, y), vertex(2, y));
-    if (x === columns) return beyond(vertex(columns - 1, y), vertex(columns - 2, y));
-    if (y === 0) return beyond(vertex(x, 1), vertex(x, 2));
-    if (y === rows) return beyond(vertex(x, rows - 1), vertex(x, rows - 2));
+    if (x === 0) return extrapolate(vertex(1, y), vertex(2, y));
+    if (x === columns) return extrapolate(vertex(columns - 1, y), vertex(columns - 2, y));
+    if (y === 0) return extrapolate(vertex(x, 1), vertex(x, 2));
+    if (y === rows) return extrapolate(vertex(x, rows - 1), vertex(x, rows - 2));
     return place.get((y - 1) * (columns - 1) + x - 1) ?? null;
   };
   /** @type {Polygon[]} */
@@ -36,4 +36,4 @@ export function blackSquares(board, { ids, corners }) {
 }
 
 /** @param {number[] | null} near @param {number[] | null} next */
-const beyond = (near, next) => (near && next ? [2 * near[0] - next[0], 2 * near[1] - next[1]] : null);
+const extrapolate = (near, next) => (near && next ? [2 * near[0] - next[0], 2 * near[1] - next[1]] : null);

@@ -1,0 +1,306 @@
+// Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
+import { observedOutline } from "../lib/board-outline.js";
+import { HEALTHY, diagnose } from "./diagnosis.js";
+import { HOLD_MS, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
+import { HINTS, SILENT, asMirrored, instruct } from "./instruction.js";
+import { jaccard } from "./jaccard.js";
+import { isOfSize, offlineGoal, viewCount } from "./state.js";
+import { MOVING, motion, observe } from "./stillness.js";
+import { difference } from "./target.js";
+
+/**
+ * @typedef {import("./state.js").State} State
+ * @typedef {import("./state.js").Event} Event
+ * @typedef {import("./state.js").Notice} Notice
+ * @typedef {import("../lib/session.js").Pose} Pose
+ * @typedef {import("../lib/session.js").SessionState} SessionState
+ * @typedef {import("../lib/session.js").ViewAnswer} ViewAnswer
+ */
+
+/** @template {Event["type"]} T @typedef {Extract<Event, {type: T}>} EventOf */
+
+const NOTICE_MS = 4_000;
+const CONFIRM_STOP_MS = 5_000; // in which a second press stops the capture
+const MAX_UNCONFIRMED_PROGRESS = 0.95; // until the service says that the capture is complete
+const MIN_APPROACH = 0.05; // of the distance to the target that counts as coming nearer
+/** Reasons for a refusal that have a message. */
+const EXPLAINED_REASONS = new Set(["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]);
+
+/** @param {import("./state.js").Board} board @param {import("./state.js").Wanted} wanted @returns {State} */
+export function initial(board, wanted) {
+  return {
+    phase: "welcome", board, wanted, failure: null,
+    capture: {
+      key: null, request: null, mirrored: false, cropped: false, session: null, initialViews: 0, progress: 0,
+      pose: null, posedAt: 0, aim: null, nearest: { time: 0, distance: Infinity }, lastSent: null, skipAfter: null,
+    },
+    link: { busy: false, attempts: 0, offline: false, stored: 0, sending: false },
+    detector: {
+      loading: 0, stalled: false, corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0,
+      stillness: MOVING, diagnosis: HEALTHY,
+    },
+    ui: {
+      cameras: [], interrupted: null, waiting: "camera", instruction: SILENT, notice: null, noticedAt: 0, openingNotice: null,
+      picture: null, plain: false, saved: true, stopAskedAt: null,
+    },
+  };
+}
+
+/**
+ * @param {State} state @param {{capture?: Partial<State["capture"]>, link?: Partial<State["link"]>,
+ *   detector?: Partial<State["detector"]>, ui?: Partial<State["ui"]>}} changes of its parts
+ * @returns {State}
+ */
+function change(state, { capture, link, detector, ui }) {
+  return {
+    ...state,
+    capture: capture ? { ...state.capture, ...capture } : state.capture,
+    link: link ? { ...state.link, ...link } : state.link,
+    detector: detector ? { ...state.detector, ...detector } : state.detector,
+    ui: ui ? { ...state.ui, ...ui } : state.ui,
+  };
+}
+
+/** @param {State} state @param {Event} event @returns {State} */
+export function reduce(state, event) {
+  switch (event.type) {
+    case "cameras":
+      return change(state, { ui: { cameras: event.cameras } });
+    case "interrupted":
+      return change(state, { ui: { interrupted: event.interrupted } });
+    case "open":
+      return open(state, event.notice ?? null);
+    case "board":
+      return { ...state, board: event.board };
+    case "waiting":
+      return change(state, { ui: { waiting: event.waiting } });
+    case "loading":
+      return change(state, { detector: { loading: event.fraction } });
+    case "opened": {
+      const { key, request = null, mirrored, cropped } = event;
+      return change(state, { capture: { key, request, mirrored, cropped } });
+    }
+    case "request":
+      return change(state, { capture: { request: event.request } });
+    case "model":
+      return { ...state, wanted: { ...state.wanted, distortion_model: event.model } };
+    case "opened-offline":
+      return openOffline(state, event);
+    case "session":
+      return start(state, change(followSession(state, event.session), { link: { stored: event.stored ?? 0 } }), event.time);
+    case "pose":
+      return setTarget(state, event);
+    case "frame":
+      return state.phase === "capturing" ? observeFrame(state, event) : state;
+    case "busy":
+      return change(state, { link: { busy: true } });
+    case "idle":
+      return change(state, { link: { busy: false } });
+    case "sent":
+      return change(state, { capture: { lastSent: event.corners } });
+    case "answer":
+      return takeAnswer(state, event);
+    case "stored":
+      return storeView(state, event);
+    case "undone":
+      return undo(state, event);
+    case "retrying":
+      // A notice about the last view is old by now, and would be read as the state of the connection.
+      return change(state, {
+        link: { attempts: event.attempts }, ui: { notice: event.attempts > 0 ? null : state.ui.notice },
+      });
+    case "offline":
+      // The status line says that the service is away: a notice beside it would say it twice.
+      return change(clearTarget(state), {
+        link: { offline: true, stored: event.stored, attempts: 0, busy: false }, ui: { notice: null },
+      });
+    case "sending":
+      return change(state, { link: { sending: event.sending } });
+    case "online":
+      return notify(
+        change(clearTarget(followSession(state, event.session)), {
+          link: { offline: false, sending: false, stored: 0, attempts: 0 },
+        }),
+        onlineNotice(event), event.time);
+    case "stalled":
+      return change(state, { detector: { stalled: event.stalled } });
+    case "visible":
+      // Time in a hidden tab does not count.
+      return change(state, {
+        capture: { posedAt: event.time, nearest: { ...state.capture.nearest, time: event.time } },
+        detector: { stillness: MOVING, diagnosis: HEALTHY },
+      });
+    case "unsaved":
+      return change(state, { ui: { saved: false } });
+    case "slow":
+      return change(state, { ui: { plain: true } });
+    case "notice":
+      return notify(state, event.notice, event.time);
+    case "stop":
+      return stop(state, event.time);
+    case "failed":
+      return change(
+        { ...state, phase: "failed", failure: { code: event.code, detail: event.detail ?? "" } },
+        { link: { busy: false, attempts: 0 } });
+    case "restart":
+      return reset(state);
+  }
+}
+
+/** Forgets everything but what belongs to the page. @param {State} state @returns {State} */
+function reset({ board, wanted, detector: { loading }, ui: { cameras, interrupted, plain } }) {
+  return change(initial(board, wanted), { detector: { loading }, ui: { cameras, interrupted, plain } });
+}
+
+/** The last session, if any, is named until the service answers: it may be resumed. @param {State} state @param {Notice | null} notice */
+function open(state, notice) {
+  const { capture: { session }, link: { stored } } = state;
+  return change({ ...reset(state), phase: "opening" }, { capture: { session }, link: { stored }, ui: { openingNotice: notice } });
+}
+
+/** @param {State} state @param {EventOf<"opened-offline">} event @returns {State} */
+function openOffline(state, { stored, time }) {
+  const progress = MAX_UNCONFIRMED_PROGRESS * Math.min(1, stored / offlineGoal({ capture: { session: null } }));
+  const next = change({ ...state, phase: "capturing" }, {
+    capture: { session: null, progress }, link: { offline: true, stored, attempts: 0 },
+  });
+  return start(state, next, time);
+}
+
+/** A capture that runs from now on counts its views, and says why it was opened. @param {State} before @param {State} state @param {number} time */
+function start(before, state, time) {
+  if (before.phase === "capturing") return state;
+  const started = change(state, { capture: { initialViews: viewCount(state) }, ui: { openingNotice: null } });
+  const { openingNotice } = state.ui;
+  return openingNotice && state.phase === "capturing" ? notify(started, openingNotice, time) : started;
+}
+
+/** @param {State} state @param {Notice} notice @param {number} time @returns {State} */
+const notify = (state, notice, time) => change(state, { ui: { notice, noticedAt: time } });
+
+/** @param {State} state @returns {State} */
+const clearTarget = (state) => change(state, { capture: { pose: null }, ui: { picture: null } });
+
+/** A stored view brings the capture nearer to its end, as far as can be told without the service. @param {State} state @param {EventOf<"stored">} event */
+function storeView(state, { corners, stored, time }) {
+  const left = Math.max(0, MAX_UNCONFIRMED_PROGRESS - state.capture.progress);
+  const progress = state.capture.progress + left / Math.max(1, offlineGoal(state) - state.link.stored);
+  const next = change(clearTarget(state), { capture: { lastSent: corners, progress }, link: { stored, busy: false } });
+  return notify(next, { key: "capture.view_stored", kind: "good" }, time);
+}
+
+/** What became of the stored views. @param {{taken: number, refused: number}} event @returns {Notice} */
+function onlineNotice({ taken, refused }) {
+  if (refused) return { key: "capture.came_back_less", kind: "good", values: { count: refused } };
+  return { key: taken ? "capture.came_back" : "capture.came_back_only", kind: "good" };
+}
+
+/** Only a second press loses views. @param {State} state @param {number} time @returns {State} */
+function stop(state, time) {
+  if (state.phase !== "capturing" || viewCount(state) === 0 || state.ui.stopAskedAt !== null) return reset(state);
+  const notice = /** @type {Notice} */ ({ key: "capture.press_again", kind: "plain", values: { count: viewCount(state) } });
+  return notify(change(state, { ui: { stopAskedAt: time } }), notice, time);
+}
+
+/** @param {State} state @param {SessionState} session @returns {State} */
+function followSession(state, session) {
+  const done = session.status === "converged";
+  const progress = done ? 1 : Math.max(state.capture.progress, session.progress);
+  const next = change({ ...state, phase: done ? "done" : "capturing" }, { capture: { session, progress } });
+  return done ? clearTarget(next) : next;
+}
+
+/** @param {State} state @param {EventOf<"pose">} event @returns {State} */
+function setTarget(state, { pose, picture, time }) {
+  const { outline } = state.detector;
+  const next = change(state, {
+    capture: {
+      pose, posedAt: time, skipAfter: null, nearest: { time, distance: Infinity },
+      aim: observedOutline(state.board, { ids: pose.ids, points: pose.corners }),
+    },
+    link: { busy: false },
+    detector: { overlap: overlapWith(outline, pose, state.capture.key) },
+    ui: { picture },
+  });
+  // The last instruction was about another target: nobody should go on holding still for it.
+  if (!outline) return next;
+  const silent = change(next, { ui: { instruction: SILENT } });
+  return change(next, { ui: { instruction: instruct(silent, requiredHold(next) === HOLD_MS, time) } });
+}
+
+/** @param {State} state @param {EventOf<"frame">} event @returns {State} */
+function observeFrame(state, { detection, time }) {
+  const { ids, points, markers, size } = detection;
+  const { capture, detector, ui } = state;
+  if (!isOfSize(size, capture.key)) return reduce(state, { type: "failed", code: "resized" });
+  const found = { ids, points };
+  const moved = motion(detector.corners, found);
+  const stillness = observe(detector.stillness, found, time, size[0], lenience(state, time));
+  // A frame that is smeared in the middle of a hold is passed over, or the ring would start again and again.
+  const passed = stillness === detector.stillness;
+  const corners = passed ? detector.corners : found;
+  const outline = passed ? detector.outline : observedOutline(state.board, corners);
+  const { stopAskedAt } = ui;
+  const next = change(state, {
+    detector: {
+      corners, outline, stillness,
+      markers: passed ? detector.markers : markers,
+      overlap: overlapWith(outline, capture.pose, capture.key),
+      diagnosis: diagnose(detector.diagnosis, detection, moved, time),
+    },
+    ui: {
+      notice: time - ui.noticedAt > NOTICE_MS ? null : ui.notice,
+      stopAskedAt: stopAskedAt !== null && time - stopAskedAt > CONFIRM_STOP_MS ? null : stopAskedAt,
+    },
+  });
+  const distance = outline && capture.aim ? 1 - next.detector.overlap + difference(outline, capture.aim) : Infinity;
+  const nearest = distance < capture.nearest.distance - MIN_APPROACH ? { time, distance } : capture.nearest;
+  return change(next, {
+    capture: { nearest }, ui: { instruction: instruct(next, requiredHold(next) === HOLD_MS, time) },
+  });
+}
+
+/** @param {State} state @param {EventOf<"answer">} event @returns {State} */
+function takeAnswer(state, { answer, corners, time }) {
+  // With no other view to contradict, the view by itself is degenerate.
+  const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
+  // Who has done what was asked is not told to do it.
+  const useless = reason === "no_information" && isThere(state);
+  const next = change(followSession(state, answer), {
+    capture: { lastSent: corners, skipAfter: answer.accepted || !isThere(state) ? null : timeToRead(useless) },
+    link: { busy: false },
+  });
+  // The answered target is gone at once; the next one is fetched. A refused one stays.
+  const shown = answer.accepted ? clearTarget(next) : next;
+  return notify(shown, answerNotice(state, answer, useless ? "useless" : reason), time);
+}
+
+/** @param {State} state @param {ViewAnswer} answer @param {string | null} reason @returns {Notice} */
+function answerNotice({ capture }, answer, reason) {
+  if (!answer.accepted) {
+    if (reason === "useless") return { key: "capture.useless", kind: "plain" };
+    const key = EXPLAINED_REASONS.has(reason ?? "") ? `capture.refused_${reason}` : "capture.refused";
+    const hint = answer.hint && HINTS.has(answer.hint.code) ? answer.hint.code : undefined;
+    return { key, kind: "bad", ...(hint && { hint: capture.mirrored ? asMirrored(hint) : hint }) };
+  }
+  const before = new Set(capture.session?.views.filter(({ set_aside }) => set_aside).map(({ index }) => index));
+  const aside = answer.views.find(({ index, set_aside }) => set_aside && !before.has(index));
+  if (aside) return { key: "capture.view_set_aside", kind: "plain", values: { number: answer.views.indexOf(aside) + 1 } };
+  return { key: "capture.view_taken", kind: "good", values: { number: answer.views.length } };
+}
+
+/** @param {State} state @param {EventOf<"undone">} event @returns {State} */
+function undo(state, { session, stored, time }) {
+  const { progress } = state.capture;
+  const left = viewCount({ ...state, link: { ...state.link, stored } }) / Math.max(1, viewCount(state));
+  const next = session
+    ? change(followSession(state, session), { capture: { progress: session.progress } })
+    : change(state, { capture: { progress: progress * left } });
+  const undone = change(next, { capture: { lastSent: null }, link: { stored, busy: false } });
+  return notify(undone, { key: "capture.view_undone", kind: "good" }, time);
+}
+
+/** @param {[number, number][] | null} outline @param {Pose | null} pose @param {import("./state.js").CameraKey | null} key */
+function overlapWith(outline, pose, key) {
+  return outline && pose && key ? jaccard(outline, pose.outline, key.img_size) : 0;
+}
