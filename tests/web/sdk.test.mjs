@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { Api } from "../../web/lib/api.js";
 import { Calibration, LookupError, calibrate, cameraKey, lookup, platformHere, platformOf, returned, watch } from "../../web/sdk/calibdb.js";
 
 const KEY = { camera: "C920 (046d:082d)", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };
@@ -72,6 +73,18 @@ test("what passes is asked again, later each time, as patiently as the service a
   const spent = service(json(429, { detail: "The plan's calls are used up." }, { "retry-after": "1800" }));
   await assert.rejects(lookup(KEY, spent.options), { status: 429 });
   assert.equal(spent.asked.length, 1, "nobody waits for half an hour");
+});
+
+test("SDK and pages ask again after the same answers", async () => {
+  for (const status of [400, 401, 404, 409, 410, 413, 422, 429, 500, 501, 502, 503, 504]) {
+    const sdk = service(json(status, {}));
+    await assert.rejects(lookup(KEY, sdk.options), { status });
+    let calls = 0;
+    const transport = { fetch: async () => { calls += 1; return json(status, {}); }, wait: async () => {} };
+    await assert.rejects(new Api("/v1", transport).send("GET", "/cameras", "cdb_a_b"), { status });
+    const expected = [429, 500, 502, 503, 504].includes(status) ? [4, 8] : [1, 1];
+    assert.deepEqual([sdk.asked.length, calls], expected, `${status}`);
+  }
 });
 
 test("a line that breaks in mid-answer is asked again, and what is no answer is neither taken nor kept", async () => {

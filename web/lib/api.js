@@ -1,5 +1,6 @@
 // HTTP to the service: bearer credentials, problems as errors, patience when the network fails.
 
+import { isTransient, retry, retryAfter } from "../sdk/retry.js";
 import { OfflineError, reach, readable } from "./network.js";
 
 export { OfflineError };
@@ -17,9 +18,7 @@ export { OfflineError };
 export const PAUSES = [0.5, 1, 2, 4, 8, 15, 30];
 /** Who can go on without an answer waits for two seconds. */
 const SHORT_PAUSES = 2;
-/** Seconds that the service may ask to be left alone for. */
-const LONGEST = 60;
-const PASSING = new Set([429, 500, 502, 503, 504]);
+const MAX_RETRY_AFTER = 60_000; // ms; whoever asks for more is not waited for
 
 /** The service's answer was no. */
 export class ApiError extends Error {
@@ -35,7 +34,7 @@ export class ApiError extends Error {
 
   /** Is this likely to pass by itself? */
   get passing() {
-    return PASSING.has(this.status);
+    return isTransient(this);
   }
 }
 
@@ -69,26 +68,28 @@ export class Api {
     if (body) headers["content-type"] = "application/json";
     const { signal, patience } = this.#transport;
     const request = { method, headers, body: body && JSON.stringify(body), signal, patience };
-    const pauses = brief ? PAUSES.slice(0, SHORT_PAUSES) : PAUSES;
-    for (let attempt = 0; ; attempt++) {
-      const response = await this.#attempt(path, request);
-      if (response instanceof Response && !PASSING.has(response.status)) {
+    const delays = brief ? PAUSES.slice(0, SHORT_PAUSES) : PAUSES;
+    const outcome = await retry(() => this.#attempt(path, request), (result, retries) => {
+      const response = result instanceof Response ? result : null;
+      if (response && !isTransient(response)) {
         if (this.#vain) this.#transport.onPatience(null);
         this.#vain = false;
-        if (response.ok) return response;
-        throw new ApiError(response.status, await problem(response));
+        return null;
       }
       this.#vain = true;
-      const asked = response instanceof Response ? Number(response.headers.get("retry-after")) : 0;
+      const asked = response ? retryAfter(response) : 0;
       // A used-up hour is not waited for: nobody stands there so long. Nor is silence, where there is better to do.
-      const hopeless = asked > LONGEST || (brief && response instanceof OfflineError && response.silent);
-      if (attempt === pauses.length || hopeless) {
-        throw response instanceof Response ? new ApiError(response.status, await problem(response)) : response;
-      }
-      this.#transport.onPatience({ attempt: attempt + 1 });
-      await this.#transport.wait(1000 * (asked > 0 ? asked : pauses[attempt]));
+      const hopeless = asked > MAX_RETRY_AFTER || (brief && result instanceof OfflineError && result.silent);
+      if (retries === delays.length || hopeless) return null;
+      this.#transport.onPatience({ attempt: retries + 1 });
+      return asked || 1000 * delays[retries];
+    }, async (wait) => {
+      await this.#transport.wait(wait);
       signal?.throwIfAborted();
-    }
+    });
+    if (outcome instanceof OfflineError) throw outcome;
+    if (outcome.ok) return outcome;
+    throw new ApiError(outcome.status, await problem(outcome));
   }
 
   /**

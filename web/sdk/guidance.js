@@ -18,7 +18,7 @@ const GONE = [404, 410];
  * @property {{href: string, assign: (address: string) => void}} [location]
  * @property {{state: any, replaceState: (state: any, unused: string, address: string) => void}} [history]
  *
- * @typedef {Journey & import("./request.js").Manner} JourneyOptions
+ * @typedef {Journey & import("./request.js").RequestOptions} JourneyOptions
  */
 
 /**
@@ -49,12 +49,12 @@ export async function returned({ location = globalThis.location, history = globa
   const fragment = new URLSearchParams(url.hash.slice(1));
   const id = fragment.get("calibration");
   if (!id) return null;
-  const heard = await ask(`calibrations/${encodeURIComponent(id)}`, {}, manner);
-  if (heard.response.ok || GONE.includes(heard.response.status)) {
+  const answer = await ask(`calibrations/${encodeURIComponent(id)}`, {}, manner);
+  if (answer.response.ok || GONE.includes(answer.response.status)) {
     fragment.delete("calibration");
     url.hash = fragment.toString();
     history.replaceState(history.state, "", url.href);
   }
-  const { report: _, ...data } = /** @type {CalibrationData & {report?: object}} */ (calibrationIn(heard));
+  const { report: _, ...data } = /** @type {CalibrationData & {report?: object}} */ (calibrationIn(answer));
   return new Calibration(data);
 }

@@ -13,7 +13,7 @@ import { address, ask, calibrationIn } from "./request.js";
  * @property {string | null} reason "unknown_camera", "too_few", "disagree" or "few_contributors", as the service says; "other_size" where
  *   `exact`, "too_uncertain" where `maxError` asked for more than is known
  *
- * @typedef {object} Wish
+ * @typedef {object} LookupOptions
  * @property {string} [model] distortion model, "rectilinear" unless told
  * @property {boolean} [exact] nothing but what is known of this very size, or verified for it
  * @property {number} [maxError] px: largest uncertainty, and largest difference between the calibrations that agree
@@ -26,8 +26,8 @@ import { address, ask, calibrationIn } from "./request.js";
  * @typedef {object} Offline
  * @property {(key: CameraKey, model: string) => CalibrationData | null} find
  *
- * @typedef {import("./request.js").Manner} Manner
- * @typedef {Wish & (Manner | Omit<Manner, "token"> & {token?: string | undefined, bundle: Offline})} Options without a token only the bundle is asked
+ * @typedef {import("./request.js").RequestOptions} RequestOptions
+ * @typedef {LookupOptions & (RequestOptions | Omit<RequestOptions, "token"> & {token?: string | undefined, bundle: Offline})} Options without a token only the bundle is asked
  */
 
 /** @typedef {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null}} Found */
@@ -55,9 +55,9 @@ export async function lookup(source, options) {
   /** @type {Found} */
   let answer = { calibration: known, guidanceUrl: null, reason: null };
   if (!known && bundle && !manner.token) answer = { ...answer, guidanceUrl: guidance(), reason: "unknown_camera" };
-  else if (!known) answer = await asked(key, model, /** @type {Manner} */ (manner));
+  else if (!known) answer = await fetchCalibration(key, model, /** @type {RequestOptions} */ (manner));
   if (answer.calibration && !known) keep(cache, name, answer.calibration);
-  const enough = judged(answer, { exact, maxError }, guidance);
+  const enough = applyRequirements(answer, { exact, maxError }, guidance);
   if (!enough.calibration) onNeedCalibration?.(enough);
   return enough;
 }
@@ -111,24 +111,24 @@ export function guidanceUrl(key, model, api) {
 }
 
 /**
- * @param {CameraKey} key @param {string} model @param {Manner} manner
+ * @param {CameraKey} key @param {string} model @param {RequestOptions} options
  * @returns {Promise<Found>}
  */
-async function asked(key, model, manner) {
+async function fetchCalibration(key, model, options) {
   // A redirect's Location is hidden from fetch(): ask for it in words.
   const request = { method: "POST", body: JSON.stringify({ ...key, distortion_model: model, redirect: false }) };
-  const heard = await ask("lookup", request, manner);
-  const { guidance_url: guidanceUrl, reason = null } = heard.body;
-  if (heard.response.status === 404 && guidanceUrl) return { calibration: null, guidanceUrl, reason };
-  return { calibration: calibrationIn(heard), guidanceUrl: null, reason: null };
+  const answer = await ask("lookup", request, options);
+  const { guidance_url: guidanceUrl, reason = null } = answer.body;
+  if (answer.response.status === 404 && guidanceUrl) return { calibration: null, guidanceUrl, reason };
+  return { calibration: calibrationIn(answer), guidanceUrl: null, reason: null };
 }
 
 /**
  * As it is for the size asked for, where that could be verified, and if it is good enough.
- * @param {Found} answer @param {{exact: boolean, maxError: number}} wish @param {() => string} guidance
+ * @param {Found} answer @param {{exact: boolean, maxError: number}} requirements @param {() => string} guidance
  * @returns {Answer}
  */
-function judged({ calibration: known, guidanceUrl, reason }, { exact, maxError }, guidance) {
+function applyRequirements({ calibration: known, guidanceUrl, reason }, { exact, maxError }, guidance) {
   if (!known) return { calibration: null, guidanceUrl, reason };
   const { adapted } = known;
   const data = adapted && !known.exact_size ? { ...known, ...adapted, exact_size: true } : known;

@@ -1,4 +1,5 @@
-// Asking the service, as often as it takes.
+// Requests to the service, repeated while they may still succeed.
+import { isTransient, retry, retryAfter } from "./retry.js";
 
 /** The service answered, but not with an answer; or it cannot be reached. */
 export class LookupError extends Error {
@@ -12,9 +13,9 @@ export class LookupError extends Error {
 
 /**
  * @typedef {import("./calibration.js").CalibrationData} CalibrationData
- * @typedef {{response: Response, body: any}} Heard an answer and its JSON
+ * @typedef {{response: Response, body: any}} JsonResponse a response and its JSON
  *
- * @typedef {object} Manner how to ask
+ * @typedef {object} RequestOptions
  * @property {string} token API token
  * @property {string | URL} [api] address of the API; that of the host this file came from unless told
  * @property {AbortSignal} [signal]
@@ -23,10 +24,8 @@ export class LookupError extends Error {
  * @property {(milliseconds: number, signal?: AbortSignal) => Promise<void>} [pause]
  */
 
-const FIRST = 500; // ms, then twice as long each time
-const LONGEST = 8000; // ms; a service that asks for more patience is not waited for
-/** What another time may help with: too many at once, and a gateway or storage that had no time. */
-const PASSING = [429, 502, 503, 504];
+const FIRST_DELAY = 500; // ms, then twice as long each time
+const MAX_DELAY = 8000; // ms; a service that asks for more is not waited for
 
 /** Where this file came from. By itself: `new URL(…, import.meta.url)` is what bundlers take for a file to be packed. */
 const HERE = import.meta.url ?? "file:///";
@@ -37,27 +36,33 @@ export function address(api) {
 }
 
 /**
- * A request's answer and its JSON.
- * @param {string} path below the API's address @param {RequestInit} request @param {Manner} manner
- * @returns {Promise<Heard>} rejects with LookupError when nothing answers, or as its signal says
+ * Sends a request, and again where that may help.
+ * @param {string} path below the API's address @param {RequestInit} request @param {RequestOptions} options
+ * @returns {Promise<JsonResponse>} rejects with LookupError when nothing answers, or as its signal says
  */
 export async function ask(path, request, { token, api, signal, retries = 3, fetch = globalThis.fetch, pause = sleep }) {
   if (!token) throw new TypeError("calibDB is asked with an API token: { token }");
   const url = new URL(path, address(api));
   if (!url.protocol.startsWith("http")) throw new TypeError("these modules were not loaded from calibDB, so say where it is: { api }");
   const headers = { authorization: `Bearer ${token}`, "content-type": "application/json" };
-  for (let attempt = 0; ; attempt++) {
-    signal?.throwIfAborted();
-    const heard = await reach(fetch, url, { ...request, headers, signal });
-    const wait = patience(attempt, "response" in heard ? heard.response.headers.get("retry-after") : null);
-    const passing = !("response" in heard) || PASSING.includes(heard.response.status);
-    if (passing && attempt < retries && wait <= LONGEST) await pause(wait, signal);
-    else if ("response" in heard) return heard;
-    else throw new LookupError("calibDB cannot be reached", 0, { cause: heard });
-  }
+  const outcome = await retry(
+    () => {
+      signal?.throwIfAborted();
+      return reach(fetch, url, { ...request, headers, signal });
+    },
+    (result, count) => {
+      const response = "response" in result ? result.response : null;
+      if (count >= retries || (response && !isTransient(response))) return null;
+      const wait = Math.max(response ? retryAfter(response) : 0, backoff(count));
+      return wait <= MAX_DELAY ? wait : null;
+    },
+    (wait) => pause(wait, signal),
+  );
+  if ("response" in outcome) return outcome;
+  throw new LookupError("calibDB cannot be reached", 0, { cause: outcome });
 }
 
-/** @param {Heard} heard @returns {CalibrationData} throws a LookupError, in the service's words, for whatever is none */
+/** @param {JsonResponse} answer @returns {CalibrationData} throws a LookupError, in the service's words, for whatever is none */
 export function calibrationIn({ response, body }) {
   if (response.ok && body.camera_matrix) return body;
   throw refusal(response, body);
@@ -68,7 +73,7 @@ export function refusal({ ok, status, url }, body) {
   return new LookupError(body.detail ?? (ok ? `what answers at ${url} is not calibDB` : `calibDB answered ${status}`), status);
 }
 
-/** @param {typeof globalThis.fetch} fetch @param {URL} url @param {RequestInit} request @returns {Promise<Heard | Error>} */
+/** @param {typeof globalThis.fetch} fetch @param {URL} url @param {RequestInit} request @returns {Promise<JsonResponse | Error>} */
 async function reach(fetch, url, request) {
   try {
     const response = await fetch(url, request);
@@ -81,11 +86,8 @@ async function reach(fetch, url, request) {
   }
 }
 
-/** Milliseconds before the next attempt; apart from each other, where many were refused at once. @param {number} attempt @param {string | null} asked seconds */
-function patience(attempt, asked) {
-  const least = asked && Number(asked) >= 0 ? 1000 * Number(asked) : 0;
-  return Math.max(least, FIRST * 2 ** attempt * (0.5 + 0.5 * Math.random()));
-}
+/** Milliseconds to wait after so many retries, with jitter: many may have been refused at once. @param {number} retries */
+const backoff = (retries) => FIRST_DELAY * 2 ** retries * (0.5 + 0.5 * Math.random());
 
 /** @param {number} milliseconds @param {AbortSignal} [signal] @returns {Promise<void>} */
 function sleep(milliseconds, signal) {
