@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { Calibration, projectionMatrix } from "../../web/sdk/calibdb.js";
+import { Calibration, UnknownModelError, lensOf, projectionMatrix } from "../../web/sdk/calibdb.js";
 
 const WIDE = { img_size: [1280, 720], camera_matrix: [[1013.7, 0, 652.3], [0, 1009.1, 348.8], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [-0.1, 0.02, 0.001, -0.002, 0.003] };
 const POINTS = [[0.1, -0.2, 1.5], [-1.3, 0.8, 3], [0, 0, 0.5], [2, 1, 7.7]];
@@ -62,4 +62,43 @@ test("OpenCV gets what each of its modules takes", () => {
   assert.deepEqual(new Calibration(WIDE).toOpenCV(), { imageSize: [1280, 720], cameraMatrix, distCoeffs: WIDE.distortion_coefficients, module: "" });
   assert.deepEqual(of("fisheye", [1, 2, 3, 4]), { imageSize: [1280, 720], cameraMatrix, distCoeffs: [1, 2, 3, 4], module: "fisheye" });
   assert.deepEqual(of("omnidirectional", [1.2, 1, 2, 3, 4]), { imageSize: [1280, 720], cameraMatrix, distCoeffs: [1, 2, 3, 4], xi: 1.2, module: "omnidir" });
+});
+
+/** Derivative of the projection along x and y at the optical axis, px per radian, by central differences. */
+function magnification({ project }) {
+  const step = 1e-5;
+  return [0, 1].map((axis) => {
+    const [ahead, behind] = [step, -step].map((value) => project(axis === 0 ? [value, 0, 1] : [0, value, 1])[axis]);
+    return (ahead - behind) / (2 * step);
+  });
+}
+
+test("a scene over the picture is magnified as by the lens at its axis, for every model", () => {
+  const vectors = JSON.parse(readFileSync(new URL("./vectors.json", import.meta.url), "utf8"));
+  assert.deepEqual([...new Set(vectors.map(({ distortion_model }) => distortion_model))].sort(), ["fisheye", "omnidirectional", "rational", "rectilinear"]);
+  for (const { camera_matrix, distortion_model, distortion_coefficients } of vectors) {
+    const calibration = new Calibration({ camera_matrix, distortion_model, distortion_coefficients, img_size: [1280, 720] });
+    const matrix = calibration.projectionMatrix();
+    const [x, y] = magnification(lensOf(calibration));
+    assert.ok(Math.abs((matrix[0] * 640) / x - 1) < 1e-9, `${distortion_model}: ${matrix[0] * 640} px instead of ${x}`);
+    assert.ok(Math.abs((matrix[5] * 360) / y - 1) < 1e-9, `${distortion_model}: ${matrix[5] * 360} px instead of ${y}`);
+  }
+});
+
+test("the generalised focal length of the omnidirectional model is (1 + xi) times that at the axis", () => {
+  const omnidirectional = { img_size: [1280, 720], camera_matrix: [[1600, 0, 639.5], [0, 1500, 359.5], [0, 0, 1]], distortion_model: "omnidirectional", distortion_coefficients: [1, 0, 0, 0, 0] };
+  const matrix = projectionMatrix(omnidirectional);
+  assert.ok(Math.abs(matrix[0] * 640 - 800) < 1e-9 && Math.abs(matrix[5] * 360 - 750) < 1e-9, `${matrix[0] * 640}, ${matrix[5] * 360}`);
+});
+
+test("a calibration of a model that this SDK does not know is data, and says so where its lens is asked for", () => {
+  for (const distortion_model of ["double-sphere", "toString"]) {
+    const data = { ...WIDE, distortion_model };
+    const calibration = new Calibration(data);
+    assert.deepEqual({ ...calibration }, data);
+    assert.equal(calibration.toOpenCV().cameraMatrix[0], 1013.7);
+    for (const ask of [() => calibration.project([0, 0, 1]), () => calibration.unproject([0, 0]), () => lensOf(data)]) {
+      assert.throws(ask, (error) => error instanceof UnknownModelError && error.model === distortion_model && error.message.includes(`"${distortion_model}"`));
+    }
+  }
 });

@@ -50,3 +50,20 @@ test("an estimate of fewer than three views draws nothing", () => {
   assert.equal(trusted({ calibration, views: views(3, 1) }), null);
   assert.equal(trusted({ calibration, views: views(3) }), calibration);
 });
+
+test("a target without the service is as large for every model of the same focal length at the axis", () => {
+  const size = [1280, 720];
+  const matrix = (f) => [[f, 0, 639.5], [0, f, 359.5], [0, 0, 1]];
+  const plain = { camera_matrix: matrix(1024), distortion_model: "rectilinear", distortion_coefficients: [0, 0, 0, 0, 0] };
+  const generalised = { camera_matrix: matrix(2048), distortion_model: "omnidirectional", distortion_coefficients: [1, 0, 0, 0, 0] };
+  for (const step of PLAN) {
+    const poses = [plain, generalised].map((known) => plannedPose(step, DEFAULT_BOARD, size, known));
+    const [expected, actual] = poses.map((pose) => pose.tvec[2]);
+    assert.ok(Math.abs(actual / expected - 1) < 1e-12, `${actual} squares away instead of ${expected}`);
+  }
+});
+
+test("a model that this page does not know is drawn as by the plan's own camera", () => {
+  const unknown = { ...camera([1280, 720], 0), distortion_model: "double-sphere" };
+  assert.deepEqual(nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], unknown), nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], null));
+});

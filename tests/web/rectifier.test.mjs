@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lensOf } from "../../web/sdk/projection.js";
+import { widePinhole } from "../../web/sdk/rectification.js";
 import { rectifiedMatrix, rectifyingMap } from "../../web/sdk/rectifier.js";
 
 const SIZE = [640, 360];
@@ -39,4 +40,18 @@ test("a lens that sees more than a plane can show is cut, not squeezed to nothin
   const [[f]] = rectifiedMatrix(fisheye, 1);
   assert.ok(f > 180 / 5 / 2 && Number.isFinite(f), `${f}`);
   assert.ok(filled(fisheye, 0) > 0.99);
+});
+
+test("a scene to be distorted is rendered as sharply as the lens is at its axis, and no larger, for every model", () => {
+  const lenses = {
+    rectilinear: [[900, 900], [-0.1, 0.01, 0, 0, 0]], rational: [[900, 900], [-0.1, 0.01, 0, 0, 0, 0.01, 0, 0]],
+    fisheye: [[900, 900], [-0.01, 0, 0, 0]], omnidirectional: [[1800, 1800], [1, 0, 0, 0, 0]],
+  };
+  for (const [distortion_model, [[fx, fy], distortion_coefficients]] of Object.entries(lenses)) {
+    const { img_size: [width, height], camera_matrix: [[f]] } = widePinhole({
+      img_size: [1280, 720], camera_matrix: [[fx, 0, 639.5], [0, fy, 359.5], [0, 0, 1]], distortion_model, distortion_coefficients,
+    });
+    assert.equal(f, 900, distortion_model);
+    assert.ok(width < 1.35 * 1280 && height < 1.35 * 720, `${distortion_model}: ${width}x${height}`);
+  }
 });

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { returnAddress, withResult } from "../../web/lib/result/return-address.js";
-import { complaint, covered, digitsFor, digitsOf, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
+import { viewIssue, covered, digitsFor, digitsOf, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
 import { ticks } from "../../web/lib/svg.js";
 
 const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
@@ -30,13 +30,13 @@ test("the field of view counts the distortion in, also beyond a half circle", ()
 });
 
 test("the views to take again are named, and only those", () => {
-  const found = report.views.map((view) => complaint(view, report.views));
+  const found = report.views.map((view) => viewIssue(view, report.views));
   assert.deepEqual(found.map((what, index) => [index, what]).filter(([, what]) => what), [[1, "some_cut"], [4, "stands_out"], [5, "left_out"]]);
   const [first, ...others] = report.views;
-  assert.equal(complaint({ ...first, reason: "outlier" }, [first, ...others]), "left_out");
-  assert.equal(complaint({ ...first, cut: [0, 1, 2, 3, 4] }, [first, ...others]), "some_cut");
+  assert.equal(viewIssue({ ...first, reason: "outlier" }, [first, ...others]), "left_out");
+  assert.equal(viewIssue({ ...first, cut: [0, 1, 2, 3, 4] }, [first, ...others]), "some_cut");
   const even = [0.2, 0.22, 0.25].map((rms, index) => ({ index, rms, points: [], residuals: [], cut: [], reason: null }));
-  assert.ok(even.every((view) => complaint(view, even) === null));
+  assert.ok(even.every((view) => viewIssue(view, even) === null));
 });
 
 test("coverage counts cells of the picture", () => {

@@ -1,7 +1,7 @@
 // The extension of WebXR on classes that behave as a browser's; real browsers: tests/browser/test_webxr.py.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { projectionMatrix } from "../../web/sdk/calibration.js";
+import { projectionMatrix } from "../../web/sdk/pinhole.js";
 import { extend, matrixOf } from "../../web/webxr/extension.js";
 
 const PLAIN = {

@@ -1,12 +1,13 @@
 // Three ways to draw over a camera's picture: with the camera matrix only, over the straightened picture, and over the
 // picture as it is with the drawing distorted. Each tells where it sees a pixel of the camera, and where it draws a point.
+import { axialMatrix } from "../sdk/pinhole.js";
 import { lensOf } from "../sdk/projection.js";
 import { Distorter } from "../sdk/distorter.js";
 import { Rectifier } from "../sdk/rectifier.js";
 
 /**
  * @typedef {import("../sdk/rectification.js").Calibration} Calibration
- * @typedef {import("../sdk/rectification.js").Pinhole} Pinhole
+ * @typedef {import("../sdk/pinhole.js").Pinhole} Pinhole
  *
  * @typedef {object} Mode
  * @property {import("../sdk/projection.js").Lens} lens what the board's pose is found with
@@ -27,7 +28,7 @@ const undistorted = (camera_matrix) => lensOf({ camera_matrix, distortion_model:
 
 /** As an application does that knows of no distortion. @param {Calibration} calibration @returns {Mode} */
 function matrix(calibration) {
-  const lens = undistorted(calibration.camera_matrix);
+  const lens = undistorted(axialMatrix(calibration));
   return {
     lens, pinhole: () => calibration, picture: null, overlay: null, seen: (pixel) => pixel, drawn: lens.project,
     show() {},

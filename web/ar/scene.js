@@ -1,9 +1,9 @@
 // Draws triangles as a pinhole sees them. WebGL2, without dependencies.
 import { linked, whenRestored } from "../sdk/warp.js";
-import { projectionMatrix } from "../sdk/calibration.js";
+import { projectionMatrix } from "../sdk/pinhole.js";
 import { rotationMatrix } from "../lib/pose.js";
 
-/** @typedef {import("../sdk/rectification.js").Pinhole} Pinhole */
+/** @typedef {import("../sdk/pinhole.js").Pinhole} Pinhole */
 
 const VERTEX = `#version 300 es
 uniform mat4 projection;

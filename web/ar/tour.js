@@ -1,5 +1,6 @@
-// Where the virtual camera's board goes: so that it fills the picture, to a side, and farther away.
+// A tour of poses for the virtual camera's board: it fills the picture, goes to a side, and farther away.
 import { rotationMatrix } from "../lib/pose.js";
+import { focalLengths } from "../sdk/pinhole.js";
 
 /** Turned by degrees; its middle at so many times the distance from the axis; so far away, in squares for a lens of 0.8 widths. */
 const STOPS = [
@@ -14,7 +15,9 @@ const STOPS = [
  * @param {number} stop any whole number
  * @returns {import("../lib/pose.js").Pose} board → camera, squares
  */
-export function stopAt({ squares: [columns, rows] }, { img_size: [width], camera_matrix: [[fx]] }, stop) {
+export function stopAt({ squares: [columns, rows] }, calibration, stop) {
+  const { img_size: [width] } = calibration;
+  const [fx] = focalLengths(calibration);
   const { turn, aside, distance } = STOPS[stop % STOPS.length];
   const rvec = turn.map((degrees) => (degrees * Math.PI) / 180);
   const [a, b, , d, e, , g, h] = rotationMatrix(rvec);

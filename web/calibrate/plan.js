@@ -1,7 +1,8 @@
 // Where to hold the board when the service is away: a fixed plan of poses, drawn by the page itself.
 import { corners, outline } from "../lib/board.js";
 import { reach } from "../lib/network.js";
-import { lensOf } from "../sdk/projection.js";
+import { focalLengths } from "../sdk/pinhole.js";
+import { isKnownModel, lensOf } from "../sdk/projection.js";
 import { rotationMatrix, rotationVectorOf, transform } from "../lib/pose.js";
 
 /**
@@ -42,7 +43,7 @@ export function trusted(session) {
  * @returns {{pose: Pose, next: number} | null} next: the step after it; null where there is no plan
  */
 export function nextPlanned(plan, from, board, size, known) {
-  for (const camera of known ? [known, null] : [null]) {
+  for (const camera of known && isKnownModel(known.distortion_model) ? [known, null] : [null]) {
     for (let tried = 0; tried < plan.length; tried++) {
       const step = (from + tried) % plan.length;
       const pose = plannedPose(plan[step], board, size, camera);
@@ -60,7 +61,7 @@ export function nextPlanned(plan, from, board, size, known) {
  */
 export function plannedPose(step, board, size, known) {
   const longer = Math.max(...size);
-  const { camera_matrix: [[fx]] } = known ?? pinhole(size);
+  const [fx] = focalLengths(known ?? pinhole(size));
   const larger = (Math.hypot(...board.squares) / Math.hypot(...MADE_FOR)) * (fx / (FOCAL * longer));
   const upright = size[0] < size[1];
   const turned = upright ? quarterTurn(step) : step;

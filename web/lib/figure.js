@@ -1,4 +1,5 @@
 // A grid through a lens, drawn with the lens models that the rest of calibDB uses.
+import { axialMatrix } from "../sdk/pinhole.js";
 import { lensOf } from "../sdk/projection.js";
 
 /** @typedef {import("../sdk/projection.js").Intrinsics} Intrinsics */
@@ -11,7 +12,7 @@ const SVG = "http://www.w3.org/2000/svg";
  * @returns {[number, number][][]} px, points along each
  */
 export function gridThrough(intrinsics, [width, height], step) {
-  const { camera_matrix: [[fx, , cx], [, fy, cy]] } = intrinsics;
+  const [[fx, , cx], [, fy, cy]] = axialMatrix(intrinsics);
   const lens = lensOf(intrinsics);
   const bend = (/** @type {number} */ x, /** @type {number} */ y) => lens.project([(x - cx) / fx, (y - cy) / fy, 1]);
   /** @type {([number, number] | null)[][]} */

@@ -10,13 +10,14 @@
  * @typedef {import("./key.js").CameraKey} CameraKey
  * @typedef {import("./calibration.js").CalibrationData} CalibrationData
  * @typedef {import("./calibration.js").Adapted} Adapted
- * @typedef {import("./calibration.js").Frustum} Frustum
+ * @typedef {import("./pinhole.js").Frustum} Frustum
  * @typedef {import("./lookup.js").Answer} Answer
  * @typedef {import("./lookup.js").Options} Options
  */
-export { Calibration, projectionMatrix } from "./calibration.js";
+export { Calibration } from "./calibration.js";
 export { calibrate, returned } from "./guidance.js";
 export { cameraKey, platformHere, platformOf } from "./key.js";
 export { lookup, watch } from "./lookup.js";
-export { lensOf } from "./projection.js";
+export { projectionMatrix } from "./pinhole.js";
+export { UnknownModelError, lensOf } from "./projection.js";
 export { LookupError } from "./request.js";

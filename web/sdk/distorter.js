@@ -8,7 +8,7 @@
 //     distorter.draw(scene);
 //     // distorter.canvas is transparent where the scene is, and lies over the video
 //     distorter.dispose();
-import { projectionMatrix } from "./calibration.js";
+import { projectionMatrix } from "./pinhole.js";
 import { distortingMap, widePinhole } from "./rectification.js";
 import { Warp, made } from "./warp.js";
 

@@ -39,9 +39,23 @@ const ENOUGH = 1e-13;
 /** Newton's method settles in four or five; where it has not in these, there is no such ray. */
 const ITERATIONS = 30;
 
+/** A calibration is of a camera model that is newer than this SDK. */
+export class UnknownModelError extends RangeError {
+  /** @param {string} model */
+  constructor(model) {
+    super(`this version of the calibDB SDK knows no camera model "${model}"`);
+    this.name = "UnknownModelError";
+    this.model = model;
+  }
+}
+
+/** @param {string} model */
+export const isKnownModel = (model) => Object.hasOwn(COEFFICIENTS, model);
+
 /**
+ * The lens of a calibration.
  * @param {Intrinsics} intrinsics
- * @returns {Lens}
+ * @returns {Lens} throws UnknownModelError
  */
 export function lensOf({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion_coefficients: d, distortion_model }) {
   const { distort, undistort, limit } = plane(distortion_model, d);
@@ -61,8 +75,8 @@ export function lensOf({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion_coe
 function plane(model, d) {
   if (model === "fisheye") return kannalaBrandt(d);
   if (model === "omnidirectional") return unified(d);
-  if (model in COEFFICIENTS) return pinhole(d);
-  throw new RangeError(`no camera model is called ${model}`);
+  if (isKnownModel(model)) return pinhole(d);
+  throw new UnknownModelError(model);
 }
 
 /** Rectilinear and rational; the former has no denominator. @param {number[]} d */

@@ -1,13 +1,10 @@
 // Between a camera's picture and that of a pinhole: matrices and maps.
+import { focalLengths } from "./pinhole.js";
 import { lensOf } from "./projection.js";
 
 /**
  * @typedef {import("./projection.js").Intrinsics & {img_size: [number, number]}} Calibration
  * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, on the plane z = 1
- *
- * @typedef {object} Pinhole a picture without distortion
- * @property {[number, number]} img_size
- * @property {number[][]} camera_matrix
  */
 
 /** tan of the largest angle shown, 78.7°: beyond it a plane picture is all edge. */
@@ -73,25 +70,14 @@ function seen(calibration) {
 }
 
 /**
- * The same picture in another size.
- * @param {Pinhole} pinhole @param {number} scale
- * @returns {Pinhole}
- */
-export function scaled({ img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] }, scale) {
-  const size = /** @type {[number, number]} */ ([width, height].map((side) => Math.max(1, Math.round(side * scale))));
-  const [sx, sy] = [size[0] / width, size[1] / height];
-  return { img_size: size, camera_matrix: [[fx * sx, 0, (cx + 0.5) * sx - 0.5], [0, fy * sy, (cy + 0.5) * sy - 0.5], [0, 0, 1]] };
-}
-
-/**
  * A pinhole that sees all that the camera sees, and at its middle as sharply.
  * @param {Calibration} calibration @param {number} [largest] how many times wider or higher than the camera's picture it may be
- * @returns {Pinhole}
+ * @returns {import("./pinhole.js").Pinhole}
  */
 export function widePinhole(calibration, largest = 2) {
-  const { img_size: [width, height], camera_matrix: [[fx], [, fy]] } = calibration;
+  const { img_size: [width, height] } = calibration;
   const { outer: [left, top, right, bottom] } = seen(calibration);
-  const f = Math.min(Math.max(fx, fy), (largest * width) / (right - left), (largest * height) / (bottom - top));
+  const f = Math.min(Math.max(...focalLengths(calibration)), (largest * width) / (right - left), (largest * height) / (bottom - top));
   // A pixel more on each side: what lies between the outermost and the edge is interpolated.
   return {
     img_size: [Math.ceil(f * (right - left)) + 3, Math.ceil(f * (bottom - top)) + 3],

@@ -6,8 +6,8 @@
 //     rectifier.draw(video); // once a frame
 //     rectifier.camera_matrix; // of the picture it draws, which has no distortion
 //     rectifier.dispose();
-import { projectionMatrix } from "./calibration.js";
-import { rectifiedMatrix, rectifyingMap, scaled } from "./rectification.js";
+import { projectionMatrix, scaled } from "./pinhole.js";
+import { rectifiedMatrix, rectifyingMap } from "./rectification.js";
 import { Warp, made } from "./warp.js";
 
 export { rectifiedMatrix, rectifyingMap } from "./rectification.js";
@@ -50,7 +50,7 @@ export class Rectifier {
     return this.#pinhole.img_size;
   }
 
-  /** For a scene over the picture drawn. @param {import("./calibration.js").Frustum} [frustum] @returns {number[]} column-major */
+  /** For a scene over the picture drawn. @param {import("./pinhole.js").Frustum} [frustum] @returns {number[]} column-major */
   projectionMatrix(frustum) {
     return projectionMatrix(this.#pinhole, frustum);
   }

@@ -1,10 +1,10 @@
 // A webcam as a WebXR device: its video behind the layer, its intrinsics in the projection, its pose that of the tracker.
-import { projectionMatrix } from "../sdk/calibration.js";
+import { projectionMatrix } from "../sdk/pinhole.js";
 import { XRDevice } from "../vendor/webxr/polyfill.js";
 import { Stage } from "./stage.js";
 
 /**
- * @typedef {import("../sdk/rectification.js").Pinhole} Pinhole
+ * @typedef {import("../sdk/pinhole.js").Pinhole} Pinhole
  *
  * @typedef {object} Setup
  * @property {HTMLVideoElement} video playing the camera

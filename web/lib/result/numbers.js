@@ -1,5 +1,6 @@
 // A calibration in numbers that people read. Pure.
-import { COEFFICIENTS, lensOf } from "../../sdk/projection.js";
+import { axialMatrix } from "../../sdk/pinhole.js";
+import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
 
 /**
  * @typedef {import("../../sdk/calibdb.js").CalibrationData} Calibration
@@ -28,6 +29,7 @@ import { COEFFICIENTS, lensOf } from "../../sdk/projection.js";
  */
 
 const STANDS_OUT = 2.5; // times the median rms of the views
+const MIN_COSINE = 0.2; // of the angle to the axis: beyond 78° a plane picture is all edge
 const NOTICED = 0.3; // px; below this nobody looks for a reason
 
 /** How good it is in one word, where no report says so. @param {Calibration} calibration @returns {"good" | "fair" | "poor"} */
@@ -59,11 +61,13 @@ export function intrinsics({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion
 }
 
 /**
- * Opening angles across the picture's middle and from corner to corner, degrees; null where the model sees no ray there.
+ * Opening angles across the picture's middle and from corner to corner, degrees; null where the model sees no ray there, or
+ * where this page does not know the model.
  * @param {Calibration} calibration
  */
 export function fieldOfView(calibration) {
   const { camera_matrix: [[, , cx], [, , cy]], img_size: [width, height] } = calibration;
+  if (!isKnownModel(calibration.distortion_model)) return { horizontal: null, vertical: null, diagonal: null };
   const lens = lensOf(calibration);
   const between = (/** @type {[number, number]} */ a, /** @type {[number, number]} */ b) => {
     const [p, q] = [lens.unproject(a), lens.unproject(b)];
@@ -76,6 +80,25 @@ export function fieldOfView(calibration) {
     horizontal: between([-0.5, cy], [right, cy]), vertical: between([cx, -0.5], [cx, bottom]),
     diagonal: between([-0.5, -0.5], [right, bottom]),
   };
+}
+
+/**
+ * Displacement by distortion over the image: where the lens shows a ray, and where a pinhole of the same focal length at the
+ * axis would. Rays that no plane picture can show are left out.
+ * @param {Calibration} calibration @param {[number, number]} grid columns and rows
+ * @returns {{from: [number, number], to: [number, number]}[]} px; from: the pinhole's
+ */
+export function displacements(calibration, [columns, rows]) {
+  const { img_size: [width, height] } = calibration;
+  const lens = lensOf(calibration);
+  const [[fx, , cx], [, fy, cy]] = axialMatrix(calibration);
+  return Array.from({ length: columns * rows }, (_, index) => {
+    const [column, row] = [index % columns, Math.floor(index / columns)];
+    /** @type {[number, number]} */
+    const to = [((column + 0.5) * width) / columns - 0.5, ((row + 0.5) * height) / rows - 0.5];
+    return { to, ray: lens.unproject(to) };
+  }).flatMap(({ to, ray }) => (!ray || ray[2] < MIN_COSINE ? []
+    : [{ to, from: [(fx * ray[0]) / ray[2] + cx, (fy * ray[1]) / ray[2] + cy] }]));
 }
 
 /** Share of the picture, in cells of a 12th of its width, that has seen corners. @param {number[][]} points @param {[number, number]} size */
@@ -92,7 +115,7 @@ export function covered(points, [width, height]) {
  * @param {ReportView} view @param {ReportView[]} views
  * @returns {"left_out" | "stands_out" | "some_cut" | null}
  */
-export function complaint(view, views) {
+export function viewIssue(view, views) {
   if (view.reason) return "left_out";
   const sorted = views.map(({ rms }) => rms).sort((a, b) => a - b);
   const median = sorted[Math.floor(sorted.length / 2)];

@@ -1,7 +1,6 @@
 // The pictures of a result: predicted error, distortion, coverage, residuals. Numbers in, SVG out.
 import { number, rough, t } from "../i18n.js";
-import { lensOf } from "../../sdk/projection.js";
-import { complaint, covered, extremes } from "./numbers.js";
+import { covered, displacements, extremes, viewIssue } from "./numbers.js";
 import { arrow, imagePlot, make, short } from "../svg.js";
 
 /**
@@ -11,12 +10,12 @@ import { arrow, imagePlot, make, short } from "../svg.js";
  */
 
 const STEPS = 8; // of the colour scale, see style.css
-const GRID = [17, 11]; // arrows of the distortion
+const ROUNDING = 1e-6; // px; what is moved by less is not moved
+const GRID = /** @type {[number, number]} */ ([17, 11]); // arrows of the distortion
 const NOTABLE = 0.02; // of the width; smaller distortions are drawn larger than they are
-const FURTHEST = 0.2; // least cosine of an angle at which a pinhole's picture still is one
 
 /** A round number not below. @param {number} value */
-export function roundUp(value) {
+function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   return ([1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10].find((factor) => factor * power >= value * 0.999) ?? 10) * power;
 }
@@ -29,18 +28,18 @@ export function errorPlot({ img_size: [width, height] }, { grid: [columns, rows]
   const found = { mean: rough(mean), max: rough(max) };
   const label = t("result.error_label", found);
   const { svg, area, x, y, unit } = imagePlot([width, height], label, { name: "heat" });
-  // The map's points include the first and the last pixel: a cell is what is nearest to one.
-  const [dx, dy] = [(width - 1) / (columns - 1), (height - 1) / (rows - 1)];
+  // Each value is that of its cell's centre.
+  const [dx, dy] = [width / columns, height / rows];
   const level = (/** @type {number} */ value) => Math.min(STEPS - 1, Math.floor((value / top) * STEPS));
   px.forEach((line, row) => line.forEach((value, column) => {
-    const cell = { x: short(x((column - 0.5) * dx)), y: short(y((row - 0.5) * dy)), width: short(dx * unit + 0.3), height: short(dy * unit + 0.3) };
+    const cell = { x: short(x(column * dx - 0.5)), y: short(y(row * dy - 0.5)), width: short(dx * unit + 0.3), height: short(dy * unit + 0.3) };
     area.append(make("rect", { ...cell, class: value === null ? "blind" : `heat-${level(value)}` }));
   }));
   for (const row of spread(rows, 4)) {
     for (const column of spread(columns, 5)) {
       const value = px[row][column];
       if (value === null) continue;
-      const place = { x: short(x(column * dx)), y: short(y(row * dy) + 4), "text-anchor": "middle" };
+      const place = { x: short(x((column + 0.5) * dx - 0.5)), y: short(y((row + 0.5) * dy - 0.5) + 4), "text-anchor": "middle" };
       area.append(make("text", { ...place, class: level(value) < STEPS / 2 ? "on-little" : "on-much" }, [rough(value)]));
     }
   }
@@ -64,22 +63,15 @@ function scaleOf(top, digits) {
   return svg;
 }
 
-/** Where a pinhole with the same matrix would show what the lens shows elsewhere. @param {Calibration} calibration */
+/**
+ * Distortion over the image, as arrows from where a pinhole would show a ray.
+ * @param {Calibration} calibration of a model that is known here
+ */
 export function distortionPlot(calibration) {
-  const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
-  const lens = lensOf(calibration);
-  /** @type {{from: number[], to: number[]}[]} */
-  const moves = [];
-  for (let row = 0; row < GRID[1]; row++) {
-    for (let column = 0; column < GRID[0]; column++) {
-      const to = [((column + 0.5) * width) / GRID[0] - 0.5, ((row + 0.5) * height) / GRID[1] - 0.5];
-      const ray = lens.unproject(to);
-      if (!ray || ray[2] < FURTHEST) continue;
-      moves.push({ to, from: [(fx * ray[0]) / ray[2] + cx, (fy * ray[1]) / ray[2] + cy] });
-    }
-  }
+  const { img_size: [width, height], camera_matrix: [[, , cx], [, , cy]] } = calibration;
+  const moves = displacements(calibration, GRID);
   const largest = Math.max(0, ...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
-  const scale = largest > NOTABLE * width || largest === 0 ? 1 : 10 ** Math.ceil(Math.log10((NOTABLE * width) / largest));
+  const scale = largest > NOTABLE * width || largest < ROUNDING ? 1 : 10 ** Math.ceil(Math.log10((NOTABLE * width) / largest));
   const label = t("result.distortion_label", { max: number(largest, 1) });
   const { svg, area, x, y } = imagePlot([width, height], label, { name: "distortion" });
   const path = moves.map(({ from: [u, v], to: [p, q] }) => arrow(x(p + (u - p) * scale), y(q + (v - q) * scale), x(p), y(q))).join("");
@@ -106,7 +98,7 @@ const dots = (points) => points.map(([u, v]) => `M${short(u)} ${short(v)}h.01`).
  * @param {Calibration} calibration @param {ReportView} view @param {ReportView[]} views @param {number} factor
  */
 export function residualPlot({ img_size }, view, views, factor) {
-  const what = complaint(view, views);
+  const what = viewIssue(view, views);
   const label = t("result.view_label", { index: view.index + 1, rms: number(view.rms, 2) });
   const { svg, area, x, y } = imagePlot(img_size, label, { plain: true, name: `residuals ${what ? "bad" : ""}` });
   const cut = new Set(view.cut);

@@ -2,6 +2,7 @@
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
 import { known, number, onLanguage, sized, t } from "../i18n.js";
+import { isKnownModel } from "../../sdk/projection.js";
 import { isVirtual } from "../virtual/name.js";
 import { returnAddress, withResult } from "./return-address.js";
 import { comparison } from "./compare.js";
@@ -14,6 +15,7 @@ import { button, named, viewsPart } from "./views.js";
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration
  * @typedef {import("./numbers.js").Report} Report
+ * @typedef {import("./views.js").Trial} Trial
  *
  * @typedef {object} Result
  * @property {Calibration} calibration
@@ -26,8 +28,6 @@ import { button, named, viewsPart } from "./views.js";
  * @property {{label: () => string, action: () => void}} [again]
  * @property {(without: number[]) => void} [goOn] with the views that are left, by whom they were taken; indices
  * @property {(error: unknown) => string} explain an error, in words for people
- *
- * @typedef {{without: number[], calibration: Calibration, report: Report | null}} Trial what it is without some views, by their indices
  */
 
 /** Shows one result in an element, and whatever is shown there next. */
@@ -63,22 +63,23 @@ export class ResultView {
     this.#release();
     const trial = this.#trial;
     const { calibration, report } = trial ?? result;
-    const straight = result.picture ? comparison(calibration, result.picture) : null;
+    const knownModel = isKnownModel(calibration.distortion_model);
+    const straight = result.picture && knownModel ? comparison(calibration, result.picture) : null;
     if (straight) this.#held.push(straight.dispose);
     // The report arrives while somebody is on the way to a button.
     const focused = this.#root.contains(document.activeElement) ? document.activeElement?.id : "";
     this.#root.replaceChildren(...[
       opening({ ...result, calibration, report }, trial),
       result.returnTo && !trial ? returning(result) : null,
-      band("numbers", tables(calibration, report)),
-      report && band("error", plot(errorPlot(calibration, report.error_map))),
-      band("distortion", plot(distortionPlot(calibration))),
-      report && band("coverage", plot(coveragePlot(calibration, report))),
-      result.report && band("views", viewsPart({ ...result, report: result.report }, trial, this.#choices(result))),
-      straight && band("straight", straight.element),
-      band("take", files({ calibration, explain: result.explain, of: { id: result.calibration.id, without: trial?.without ?? [] } })),
-      band("help", el("p", { id: "summary" }, helped(result))),
-    ].filter((section) => section !== null));
+      section("numbers", tables(calibration, report)),
+      report && section("error", plot(errorPlot(calibration, report.error_map))),
+      knownModel ? section("distortion", plot(distortionPlot(calibration))) : null,
+      report && section("coverage", plot(coveragePlot(calibration, report))),
+      result.report && section("views", viewsPart({ ...result, report: result.report }, trial, this.#choices(result))),
+      straight && section("straight", straight.element),
+      section("take", files({ calibration, explain: result.explain, of: { id: result.calibration.id, without: trial?.without ?? [] } })),
+      section("help", el("p", { id: "summary" }, helped(result))),
+    ].filter((element) => element !== null));
     if (focused) document.getElementById(focused)?.focus();
   }
 
@@ -177,7 +178,7 @@ function returning({ calibration, returnTo, returnOrigins = [] }) {
 }
 
 /** @param {"numbers" | "error" | "distortion" | "coverage" | "views" | "straight" | "take" | "help"} name @param {Node} content */
-function band(name, content) {
+function section(name, content) {
   const id = `result-${name}`;
   return el("section", { class: "band", "aria-labelledby": id }, el("h2", { id }, t(`result.part_${name}`)), el("div", {}, content));
 }

@@ -1,14 +1,14 @@
 // The views one by one: which of them to take again, and which to leave out to see what changes.
 import { el } from "../dom.js";
 import { language, number, rough, t } from "../i18n.js";
-import { complaint } from "./numbers.js";
+import { viewIssue } from "./numbers.js";
 import { magnification, residualPlot } from "./plots.js";
 
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration
  * @typedef {import("./numbers.js").Report} Report
- * @typedef {import("./view.js").Result} Result
- * @typedef {import("./view.js").Trial} Trial
+ *
+ * @typedef {{without: number[], calibration: Calibration, report: Report | null}} Trial what it is without some views, by their indices
  *
  * @typedef {object} Choices what a person can do with the views; null where nothing is to be fitted anew
  * @property {(without: number[]) => void} choose indices of the views to leave out from now on
@@ -22,10 +22,10 @@ export const named = (indices) =>
 
 /** Views that are worth taking again. @param {Report} report @returns {number[]} indices */
 export const wanting = ({ views }) =>
-  views.filter((view) => ["left_out", "stands_out"].includes(complaint(view, views) ?? "")).map(({ index }) => index);
+  views.filter((view) => ["left_out", "stands_out"].includes(viewIssue(view, views) ?? "")).map(({ index }) => index);
 
 /**
- * @param {Result & {report: Report}} result @param {Trial | null} trial what it is without some views
+ * @param {{calibration: Calibration, report: Report}} result @param {Trial | null} trial what it is without some views
  * @param {Choices | null} choices
  */
 export function viewsPart({ calibration, report }, trial, choices) {
@@ -39,7 +39,7 @@ export function viewsPart({ calibration, report }, trial, choices) {
       // Of a view that is left out the other fit knows nothing.
       const shown = out ? report : trial?.report ?? report;
       const view = shown.views.find(({ index }) => index === original.index) ?? original;
-      const what = out ? null : complaint(view, shown.views);
+      const what = out ? null : viewIssue(view, shown.views);
       return el("li", { class: out ? "out" : "" }, residualPlot(calibration, view, shown.views, factor),
         el("div", { class: "which" },
           el("p", { class: "number" }, el("strong", {}, t("result.view", { index: view.index + 1 })), ` ${number(view.rms, 2)}\u00a0px`),

@@ -9,7 +9,7 @@ import { applyCalibration } from "./three.js";
 
 /**
  * @typedef {object} Component what A-Frame gives a component
- * @property {any} el @property {{fit: import("../calibration.js").Fit}} data
+ * @property {any} el @property {{fit: import("../pinhole.js").Fit}} data
  * @property {Parameters<typeof applyCalibration>[1] | null} calibration
  * @property {() => void} apply
  */

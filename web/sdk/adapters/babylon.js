@@ -4,7 +4,7 @@
 //
 // Babylon's camera frame is x right, y up, looking along z: OpenCV's (x, y, z) is at (x, −y, z); in a right-handed
 // scene it looks along −z, and that is at (x, −y, −z).
-import { projectionMatrix } from "../calibration.js";
+import { projectionMatrix } from "../pinhole.js";
 
 /**
  * @typedef {object} BabylonMatrix
@@ -22,7 +22,7 @@ import { projectionMatrix } from "../calibration.js";
  * Call it again when the viewport, the calibration, `minZ` or `maxZ` changes; `camera.unfreezeProjectionMatrix()` undoes it.
  * @param {BabylonCamera} camera
  * @param {Parameters<typeof projectionMatrix>[0]} calibration of the rectified picture, or of one that is nearly so
- * @param {Pick<import("../calibration.js").Frustum, "viewport" | "fit">} [layout] how the picture lies under the scene
+ * @param {Pick<import("../pinhole.js").Frustum, "viewport" | "fit">} [layout] how the picture lies under the scene
  */
 export function applyCalibration(camera, calibration, layout) {
   const { useReverseDepthBuffer, isNDCHalfZRange } = camera.getEngine();

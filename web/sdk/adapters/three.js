@@ -3,7 +3,7 @@
 //     applyCalibration(camera, calibration, { viewport: [canvas.clientWidth, canvas.clientHeight] });
 //
 // The scene's camera frame is three.js' own, x right, y up, looking along −z: OpenCV's (x, y, z) is at (x, −y, −z).
-import { projectionMatrix } from "../calibration.js";
+import { projectionMatrix } from "../pinhole.js";
 
 /**
  * @typedef {object} ThreeCamera what is used of a PerspectiveCamera
@@ -22,7 +22,7 @@ const WEBGPU = 2001; // THREE.WebGPUCoordinateSystem
  * them calls `camera.updateProjectionMatrix()` as ever. Field of view and aspect do nothing any more.
  * @param {ThreeCamera} camera
  * @param {Parameters<typeof projectionMatrix>[0]} calibration of the rectified picture, or of one that is nearly so
- * @param {Pick<import("../calibration.js").Frustum, "viewport" | "fit">} [layout] how the picture lies under the scene
+ * @param {Pick<import("../pinhole.js").Frustum, "viewport" | "fit">} [layout] how the picture lies under the scene
  */
 export function applyCalibration(camera, calibration, layout) {
   camera.updateProjectionMatrix = () => {
