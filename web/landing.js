@@ -7,7 +7,7 @@ import { known, t } from "./lib/i18n.js";
 import { openPage } from "./lib/page.js";
 import { lookup } from "./sdk/calibdb.js";
 import { loadSettings } from "./lib/settings.js";
-import { sayIn } from "./lib/live-region.js";
+import { liveRegion } from "./lib/live-region.js";
 import landing from "./messages/landing.js";
 
 /** @type {[number, number]} */
@@ -87,7 +87,7 @@ if (origin) origin.textContent = location.origin;
 const button = document.getElementById("look");
 const outcome = document.getElementById("outcome");
 if (button instanceof HTMLButtonElement && outcome) {
-  const tell = sayIn(outcome);
+  const tell = liveRegion(outcome);
   button.addEventListener("click", async () => {
     button.disabled = true;
     tell(() => [paragraph(t("landing.asking"))]);

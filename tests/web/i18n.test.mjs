@@ -1,15 +1,15 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import { test } from "node:test";
-import { LANGUAGES, choose, known, learn, number, rough, say, setLanguage } from "../../web/lib/i18n.js";
+import { LANGUAGES, choose, known, addMessages, number, rough, say, setLanguage } from "../../web/lib/i18n.js";
 
 const WEB = new URL("../../web/", import.meta.url);
 const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: true })
   .map((name) => name.replaceAll("\\", "/"))
   .filter((name) => name.endsWith(kind) && !name.startsWith("vendor/"));
-// A large room has a file a language, "capture.de.js"; the room itself is what has no dot.
+// A large catalog has a file for each language, "capture.de.js"; the catalog itself has no dot.
 const names = files("messages/", ".js").map((name) => name.slice(0, -3)).filter((name) => !name.includes("."));
-const rooms = Object.fromEntries(await Promise.all(names.map(async (name) =>
+const catalogs = Object.fromEntries(await Promise.all(names.map(async (name) =>
   [name, (await import(new URL(`messages/${name}.js`, WEB))).default])));
 const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("messages/") && name !== "lib/i18n.js")
   .map((name) => readFileSync(new URL(name, WEB), "utf8"));
@@ -17,15 +17,15 @@ const texts = (text) => (typeof text === "string" ? [text] : Object.values(text)
 /** What a text needs of whoever says it: values in braces, children of the element. */
 const needs = (text) => [...new Set(texts(text).flatMap((form) => form.match(/\{\w+\}|<\d>/g) ?? []))].sort();
 
-learn(rooms);
+addMessages(catalogs);
 
 test("every text is there in every language, with the same values", () => {
-  for (const [name, room] of Object.entries(rooms)) {
-    assert.deepEqual(Object.keys(room).sort(), Object.keys(LANGUAGES).sort(), name);
+  for (const [name, catalog] of Object.entries(catalogs)) {
+    assert.deepEqual(Object.keys(catalog).sort(), Object.keys(LANGUAGES).sort(), name);
     for (const language of Object.keys(LANGUAGES)) {
-      assert.deepEqual(Object.keys(room[language]).sort(), Object.keys(room.en).sort(), `${name}, ${language}`);
-      for (const [key, text] of Object.entries(room[language])) {
-        assert.deepEqual(needs(text), needs(room.en[key]), `${language} ${name}.${key}`);
+      assert.deepEqual(Object.keys(catalog[language]).sort(), Object.keys(catalog.en).sort(), `${name}, ${language}`);
+      for (const [key, text] of Object.entries(catalog[language])) {
+        assert.deepEqual(needs(text), needs(catalog.en[key]), `${language} ${name}.${key}`);
         for (const form of texts(text)) assert.ok(form.trim() === form && form !== "", `${language} ${name}.${key}`);
       }
     }
@@ -33,10 +33,10 @@ test("every text is there in every language, with the same values", () => {
 });
 
 test("plural forms are those that the language has", () => {
-  for (const [name, room] of Object.entries(rooms)) {
+  for (const [name, catalog] of Object.entries(catalogs)) {
     for (const language of Object.keys(LANGUAGES)) {
       const forms = new Intl.PluralRules(language).resolvedOptions().pluralCategories;
-      for (const [key, text] of Object.entries(room[language])) {
+      for (const [key, text] of Object.entries(catalog[language])) {
         if (typeof text !== "string") assert.deepEqual(Object.keys(text).sort(), [...forms].sort(), `${language} ${name}.${key}`);
       }
     }
@@ -44,9 +44,9 @@ test("plural forms are those that the language has", () => {
 });
 
 test("every text is used, and every text used is there", () => {
-  const all = new Set(Object.entries(rooms).flatMap(([name, room]) => Object.keys(room.en).map((key) => `${name}.${key}`)));
+  const all = new Set(Object.entries(catalogs).flatMap(([name, catalog]) => Object.keys(catalog.en).map((key) => `${name}.${key}`)));
   const mentioned = new Set(sources.flatMap((source) => source.match(new RegExp(`(?<=["'\`])(${names.join("|")})\\.[a-z0-9_.]+`, "g")) ?? []));
-  // `room.part_${code}` uses all that begin like that.
+  // `catalog.part_${code}` uses all that begin like that.
   const begun = [...mentioned].filter((key) => /[._]$/.test(key) && [...all].some((text) => text.startsWith(key)));
   const unused = [...all].filter((key) => !mentioned.has(key) && !begun.some((start) => key.startsWith(start)));
   assert.deepEqual(unused, []);
@@ -76,7 +76,7 @@ test("the language is the one asked for, else the one kept, else the browser's f
 test("values and plural forms are put in", () => {
   const views = { en: { one: "{count} view", other: "{count} views" }, de: { one: "{count} Ansicht", other: "{count} Ansichten" },
     uk: { one: "{count} вигляд", few: "{count} вигляди", many: "{count} виглядів", other: "{count} вигляду" } };
-  learn({ trial: { en: { views: views.en }, de: { views: views.de }, uk: { views: views.uk } } });
+  addMessages({ trial: { en: { views: views.en }, de: { views: views.de }, uk: { views: views.uk } } });
   assert.equal(say("trial.views", { count: 1 }, "en"), "1 view");
   assert.equal(say("trial.views", { count: 3 }, "uk"), "3 вигляди");
   assert.equal(say("trial.views", { count: 5 }, "uk"), "5 виглядів");
@@ -84,7 +84,7 @@ test("values and plural forms are put in", () => {
 });
 
 test("no line ends between a number and its unit", () => {
-  learn({ units: { en: { a: "{n} px off, 94 % of 3 views, 5 same" }, de: { a: "" }, uk: { a: "" } } });
+  addMessages({ units: { en: { a: "{n} px off, 94 % of 3 views, 5 same" }, de: { a: "" }, uk: { a: "" } } });
   assert.equal(say("units.a", { n: 0.4 }, "en"), "0.4\u00a0px off, 94\u00a0% of 3 views, 5 same");
 });
 

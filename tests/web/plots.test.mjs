@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { learn } from "../../web/lib/i18n.js";
+import { addMessages } from "../../web/lib/i18n.js";
 import { displacements } from "../../web/lib/result/numbers.js";
 import { distortionPlot, errorPlot } from "../../web/lib/result/plots.js";
 import result from "../../web/messages/result.js";
@@ -23,7 +23,7 @@ class FakeElement {
   }
 }
 globalThis.document = { createElementNS: (_, name) => new FakeElement(name) };
-learn({ result });
+addMessages({ result });
 
 const SIZE = [1280, 720];
 const calibration = (f, distortion_model, distortion_coefficients) => ({

@@ -1,7 +1,7 @@
 // The board page: full screen, on another device, on paper; any ChArUco board.
 import { number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
-import { sayIn } from "../lib/live-region.js";
+import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/board.js";
 import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery } from "../lib/board.js";
 import { lettering } from "./lettering.js";
@@ -28,7 +28,7 @@ let { board, problem } = boardFrom(query);
 let wrong = null;
 openPage({ board: words });
 
-const tell = sayIn(part("status", HTMLElement));
+const tell = liveRegion(part("status", HTMLElement));
 const shown = { frame: part("frame", HTMLElement), canvas: part("board", HTMLCanvasElement), hint: part("hint", HTMLElement) };
 const screenOf = new BoardScreen(shown, board, () => {
   tell(() => t("board.may_dim"));

@@ -1,7 +1,7 @@
 // Result of a capture: shown at once as the session has it, and in full when the service has sent its report.
 import { ApiError, OfflineError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
-import { learn, t } from "../lib/i18n.js";
+import { addMessages, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
@@ -12,7 +12,7 @@ import words from "../messages/result.js";
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("../lib/result/view.js").Result} Result */
 
-learn({ result: words });
+addMessages({ result: words });
 
 export class Outcome {
   #view;

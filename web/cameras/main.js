@@ -4,7 +4,7 @@ import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
-import { sayIn } from "../lib/live-region.js";
+import { liveRegion } from "../lib/live-region.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import words from "../messages/cameras.js";
 import result from "../messages/result.js";
@@ -17,7 +17,7 @@ const PAUSE = 250; // ms after the last key
 openPage({ cameras: words, result });
 const [searching, status, list, one] = ["searching", "status", "found", "one"].map((id) => part(id, HTMLElement));
 const [input, more] = [part("query", HTMLInputElement), part("more", HTMLButtonElement)];
-const tell = sayIn(status);
+const tell = liveRegion(status);
 /** @type {Found[]} */
 let found = [];
 /** @type {string | null} */
@@ -70,7 +70,7 @@ async function look({ further = false } = {}) {
 /** Why there is nothing to show, and where to go from here. */
 function leadOn() {
   const ways = el("div", { class: "actions" });
-  sayIn(ways)(() => [el("a", { class: "button", href: "./" }, t("cameras.search_all")),
+  liveRegion(ways)(() => [el("a", { class: "button", href: "./" }, t("cameras.search_all")),
     el("a", { class: "button", href: "../calibrate/" }, t("cameras.calibrate"))]);
   part("waiting", HTMLElement).append(ways);
 }
@@ -80,7 +80,7 @@ async function show(key) {
   searching.hidden = true;
   const waiting = part("waiting", HTMLElement);
   waiting.hidden = false;
-  const say = sayIn(part("waiting-text", HTMLElement));
+  const say = liveRegion(part("waiting-text", HTMLElement));
   const wait = (/** @type {object | null} */ patience) => say(() => t(patience ? "faults.patience" : "cameras.loading"));
   wait(null);
   try {

@@ -13,7 +13,7 @@ import { ResultView } from "../lib/result/view.js";
 import { platformHere } from "../sdk/calibdb.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
-import { sayIn } from "../lib/live-region.js";
+import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/import.js";
 import photos from "../messages/photos.js";
 import result from "../messages/result.js";
@@ -47,7 +47,7 @@ const parts = {
 };
 const [columns, rows, width, height] = ["columns", "rows", "width", "height"].map((id) => part(id, HTMLInputElement));
 const view = new ResultView(part("result", HTMLElement));
-const tell = sayIn(parts.status);
+const tell = liveRegion(parts.status);
 /** @type {Measured | null} */
 let measured = null;
 /** @type {{guess: Guess, name: string} | null} */

@@ -1,10 +1,10 @@
 // Why a board cannot be, in the language of the page.
-import { learn, onLanguage, t } from "./i18n.js";
+import { addMessages, onLanguage, t } from "./i18n.js";
 import words from "../messages/impossible.js";
 
 /** @typedef {import("./board.js").Problem} Problem */
 
-learn({ impossible: words });
+addMessages({ impossible: words });
 
 /** @param {Problem} problem */
 export const reason = ({ code, values }) => t(`impossible.because_${code}`, values);

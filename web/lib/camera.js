@@ -1,9 +1,9 @@
 // The camera: which there are, opening one as it is built, and what can go wrong in words a person can act on.
-import { learn, say, t } from "./i18n.js";
+import { addMessages, say, t } from "./i18n.js";
 import { VirtualCamera, isVirtual, labelOf, setupFrom } from "./virtual/camera.js";
 import capture from "../messages/capture.js";
 
-learn({ capture });
+addMessages({ capture });
 
 /**
  * @typedef {object} Choice

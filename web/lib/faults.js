@@ -1,12 +1,12 @@
 // What went wrong, in words a person can act on and in the language of the page.
 import { ApiError } from "./api.js";
-import { known, learn, t } from "./i18n.js";
+import { known, addMessages, t } from "./i18n.js";
 import { OfflineError } from "./network.js";
 import { LookupError } from "../sdk/request.js";
 import { SettingsError } from "./settings.js";
 import words from "../messages/faults.js";
 
-learn({ faults: words });
+addMessages({ faults: words });
 
 /**
  * @param {unknown} error what the service or the network did is explained; anything else is the page's own mistake

@@ -1,11 +1,11 @@
-// What the pages say, in the visitor's language.
+// Messages of the pages, in the visitor's language.
 //
-//     import { learn, t, translate } from "../lib/i18n.js";
+//     import { addMessages, t, translate } from "../lib/i18n.js";
 //     import board from "../messages/board.js";
-//     learn({ board });
+//     addMessages({ board });
 //     t("board.full_screen"); t("board.views", { count: 3 });
 //
-// A room of words is { en: {key: text}, de: {…}, uk: {…} } with the same keys in each. A text has its values in braces,
+// A catalog is { en: {key: text}, de: {…}, uk: {…} } with the same keys in each. A message has its values in braces,
 // "{count} views"; one that depends on a number is an object of plural forms, chosen by the value `count`.
 // In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title. Where the element has
 // children of its own, "<0>…</0>" in the text is the first of them, "<1>…</1>" the second.
@@ -13,7 +13,7 @@
 /**
  * @typedef {"en" | "de" | "uk"} Language
  * @typedef {string | Partial<Record<Intl.LDMLPluralRule, string>>} Text
- * @typedef {Record<Language, Record<string, Text>>} Room
+ * @typedef {Record<Language, Record<string, Text>>} Catalog
  */
 
 /** The languages by their own names. @type {Record<Language, string>} */
@@ -22,8 +22,8 @@ const CHOICE = { en: "Language", de: "Sprache", uk: "Мова" };
 const KEPT = "calibdb.language";
 const UNIT = /(\d) (?=(?:px|mm|%|s)(?![\p{L}\d]))/gu; // no line ends between a number and its unit
 
-/** @type {Map<string, Room>} */
-const rooms = new Map();
+/** @type {Map<string, Catalog>} */
+const catalogs = new Map();
 /** @type {Set<(language: Language) => void>} */
 const listeners = new Set();
 /** @type {WeakMap<Element, Element[]>} an element's own children, in the order of the page */
@@ -31,9 +31,9 @@ const children = new WeakMap();
 /** @type {Language | null} */
 let current = null;
 
-/** Adds rooms of words, by their names. @param {Record<string, Room>} named */
-export function learn(named) {
-  for (const [name, room] of Object.entries(named)) rooms.set(name, room);
+/** Adds catalogs, by name. @param {Record<string, Catalog>} named */
+export function addMessages(named) {
+  for (const [name, catalog] of Object.entries(named)) catalogs.set(name, catalog);
 }
 
 /** The language spoken now. @returns {Language} */
@@ -69,7 +69,7 @@ export function onLanguage(listener) {
 
 /**
  * A text in the language spoken now.
- * @param {string} key "room.key" @param {Record<string, string | number>} [values] for what is in braces
+ * @param {string} key "catalog.key" @param {Record<string, string | number>} [values] for what is in braces
  * @returns {string} the key itself where there is no such text
  */
 export function t(key, values = {}) {
@@ -79,7 +79,7 @@ export function t(key, values = {}) {
 /** @param {string} key @param {Record<string, string | number>} values @param {Language} spoken */
 export function say(key, values, spoken) {
   const dot = key.indexOf(".");
-  const text = rooms.get(key.slice(0, dot))?.[spoken]?.[key.slice(dot + 1)];
+  const text = catalogs.get(key.slice(0, dot))?.[spoken]?.[key.slice(dot + 1)];
   if (text === undefined) return key;
   const form = typeof text === "string" ? text : text[new Intl.PluralRules(spoken).select(Number(values.count))] ?? text.other ?? key;
   const whole = form.replace(/\{(\w+)\}/g, (braces, name) => (name in values ? String(values[name]) : braces));

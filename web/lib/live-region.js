@@ -1,22 +1,22 @@
-// What a page says in one place, said again when another language is chosen.
+// Live region: a text in one place of the page, written again when another language is chosen.
 import { onLanguage } from "./i18n.js";
 
 /**
  * @param {Element} place
- * @returns {(words?: () => string | (Node | string)[]) => void} says something there from now on; without words: nothing
+ * @returns {(text?: () => string | (Node | string)[]) => void} writes a text there from now on; without one: nothing
  */
-export function sayIn(place) {
+export function liveRegion(place) {
   /** @type {() => string | (Node | string)[]} */
-  let said = () => "";
+  let current = () => "";
   const write = () => {
-    const words = said();
+    const text = current();
     // Written only where it changed: a live region speaks on every write.
-    if (typeof words !== "string") place.replaceChildren(...words);
-    else if (place.textContent !== words) place.textContent = words;
+    if (typeof text !== "string") place.replaceChildren(...text);
+    else if (place.textContent !== text) place.textContent = text;
   };
   onLanguage(write);
-  return (words = () => "") => {
-    said = words;
+  return (text = () => "") => {
+    current = text;
     write();
   };
 }

@@ -1,18 +1,18 @@
-// What every page does: speaks the visitor's language, and keeps its files for the next visit.
-import { learn, offerLanguages, translate } from "./i18n.js";
+// Start of every page: messages in the visitor's language, and a service worker that caches its files.
+import { addMessages, offerLanguages, translate } from "./i18n.js";
 import common from "../messages/common.js";
 
-/** @param {Record<string, import("./i18n.js").Room>} rooms the words of this page */
-export function openPage(rooms) {
-  learn({ common, ...rooms });
+/** @param {Record<string, import("./i18n.js").Catalog>} catalogs messages of this page */
+export function openPage(catalogs) {
+  addMessages({ common, ...catalogs });
   const select = document.getElementById("language");
   if (select instanceof HTMLSelectElement) offerLanguages(select);
   translate(document.documentElement);
-  keepFiles();
+  cacheFiles();
 }
 
-/** See sw.js. Without it everything works, but arrives anew with each visit. */
-export function keepFiles() {
+/** Registers sw.js. Without it everything works, but is fetched anew with each visit. */
+function cacheFiles() {
   const worker = new URL("../sw.js", import.meta.url);
-  navigator.serviceWorker?.register(worker).catch((error) => console.info("pages are not kept:", error.message));
+  navigator.serviceWorker?.register(worker).catch((error) => console.info("pages are not cached:", error.message));
 }

@@ -1,6 +1,6 @@
 // What a calibration is for, on one's own camera.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     title: "Overlays that fit · calibDB",

@@ -1,6 +1,6 @@
 // The board page.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     title: "The board · calibDB",

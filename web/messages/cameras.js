@@ -1,6 +1,6 @@
 // The cameras page.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     title: "Cameras · calibDB",

@@ -1,6 +1,6 @@
 // What several pages say.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     pages: "Pages",

@@ -1,6 +1,6 @@
 // The examples for who writes applications.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     three: "three.js over a calibrated camera",

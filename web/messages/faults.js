@@ -1,6 +1,6 @@
 // What can go wrong between a page and the service.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     offline: "calibDB cannot be reached. Check the connection and try again.",

@@ -1,6 +1,6 @@
 // The files that a calibration is to be had as: what people call them, and what each is for.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     name_calibdb: "calibDB, WPIcal (JSON)",

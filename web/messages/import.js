@@ -1,6 +1,6 @@
 // Calibration from another program's file.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     title: "Calibrate from another program's file · calibDB",

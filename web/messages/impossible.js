@@ -1,6 +1,6 @@
 // Why a board cannot be: said on every page that can be asked for one.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     because_squares: "a board has 3 to 50 squares across and down, such as 9x6",

@@ -1,6 +1,6 @@
 // The landing page.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     title: "calibDB · camera calibration for the web",

@@ -1,6 +1,6 @@
 // What a calibration is worth.
 
-/** @type {import("../lib/i18n.js").Room} */
+/** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     title: "A calibration · calibDB",

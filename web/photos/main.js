@@ -15,7 +15,7 @@ import { imagePlot, make, short } from "../lib/svg.js";
 import { ResultView } from "../lib/result/view.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
-import { sayIn } from "../lib/live-region.js";
+import { liveRegion } from "../lib/live-region.js";
 import capture from "../messages/capture.js";
 import words from "../messages/photos.js";
 import result from "../messages/result.js";
@@ -45,7 +45,7 @@ const parts = {
   wanted: part("wanted", HTMLElement), board: part("board", HTMLElement), problem: part("problem", HTMLElement),
 };
 const view = new ResultView(part("result", HTMLElement));
-const [tell, want] = [sayIn(parts.status), sayIn(parts.wanted)];
+const [tell, want] = [liveRegion(parts.status), liveRegion(parts.wanted)];
 /** @type {Picture[]} */
 let pictures = [];
 /** @type {Map<Picture, Judgement>} */

@@ -6,7 +6,7 @@ import { sayChosen } from "../lib/file-input.js";
 import { sized, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { loadSettings } from "../lib/settings.js";
-import { sayIn } from "../lib/live-region.js";
+import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/result.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
@@ -16,14 +16,14 @@ import { ResultView } from "../lib/result/view.js";
 openPage({ result: words });
 const query = new URLSearchParams(location.search);
 const root = part("result", HTMLElement);
-const say = sayIn(part("status", HTMLElement));
+const say = liveRegion(part("status", HTMLElement));
 const view = new ResultView(root);
 
 /** A picture of this camera to straighten. @param {Result} result */
 function offerPicture(result) {
   const [width, height] = result.calibration.img_size;
   const input = part("picture", HTMLInputElement);
-  const complain = sayIn(part("picture-problem", HTMLElement));
+  const complain = liveRegion(part("picture-problem", HTMLElement));
   part("trial", HTMLElement).hidden = false;
   sayChosen(input);
   input.addEventListener("change", async () => {
@@ -50,7 +50,7 @@ function offerPicture(result) {
 /** Why there is nothing to show, and where to go from here. @param {() => string} why */
 function leadOn(why) {
   const ways = el("div", { class: "actions" });
-  sayIn(ways)(() => [el("a", { class: "button", href: "../cameras/" }, t("result.search")),
+  liveRegion(ways)(() => [el("a", { class: "button", href: "../cameras/" }, t("result.search")),
     el("a", { class: "button", href: "../calibrate/" }, t("result.calibrate"))]);
   part("waiting", HTMLElement).append(ways);
   say(why);

@@ -1,7 +1,7 @@
 // The files that a calibration is to be had as, and what becomes of it in them.
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
-import { learn, number, t } from "../i18n.js";
+import { addMessages, number, t } from "../i18n.js";
 import { FORMATS } from "../../vendor/formats.js";
 import words from "../../messages/formats.js";
 import { save } from "./source.js";
@@ -16,7 +16,7 @@ const WHOLE = 0.995; // share of the picture
 const PERHAPS_EXACT = 1e-3; // px; a file may be written with fewer digits
 const CORNERS = new Set(["corners-vnl"]); // what was measured, and no lens
 
-learn({ formats: words }); // wherever these are offered, their names are known
+addMessages({ formats: words }); // wherever these are offered, their names are known
 
 /**
  * @param {{calibration: Calibration, explain: (error: unknown) => string, of?: {id: string | null, without?: number[]}}} result of: where
