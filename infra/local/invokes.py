@@ -1,9 +1,9 @@
-"""Lambda's Invoke: functions that call functions, at once or later.
+"""Lambda's Invoke: synchronous and asynchronous invocations of functions by functions.
 
-Later means as on AWS: accepted is kept. An accepted call is journalled before the caller is answered, tried
-again when it fails, delivered again after a restart that came in between, and forgotten once it is done. That
-is at least once, so a function must bear a second time. A call that failed every time is kept in the queue
-that the template names for it, in the journal, as Lambda would send it there.
+Asynchronous invocations are durable and delivered at least once, as on AWS: an invocation is journalled
+before the caller is answered, retried when it fails, delivered again after a restart, and removed once it
+succeeded. So a function must be idempotent. An invocation that failed every time goes to the dead-letter
+queue that the template names for the function; it is kept in the journal.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from infra.local.template import FunctionSpec
 
 INVOKE = "invoke"
 FAILURE = "failure"
-GRACE = 5.0  # seconds for which waiting calls still get their turn once the stack is told to stop
+SHUTDOWN_GRACE_S = 5.0  # for which waiting calls still get their turn once the stack is told to stop
 
 _log = logging.getLogger("infra.local.invokes")
 
@@ -90,17 +90,17 @@ class Invokes:
             return self._accept(name, event)
         return self._call(name, event)
 
-    def deliver_remembered(self) -> int:
-        """Deliver what was accepted before a restart and not done; return how many calls."""
-        remembered = self._outbox.remembered(INVOKE) if self._outbox else []
-        for change in remembered:
+    def redeliver_pending(self) -> int:
+        """Deliver the pending invocations of before a restart; return their number."""
+        pending = self._outbox.persisted(INVOKE) if self._outbox else []
+        for change in pending:
             if change.content and change.address.container in self._functions:
                 self._submit(change.address, json.loads(change.content.body))
-        return len(remembered)
+        return len(pending)
 
     def failures(self) -> list[dict[str, Any]]:
-        """Return the calls that failed every time, as Lambda records them."""
-        kept = self._outbox.remembered(FAILURE) if self._outbox else []
+        """Read the dead-letter queue: the invocations that failed every time, as Lambda records them."""
+        kept = self._outbox.persisted(FAILURE) if self._outbox else []
         return [json.loads(change.content.body) for change in kept if change.content]
 
     def wait_until_idle(self, seconds: float) -> None:
@@ -117,7 +117,7 @@ class Invokes:
 
     def close(self) -> None:
         """Finish what is under way or has its turn soon; the rest, and retries, wait for the next start."""
-        self._deadline = time.monotonic() + GRACE
+        self._deadline = time.monotonic() + SHUTDOWN_GRACE_S
         self._closing.set()
         self._workers.shutdown()
 
@@ -131,7 +131,7 @@ class Invokes:
         address = Address(INVOKE, name, str(uuid.uuid4()))
         if self._outbox:
             try:
-                self._outbox.remember(Change(address, Content(json.dumps(event).encode())))
+                self._outbox.persist(Change(address, Content(json.dumps(event).encode())))
             except NotDurableError as error:
                 return _error(507, "InsufficientStorage", str(error))
         self._submit(address, event)
@@ -172,12 +172,12 @@ class Invokes:
                 done.append(self._failure(function.spec, address, event, failed))
         if self._outbox:
             try:
-                self._outbox.remember(*done)
+                self._outbox.persist(*done)
             except NotDurableError as error:
                 _log.error("%s: a call that is done will be delivered again: %s", address.container, error)
 
     def _failure(self, spec: FunctionSpec, address: Address, event: Any, answer: Any) -> Change:
-        """Return the record of a call that failed every time.
+        """Make the dead-letter record of an invocation that failed every time.
 
         Source: AWS Lambda developer guide, "Capturing records of Lambda asynchronous invocations".
         """

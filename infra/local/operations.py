@@ -54,7 +54,7 @@ class Call:
     body: bytes
 
 
-def touched(call: Call, item_address: ItemAddress) -> tuple[Address, ...] | None:
+def written_keys(call: Call, item_address: ItemAddress) -> tuple[Address, ...] | None:
     """Return the addresses that a call may write, none for a read; None if the operation is not known."""
     if call.operation in READS[call.service]:
         return ()

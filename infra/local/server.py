@@ -35,7 +35,7 @@ class PortInUseError(OSError):
     """Another program listens there."""
 
 
-class Front:
+class GatewayApp:
     """The ASGI application.
 
     Parameters

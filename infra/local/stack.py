@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Self
 
 from infra.local import environment as env
-from infra.local import keys
+from infra.local import secrets
 from infra.local.events import Request, Response, message
 from infra.local.functions import Function, FunctionError
 from infra.local.gateway import INTEGRATION_TIMEOUT, Gateway
@@ -23,7 +23,7 @@ from infra.local.intrinsics import TemplateError
 from infra.local.invokes import Invokes
 from infra.local.journal import Journal
 from infra.local.pages import public_settings
-from infra.local.server import Front, bind, serving
+from infra.local.server import GatewayApp, bind, serving
 from infra.local.storage import Storage
 from infra.local.template import Template, load
 
@@ -101,12 +101,12 @@ class LocalStack:
         """Where `serve` will be found, without slash."""
 
         self.template = self._load()
-        secrets = keys.kept_in(self._data_dir / "secrets.json") if self._data_dir else keys.new()
+        own = secrets.load(self._data_dir / "secrets.json") if self._data_dir else secrets.generate()
         # Themselves, not where they are: there is no parameter store here.
         variables = self.template.environment() | {
             "SECRETS_PATH": "",
-            "SESSION_SECRETS": secrets.session,
-            "CONTRIBUTOR_SECRET": secrets.contributor,
+            "SESSION_SECRETS": own.session,
+            "CONTRIBUTOR_SECRET": own.contributor,
         }
         if not self.embedded:
             variables |= _elsewhere(self.template, variables, os.environ)
@@ -130,15 +130,15 @@ class LocalStack:
         stack.enter_context(intercepting(services | {"lambda": invokes.handle}))
         stack.callback(invokes.close)
         self.failures = invokes.failures
-        """Returns the asynchronous calls that failed every time, as Lambda records them."""
+        """Reads the dead-letter queue: invocations that failed every time, as Lambda records them."""
         self.wait_until_idle = invokes.wait_until_idle
         """Waits until no asynchronous call is unfinished; see `Invokes.wait_until_idle`."""
-        self._workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
-        stack.callback(self._workers.shutdown)
-        self._gateway = Gateway(self.template, self.functions, self._clock, lambda: str(uuid.uuid4()))
+        self.workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
+        stack.callback(self.workers.shutdown)
+        self.gateway = Gateway(self.template, self.functions, self._clock, lambda: str(uuid.uuid4()))
         if self.embedded:
             self._admit_development_token()
-        invokes.deliver_remembered()
+        invokes.redeliver_pending()
 
     def _load(self) -> Template:
         parameters = {"GuidanceUrl": f"{self.url}/calibrate/"}
@@ -186,7 +186,7 @@ class LocalStack:
         host = {"host": self.url.removeprefix("http://")}
         request = Request(method, path, query, tuple((host | dict(headers or {})).items()), body)
         try:
-            return self._workers.submit(self._gateway.handle, request).result(INTEGRATION_TIMEOUT)
+            return self.workers.submit(self.gateway.handle, request).result(INTEGRATION_TIMEOUT)
         except TimeoutError:
             return message(503, "Service Unavailable")
 
@@ -203,8 +203,8 @@ class LocalStack:
             raise ValueError(f"the stack was made for port {self._port}; give it the port {port} instead")
         if self._listener.fileno() == -1:  # closed when it was served before
             self._listener = bind(self._port)
-        front = Front(self._gateway, self._workers, self._web, public_settings("/v1", DEVELOPMENT_TOKEN))
-        with serving(front, self._listener):
+        app = GatewayApp(self.gateway, self.workers, self._web, public_settings("/v1", DEVELOPMENT_TOKEN))
+        with serving(app, self._listener):
             yield self.url
 
 

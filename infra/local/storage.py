@@ -1,9 +1,9 @@
-"""DynamoDB and S3 in this process that survive its death: moto in memory, the journal on disk.
+"""Durable storage in one process: moto's DynamoDB and S3 in memory, the journal on disk.
 
 An operation is applied in memory, one at a time, and answered once everything applied before it, itself
-included, is on disk. So nobody is told of a write, neither its writer nor a reader, that a crash could take
-back; and all who wait share one sync (group commit). What cannot be made durable is taken back in memory too,
-and those who waited for it fail.
+included, is on disk. So neither a writer nor a reader is told of a write that a crash could undo. All threads
+that wait share one sync (group commit). A write that cannot be made durable is rolled back in memory too, and
+the operations that waited for it fail.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from moto.core.botocore_stubber import BotocoreStubber
 
 from infra.local.journal import ITEM, OBJECT, Address, Change, Journal, JournalError
 from infra.local.memory import Memory
-from infra.local.operations import Call, bucket_and_key, touched
+from infra.local.operations import Call, bucket_and_key, written_keys
 from infra.local.template import BucketSpec, TableSpec
 from infra.local.versions import listing, prefix_of
 
@@ -31,7 +31,7 @@ _log = logging.getLogger("infra.local.storage")
 
 @dataclass(frozen=True)
 class Answer:
-    """What the service would have answered."""
+    """The HTTP response of a service."""
 
     status: int
     headers: Mapping[str, str]
@@ -39,7 +39,7 @@ class Answer:
 
 
 class NotDurableError(Exception):
-    """What was written, or seen, could not be made durable; it is taken back."""
+    """A write could not be made durable, and was rolled back."""
 
 
 @dataclass
@@ -47,7 +47,7 @@ class _Batch:
     """Changes that go to disk together, and what became of them."""
 
     changes: list[Change] = field(default_factory=list)
-    settled: bool = False
+    committed: bool = False
     error: JournalError | None = None
 
 
@@ -79,7 +79,7 @@ class Storage:
         self._open = _Batch()
         self._in_flight: _Batch | None = None
         self._broken = False
-        with _uncollected():
+        with _gc_paused():
             self.restored = self._restore(now)
         """How many items and objects were found."""
 
@@ -87,7 +87,7 @@ class Storage:
         """Answer a request to "dynamodb" or "s3" in the place of AWS."""
         body = request.body if isinstance(request.body, bytes) else b""
         try:
-            addresses = touched(Call(service, operation, request.url, body), self._memory.item_address)
+            addresses = written_keys(Call(service, operation, request.url, body), self._memory.item_address)
         except LookupError as error:
             return _error(service, 400, "ValidationException", f"no such table, or no such key: {error}")
         ask = self._ask_moto
@@ -101,7 +101,7 @@ class Storage:
             # Not 500, which clients try again for seconds: a full disk stays full.
             return _error(service, 507, "InsufficientStorage", str(error))
 
-    def remember(self, *changes: Change) -> None:
+    def persist(self, *changes: Change) -> None:
         """Make changes durable together that are neither of items nor of objects.
 
         Raises
@@ -110,10 +110,10 @@ class Storage:
             If it could not be.
         """
         with self._memory_lock:
-            batch = self._note(changes)
-        self._settle(batch)
+            batch = self._enqueue(changes)
+        self._await_commit(batch)
 
-    def remembered(self, kind: str) -> list[Change]:
+    def persisted(self, kind: str) -> list[Change]:
         """Return what is kept of a kind of its own, in the order it came."""
         with self._journal_lock:
             return list(self._journal.load(kind))
@@ -153,32 +153,32 @@ class Storage:
                 answer = operation()
             except BaseException:
                 # moto broke down in the middle: what it changed until then stays, so it must be on disk too.
-                self._note(self._now_at(addresses))
+                self._enqueue(self._changes_at(addresses))
                 raise
             finally:
                 self._memory.forget_instances()
-            batch = self._note(self._now_at(addresses) if answer.status < 300 else [])
-        self._settle(batch)
+            batch = self._enqueue(self._changes_at(addresses) if answer.status < 300 else [])
+        self._await_commit(batch)
         return answer
 
-    def _now_at(self, addresses: Iterable[Address]) -> list[Change]:
+    def _changes_at(self, addresses: Iterable[Address]) -> list[Change]:
         return [Change(address, self._memory.read(address)) for address in addresses]
 
-    def _note(self, changes: Sequence[Change]) -> _Batch | None:
+    def _enqueue(self, changes: Sequence[Change]) -> _Batch | None:
         """Return the batch to wait for, the latest that is not on disk yet, if any. Memory is locked."""
         self._open.changes.extend(changes)
         return self._open if self._open.changes else self._in_flight
 
-    def _settle(self, batch: _Batch | None) -> None:
+    def _await_commit(self, batch: _Batch | None) -> None:
         if batch is None:
             return
-        if not batch.settled:
+        if not batch.committed:
             # The first to come takes along all that has gathered; the others find it done.
             with self._journal_lock:
-                if not batch.settled:
+                if not batch.committed:
                     self._flush()
-        if batch.error or not batch.settled:
-            raise NotDurableError("it could not be made durable and was taken back") from batch.error
+        if batch.error or not batch.committed:
+            raise NotDurableError("it could not be made durable and was rolled back") from batch.error
 
     def _flush(self) -> None:
         """Write the open batch. The journal is locked."""
@@ -190,19 +190,19 @@ class Storage:
             self._journal.commit(batch.changes)
         except JournalError as caught:
             error = caught
-            _log.error("a write failed and is taken back: %s", caught)
+            _log.error("a write failed and is rolled back: %s", caught)
         with self._memory_lock:
-            settled = [batch]
+            committed = [batch]
             if error:
-                # What was applied meanwhile rests on what is taken back now.
-                settled.append(self._open)
+                # What was applied meanwhile rests on what is rolled back now.
+                committed.append(self._open)
                 self._open = _Batch()
-                self._take_back(change.address for group in settled for change in group.changes)
-            for group in settled:
-                group.error, group.settled = error, True
+                self._roll_back(change.address for group in committed for change in group.changes)
+            for group in committed:
+                group.error, group.committed = error, True
             self._in_flight = None
 
-    def _take_back(self, addresses: Iterable[Address]) -> None:
+    def _roll_back(self, addresses: Iterable[Address]) -> None:
         try:
             for address in addresses:
                 if address.kind in (ITEM, OBJECT):
@@ -244,7 +244,7 @@ class Storage:
 
 
 @contextmanager
-def _uncollected() -> Iterator[None]:
+def _gc_paused() -> Iterator[None]:
     """Keep the cyclic collector out while much is made and nothing dropped: it doubles the time."""
     was_enabled = gc.isenabled()
     gc.disable()

@@ -13,7 +13,7 @@ import pytest
 from infra.local import LocalStack
 from infra.local.events import Response
 from infra.local.gateway import MAX_BODY
-from infra.local.server import Front
+from infra.local.server import GatewayApp
 from tests.helpers.stack.toy_stack import deploy
 
 ECHO = """
@@ -289,10 +289,10 @@ def test_a_body_without_end_is_cut_off(stack: LocalStack) -> None:
 
 def test_the_gateway_gives_up_on_a_slow_function(stack: LocalStack, tmp_path: Path) -> None:
     workers, released = ThreadPoolExecutor(1), tmp_path / "released"
-    front = Front(stack._gateway, workers, tmp_path, {}, timeout=0.05)
+    app = GatewayApp(stack.gateway, workers, tmp_path, {}, timeout=0.05)
 
     async def ask() -> httpx.Response:
-        transport = httpx.ASGITransport(app=front)
+        transport = httpx.ASGITransport(app=app)
         async with httpx.AsyncClient(transport=transport, base_url="http://local") as client:
             headers = {"origin": "https://page.example", "x-release": str(released)}
             return await client.get("/v1/answers/slow", headers=headers)

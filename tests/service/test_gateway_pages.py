@@ -12,7 +12,7 @@ import pytest
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from infra.local import LocalStack
-from infra.local.server import Front, bind, serving
+from infra.local.server import GatewayApp, bind, serving
 from tests.helpers.service.client import until
 from tests.helpers.stack.toy_stack import deploy
 
@@ -186,7 +186,7 @@ def test_answers_are_not_held_back_by_nagle(stack: LocalStack, monkeypatch: pyte
 
     monkeypatch.setattr(H11Protocol, "connection_made", watch)
     listener = bind(0)
-    with serving(Front(stack._gateway, stack._workers, Path(), {}), listener):
+    with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
         assert httpx.get(f"http://127.0.0.1:{listener.getsockname()[1]}/v1/echo").status_code == 200
     assert seen == [1]
 
@@ -196,7 +196,7 @@ def test_a_request_under_way_is_finished_at_the_end(stack: LocalStack, tmp_path:
     listener = bind(0)
     url = f"http://127.0.0.1:{listener.getsockname()[1]}"
     with ThreadPoolExecutor(1) as pool:
-        with serving(Front(stack._gateway, stack._workers, Path(), {}), listener):
+        with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
             under_way = pool.submit(httpx.get, f"{url}/v1/slow", params={"begun": str(begun)}, timeout=60)
             until(begun.exists)
         assert under_way.result().text == "done"
@@ -209,7 +209,7 @@ def test_a_client_that_leaves_in_the_middle_is_no_error(
 ) -> None:
     caplog.set_level("INFO", "infra.local.access")
     listener = bind(0)
-    with serving(Front(stack._gateway, stack._workers, Path(), {}), listener):
+    with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
         with socket.create_connection(listener.getsockname()) as gone:
             gone.sendall(b"POST /v1/echo HTTP/1.1\r\nhost: x\r\ncontent-length: 100\r\n\r\nhalf")
         while not caplog.records:

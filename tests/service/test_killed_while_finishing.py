@@ -87,7 +87,7 @@ def at_rest(data_dir: Path) -> tuple[set[str], set[str], set[str]]:
     """Ids of the calibrations in the bucket, in the index, and behind the consensus of every model."""
     with LocalStack(data_dir) as stack:
         queue = stack.storage
-        until(lambda: queue and not queue.remembered(INVOKE), 60)  # what was asked for is done
+        until(lambda: queue and not queue.persisted(INVOKE), 60)  # what was asked for is done
         table, bucket = stack.environment["TABLE_NAME"], stack.environment["BUCKET_NAME"]
         items = boto3.client("dynamodb").scan(TableName=table)["Items"]
         listed = boto3.client("s3").list_objects_v2(Bucket=bucket, Prefix="calibrations/")

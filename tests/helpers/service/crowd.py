@@ -25,4 +25,4 @@ def crowd(stack: LocalStack, count: int) -> None:
                 item(f"CAMERA#{key}", "CONSENSUS#1280x720#0#rectilinear", basis="", document=document),
                 item("CAMERAS#", key, name="another"),
             ]
-        stack.storage.remember(*changes)
+        stack.storage.persist(*changes)

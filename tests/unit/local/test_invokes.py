@@ -111,7 +111,7 @@ def test_a_call_that_always_fails_is_given_up(
         invoke({"fail": 99}, "Event")
         until(lambda: "given up" in caplog.text)
         assert stack.storage is not None
-        until(lambda: stack.storage is not None and stack.storage.remembered("invoke") == [])
+        until(lambda: stack.storage is not None and stack.storage.persisted("invoke") == [])
     with LocalStack(tmp_path / "data", template=template):
         pass
     assert len(calls()) == 3
@@ -185,13 +185,13 @@ def test_a_long_queue_does_not_keep_the_stack_from_stopping(
         threading.Thread(target=open_the_gate, args=[calls]).start()
         close(calls)
 
-    monkeypatch.setattr(invokes, "GRACE", 0.0)
+    monkeypatch.setattr(invokes, "SHUTDOWN_GRACE_S", 0.0)
     monkeypatch.setattr(Invokes, "close", closing)
     with LocalStack(tmp_path / "data", template=template):
         for number in range(60):
             invoke({"n": number, "after": str(gate)}, "Event")
     assert len(calls()) < 60
-    monkeypatch.setattr(invokes, "GRACE", 30.0)
+    monkeypatch.setattr(invokes, "SHUTDOWN_GRACE_S", 30.0)
     with LocalStack(tmp_path / "data", template=template):
         pass
     assert sorted(event["n"] for event, _ in calls()) == list(range(60))

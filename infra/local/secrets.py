@@ -11,7 +11,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Secrets:
-    """What signs session ids and hides contributors."""
+    """Keys that sign session ids and hash contributors."""
 
     session: str
     contributor: str
@@ -20,13 +20,13 @@ class Secrets:
         return "Secrets(…)"
 
 
-def new() -> Secrets:
-    """Return secrets that nobody has seen."""
+def generate() -> Secrets:
+    """Generate new secrets."""
     return Secrets(secrets.token_hex(32), secrets.token_hex(32))
 
 
-def kept_in(path: Path) -> Secrets:
-    """Return the secrets of this file, made at the first time; only its owner may read it.
+def load(path: Path) -> Secrets:
+    """Read the secrets of a file, which is created at the first time; only its owner may read it.
 
     They last, so that a restart does not end running sessions.
     """
@@ -35,7 +35,7 @@ def kept_in(path: Path) -> Secrets:
         draft = path.with_suffix(".new")
         descriptor = os.open(draft, os.O_CREAT | os.O_WRONLY | os.O_TRUNC, 0o600)
         with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            json.dump(asdict(new()), file)
+            json.dump(asdict(generate()), file)
             file.flush()
             os.fsync(file.fileno())
         draft.replace(path)
