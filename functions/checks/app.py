@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from starlette.responses import Response
 
 from calibdb.access.tokens import Ticket, contributor, source
@@ -31,7 +30,7 @@ from calibdb.schema import (
     VoteDocument,
 )
 from calibdb.store import StreamMode
-from calibsolver import Board, CalibrationError, Camera, View, fit
+from calibsolver import Board, CalibrationError, Camera, fit
 from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus import difference
 from calibsolver.fitting.resection import reprojection_score
@@ -78,10 +77,13 @@ def check(call: application.Call) -> Response:
     mode, known = consensus(call, request)
     examined = examine(request)
     width = request.img_size[0]
-    error = min(reprojection_score(camera(known), seen(request, examined)).rms, math.hypot(*request.img_size))
+    camera = Camera.from_record(known.model_dump())
+    views = Board.from_record(request.board.model_dump()).views([v.model_dump() for v in examined.views])
+    error = min(reprojection_score(camera, views).rms, math.hypot(*request.img_size))
     own = None
     if examined.own is not None:
-        own = Own(difference(camera(known), camera(examined.own)), examined.own.uncertainty.rms)
+        by_itself = Camera.from_record(examined.own.model_dump())
+        own = Own(difference(camera, by_itself), examined.own.uncertainty.rms)
     ratio = call.service.settings.thresholds.max_check_ratio
     says = verdict(error, examined.noise, width, ratio, own, same_model=True)
     counted = says is not None and vote(call, ticket, request, mode, examined)
@@ -138,8 +140,8 @@ def standing(call: application.Call, mode: StreamMode, model: str) -> ConsensusD
 
 def examine(request: CheckRequest) -> Examined:
     """Fit a camera to the views alone; raises InvalidError where there is none that believably took them."""
-    board = Board(**request.board.model_dump())
-    views = [board.view(view.ids, view.points) for view in request.views]
+    given = request.model_dump()
+    views = Board.from_record(given["board"]).views(given["views"])
     reasons = [rejection_reason(view, request.img_size) for view in views]
     wrong = [
         FieldError(f"views.{n}", _UNFIT.get(reason, reason)) for n, reason in enumerate(reasons) if reason
@@ -199,22 +201,6 @@ def vote(
     # For the other models; this one's is asked for at once.
     service.store.refit.later(RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom))
     return True
-
-
-def camera(calibration: Calibration | FitRecord) -> Camera:
-    """Return a calibration for the solver."""
-    return Camera(
-        calibration.distortion_model,
-        np.array(calibration.camera_matrix),
-        np.array(calibration.distortion_coefficients),
-        calibration.img_size,
-    )
-
-
-def seen(request: CheckRequest, examined: Examined) -> list[View]:
-    """Return the views for the solver."""
-    board = Board(**request.board.model_dump())
-    return [board.view(view.ids, view.points) for view in examined.views]
 
 
 handler = application.handler(application.route("/v1/checks", POST=check))

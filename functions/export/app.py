@@ -48,8 +48,7 @@ def refitted(document: CalibrationDocument, without: tuple[int, ...]) -> Calibra
     if unknown:
         raise InvalidError.field("without", f"there is no view {unknown[0]}")
     left = tuple(view for view in document.views if view.index not in without)
-    board = Board(**document.board.model_dump())
-    views = [board.view(view.ids, view.points) for view in left]
+    views = Board.from_record(document.board.model_dump()).views([view.model_dump() for view in left])
     try:
         made = fit(views, document.img_size, document.distortion_model)
     except CalibrationError as error:
@@ -79,8 +78,8 @@ def file(found: ReportedCalibration, document: CalibrationDocument | None, asked
     board: Board | None = None
     views: tuple[View, ...] = ()
     if document is not None:
-        board = Board(**document.board.model_dump())
-        views = tuple(board.view(view.ids, view.points) for view in document.views)
+        board = Board.from_record(document.board.model_dump())
+        views = tuple(board.views([view.model_dump() for view in document.views]))
     subject = formats.Subject(
         camera=Camera.from_record(found.model_dump()),
         views=views,

@@ -10,8 +10,8 @@ from starlette.responses import Response
 from calibdb.http import application
 from calibdb.rules import session_rules
 from calibdb.schema import Pose, SessionDocument
-from calibsolver import Board, Camera, guidance
-from calibsolver.capture import Capture, Exclusion
+from calibsolver import Camera, guidance
+from calibsolver.capture import Capture, exclusions
 from calibsolver.guidance import overlay
 
 Format = Literal["jpeg", "png"]
@@ -46,34 +46,22 @@ def show(call: application.Call) -> Response:
 
 def choose(document: SessionDocument) -> SessionDocument:
     """Return the document with the target open that helps most, unlike those that the user did not want."""
-    rules = solver_rules(document)
-    views = [rules.board.view(view.ids, view.points) for view in document.views]
-    aside = {i: Exclusion(**v.set_aside.model_dump()) for i, v in enumerate(document.views) if v.set_aside}
+    record = document.model_dump()
+    rules = Capture.from_record(record)
+    views, excluded = rules.board.views(record["views"]), exclusions(record["views"])
     skipped = tuple(guidance.TargetPose.from_dict(target) for target in document.skipped)
     unreached = tuple(guidance.TargetPose.from_dict(target) for target in document.unreached)
-    target = rules.next_target(views, rules.estimate(views, aside), skipped, unreached)
+    target = rules.next_target(views, rules.estimate(views, excluded), skipped, unreached)
     return session_rules.with_target(document, target.to_dict())
 
 
 def draw(document: SessionDocument, image_format: Format) -> bytes:
     """Return the picture of the open target, through the session's current camera."""
-    rules = solver_rules(document)
+    rules = Capture.from_record(document.model_dump())
     fit = document.estimate.fit
     camera = Camera.from_record(fit.model_dump()) if fit else rules.camera(None)
     target = guidance.TargetPose.from_dict(document.target or {})
     return overlay.render(rules.board, camera, target, image_format)
-
-
-def solver_rules(document: SessionDocument) -> Capture:
-    """Return the solver's rules for this session."""
-    return Capture(
-        Board(**document.board.model_dump()),
-        document.img_size,
-        model=document.distortion_model,
-        guidance=document.guidance,
-        target_error=document.target_error,
-        seed=Camera.from_record(document.prior.model_dump()) if document.prior else None,
-    )
 
 
 handler = application.handler(application.route("/v1/session/pose", GET=show))

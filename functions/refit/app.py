@@ -16,8 +16,6 @@ import os
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import quality_gates
@@ -204,12 +202,7 @@ def count(
     calibration = document.calibration
     if calibration is None:
         return Votes()
-    camera = Camera(
-        calibration.distortion_model,
-        np.array(calibration.camera_matrix),
-        np.array(calibration.distortion_coefficients),
-        calibration.img_size,
-    )
+    camera = Camera.from_record(calibration.model_dump())
     width, ratio = document.img_size[0], thresholds.max_check_ratio
     findings = []
     for vote in votes:
@@ -243,9 +236,9 @@ def member(document: CalibrationDocument) -> consensus.Member | None:
 
 
 def views_of(document: CalibrationDocument | VoteDocument) -> list[View]:
-    """Return a document's views for the solver; raises ValueError."""
-    board = Board(**document.board.model_dump())
-    return [board.view(view.ids, view.points) for view in document.views]
+    """Convert a document's views for the solver; raises ValueError."""
+    board = Board.from_record(document.board.model_dump())
+    return board.views([view.model_dump() for view in document.views])
 
 
 def digest(*parts: object) -> str:

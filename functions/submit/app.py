@@ -23,13 +23,11 @@ from calibdb.schema import (
     EstimateDocument,
     RefitRequest,
     SessionDocument,
-    ViewDocument,
     ViewRequest,
 )
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
-from calibsolver import Board, Camera, guidance
-from calibsolver import capture as solver_capture
-from calibsolver.capture import Capture, Estimate
+from calibsolver import View, guidance
+from calibsolver.capture import Capture, Estimate, Exclusion, exclusions
 from calibsolver.quality import report
 
 
@@ -68,8 +66,8 @@ def remove(call: application.Call) -> Response:
         left = session_rules.undo(document, index)
         if left is None:
             return None, document
-        rules, views, aside = solver(document, left)
-        estimate = rules.reconcile(views, aside)
+        rules, views, excluded = solver_values(document.model_copy(update={"views": left}))
+        estimate = rules.reconcile(views, excluded)
         target = rules.next_target(views, estimate, unreached=targets(document.unreached)).to_dict()
         now = call.service.now
         changed = session_rules.with_views(
@@ -92,19 +90,19 @@ class Judged:
 
 def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, where: str) -> Judged:
     """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
-    rules, views, aside = solver(document, document.views)
+    rules, views, excluded = solver_values(document)
     if document.target is not None:
         target = guidance.TargetPose.from_dict(document.target)
     else:  # nobody asked where to hold the board
-        target = rules.next_target(views, rules.estimate(views, aside))
+        target = rules.next_target(views, rules.estimate(views, excluded))
     seen = rules.board.view(view.ids, view.points)
-    doubted = [rules.board.view(known.ids, known.points) for known in document.doubted]
-    verdict = rules.judge(views, target, seen, aside, doubted)
-    estimate = verdict.estimate
-    if not verdict.accepted or estimate is None:
-        hint = Hint(code=verdict.hint.code, text=verdict.hint.text) if verdict.hint else None
+    quarantined = rules.board.views([known.model_dump() for known in document.doubted])
+    decision = rules.judge(views, target, seen, excluded, quarantined)
+    estimate = decision.estimate
+    if not decision.accepted or estimate is None:
+        hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
         return Judged(
-            session_rules.with_doubt(document, view) if verdict.quarantine else None, verdict.reason, hint
+            session_rules.with_doubt(document, view) if decision.quarantine else None, decision.reason, hint
         )
     everything = [*views, seen]
     following = None
@@ -145,25 +143,11 @@ def publish(call: application.Call, document: SessionDocument) -> None:
     )
 
 
-def solver(
-    document: SessionDocument, views: tuple[ViewDocument, ...]
-) -> tuple[Capture, list[calibsolver.View], dict[int, solver_capture.Exclusion]]:
-    """Return the solver's rules for this session, its views, and which of them are set aside."""
-    board = Board(**document.board.model_dump())
-    rules = Capture(
-        board,
-        document.img_size,
-        model=document.distortion_model,
-        guidance=document.guidance,
-        target_error=document.target_error,
-        seed=Camera.from_record(document.prior.model_dump()) if document.prior else None,
-    )
-    aside = {
-        i: solver_capture.Exclusion(view.set_aside.reason, view.set_aside.detail)
-        for i, view in enumerate(views)
-        if view.set_aside is not None
-    }
-    return rules, [board.view(view.ids, view.points) for view in views], aside
+def solver_values(document: SessionDocument) -> tuple[Capture, list[View], dict[int, Exclusion]]:
+    """Convert a session to the solver's values: its rules, its views, and those of them that are excluded."""
+    record = document.model_dump()
+    rules = Capture.from_record(record)
+    return rules, rules.board.views(record["views"]), exclusions(record["views"])
 
 
 def targets(stored: Sequence[dict[str, JsonValue]]) -> tuple[guidance.TargetPose, ...]:
