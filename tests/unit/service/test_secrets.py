@@ -6,7 +6,7 @@ import pytest
 from botocore.exceptions import EndpointConnectionError
 
 from calibdb.errors import UnavailableError
-from calibdb.store.secrets import KEPT, Secrets, with_secrets
+from calibdb.store.secrets import SECRETS_TTL_S, Secrets, with_secrets
 
 
 class Ssm:
@@ -36,7 +36,7 @@ def test_read_once_and_again_after_five_minutes() -> None:
     assert secrets() == secrets() == {"SESSION_SECRETS": "a,b", "CONTRIBUTOR_SECRET": "c"}
     assert ssm.reads == 1
     ssm.values["SESSION_SECRETS"] = "b,d,a"
-    clock.now += KEPT
+    clock.now += SECRETS_TTL_S
     assert secrets()["SESSION_SECRETS"] == "b,d,a"
 
 
@@ -45,7 +45,7 @@ def test_what_was_read_is_used_while_the_store_is_away() -> None:
     secrets = Secrets(lambda: ssm, "/calibdb/stack", clock)
     before = secrets()
     ssm.there = False
-    clock.now += KEPT
+    clock.now += SECRETS_TTL_S
     assert secrets() == before
     with pytest.raises(UnavailableError):
         Secrets(lambda: ssm, "/calibdb/stack", clock)()

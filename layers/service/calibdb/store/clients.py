@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import functools
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import botocore.session
 from botocore.config import Config
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from mypy_boto3_lambda import LambdaClient
     from mypy_boto3_s3 import S3Client
 
-    from calibdb.store.secrets import Reader as SecretsReader
-
 # Storage answers in milliseconds or not at all; the gateway gives up after 30 s, the function after 10.
 _STORAGE = Config(
     connect_timeout=1,
@@ -34,6 +32,15 @@ _STORAGE = Config(
 )
 # A computation is asked for once: repeating it because it is slow would make it slower.
 _INVOKE = Config(connect_timeout=1, read_timeout=9, retries={"mode": "standard", "total_max_attempts": 1})
+
+
+class ParameterReader(Protocol):
+    """Part of SSM's client that reads parameters."""
+
+    def get_parameters_by_path(self, *, Path: str, WithDecryption: bool) -> Mapping[str, Any]:  # noqa: N803
+        """Return the parameters under `Path`, ten at most."""
+        ...
+
 
 _making = threading.Lock()  # a session is not safe to make clients with in several threads
 
@@ -57,9 +64,9 @@ def lambda_(region: str) -> LambdaClient:
 
 
 @functools.cache
-def ssm(region: str) -> SecretsReader:
+def ssm(region: str) -> ParameterReader:
     """Return the client of the parameter store."""
-    return cast("SecretsReader", _make("ssm", region, _STORAGE))
+    return cast("ParameterReader", _make("ssm", region, _STORAGE))
 
 
 @functools.cache

@@ -1,4 +1,4 @@
-"""What must not stand in a template: secrets, kept in SSM's parameter store under one path."""
+"""Secrets of the deployment, kept in SSM's parameter store under one path, and cached for five minutes."""
 
 from __future__ import annotations
 
@@ -6,23 +6,14 @@ import functools
 import logging
 import time
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
 
 from botocore.exceptions import BotoCoreError, ClientError
 
-from calibdb.store.clients import available, ssm
+from calibdb.store.clients import ParameterReader, available, ssm
 
-KEPT = 300.0  # s; so much later is a rotation known everywhere
+SECRETS_TTL_S = 300.0  # after which a rotation is known everywhere
 
 _log = logging.getLogger(__name__)
-
-
-class Reader(Protocol):
-    """What is needed of SSM's client."""
-
-    def get_parameters_by_path(self, *, Path: str, WithDecryption: bool) -> Mapping[str, Any]:  # noqa: N803
-        """Return the parameters under `Path`, ten at most."""
-        ...
 
 
 class Secrets:
@@ -32,7 +23,7 @@ class Secrets:
     was.
     """
 
-    def __init__(self, client: Callable[[], Reader], path: str, clock: Callable[[], float]) -> None:
+    def __init__(self, client: Callable[[], ParameterReader], path: str, clock: Callable[[], float]) -> None:
         self._client = client
         self._path = path
         self._clock = clock
@@ -50,7 +41,7 @@ class Secrets:
                     with available():
                         raise
                 _log.warning("secrets could not be read anew", exc_info=True)
-            self._until = now + KEPT
+            self._until = now + SECRETS_TTL_S
         return self._known
 
     def _read(self) -> Mapping[str, str]:
@@ -63,9 +54,9 @@ def with_secrets(environment: Mapping[str, str]) -> Mapping[str, str]:
     path = environment.get("SECRETS_PATH")
     if not path:
         return environment
-    return {**environment, **_kept(path, environment["AWS_REGION"])()}
+    return {**environment, **_cached_secrets(path, environment["AWS_REGION"])()}
 
 
 @functools.cache
-def _kept(path: str, region: str) -> Secrets:
+def _cached_secrets(path: str, region: str) -> Secrets:
     return Secrets(lambda: ssm(region), path, time.monotonic)
