@@ -16,7 +16,7 @@ from calibdb.http import application, metrics
 from calibdb.lookup import camera_lookup
 from calibdb.lookup.answer import bracketing_zooms, build_answer, interpolate_zoom
 from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
-from calibdb.store.keys import size_text, zoom_text
+from calibdb.schema.fields import size_text, zoom_text
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
 _CACHED = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}

@@ -23,9 +23,9 @@ from dataclasses import dataclass
 from calibdb.schema.calibration import Basis
 from calibdb.schema.checks import CheckRequest
 from calibdb.schema.documents import ConsensusDocument, Votes
+from calibdb.schema.fields import size_text, zoom_text
 from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
-from calibdb.store.keys import size_text, zoom_text
 
 _FINEST = 1e-4  # of the image's width: errors below it are nobody's concern
 _MOST_EXCESS = 5e-4  # of the width: error beyond the noise that no ratio excuses

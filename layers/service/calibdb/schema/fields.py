@@ -106,3 +106,13 @@ Coordinate = Annotated[float, Field(ge=-1.0, le=LARGEST_SIDE)]
 Point = tuple[Coordinate, Coordinate]
 Pixel = tuple[float, float]
 Row = tuple[float, float, float]
+
+
+def size_text(img_size: tuple[int, int]) -> str:
+    """Return `1280x720`."""
+    return f"{img_size[0]}x{img_size[1]}"
+
+
+def zoom_text(zoom: float) -> str:
+    """Return the shortest writing to six decimals: `0`, `1.5`."""
+    return f"{zoom:.6f}".rstrip("0").rstrip(".")

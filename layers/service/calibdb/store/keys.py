@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from calibdb.schema.fields import size_text, zoom_text
+
 WITHDRAWN = ".withdrawn.json"  # what the name of a tombstone ends with
 
 _CONSENSUS_ID = re.compile(r"(c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12})~([0-9]+)x([0-9]+)~([0-9.]+)~([a-z]+)")
@@ -29,16 +31,6 @@ class StreamMode:
     def text(self) -> str:
         """`1280x720#0`, as it is written in every `sk`."""
         return f"{size_text(self.img_size)}#{zoom_text(self.zoom)}"
-
-
-def size_text(img_size: tuple[int, int]) -> str:
-    """Return `1280x720`."""
-    return f"{img_size[0]}x{img_size[1]}"
-
-
-def zoom_text(zoom: float) -> str:
-    """Return the shortest writing to six decimals: `0`, `1.5`."""
-    return f"{zoom:.6f}".rstrip("0").rstrip(".")
 
 
 def camera_pk(camera_key: str) -> str:

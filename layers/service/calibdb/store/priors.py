@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from calibdb.schema import FitRecord, PriorDocument
-from calibdb.store.keys import camera_pk, size_text, zoom_text
+from calibdb.schema.fields import size_text, zoom_text
+from calibdb.store.keys import camera_pk
 from calibdb.store.objects import Objects
 from calibdb.store.table import Table
 
