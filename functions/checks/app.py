@@ -18,7 +18,7 @@ from calibdb.errors import FieldError, InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.lookup import camera_lookup
 from calibdb.rules.corners import misplaced
-from calibdb.rules.votes import Own, expected, verdict, vote_id
+from calibdb.rules.votes import OwnCamera, decide_vote, expected_error, vote_id
 from calibdb.schema import (
     Calibration,
     CheckAnswer,
@@ -83,9 +83,9 @@ def check(call: application.Call) -> Response:
     own = None
     if examined.own is not None:
         by_itself = Camera.from_record(examined.own.model_dump())
-        own = Own(difference(camera, by_itself), examined.own.uncertainty.rms)
+        own = OwnCamera(difference(camera, by_itself), examined.own.uncertainty.rms)
     ratio = call.service.settings.thresholds.max_check_ratio
-    says = verdict(error, examined.noise, width, ratio, own, same_model=True)
+    says = decide_vote(error, examined.noise, width, ratio, own, same_model=True)
     counted = says is not None and vote(call, ticket, request, mode, examined)
     current = standing(call, mode, request.distortion_model) if counted else None
     if current is None or current.calibration is None:
@@ -96,7 +96,7 @@ def check(call: application.Call) -> Response:
         CheckAnswer(
             fits="does_not_fit" if says is False else "fits",
             error=error,
-            expected=expected(examined.noise, width),
+            expected=expected_error(examined.noise, width),
             counted=counted,
             votes=current.votes,
             calibration=current.calibration,

@@ -19,7 +19,7 @@ from typing import Any
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import quality_gates
-from calibdb.rules.votes import Finding, Own, tally, verdict, with_votes
+from calibdb.rules.votes import Finding, OwnCamera, decide_vote, tally, with_votes
 from calibdb.schema import (
     DISTORTION_MODELS,
     Calibration,
@@ -103,7 +103,7 @@ def attempt(service: Service, mode: StreamMode, models: Sequence[str]) -> Answer
         if gone:
             well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
         return dict.fromkeys(models)
-    cast = store.votes.newest(mode, apart=thresholds.contributor_period > 0)
+    cast = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
     pooled = digest(METHOD, [c.id for c in counted], rule_of(thresholds), thresholds, __version__)
     basis = digest(pooled, [vote.id for vote in cast])
 
@@ -209,12 +209,14 @@ def count(
         error, own, same = reprojection_score(camera, views_of(vote)).rms, None, False
         if vote.fit is not None:
             by_itself = Camera.from_record(vote.fit.model_dump())
-            own = Own(difference(camera, by_itself), vote.fit.uncertainty.rms)
+            own = OwnCamera(difference(camera, by_itself), vote.fit.uncertainty.rms)
             same = by_itself.model == camera.model
-        says = verdict(error, vote.noise, width, ratio, own, same_model=same)
+        says = decide_vote(error, vote.noise, width, ratio, own, same_model=same)
         if says is not None:
             findings.append(Finding(vote.counted_as, vote.time, says))
-    return tally(findings, calibration.calibration_time, sources, apart=thresholds.contributor_period > 0)
+    return tally(
+        findings, calibration.calibration_time, sources, one_per_source=thresholds.contributor_period > 0
+    )
 
 
 def rule_of(thresholds: Thresholds) -> consensus.Rule:

@@ -185,7 +185,7 @@ def test_a_cropped_stream_is_not_compared_with_what_the_camera_gives(stack: Loca
     body = {**CAMERA, "camera": camera, "platform": PLATFORM, "views": views}
     cropped = client.call("POST", "/v1/checks", {**body, "resize_mode": "crop-and-scale"})
     assert cropped.status == 404
-    assert store(stack).votes.newest(mode_of(document), apart=True) == []
+    assert store(stack).votes.newest(mode_of(document), one_per_source=True) == []
     native = client.call("POST", "/v1/checks", {**body, "resize_mode": "none"})
     assert (native.status, native.json["counted"]) == (200, True)
 

@@ -221,7 +221,7 @@ def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects
     assert votes.cast(VOTE) == VOTE
     assert votes.cast(VOTE.model_copy(update={"time": NOW + 9})) == VOTE
     assert votes.cast(later) == later
-    found = votes.newest(StreamMode(VOTE.camera_key, (1280, 720), 0.0), apart=False)
+    found = votes.newest(StreamMode(VOTE.camera_key, (1280, 720), 0.0), one_per_source=False)
     assert [(cast.id, cast.source, cast.time) for cast in found] == [
         (later.id, "somebody", NOW + 256),
         (VOTE.id, "somebody", NOW),
@@ -237,10 +237,10 @@ def test_who_votes_daily_keeps_nobodys_vote_out(table: Table, objects: Objects) 
     for name, source in names.items():
         votes.index(VOTE.model_copy(update={"id": name, "source": source}))
     mode = StreamMode(VOTE.camera_key, (1280, 720), 0.0)
-    found = votes.newest(mode, apart=True)
+    found = votes.newest(mode, one_per_source=True)
     assert [cast.source for cast in found] == ["daily", "second", "first"]
     assert found[0].id == max(names)
-    assert len(votes.newest(mode, apart=False)) == 50, "where all are one, each session has its vote"
+    assert len(votes.newest(mode, one_per_source=False)) == 50, "where all are one, each session has its vote"
 
 
 def test_votes_follow_their_camera_to_another_key(table: Table, objects: Objects) -> None:
@@ -251,4 +251,4 @@ def test_votes_follow_their_camera_to_another_key(table: Table, objects: Objects
     vote = VOTE.model_copy(update=earlier)
     votes.cast(vote)
     today = StreamMode(camera_key(label, platform), (1280, 720), 0.0)
-    assert votes.read(votes.newest(today, apart=True)) == [vote]
+    assert votes.read(votes.newest(today, one_per_source=True)) == [vote]

@@ -4,7 +4,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibdb.rules.votes import Finding, Own, fits, judged, tally, verdict, vote_id
+from calibdb.rules.votes import (
+    Finding,
+    OwnCamera,
+    decide_reliability,
+    decide_vote,
+    is_explained,
+    tally,
+    vote_id,
+)
 from calibdb.schema import CheckRequest, CheckView, Votes
 from calibdb.settings import Thresholds
 
@@ -18,43 +26,43 @@ def found(*votes: tuple[str, bool], time: int = NOW) -> list[Finding]:
 
 
 def test_views_fit_up_to_twice_their_own_noise_and_never_far_beyond_it() -> None:
-    assert fits(0.39, noise=0.2, width=1280, ratio=2)
-    assert not fits(0.41, noise=0.2, width=1280, ratio=2)
-    assert fits(0.25, noise=0.01, width=1280, ratio=2), "a fraction of a pixel is no concern"
-    assert fits(1.1, noise=1.0, width=1280, ratio=2), "a noisier detector is no other camera"
-    assert not fits(1.2, noise=1.0, width=1280, ratio=2), "and does not hide one"
+    assert is_explained(0.39, noise=0.2, width=1280, ratio=2)
+    assert not is_explained(0.41, noise=0.2, width=1280, ratio=2)
+    assert is_explained(0.25, noise=0.01, width=1280, ratio=2), "a fraction of a pixel is no concern"
+    assert is_explained(1.1, noise=1.0, width=1280, ratio=2), "a noisier detector is no other camera"
+    assert not is_explained(1.2, noise=1.0, width=1280, ratio=2), "and does not hide one"
 
 
 def test_views_speak_for_the_camera_that_they_give_by_themselves() -> None:
-    def says(error: float, own: Own | None, *, same_model: bool = True) -> bool | None:
-        return verdict(error, 0.2, 1280, 2.0, own, same_model=same_model)
+    def says(error: float, own: OwnCamera | None, *, same_model: bool = True) -> bool | None:
+        return decide_vote(error, 0.2, 1280, 2.0, own, same_model=same_model)
 
-    assert says(0.3, Own(3.0, 0.5)) is True
-    assert says(0.3, Own(20.0, 0.5)) is False, "they fit, and are of another camera nevertheless"
-    assert says(0.3, Own(20.0, 0.5), same_model=False) is None, "of another model, perhaps"
-    assert says(0.3, Own(3.0, 9.0)) is None, "they would fit any"
-    assert says(0.3, Own(float("inf"), 0.5)) is None
+    assert says(0.3, OwnCamera(3.0, 0.5)) is True
+    assert says(0.3, OwnCamera(20.0, 0.5)) is False, "they fit, and are of another camera nevertheless"
+    assert says(0.3, OwnCamera(20.0, 0.5), same_model=False) is None, "of another model, perhaps"
+    assert says(0.3, OwnCamera(3.0, 9.0)) is None, "they would fit any"
+    assert says(0.3, OwnCamera(float("inf"), 0.5)) is None
     assert says(0.3, None) is None
     assert says(0.9, None) is False, "what does not fit says so whoever took it"
 
 
 def test_each_contributor_has_one_vote_the_newest() -> None:
     votes = found(("a", True), ("b", True), ("a", False), ("a", False))
-    assert tally(votes, NOW, frozenset(), apart=True) == Votes(agree=2, disagree=0)
-    assert tally(votes, NOW, frozenset(), apart=False) == Votes(agree=2, disagree=2)
+    assert tally(votes, NOW, frozenset(), one_per_source=True) == Votes(agree=2, disagree=0)
+    assert tally(votes, NOW, frozenset(), one_per_source=False) == Votes(agree=2, disagree=2)
 
 
 def test_who_contributed_a_calibration_votes_neither_for_it_nor_against() -> None:
     votes = found(("a", True), ("b", False), ("c", True))
-    assert tally(votes, NOW, frozenset({"a", "b"}), apart=True) == Votes(agree=1, disagree=0)
+    assert tally(votes, NOW, frozenset({"a", "b"}), one_per_source=True) == Votes(agree=1, disagree=0)
     # Where all are the same contributor, that would be nobody.
-    assert tally(votes, NOW, frozenset({"a", "b"}), apart=False) == Votes(agree=2, disagree=1)
+    assert tally(votes, NOW, frozenset({"a", "b"}), one_per_source=False) == Votes(agree=2, disagree=1)
 
 
 def test_doubts_end_with_the_next_calibration_that_agrees_on_and_agreement_does_not() -> None:
     votes = found(("a", True), ("b", False), time=NOW - 1)
-    assert tally(votes, NOW, frozenset(), apart=True) == Votes(agree=1, disagree=0)
-    assert tally(votes, NOW - 1, frozenset(), apart=True) == Votes(agree=1, disagree=1)
+    assert tally(votes, NOW, frozenset(), one_per_source=True) == Votes(agree=1, disagree=0)
+    assert tally(votes, NOW - 1, frozenset(), one_per_source=True) == Votes(agree=1, disagree=1)
 
 
 @pytest.mark.parametrize(
@@ -76,19 +84,19 @@ def test_three_confirm_and_three_withdraw(
     reason: str | None, agree: int, disagree: int, expected: tuple[str | None, str | None]
 ) -> None:
     votes = Votes(agree=agree, disagree=disagree)
-    assert judged(reason, votes, RULE, confirmable=True, contributors=5) == expected  # type: ignore[arg-type]
+    assert decide_reliability(reason, votes, RULE, confirmable=True, contributors=5) == expected  # type: ignore[arg-type]
 
 
 def test_calibrations_that_disagree_are_confirmed_by_nobody() -> None:
     for reason in ("too_few", "disagree"):
         votes = Votes(agree=100)
-        assert judged(reason, votes, RULE, confirmable=False, contributors=2) == (reason, None)  # type: ignore[arg-type]
+        assert decide_reliability(reason, votes, RULE, confirmable=False, contributors=2) == (reason, None)  # type: ignore[arg-type]
 
 
 def test_the_more_stand_behind_it_the_more_must_doubt_it() -> None:
     def after(disagree: int, contributors: int) -> object:
         votes = Votes(disagree=disagree)
-        return judged(None, votes, RULE, confirmable=False, contributors=contributors)[1]
+        return decide_reliability(None, votes, RULE, confirmable=False, contributors=contributors)[1]
 
     assert [after(6, 20), after(7, 20)] == ["consensus", None], "a third"
     assert [after(2, 3), after(3, 3), after(3, 9)] == ["consensus", None, None], "and at least three"
@@ -99,9 +107,12 @@ def test_two_who_collude_neither_confirm_nor_withdraw(
     honest: int, agree: int, disagree: int, contributors: int
 ) -> None:
     """Whatever the honest say: without the three that the rule asks for, two more change nothing wrong."""
-    before = judged("too_few", Votes(), RULE, confirmable=True, contributors=contributors)
-    assert judged("too_few", Votes(agree=min(agree, 2)), RULE, confirmable=True, contributors=3) == before
-    reason, basis = judged(
+    before = decide_reliability("too_few", Votes(), RULE, confirmable=True, contributors=contributors)
+    assert (
+        decide_reliability("too_few", Votes(agree=min(agree, 2)), RULE, confirmable=True, contributors=3)
+        == before
+    )
+    reason, basis = decide_reliability(
         None, Votes(agree=honest, disagree=min(disagree, 2)), RULE, confirmable=False, contributors=5
     )
     assert (reason, basis) == (None, "consensus")

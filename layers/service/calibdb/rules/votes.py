@@ -1,8 +1,8 @@
-"""What checks on fresh views say of a consensus: when a view fits, who has a vote, what votes decide.
+"""Votes on a consensus by checks on fresh views: when views fit, who has a vote, and what votes decide.
 
-Three that agree confirm a consensus of fewer calibrations than the rule asks for; three that do not withdraw
-any, even one that is reliable, until new calibrations agree with it: its lookups lead to the guidance page
-then, so that these will come. What is at stake is an answer withheld, never a wrong one given:
+Three votes for a consensus confirm it although it has fewer calibrations than the rule asks for. Three votes
+against it withdraw it, even a reliable one, until new calibrations agree with it: meanwhile its lookups lead
+to the guidance page, so that new calibrations come. Votes can withhold an answer, but never make a wrong one:
 
 * who contributed a calibration of this camera has had their say and votes neither for it nor against;
 * contributors are counted by where they are (`calibdb.access.tokens.source`), here as in the consensus;
@@ -27,15 +27,17 @@ from calibdb.schema.fields import size_text, zoom_text
 from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
 
-_FINEST = 1e-4  # of the image's width: errors below it are nobody's concern
-_MOST_EXCESS = 5e-4  # of the width: error beyond the noise that no ratio excuses
-_APART = 4e-3  # of the width: specimens of one product differ by that, rms over the image
-_BEYOND = 3.0  # standard deviations of the views' own camera
-TELLING = 2e-3  # of the width: predicted error of a camera from few views, up to which it says which it is
+_NOISE_FLOOR = 1e-4  # of the image's width: errors below it are nobody's concern
+_MAX_EXCESS = 5e-4  # of the width: error beyond the noise that no ratio excuses
+_SPECIMEN_SPREAD = 4e-3  # of the width: specimens of one product differ by that, rms over the image
+_MAX_SIGMAS = 3.0  # standard deviations of the views' own camera
+MAX_INFORMATIVE_UNCERTAINTY = (
+    2e-3  # of the width: predicted error of a camera from few views, up to which it says which it is
+)
 
 
 @dataclass(frozen=True)
-class Own:
+class OwnCamera:
     """The camera that views alone give: px rms over the image, from the consensus, and as predicted."""
 
     difference: float
@@ -51,8 +53,8 @@ class Finding:
     fits: bool
 
 
-def fits(error: float, noise: float, width: int, ratio: float) -> bool:
-    """Tell whether views with this error are of the camera.
+def is_explained(error: float, noise: float, width: int, ratio: float) -> bool:
+    """Tell whether a consensus explains views that have this error under it.
 
     Parameters
     ----------
@@ -65,15 +67,15 @@ def fits(error: float, noise: float, width: int, ratio: float) -> bool:
     ratio
         Of the error to the noise, up to which it fits.
     """
-    return error <= min(ratio * expected(noise, width), math.hypot(noise, _MOST_EXCESS * width))
+    return error <= min(ratio * expected_error(noise, width), math.hypot(noise, _MAX_EXCESS * width))
 
 
-def expected(noise: float, width: int) -> float:
-    """Return the error, px rms, that views of this noise are expected to have under their own camera."""
-    return max(noise, _FINEST * width)
+def expected_error(noise: float, width: int) -> float:
+    """Predict the error, px rms, that views of this noise are expected to have under their own camera."""
+    return max(noise, _NOISE_FLOOR * width)
 
 
-def resembles(difference: float, uncertainty: float, width: int) -> bool:
+def is_same_camera(difference: float, uncertainty: float, width: int) -> bool:
     """Tell whether a consensus may be the camera that views give by themselves.
 
     Parameters
@@ -85,29 +87,33 @@ def resembles(difference: float, uncertainty: float, width: int) -> bool:
     width
         Of the image, px.
     """
-    return difference <= math.hypot(_APART * width, _BEYOND * uncertainty)
+    return difference <= math.hypot(_SPECIMEN_SPREAD * width, _MAX_SIGMAS * uncertainty)
 
 
-def verdict(
-    error: float, noise: float, width: int, ratio: float, own: Own | None, *, same_model: bool
+def decide_vote(
+    error: float, noise: float, width: int, ratio: float, own: OwnCamera | None, *, same_model: bool
 ) -> bool | None:
-    """Tell whether views say for a consensus or against it; None: nothing.
+    """Decide whether views vote for a consensus (True), against it (False), or neither (None).
 
     Views that fit any camera say nothing for this one; views that do not fit it say something against it.
     `own`: the camera that they alone give, None where they give none. Where its model is another, it may
     differ in corners that the views do not reach, and what is not alike is only no agreement.
     """
-    if not fits(error, noise, width, ratio):
+    if not is_explained(error, noise, width, ratio):
         return False
-    if own is None or not math.isfinite(own.difference) or not own.uncertainty <= TELLING * width:
+    if (
+        own is None
+        or not math.isfinite(own.difference)
+        or not own.uncertainty <= MAX_INFORMATIVE_UNCERTAINTY * width
+    ):
         return None
-    if resembles(own.difference, own.uncertainty, width):
+    if is_same_camera(own.difference, own.uncertainty, width):
         return True
     return False if same_model else None
 
 
 def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: int, period: int) -> str:
-    """Return the name of a vote: the same for all checks that are one vote, of one camera at one size.
+    """Make the id of a vote: the same for all checks that are one vote, of one camera at one size.
 
     These are a source's within `period` seconds; where all are the same contributor (`period` 0), those
     of one session. It sorts by time, to the period.
@@ -118,7 +124,7 @@ def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: 
     return moment + hashlib.sha256(what.encode()).hexdigest()[:12]
 
 
-def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, apart: bool) -> Votes:
+def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, one_per_source: bool) -> Votes:
     """Count votes: those against a consensus from `since` on alone.
 
     Parameters
@@ -129,13 +135,13 @@ def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, a
         Unix seconds of the newest calibration in the group that agrees.
     sources
         Of the calibrations that were considered.
-    apart
-        Whether contributors can be told apart: each then has one vote, the newest.
+    one_per_source
+        Whether contributors can be told apart: each source then has one vote, the newest.
     """
     agree = disagree = 0
     heard: set[str] = set()
     for finding in findings:
-        if apart and (finding.source in heard or finding.source in sources):
+        if one_per_source and (finding.source in heard or finding.source in sources):
             continue
         heard.add(finding.source)
         if finding.fits:
@@ -145,10 +151,10 @@ def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, a
     return Votes(agree=agree, disagree=disagree)
 
 
-def judged(
+def decide_reliability(
     found: Reason | None, votes: Votes, thresholds: Thresholds, *, confirmable: bool, contributors: int
 ) -> tuple[Reason | None, Basis | None]:
-    """Return why a consensus is not reliable, or what makes it so.
+    """Decide why a consensus is not reliable, or on what basis it is.
 
     Parameters
     ----------
@@ -176,11 +182,11 @@ def judged(
 def with_votes(
     document: ConsensusDocument, votes: Votes, basis: str, thresholds: Thresholds
 ) -> ConsensusDocument:
-    """Return the consensus as `votes` leave it, resting on `basis`."""
+    """Apply `votes` to a consensus; `basis` is the digest of its inputs."""
     calibration = document.calibration
     if calibration is None:
         return document.model_copy(update={"votes": votes, "basis": basis, "reason": document.found})
-    reason, why = judged(
+    reason, why = decide_reliability(
         document.found,
         votes,
         thresholds,

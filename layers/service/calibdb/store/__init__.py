@@ -13,14 +13,14 @@ from calibdb.store.sessions import Sessions
 from calibdb.store.store import Store
 from calibdb.store.table import Condition, Table
 from calibdb.store.tokens import Tokens
-from calibdb.store.votes import Cast, Votes
+from calibdb.store.votes import IndexedVote, Votes
 
 __all__ = [
     "Calibrations",
     "Cameras",
-    "Cast",
     "Condition",
     "Consensuses",
+    "IndexedVote",
     "Known",
     "Leases",
     "Objects",

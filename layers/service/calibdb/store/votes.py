@@ -12,13 +12,13 @@ from calibdb.store.keys import StreamMode, vote_object
 from calibdb.store.objects import Objects
 from calibdb.store.table import Item, Table
 
-MOST = 50  # the newest; more could only repeat them
-_MOST_ITEMS = 1_000  # of a mode that are looked through for them
+MAX_VOTES = 50  # the newest; more could only repeat them
+_MAX_ITEMS = 1_000  # of a mode that are looked through for them
 _READERS = 8  # objects read at a time
 
 
 @dataclass(frozen=True)
-class Cast:
+class IndexedVote:
     """A vote as the index knows it."""
 
     id: str
@@ -48,21 +48,21 @@ class Votes:
         """Write the index item; it follows from the document, so that writing it again changes nothing."""
         self._table.put(_item(document))
 
-    def newest(self, mode: StreamMode, *, apart: bool) -> list[Cast]:
+    def newest(self, mode: StreamMode, *, one_per_source: bool) -> list[IndexedVote]:
         """Return the votes on a mode, newest first.
 
-        Where contributors can be told `apart`, the newest of each: whoever votes daily keeps nobody's out.
+        `one_per_source`: the newest of each source alone, so that daily voters crowd nobody out.
         """
-        most = _MOST_ITEMS if apart else MOST
+        most = _MAX_ITEMS if one_per_source else MAX_VOTES
         items = self._table.query(
             mode.pk, f"VOTE#{mode.text}#", newest_first=True, limit=most, consistent=True
         )
-        found: dict[str, Cast] = {}
-        for cast in map(_cast, items):
-            found.setdefault(cast.source if apart else cast.id, cast)
-        return list(found.values())[:MOST]
+        found: dict[str, IndexedVote] = {}
+        for cast in map(_indexed, items):
+            found.setdefault(cast.source if one_per_source else cast.id, cast)
+        return list(found.values())[:MAX_VOTES]
 
-    def read(self, cast: Sequence[Cast]) -> list[VoteDocument]:
+    def read(self, cast: Sequence[IndexedVote]) -> list[VoteDocument]:
         """Return these votes, those that there are, in their order."""
         if not cast:
             return []
@@ -78,8 +78,8 @@ class Votes:
                 yield VoteDocument.model_validate_json(content)
 
 
-def _cast(item: Item) -> Cast:
-    return Cast(
+def _indexed(item: Item) -> IndexedVote:
+    return IndexedVote(
         id=str(item["sk"]).rpartition("#")[2],
         source=str(item.get("source", item["contributor"])),
         time=int(str(item["time"])),
