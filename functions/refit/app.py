@@ -172,7 +172,7 @@ def pool(
         spread=within(agreed.spread, mode.img_size),
         held_out_error=within(agreed.held_out_error, mode.img_size),
     )
-    confirmable = quality_gates.confirmable(calibration) and (
+    confirmable = quality_gates.is_confirmable(calibration) and (
         agreed.reason == "few_contributors"
         or (agreed.reason == "too_few" and consistent(members, mode, model, rule))
     )

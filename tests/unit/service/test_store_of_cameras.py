@@ -17,7 +17,7 @@ from calibdb.schema import (
     VoteDocument,
 )
 from calibdb.store import Calibrations, Consensuses, Leases, Objects, StreamMode, Table, Votes
-from calibdb.store.calibrations import Counted
+from calibdb.store.calibrations import CountedCalibration
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"
@@ -52,7 +52,7 @@ def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> 
     calibrations.publish(document)
     calibrations.publish(document.model_copy(update={"time": NOW + 9}))
     assert calibrations.get(document.id) == document  # never overwritten
-    assert calibrations.newest(mode(document), 200) == [Counted(document.id, "contributor")]
+    assert calibrations.newest(mode(document), 200) == [CountedCalibration(document.id, "contributor")]
     assert list(calibrations.all()) == [document]
 
 
@@ -100,7 +100,10 @@ def test_a_contributor_counts_once_in_a_period_and_keeps_nobody_out(table: Table
     place = mode(calibrated(0))
     assert [c.source for c in calibrations.newest(place, 5)] == ["busy"] * 5
     once = calibrations.newest(place, 5, 86_400)
-    assert once == [Counted(calibrated(29).id, "busy"), Counted(calibrated(2).id, "honest")]
+    assert once == [
+        CountedCalibration(calibrated(29).id, "busy"),
+        CountedCalibration(calibrated(2).id, "honest"),
+    ]
 
 
 def test_a_source_counts_whoever_it_says_it_is_and_three_times_at_most(

@@ -1,15 +1,19 @@
-"""How well a camera must be known: what a session aims at, what may count, and what checks may confirm."""
+"""Quality gates: the precision a session aims at, that may count, and that checks may confirm."""
 
 from __future__ import annotations
 
 from calibdb.schema import Calibration, CalibrationDocument
 
-TARGET_ERROR = 0.3 / 1280  # px of predicted rms over the image, a pixel of its width; a session's default
-WORST = 2.0  # times that, up to which a calibration counts
-MOST_NOISE = 1e-3  # px rms of the corners, a pixel of the image's width, up to which checks may confirm
+TARGET_ERROR_PER_WIDTH = (
+    0.3 / 1280
+)  # px of predicted rms over the image, a pixel of its width; a session's default
+MAX_UNCERTAINTY_RATIO = 2.0  # times that, up to which a calibration counts
+MAX_NOISE_PER_WIDTH = (
+    1e-3  # px rms of the corners, a pixel of the image's width, up to which checks may confirm
+)
 
 
-def precise(document: CalibrationDocument) -> bool:
+def is_precise(document: CalibrationDocument) -> bool:
     """Tell whether a calibration counts where others rely on it.
 
     A session may ask for less than the default, or end at its limit of views far from what it asked for: it
@@ -17,14 +21,14 @@ def precise(document: CalibrationDocument) -> bool:
     among them.
     """
     fit = document.fits.get(document.distortion_model)
-    most = WORST * TARGET_ERROR * document.img_size[0]
+    most = MAX_UNCERTAINTY_RATIO * TARGET_ERROR_PER_WIDTH * document.img_size[0]
     return document.target_error <= most and fit is not None and fit.uncertainty.rms <= most
 
 
-def confirmable(calibration: Calibration) -> bool:
+def is_confirmable(calibration: Calibration) -> bool:
     """Tell whether a consensus is as sure as a session of the default target, and of clean corners."""
     width = calibration.img_size[0]
     return (
-        calibration.uncertainty.rms <= TARGET_ERROR * width
-        and calibration.avg_reprojection_error <= MOST_NOISE * width
+        calibration.uncertainty.rms <= TARGET_ERROR_PER_WIDTH * width
+        and calibration.avg_reprojection_error <= MAX_NOISE_PER_WIDTH * width
     )

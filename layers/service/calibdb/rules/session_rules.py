@@ -21,7 +21,7 @@ from pydantic import JsonValue
 from calibdb.camera_key import camera_key, current_key, public_label, public_platform
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.rules.corners import misplaced
-from calibdb.rules.quality_gates import TARGET_ERROR
+from calibdb.rules.quality_gates import TARGET_ERROR_PER_WIDTH
 from calibdb.schema import (
     CalibrationDocument,
     ConsensusDocument,
@@ -68,7 +68,7 @@ def begin(
         distortion_model=request.distortion_model,
         board=request.board,
         guidance=request.guidance,
-        target_error=TARGET_ERROR * request.img_size[0] if target is None else target,
+        target_error=TARGET_ERROR_PER_WIDTH * request.img_size[0] if target is None else target,
         track=request.track,
         prior=prior,
     )

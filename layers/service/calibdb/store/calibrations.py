@@ -15,7 +15,7 @@ from typing import Literal, get_args
 
 from pydantic import ValidationError
 
-from calibdb.rules.quality_gates import precise
+from calibdb.rules.quality_gates import is_precise
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import (
     WITHDRAWN,
@@ -30,17 +30,17 @@ from calibdb.store.names import Names, with_current_key
 from calibdb.store.objects import Objects
 from calibdb.store.table import Condition, Item, Table
 
-MOST_OF_ONE = 3  # calibrations of one source that enter a consensus
+MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
 Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
 WITHDRAWALS: tuple[Withdrawal, ...] = get_args(Withdrawal)
 _READERS = 8  # objects read at a time
-_MOST_ITEMS = 2_000  # of a mode that are looked through for those that count
+_MAX_ITEMS = 2_000  # of a mode that are looked through for those that count
 _CROPPED = "crop-and-scale"
 _NOT_WITHDRAWN = Condition("attribute_not_exists(withdrawn)")
 
 
 @dataclass(frozen=True)
-class Counted:
+class CountedCalibration:
     """A calibration that counts, as the index knows it."""
 
     id: str
@@ -92,20 +92,20 @@ class Calibrations:
         created = self._objects.create(_tombstone(document.id), content.encode())
         self.index(document, withdrawn=True)
         self._catalogue.remove(
-            document, [name for _, name in self._standing(with_current_key(document).camera_key)]
+            document, [name for _, name in self._not_withdrawn(with_current_key(document).camera_key)]
         )
         return created
 
-    def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[Counted]:
+    def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[CountedCalibration]:
         """Return at most `limit` calibrations of a camera at one size and zoom, last begun first.
 
         Only those that count: not withdrawn, and of the stream as the camera gives it. With a `period`,
-        seconds, contributors are told apart: then only precise ones (`precision.precise`), one of each source
-        in a period, and of each the newest `MOST_OF_ONE`. 0: all of them.
+        seconds, contributors are told apart: then only precise ones (`quality_gates.is_precise`), one of each
+        source in a period, and of each source the newest `MAX_PER_SOURCE`. 0: all of them.
         """
-        counted: list[Counted] = []
+        counted: list[CountedCalibration] = []
         # Mostly all of them count; where they do not, one is not kept out by many that are passed over.
-        for most in (limit + limit // 4, _MOST_ITEMS):
+        for most in (limit + limit // 4, _MAX_ITEMS):
             # Ids sort by the time at which the session was started.
             prefix = calibrations_prefix(mode.img_size, mode.zoom)
             items = self._table.query(mode.pk, prefix, newest_first=True, limit=most, consistent=True)
@@ -116,10 +116,10 @@ class Calibrations:
 
     def modes(self, camera_key: str) -> list[StreamMode]:
         """Return the sizes and zooms at which the camera was calibrated."""
-        modes = {mode for mode, _ in self._standing(camera_key)}
+        modes = {mode for mode, _ in self._not_withdrawn(camera_key)}
         return sorted(modes, key=lambda mode: (mode.img_size, mode.zoom))
 
-    def _standing(self, camera_key: str) -> list[tuple[StreamMode, str]]:
+    def _not_withdrawn(self, camera_key: str) -> list[tuple[StreamMode, str]]:
         """Return mode and id of every calibration of the camera that was not withdrawn."""
         items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True)
         parsed = (parse_calibration_sk(str(item["sk"])) for item in items if "withdrawn" not in item)
@@ -158,7 +158,7 @@ class Calibrations:
             return list(readers.map(self.get, ids))
 
 
-def _counting(items: Sequence[Item], period: int) -> list[Counted]:
+def _counting(items: Sequence[Item], period: int) -> list[CountedCalibration]:
     counted, heard = [], set()
     entered: Counter[str] = Counter()
     for item in items:
@@ -168,11 +168,11 @@ def _counting(items: Sequence[Item], period: int) -> list[Counted]:
         source = str(item.get("source", item["contributor"]))
         if period:
             who = source, int(str(item["time"])) // period
-            if item.get("precise", 1) == 0 or who in heard or entered[source] == MOST_OF_ONE:
+            if item.get("precise", 1) == 0 or who in heard or entered[source] == MAX_PER_SOURCE:
                 continue
             heard.add(who)
             entered[source] += 1
-        counted.append(Counted(str(item["sk"]).rpartition("#")[2], source))
+        counted.append(CountedCalibration(str(item["sk"]).rpartition("#")[2], source))
     return counted
 
 
@@ -207,7 +207,7 @@ def _item(document: CalibrationDocument) -> Item:
         "fit": shown,
         "model": document.distortion_model,
         "native": int(document.track.resizeMode != _CROPPED),
-        "precise": int(precise(document)),
+        "precise": int(is_precise(document)),
         "source": document.counted_as,
         "time": document.time,
     }
