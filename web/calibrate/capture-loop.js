@@ -13,12 +13,7 @@ import { tint } from "./tint.js";
 /**
  * @typedef {import("./state.js").Event} Event
  *
- * @typedef {object} Page what a capture needs of the page that it runs in
- * @property {import("./render.js").Parts} parts
- * @property {() => import("./state.js").State} state as it is now
- * @property {(event: Event) => void} dispatch
- * @property {(error: unknown, signal: AbortSignal) => void} fail
- * @property {() => Promise<Detector>} openDetector a new one if the last has failed
+ * @typedef {import("./request-queue.js").Page} Page
  *
  * @typedef {object} Resources
  * @property {import("../lib/session.js").CaptureSession} session

@@ -2,12 +2,7 @@
 import { isEnough } from "./state.js";
 import { advice } from "./target.js";
 
-/**
- * @typedef {object} Instruction
- * @property {string} code shown now: a message `capture.say_<code>`
- * @property {string} next to be shown
- * @property {number} since ms, when `next` was first chosen
- */
+/** @typedef {import("./state.js").Instruction} Instruction */
 
 /** @type {Instruction} */
 export const SILENT = { code: "", next: "", since: 0 };

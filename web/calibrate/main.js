@@ -21,7 +21,8 @@ import { loadPlan } from "./plan.js";
 import { watchPopovers } from "./popovers.js";
 import { parseTargetError, parseWanted } from "./query.js";
 import { initial, reduce } from "./reducer.js";
-import { findParts, render, renderChoice } from "./render.js";
+import { findParts } from "./parts.js";
+import { render, renderChoice } from "./render.js";
 import { Sizes } from "./sizes.js";
 import * as statusText from "./status-text.js";
 

@@ -5,7 +5,7 @@ import { arrows } from "./hint-arrows.js";
 import { unmirrored } from "./status-text.js";
 
 /** @typedef {import("./state.js").State} State */
-/** @typedef {import("./render.js").Parts} Parts */
+/** @typedef {import("./parts.js").Parts} Parts */
 
 const SVG = "http://www.w3.org/2000/svg";
 

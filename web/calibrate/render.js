@@ -1,6 +1,5 @@
 // Rendering of the state into the page. Reads nothing back, decides nothing.
 import { propose } from "../lib/camera.js";
-import { part } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/camera.js";
 import { holdProgress, requiredHold } from "./hold.js";
@@ -8,44 +7,10 @@ import { renderDetection, renderTarget } from "./overlay-layer.js";
 import { viewCount } from "./state.js";
 import * as statusText from "./status-text.js";
 
-/** @typedef {import("./state.js").State} State */
-
-/** Elements of the page, found once; throws if the page lacks one. */
-export function findParts() {
-  const html = (/** @type {string} */ id) => part(id, HTMLElement);
-  const svg = (/** @type {string} */ id) => part(id, SVGElement);
-  return {
-    sheets: { welcome: html("welcome"), opening: html("opening"), failed: html("failed"), done: html("done") },
-    stage: html("stage"), video: part("video", HTMLVideoElement), overlay: part("overlay", HTMLImageElement),
-    marks: svg("marks"), pictureEdge: svg("picture-edge"), corners: svg("corners"), seenOutline: svg("seen-outline"),
-    target: svg("target"), targetBack: svg("target-back"), targetCorner: svg("target-corner"), ghost: svg("ghost"),
-    held: svg("held"), ring: svg("ring"), arrows: svg("arrows"),
-    reticle: html("reticle"), instruction: html("instruction"), notice: html("notice"), remedy: html("remedy"), statusLine: html("away"),
-    said: html("said"), facts: html("facts"), sent: html("sent"), sentJson: html("sent-json"),
-    wanted: html("wanted"), problem: html("problem"),
-    interrupted: html("interrupted"), interruptedText: html("interrupted-text"),
-    forget: part("forget", HTMLButtonElement), goOn: part("go-on", HTMLButtonElement),
-    senses: {
-      sound: part("sound", HTMLInputElement), vibration: part("vibration", HTMLInputElement),
-      voice: part("voice", HTMLInputElement),
-    },
-    resolution: part("resolution", HTMLSelectElement), resolutions: html("resolutions"), practice: html("practice"),
-    models: [part("model", HTMLButtonElement), part("model-done", HTMLButtonElement)],
-    another: html("another"), mismatches: /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".another")),
-    boardLinks: /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href="../board/"]')),
-    camera: part("camera", HTMLSelectElement),
-    start: part("start", HTMLButtonElement), startVirtual: part("start-virtual", HTMLButtonElement),
-    cancel: part("cancel", HTMLButtonElement), again: part("again", HTMLButtonElement),
-    other: part("other", HTMLButtonElement), failedVirtual: part("failed-virtual", HTMLButtonElement),
-    loading: part("loading", HTMLProgressElement), loadingMeter: html("loading-meter"),
-    openingText: html("opening-text"), failure: html("failure"), kept: html("kept"),
-    controls: html("controls"), progress: part("progress", HTMLProgressElement), counts: html("counts"),
-    undo: part("undo", HTMLButtonElement), skip: part("skip", HTMLButtonElement), stop: part("stop", HTMLButtonElement),
-    result: html("result"),
-  };
-}
-
-/** @typedef {ReturnType<typeof findParts>} Parts */
+/**
+ * @typedef {import("./parts.js").Parts} Parts
+ * @typedef {import("./state.js").State} State
+ */
 
 /** @param {Parts} parts @param {State} state @param {State | null} before as the page shows it now */
 export function render(parts, state, before) {

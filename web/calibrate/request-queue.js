@@ -4,6 +4,13 @@ import { isUnavailable } from "../lib/session.js";
 import { ResponseTimeout } from "./response-timeout.js";
 
 /**
+ * @typedef {object} Page what a capture needs of the page that it runs in
+ * @property {import("./parts.js").Parts} parts
+ * @property {() => import("./state.js").State} state as it is now
+ * @property {(event: import("./state.js").Event) => void} dispatch
+ * @property {(error: unknown, signal: AbortSignal) => void} fail
+ * @property {() => Promise<import("../lib/detector.js").Detector>} openDetector a new one if the last has failed
+ *
  * @typedef {object} QueueOptions
  * @property {(event: import("./state.js").Event) => void} dispatch
  * @property {AbortSignal} signal
@@ -25,7 +32,7 @@ export class RequestQueue {
   isOverdue = false;
 
   /**
-   * @param {import("./capture-loop.js").Page} page @param {import("../lib/session.js").CaptureSession} session
+   * @param {Page} page @param {import("../lib/session.js").CaptureSession} session
    * @param {QueueOptions} options
    */
   constructor(page, session, options) {

@@ -10,6 +10,11 @@
  * @typedef {import("../lib/board-outline.js").Corners} Corners
  * @typedef {import("../lib/detector.js").Detection} Detection
  *
+ * @typedef {object} Instruction
+ * @property {string} code shown now: a message `capture.say_<code>`
+ * @property {string} next to be shown
+ * @property {number} since ms, when `next` was first chosen
+ *
  * @typedef {object} Wanted the camera that the page was opened for
  * @property {string | null} camera
  * @property {[number, number] | null} img_size
@@ -65,7 +70,7 @@
  * @property {{camera: string, views: number, about: string, address: string} | null} interrupted a capture that an earlier
  *   page left on this device; about: its key in the capture store
  * @property {"camera" | "detector" | "service"} waiting what a capture that is being opened waits for
- * @property {import("./instruction.js").Instruction} instruction
+ * @property {Instruction} instruction
  * @property {Notice | null} notice
  * @property {number} noticedAt ms
  * @property {Notice | null} openingNotice shown as soon as the capture runs
