@@ -14,10 +14,10 @@ from starlette.responses import Response
 
 from calibdb.access.tokens import Ticket, contributor, source
 from calibdb.camera_key import identify, public_label, public_platform
-from calibdb.errors import FieldError, InvalidError, NotFoundError
+from calibdb.errors import MAX_FIELD_ERRORS, FieldError, InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.lookup import camera_lookup
-from calibdb.rules.corners import misplaced
+from calibdb.rules.corners import corner_errors
 from calibdb.rules.votes import OwnCamera, decide_vote, expected_error, vote_id
 from calibdb.schema import (
     Calibration,
@@ -35,8 +35,7 @@ from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus import difference
 from calibsolver.fitting.resection import reprojection_score
 
-_MOST_FIELDS = 20
-_FEWEST = 4  # points that make a pose
+_MIN_POINTS = 4  # for a pose
 _UNFIT = {
     "too_few_points": "too few corners to tell how the board is held",
     "degenerate": "the corners lie on a line, or nearly",
@@ -70,10 +69,10 @@ def check(call: application.Call) -> Response:
     wrong = [
         error
         for n, view in enumerate(request.views)
-        for error in misplaced(request.board, request.img_size, view.ids, view.points, f"views.{n}.")
+        for error in corner_errors(request.board, request.img_size, view.ids, view.points, f"views.{n}.")
     ]
     if wrong:
-        raise InvalidError(wrong[:_MOST_FIELDS])
+        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
     mode, known = consensus(call, request)
     examined = examine(request)
     width = request.img_size[0]
@@ -87,7 +86,7 @@ def check(call: application.Call) -> Response:
     ratio = call.service.settings.thresholds.max_check_ratio
     says = decide_vote(error, examined.noise, width, ratio, own, same_model=True)
     counted = says is not None and vote(call, ticket, request, mode, examined)
-    current = standing(call, mode, request.distortion_model) if counted else None
+    current = refit_now(call, mode, request.distortion_model) if counted else None
     if current is None or current.calibration is None:
         current = one(call.service.store.consensuses.at(mode), request.distortion_model)
     if current is None or current.calibration is None:
@@ -118,7 +117,7 @@ def consensus(call: application.Call, request: CheckRequest) -> tuple[StreamMode
         resolved = camera_lookup.resolve(read, identity, size, zoom, model, private=private)
         mode = StreamMode(resolved.key, size, zoom)
         here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
-        known = one(here, model) or (standing(call, mode, model) if here else None)
+        known = one(here, model) or (refit_now(call, mode, model) if here else None)
         if known is not None and known.calibration is not None:
             return mode, known.calibration
     raise NotFoundError(
@@ -132,8 +131,8 @@ def one(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument
     return next((d for d in documents if d.distortion_model == model), None)
 
 
-def standing(call: application.Call, mode: StreamMode, model: str) -> ConsensusDocument | None:
-    """Return the consensus with all that is known by now."""
+def refit_now(call: application.Call, mode: StreamMode, model: str) -> ConsensusDocument | None:
+    """Have the consensus computed with all that is known by now, and return it."""
     asked = RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=(model,))
     return next(iter(call.service.store.refit.now(asked).models.values()), None)
 
@@ -159,7 +158,7 @@ def examine(request: CheckRequest) -> Examined:
             points=tuple(p for p, used in zip(view.points, mask, strict=True) if used),
         )
         for n, (view, mask) in enumerate(zip(request.views, own.used, strict=True))
-        if mask.sum() >= _FEWEST
+        if mask.sum() >= _MIN_POINTS
     ]
     if not kept:
         raise InvalidError.field("views", "no view is of a board that a camera could see")

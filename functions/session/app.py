@@ -23,21 +23,23 @@ def start(call: application.Call) -> Response:
     who = call.service.contributor(call.address, ticket.token)
 
     def begin(version: int) -> SessionDocument:
-        return session_rules.begin(request, sid, version, now, known(store, request), who)
+        return session_rules.begin(request, sid, version, now, find_seed(store, request), who)
 
     document, made = store.sessions.start(sid, now, begin)
-    if not session_rules.same_start(document, session_rules.begin(request, sid, document.first_version, now)):
+    if not session_rules.is_same_start(
+        document, session_rules.begin(request, sid, document.first_version, now)
+    ):
         raise ConflictError("A session with other content runs under this session id.", kind="other-content")
     if made:
         metrics.count(now, Sessions=1)
     return application.json_response(state(document), 201)
 
 
-def known(store: Store, request: SessionRequest) -> FitRecord | None:
-    """Return what others measured of this camera, or the operator's guess, or None."""
+def find_seed(store: Store, request: SessionRequest) -> FitRecord | None:
+    """Find an initial camera: what others measured of this camera, or the operator's guess, or None."""
     key = camera_key(request.camera, request.platform)
     place = (request.img_size, request.zoom, request.distortion_model)
-    return session_rules.first_guess(store.consensuses.of(key), *place) or store.priors.find(key, *place)
+    return session_rules.find_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)
 
 
 def show(call: application.Call) -> Response:

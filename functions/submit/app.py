@@ -41,9 +41,9 @@ def submit(call: application.Call) -> Response:
     where = source(secret, call.address)
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, tuple[SessionDocument, Judged]]:
-        if session_rules.repeated(document, view):
+        if session_rules.is_idempotent_replay(document, view):
             return None, (document, Judged())
-        session_rules.check(document, view)
+        session_rules.validate_view(document, view)
         begun = service.clock()
         judged = judge(document, view, service.now, who, where)
         measure(begun, service.clock(), judged)
@@ -63,7 +63,7 @@ def remove(call: application.Call) -> Response:
     index = call.index("index")
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
-        left = session_rules.undo(document, index)
+        left = session_rules.without_view(document, index)
         if left is None:
             return None, document
         rules, views, excluded = solver_values(document.model_copy(update={"views": left}))
@@ -71,7 +71,7 @@ def remove(call: application.Call) -> Response:
         target = rules.next_target(views, estimate, unreached=targets(document.unreached)).to_dict()
         now = call.service.now
         changed = session_rules.with_views(
-            document, left, recorded(estimate, now), standing(estimate), target
+            document, left, recorded(estimate, now), view_statuses(estimate), target
         )
         return changed, changed
 
@@ -102,19 +102,23 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, wher
     if not decision.accepted or estimate is None:
         hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
         return Judged(
-            session_rules.with_doubt(document, view) if decision.quarantine else None, decision.reason, hint
+            session_rules.with_quarantined(document, view) if decision.quarantine else None,
+            decision.reason,
+            hint,
         )
     everything = [*views, seen]
     following = None
     if not estimate.converged:
         unreached = targets((*document.unreached, *document.skipped))
         following = rules.next_target(everything, estimate, unreached=unreached).to_dict()
-    changed = session_rules.with_view(document, view, recorded(estimate, now), standing(estimate), following)
+    changed = session_rules.with_view(
+        document, view, recorded(estimate, now), view_statuses(estimate), following
+    )
     if estimate.converged and estimate.calibration is not None:
         indices = [known.index for known in changed.views if known.set_aside is None]
         used = [one for i, one in enumerate(everything) if i not in estimate.excluded]
         described = report.describe(estimate.calibration, used, indices)
-        changed = session_rules.finished(changed, now, who, calibsolver.__version__, described, where)
+        changed = session_rules.with_finish(changed, now, who, calibsolver.__version__, described, where)
     return Judged(changed)
 
 
@@ -131,7 +135,7 @@ def measure(begun: float, ended: float, judged: Judged) -> None:
 def publish(call: application.Call, document: SessionDocument) -> None:
     """Make the calibration findable, and have every model's consensus computed."""
     store = call.service.store
-    calibration = session_rules.calibration(document)
+    calibration = session_rules.to_calibration(document)
     store.calibrations.publish(calibration)
     store.refit.later(
         RefitRequest(
@@ -155,8 +159,8 @@ def targets(stored: Sequence[dict[str, JsonValue]]) -> tuple[guidance.TargetPose
     return tuple(guidance.TargetPose.from_dict(target) for target in stored)
 
 
-def standing(estimate: Estimate) -> list[session_rules.Standing]:
-    """Return each view's error, and why it is set aside if it is."""
+def view_statuses(estimate: Estimate) -> list[session_rules.ViewStatus]:
+    """List each view's error, and why it is set aside if it is."""
     reasons = [estimate.excluded.get(i) for i in range(len(estimate.view_errors))]
     stored = [SetAside(reason=r.reason, detail=r.detail) if r else None for r in reasons]
     return list(zip(estimate.view_errors, stored, strict=True))

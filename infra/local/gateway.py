@@ -14,7 +14,7 @@ from infra.local.template import CorsSpec, Template
 
 # Lambda carries 6 MB either way in a synchronous invoke; an HTTP API answers 413 and 500 then.
 # Source: AWS Lambda developer guide, "Lambda quotas".
-MAX_BODY = 6 * 1024 * 1024
+MAX_BODY_BYTES = 6 * 1024 * 1024
 # An HTTP API's integration timeout, seconds. Source: Amazon API Gateway developer guide, "Quotas for HTTP
 # APIs".
 INTEGRATION_TIMEOUT = 30.0
@@ -59,13 +59,13 @@ class Gateway:
         match = self.routes.match(request.method, request.path)
         if match is None:
             return message(404, "Not Found")
-        if len(request.body) > MAX_BODY:
+        if len(request.body) > MAX_BODY_BYTES:
             return message(413, "Request Entity Too Large")
         request_id = self._new_id()
         event = to_event(request, match.key, match.parameters, request_id, self._clock())
         try:
             answer = self._functions[match.route.function](event, request_id)
-            if len(json.dumps(answer)) > MAX_BODY:
+            if len(json.dumps(answer)) > MAX_BODY_BYTES:
                 raise MalformedAnswerError("it is larger than 6 MB")
             return to_response(answer)
         except FunctionError:

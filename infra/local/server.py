@@ -23,7 +23,7 @@ from starlette.routing import Mount, Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from infra.local.events import Request, Response
-from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY, Gateway
+from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY_BYTES, Gateway
 from infra.local.pages import Pages
 from infra.web_build.precache_manifest import shell
 
@@ -126,7 +126,7 @@ async def _read(scope: Scope, receive: Receive) -> Request | None:
     body = bytearray()
     async for chunk in WebRequest(scope, receive).stream():
         body += chunk
-        if len(body) > MAX_BODY:
+        if len(body) > MAX_BODY_BYTES:
             return None
     client = scope.get("client")
     return Request(

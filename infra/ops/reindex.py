@@ -112,7 +112,7 @@ def publish_finished(context: OpsContext) -> int:
     for session in context.store.sessions.all():
         finish = session.finish
         if finish is not None and context.store.calibrations.get(finish.calibration_id) is None:
-            context.store.calibrations.publish(session_rules.calibration(session))
+            context.store.calibrations.publish(session_rules.to_calibration(session))
             published += 1
     return published
 

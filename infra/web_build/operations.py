@@ -8,7 +8,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from calibdb import schema
-from calibdb.http.call import MAX_BODY
+from calibdb.http.call import MAX_BODY_BYTES
 from calibdb.schema.cameras import MOST_CAMERAS
 from calibdb.schema.fields import MAX_INDEX
 
@@ -23,7 +23,7 @@ PROBLEMS = {
     406: "None of the accepted media types can be given.",
     409: "The request does not fit the state that things are in.",
     410: "It was withdrawn; `reason` says for what kind of reason: wrong, abuse, privacy, other.",
-    413: f"The body is larger than {MAX_BODY} bytes.",
+    413: f"The body is larger than {MAX_BODY_BYTES} bytes.",
     422: "Fields are not what they must be; `errors` names them.",
     429: "The plan's calls of this hour are used up; `Retry-After` says when the next begins.",
     500: "Something went wrong here, not in the request.",

@@ -12,7 +12,7 @@ import pytest
 
 from infra.local import LocalStack
 from infra.local.events import Response
-from infra.local.gateway import MAX_BODY
+from infra.local.gateway import MAX_BODY_BYTES
 from infra.local.server import GatewayApp
 from tests.helpers.stack.toy_stack import deploy
 
@@ -270,8 +270,10 @@ def test_failures_can_be_read_across_origins(stack: LocalStack) -> None:
 
 def test_a_body_of_more_than_six_megabytes_is_refused(stack: LocalStack) -> None:
     text = {"content-type": "text/plain"}
-    assert stack.request("POST", "/v1/size", headers=text, body=b"x" * MAX_BODY).json() == MAX_BODY
-    response = stack.request("POST", "/v1/size", headers=text, body=b"x" * (MAX_BODY + 1))
+    assert (
+        stack.request("POST", "/v1/size", headers=text, body=b"x" * MAX_BODY_BYTES).json() == MAX_BODY_BYTES
+    )
+    response = stack.request("POST", "/v1/size", headers=text, body=b"x" * (MAX_BODY_BYTES + 1))
     assert (response.status, response.body) == (413, b'{"message":"Request Entity Too Large"}')
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from pydantic import JsonValue
 
+MAX_FIELD_ERRORS = 20  # in one answer; of a body with ten thousand wrong points the first few say enough
 PROBLEMS = "https://calibdb.example/problems/"
 
 

@@ -40,50 +40,50 @@ def test_no_persons_name_enters_a_document() -> None:
 )
 def test_the_image_ends_half_a_pixel_beyond_its_centres(point: tuple[float, float], inside: bool) -> None:
     if inside:
-        session_rules.check(DOCUMENT, view(0, (point,)))
+        session_rules.validate_view(DOCUMENT, view(0, (point,)))
         return
     with pytest.raises(InvalidError) as refused:
-        session_rules.check(DOCUMENT, view(0, (point,)))
+        session_rules.validate_view(DOCUMENT, view(0, (point,)))
     assert [f.field for f in refused.value.fields] == ["points.0"]
 
 
 def test_a_session_holds_so_many_points() -> None:
     points = tuple((1.0, 1.0) for _ in range(40))
     full = tuple(ViewDocument(index=i, ids=tuple(range(40)), points=points) for i in range(500))
-    session_rules.check(DOCUMENT.model_copy(update={"views": full[:499]}), view(500, points))
+    session_rules.validate_view(DOCUMENT.model_copy(update={"views": full[:499]}), view(500, points))
     with pytest.raises(ConflictError) as refused:
-        session_rules.check(DOCUMENT.model_copy(update={"views": full}), view(500))
+        session_rules.validate_view(DOCUMENT.model_copy(update={"views": full}), view(500))
     assert refused.value.kind == "session-full"
 
 
 def test_indices_go_up_by_one_and_are_not_used_again() -> None:
     document = accept(accept(DOCUMENT, 0, 0.2), 1, 0.4)
     assert document.next_index == 2
-    assert session_rules.repeated(document, view(1)) is True
-    assert session_rules.repeated(document, view(2)) is False
+    assert session_rules.is_idempotent_replay(document, view(1)) is True
+    assert session_rules.is_idempotent_replay(document, view(2)) is False
     for index in (3, 77):
         with pytest.raises(ConflictError):
-            session_rules.repeated(document, view(index))
-    left = session_rules.undo(document, 1)
+            session_rules.is_idempotent_replay(document, view(index))
+    left = session_rules.without_view(document, 1)
     assert left is not None
     undone = session_rules.with_views(document, left, EstimateDocument(), [(0.1, None)], {})
     assert undone.next_index == 2
     with pytest.raises(ConflictError):
-        session_rules.repeated(undone, view(1))
-    assert session_rules.undo(undone, 1) is None
+        session_rules.is_idempotent_replay(undone, view(1))
+    assert session_rules.without_view(undone, 1) is None
     with pytest.raises(NotFoundError):
-        session_rules.undo(undone, 2)
+        session_rules.without_view(undone, 2)
 
 
 def test_a_repeat_may_name_the_corners_in_another_order() -> None:
     points = ((1.0, 2.0), (3.0, 4.0), (5.0, 6.0))
     document = session_rules.with_view(DOCUMENT, view(0, points), EstimateDocument(), [(None, None)], None)
     sent = ViewRequest(index=0, ids=(2, 0, 1), points=(points[2], points[0], points[1]))
-    assert session_rules.repeated(document, sent) is True
+    assert session_rules.is_idempotent_replay(document, sent) is True
     with pytest.raises(ConflictError):
-        session_rules.repeated(document, ViewRequest(index=0, ids=(2, 0, 1), points=points))
+        session_rules.is_idempotent_replay(document, ViewRequest(index=0, ids=(2, 0, 1), points=points))
     with pytest.raises(ConflictError):
-        session_rules.repeated(document, view(0, points[:2]))
+        session_rules.is_idempotent_replay(document, view(0, points[:2]))
 
 
 def test_progress_grows_and_an_undo_takes_it_back() -> None:
@@ -106,7 +106,7 @@ def test_targets_that_were_not_wanted_are_remembered_until_a_view_comes() -> Non
 
 def test_the_calibrations_id_follows_from_the_session() -> None:
     def identify(document: SessionDocument, now: int) -> str:
-        finish = session_rules.finished(document, now, "contributor", "0.1.0").finish
+        finish = session_rules.with_finish(document, now, "contributor", "0.1.0").finish
         assert finish is not None
         return finish.calibration_id
 
@@ -114,7 +114,7 @@ def test_the_calibrations_id_follows_from_the_session() -> None:
     assert identify(DOCUMENT, NOW).startswith(f"{DOCUMENT.camera_key}-{SID[:8]}")
     assert identify(session_rules.begin(REQUEST, SID, 5, NOW), NOW) != identify(DOCUMENT, NOW)
     with pytest.raises(ValueError, match="converged"):
-        session_rules.calibration(DOCUMENT)
+        session_rules.to_calibration(DOCUMENT)
 
 
 COORDINATE = st.floats(-1, 16384)
@@ -127,4 +127,7 @@ def test_what_is_stored_is_what_was_sent(points: list[tuple[float, float]]) -> N
     document = session_rules.with_view(DOCUMENT, sent, EstimateDocument(), [(None, None)], None)
     read = SessionDocument.model_validate_json(document.model_dump_json())
     assert read == document
-    assert session_rules.repeated(read, ViewRequest.model_validate_json(sent.model_dump_json())) is True
+    assert (
+        session_rules.is_idempotent_replay(read, ViewRequest.model_validate_json(sent.model_dump_json()))
+        is True
+    )

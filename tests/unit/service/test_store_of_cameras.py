@@ -43,12 +43,12 @@ def finished(now: int = NOW, sid: str = SID) -> SessionDocument:
     document = session_rules.begin(REQUEST, sid, 1, now).model_copy(
         update={"estimate": EstimateDocument(fit=FIT)}
     )
-    return session_rules.finished(document, now, "contributor", "0.1.0")
+    return session_rules.with_finish(document, now, "contributor", "0.1.0")
 
 
 def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> None:
     calibrations = Calibrations(table, objects)
-    document = session_rules.calibration(finished())
+    document = session_rules.to_calibration(finished())
     calibrations.publish(document)
     calibrations.publish(document.model_copy(update={"time": NOW + 9}))
     assert calibrations.get(document.id) == document  # never overwritten
@@ -58,7 +58,7 @@ def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> 
 
 def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, objects: Objects) -> None:
     calibrations = Calibrations(table, objects)
-    documents = [session_rules.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}")) for n in range(12)]
+    documents = [session_rules.to_calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}")) for n in range(12)]
     for document in documents:
         calibrations.publish(document)
     calibrations.publish(
@@ -72,7 +72,7 @@ def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, obje
 
 def calibrated(n: int, contributor: str = "", **changes: object) -> CalibrationDocument:
     """The `n`th calibration of one camera, finished n seconds from now."""
-    document = session_rules.calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}"))
+    document = session_rules.to_calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}"))
     return document.model_copy(update={"contributor": contributor or f"contributor {n}", **changes})
 
 

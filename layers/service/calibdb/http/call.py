@@ -15,6 +15,7 @@ from starlette.requests import Request
 from calibdb.access.plans import Kind
 from calibdb.access.tokens import ApiToken, Ticket
 from calibdb.errors import (
+    MAX_FIELD_ERRORS,
     CalibdbError,
     FieldError,
     ForbiddenError,
@@ -27,8 +28,7 @@ from calibdb.http.content_negotiation import negotiate
 from calibdb.schema.fields import MAX_INDEX
 from calibdb.service import Service
 
-MAX_BODY = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
-_MOST_FIELDS = 20  # of a body with ten thousand wrong points the first few say enough
+MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
 
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
 _FLAGS = {"1": True, "true": True, "0": False, "false": False}
@@ -49,8 +49,8 @@ class Call:
 
         Raises TooLargeError, MalformedError, or InvalidError naming the fields.
         """
-        if len(self.body) > MAX_BODY:
-            raise TooLargeError(f"The body may have {MAX_BODY} bytes.")
+        if len(self.body) > MAX_BODY_BYTES:
+            raise TooLargeError(f"The body may have {MAX_BODY_BYTES} bytes.")
         try:
             return model.model_validate_json(self.body)
         except ValidationError as error:
@@ -65,8 +65,8 @@ class Call:
 
     def json_text(self, name: str) -> str | None:
         """Return a text member of the body, None when there is none or the body is no JSON object."""
-        if len(self.body) > MAX_BODY:
-            raise TooLargeError(f"The body may have {MAX_BODY} bytes.")
+        if len(self.body) > MAX_BODY_BYTES:
+            raise TooLargeError(f"The body may have {MAX_BODY_BYTES} bytes.")
         try:
             content = from_json(self.body)
         except ValueError:
@@ -162,7 +162,10 @@ def refusal(error: ValidationError) -> CalibdbError:
     inside = {p["loc"][:depth] for p in problems for depth in range(len(p["loc"]))}
     said = [p for p in problems if p["type"] != "too_short" or p["loc"] not in inside]  # wrong, not missing
     return InvalidError(
-        [FieldError(".".join(map(str, p["loc"])) or "body", _plain(p["msg"])) for p in said[:_MOST_FIELDS]]
+        [
+            FieldError(".".join(map(str, p["loc"])) or "body", _plain(p["msg"]))
+            for p in said[:MAX_FIELD_ERRORS]
+        ]
     )
 
 

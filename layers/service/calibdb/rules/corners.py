@@ -1,4 +1,4 @@
-"""Whether corners can be of the board and in the image that they are said to be of."""
+"""Validation of corners: ids against the board, points against the image."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from calibdb.errors import FieldError
 from calibdb.schema.board import Board
 
-_EDGE = 0.5  # px; a pixel centre at 0 reaches from -0.5 to 0.5
+_EDGE_PX = 0.5  # px; a pixel centre at 0 reaches from -0.5 to 0.5
 
 
-def misplaced(
+def corner_errors(
     board: Board,
     img_size: tuple[int, int],
     ids: Sequence[int],
     points: Sequence[tuple[float, float]],
     prefix: str = "",
 ) -> list[FieldError]:
-    """Return what is wrong, field by field; `prefix` is what the path of the fields begins with."""
+    """List what is wrong, field by field; `prefix` is what the path of the fields begins with."""
     corners = board.corner_count
     width, height = img_size
     wrong = [
@@ -28,6 +28,6 @@ def misplaced(
     wrong += [
         FieldError(f"{prefix}points.{i}", f"outside the image of {width} x {height} px")
         for i, (x, y) in enumerate(points)
-        if not (-_EDGE <= x <= width - _EDGE and -_EDGE <= y <= height - _EDGE)
+        if not (-_EDGE_PX <= x <= width - _EDGE_PX and -_EDGE_PX <= y <= height - _EDGE_PX)
     ]
     return wrong

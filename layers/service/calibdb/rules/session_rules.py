@@ -1,11 +1,11 @@
-"""The rules of a guided capture, on its document alone: what may follow what.
+"""Rules of a capture session, as pure functions from one session document to the next.
 
-Which view is good and where the board goes next is the solver's business; here are indices, repeats,
-conflicts, and the way from one document to the next. Nothing here reads a clock or writes anything.
+They cover view indices, idempotent replays and conflicts. The solver decides which view is good and where the
+board goes next. Nothing here reads a clock or writes anything.
 
 Indices
     The pose that is open carries `next_index`. An accepted view takes it, and the next pose has the next one.
-    An index is never used again, not even when its view is undone: a delayed repeat of an undone view is a
+    An index is never used again, not even when its view is undone: a delayed replay of an undone view is a
     conflict and does not bring the view back.
 End
     A converged session is published and no longer changes: neither another view nor an undo is accepted.
@@ -19,8 +19,8 @@ from collections.abc import Mapping, Sequence
 from pydantic import JsonValue
 
 from calibdb.camera_key import camera_key, current_key, public_label, public_platform
-from calibdb.errors import ConflictError, InvalidError, NotFoundError
-from calibdb.rules.corners import misplaced
+from calibdb.errors import MAX_FIELD_ERRORS, ConflictError, InvalidError, NotFoundError
+from calibdb.rules.corners import corner_errors
 from calibdb.rules.quality_gates import TARGET_ERROR_PER_WIDTH
 from calibdb.schema import (
     CalibrationDocument,
@@ -35,11 +35,10 @@ from calibdb.schema import (
 )
 from calibdb.schema.session import SetAside
 
-MOST_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
-MOST_SKIPPED = 8  # targets remembered as unwanted
-MOST_DOUBTED = 4  # refused views remembered as witnesses
-Standing = tuple[float | None, SetAside | None]  # of a view: its error in px, and why it is set aside
-_MOST_FIELDS = 20
+MAX_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
+MAX_SKIPPED_TARGETS = 8  # targets remembered as unwanted
+MAX_QUARANTINED_VIEWS = 4  # refused views kept in quarantine
+ViewStatus = tuple[float | None, SetAside | None]  # of a view: its error in px, and why it is set aside
 
 
 def begin(
@@ -47,12 +46,12 @@ def begin(
     sid: str,
     first_version: int,
     now: int,
-    prior: FitRecord | None = None,
+    seed: FitRecord | None = None,
     contributor: str | None = None,
 ) -> SessionDocument:
-    """Return the document of a session that starts. Of the label, a person's name is not kept.
+    """Make the document of a session that starts, with any person's name removed from the label.
 
-    `prior` is what others measured of this camera, `contributor` the keyed hash of who starts it.
+    `seed`: an initial camera, which others measured. `contributor`: the keyed hash of who starts the session.
     """
     target = request.target_error
     return SessionDocument(
@@ -70,16 +69,16 @@ def begin(
         guidance=request.guidance,
         target_error=TARGET_ERROR_PER_WIDTH * request.img_size[0] if target is None else target,
         track=request.track,
-        prior=prior,
+        prior=seed,
     )
 
 
-def first_guess(
+def find_seed(
     known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> FitRecord | None:
-    """Return what others measured of this camera at this size, zoom and model, reliable or not.
+    """Find what others measured of this camera at this size, zoom and model, reliable or not.
 
-    Where a capture begins, and no part of its result: it need not be right.
+    A capture starts from this initial camera, which is no part of its result and need not be right.
     """
     for consensus in known:
         same = (consensus.img_size, consensus.zoom, consensus.distortion_model) == (img_size, zoom, model)
@@ -88,7 +87,7 @@ def first_guess(
     return None
 
 
-def same_start(running: SessionDocument, asked: SessionDocument) -> bool:
+def is_same_start(running: SessionDocument, asked: SessionDocument) -> bool:
     """Tell whether `asked` would have started the session that is running."""
     names = (
         "camera",
@@ -103,29 +102,29 @@ def same_start(running: SessionDocument, asked: SessionDocument) -> bool:
     return all(getattr(running, n) == getattr(asked, n) for n in (*names, "track"))
 
 
-def repeated(document: SessionDocument, view: ViewRequest) -> bool:
-    """Tell whether `view` was accepted before, and so is answered again; False when its index is open.
+def is_idempotent_replay(document: SessionDocument, view: ViewRequest) -> bool:
+    """Tell whether `view` replays one that was accepted before; False when its index is open.
 
     Raises ConflictError when the index carries another view, was undone, or is not open (yet).
     """
     for known in document.views:
         if known.index == view.index:
-            if _corners(known) == _corners(view):
+            if _view_fingerprint(known) == _view_fingerprint(view):
                 return True
             raise ConflictError("Another view was accepted under this index.", kind="other-content")
     if document.finish is not None:
-        raise _converged()
+        raise _already_converged()
     if view.index != document.next_index:
         raise ConflictError(f"The index is not open; {document.next_index} is.", kind="index-not-open")
     return False
 
 
-def check(document: SessionDocument, view: ViewRequest) -> None:
-    """Raise InvalidError where `view` cannot be of this board and image, ConflictError when all is full."""
-    wrong = misplaced(document.board, document.img_size, view.ids, view.points)
+def validate_view(document: SessionDocument, view: ViewRequest) -> None:
+    """Validate `view` against board and image (InvalidError) and the session's capacity (ConflictError)."""
+    wrong = corner_errors(document.board, document.img_size, view.ids, view.points)
     if wrong:
-        raise InvalidError(wrong[:_MOST_FIELDS])
-    if sum(len(v.ids) for v in document.views) + len(view.ids) > MOST_POINTS:
+        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
+    if sum(len(v.ids) for v in document.views) + len(view.ids) > MAX_POINTS:
         raise ConflictError("The session has as many points as it can hold.", kind="session-full")
 
 
@@ -133,12 +132,12 @@ def with_view(
     document: SessionDocument,
     view: ViewRequest,
     estimate: EstimateDocument,
-    standing: Sequence[Standing],
+    statuses: Sequence[ViewStatus],
     target: Mapping[str, JsonValue] | None,
 ) -> SessionDocument:
-    """Return the document with `view` accepted. Progress only grows.
+    """Add an accepted view to the document. Progress only grows.
 
-    `standing` has the error of each view, and why it is set aside if it is.
+    `statuses` has the error of each view, and why it is set aside if it is.
     """
     update = {
         "progress": max(document.estimate.progress, estimate.progress),
@@ -150,35 +149,35 @@ def with_view(
     return document.model_copy(
         update={
             "next_index": view.index + 1,
-            "views": _standing(views, standing),
+            "views": _with_statuses(views, statuses),
             "estimate": estimate.model_copy(update=update),
             "target": None if target is None else dict(target),
             "skipped": (),
-            "unreached": unreached[-MOST_SKIPPED:],
+            "unreached": unreached[-MAX_SKIPPED_TARGETS:],
             "doubted": (),
         }
     )
 
 
-def with_doubt(document: SessionDocument, view: ViewRequest) -> SessionDocument | None:
-    """Return the document with a refused view kept as a witness; None when it is known already.
+def with_quarantined(document: SessionDocument, view: ViewRequest) -> SessionDocument | None:
+    """Keep a refused view in quarantine; None when it is there already.
 
-    Nobody sees it, and it never becomes part of the result: when more views like it come, it was the accepted
-    ones that were wrong.
+    Nobody sees it, and it never becomes part of the result. When more views like it come, the accepted ones
+    were wrong.
     """
-    witness = ViewDocument(index=view.index, ids=view.ids, points=view.points)
-    if any(_corners(known) == _corners(view) for known in document.doubted):
+    quarantined = ViewDocument(index=view.index, ids=view.ids, points=view.points)
+    if any(_view_fingerprint(known) == _view_fingerprint(view) for known in document.doubted):
         return None
-    return document.model_copy(update={"doubted": (*document.doubted, witness)[-MOST_DOUBTED:]})
+    return document.model_copy(update={"doubted": (*document.doubted, quarantined)[-MAX_QUARANTINED_VIEWS:]})
 
 
-def undo(document: SessionDocument, index: int) -> tuple[ViewDocument, ...] | None:
-    """Return the views without the one of `index`; None when it was undone before.
+def without_view(document: SessionDocument, index: int) -> tuple[ViewDocument, ...] | None:
+    """Remove the view of `index` and return the others; None when it was undone before.
 
     Raises ConflictError on a converged session, NotFoundError for an index that no view ever had.
     """
     if document.finish is not None:
-        raise _converged()
+        raise _already_converged()
     if index >= document.next_index:
         raise NotFoundError("No view was accepted under this index.", kind="no-view")
     left = tuple(view for view in document.views if view.index != index)
@@ -189,13 +188,13 @@ def with_views(
     document: SessionDocument,
     views: tuple[ViewDocument, ...],
     estimate: EstimateDocument,
-    standing: Sequence[Standing],
+    statuses: Sequence[ViewStatus],
     target: Mapping[str, JsonValue],
 ) -> SessionDocument:
-    """Return the document with `views` alone. Progress is what they are worth."""
+    """Replace the views of the document; progress is what these are worth."""
     return document.model_copy(
         update={
-            "views": _standing(views, standing),
+            "views": _with_statuses(views, statuses),
             "estimate": estimate,
             "target": dict(target),
             "skipped": (),
@@ -204,23 +203,23 @@ def with_views(
 
 
 def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> SessionDocument:
-    """Return the document with `target` open."""
+    """Open `target` in the document."""
     return document.model_copy(update={"target": dict(target)})
 
 
 def without_target(document: SessionDocument) -> SessionDocument:
-    """Return the document with no target open, the one that was among those the user did not want."""
+    """Close the open target and count it among those the user did not want."""
     unwanted = document.skipped if document.target is None else (*document.skipped, document.target)
-    return document.model_copy(update={"target": None, "skipped": unwanted[-MOST_SKIPPED:]})
+    return document.model_copy(update={"target": None, "skipped": unwanted[-MAX_SKIPPED_TARGETS:]})
 
 
 def require_open(document: SessionDocument) -> None:
     """Raise ConflictError when the session has converged."""
     if document.finish is not None:
-        raise _converged()
+        raise _already_converged()
 
 
-def finished(
+def with_finish(
     document: SessionDocument,
     now: int,
     contributor: str,
@@ -228,7 +227,7 @@ def finished(
     report: Mapping[str, JsonValue] | None = None,
     source: str | None = None,
 ) -> SessionDocument:
-    """Return the document with its end fixed: everything that publishing it needs.
+    """End the session: fix everything that publishing it needs.
 
     The calibration's id follows from the session, and sorts by the time at which it was started: however
     often it is published, it is one calibration.
@@ -246,8 +245,8 @@ def finished(
     return document.model_copy(update=ended)
 
 
-def calibration(document: SessionDocument) -> CalibrationDocument:
-    """Return the calibration that a converged session is."""
+def to_calibration(document: SessionDocument) -> CalibrationDocument:
+    """Make the calibration of a converged session."""
     finish, fit = document.finish, document.estimate.fit
     if finish is None or fit is None:
         raise ValueError("the session has not converged")
@@ -275,17 +274,19 @@ def calibration(document: SessionDocument) -> CalibrationDocument:
     )
 
 
-def _standing(views: tuple[ViewDocument, ...], standing: Sequence[Standing]) -> tuple[ViewDocument, ...]:
+def _with_statuses(
+    views: tuple[ViewDocument, ...], statuses: Sequence[ViewStatus]
+) -> tuple[ViewDocument, ...]:
     return tuple(
         v.model_copy(update={"rms": rms, "set_aside": aside})
-        for v, (rms, aside) in zip(views, standing, strict=True)
+        for v, (rms, aside) in zip(views, statuses, strict=True)
     )
 
 
-def _corners(view: ViewDocument | ViewRequest) -> dict[int, tuple[float, float]]:
-    """Return what a view is, whichever order its corners are named in."""
+def _view_fingerprint(view: ViewDocument | ViewRequest) -> dict[int, tuple[float, float]]:
+    """Return the corners by id, the same in whichever order they were sent."""
     return dict(zip(view.ids, view.points, strict=True))
 
 
-def _converged() -> ConflictError:
+def _already_converged() -> ConflictError:
     return ConflictError("The session has converged.", kind="converged")
