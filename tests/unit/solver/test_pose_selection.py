@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from calibsolver import Board, Camera
+from calibsolver import Board, Camera, models, rotation
 from calibsolver.guidance import PoseSelection
-from calibsolver.guidance.distorted_region import Box, find_next_region
+from calibsolver.guidance.distorted_region import Box, displacement, find_next_region
 from calibsolver.guidance.overlap import jaccard_index
 from calibsolver.guidance.pose_selection import subdivided_tilt_deg
 from tests.helpers.solver import peers, synthetic
@@ -27,6 +27,52 @@ def test_the_first_two_poses() -> None:
     second = guide.next_pose([view], None)
     np.testing.assert_allclose(second.rvec, 0, atol=0.01)
     assert np.ptp(second.outline[:, 1]) == pytest.approx(720, rel=0.01)
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_second_pose_fills_the_picture_for_every_model(model: str) -> None:
+    """As far as the board's shape allows: 0.84 of the width where nothing is distorted."""
+    camera = synthetic.rectilinear_cameras()[6]
+    guide = PoseSelection(Board(), SIZE, model)
+    first = guide.next_pose([], None)
+    view = synthetic.seen(Board(), camera, first.rvec, first.tvec, np.random.default_rng(0))
+    target = guide.next_pose([view], None)
+    assert target.purpose == "to fill the picture"
+    assert 0.75 <= np.ptp(target.outline[:, 0]) / SIZE[0] <= 0.9
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_target_for_the_principal_point_is_shifted_by_a_twentieth_of_the_image(model: str) -> None:
+    """Each camera with its own focal length, px per radian at the axis."""
+    k = models.get(model).start(900.0, SIZE)
+    camera = Camera.from_intrinsics(model, k, SIZE)
+    target = PoseSelection(Board(), SIZE, model).tilted_target(2, 0, camera)
+    center = rotation.matrix(target.rvec) @ Board().outline.mean(axis=0) + target.tvec
+    shift = camera.project(center[None])[0] - camera.intrinsics[2:4]
+    np.testing.assert_allclose(shift, [0.05 * SIZE[0], 0], atol=1)
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_distortion_vanishes_at_the_axis_of_every_model(model: str) -> None:
+    """Against a pinhole of the camera's focal length: 0 at the axis, less than 1 % of the radius around it."""
+    k = models.get(model).start(900.0, SIZE)
+    camera = Camera.from_intrinsics(model, k, SIZE)
+    field = displacement(camera, SIZE[0] // 20, SIZE[1] // 20)
+    x, y = np.meshgrid(np.arange(64) * 20 + 9.5, np.arange(36) * 20 + 9.5)
+    radius = np.hypot(x - k[2], y - k[3])
+    near = radius < 100
+    assert (field[near] < 0.01 * radius[near]).all()
+
+
+@pytest.mark.parametrize(
+    ("model", "distortion"),
+    [("rectilinear", [0] * 5), ("rational", [0] * 8), ("omnidirectional", [0] * 5)],
+)
+def test_pinhole_of_every_model_is_not_distorted(model: str, distortion: list[float]) -> None:
+    """A fisheye lens is never one: without coefficients it is equidistant."""
+    matrix = np.array([[900, 0, 640], [0, 910, 360], [0, 0, 1.0]])
+    camera = Camera(model, matrix, np.array(distortion, dtype=float), SIZE)
+    assert displacement(camera, 64, 36).max() < 1e-9
 
 
 def test_the_most_distorted_region_comes_first_and_once() -> None:

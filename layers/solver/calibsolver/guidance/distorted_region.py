@@ -63,9 +63,9 @@ def displacement(camera: Camera, columns: int, rows: int) -> Array:
     x, y = (np.arange(columns) + 0.5) * w / columns - 0.5, (np.arange(rows) + 0.5) * h / rows - 0.5
     q = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     ray = camera.unproject(q)
-    (fx, _, cx), (_, fy, cy), _ = camera.matrix
+    center = camera.intrinsics[2:4]
     with np.errstate(all="ignore"):
-        pinhole = ray[:, :2] / ray[:, 2:] * (fx, fy) + (cx, cy)
+        pinhole = ray[:, :2] / ray[:, 2:] * camera.focal + center
         distance = np.linalg.norm(pinhole - q, axis=1)
     distance = np.where(ray[:, 2] > 0.05, distance, np.nan)
     largest = np.nanmax(distance) if np.isfinite(distance).any() else 1.0

@@ -109,6 +109,10 @@ class PoseSelection:
             return self._fronto_parallel_target(
                 region, camera, f"to measure {self.model.coefficients[parameter - 4]}"
             )
+        return self.tilted_target(parameter, times, camera)
+
+    def tilted_target(self, parameter: int, times: int, camera: Camera) -> TargetPose:
+        """Target for fx, fy, cx or cy, by its index, that has had `times` targets before."""
         # fx and cx are seen in a tilt about the upright axis, fy and cy in one about the other.
         axis = np.array([0.0, 1.0, 0.0]) if parameter % 2 == 0 else np.array([1.0, 0.0, 0.0])
         r = rotation.matrix(np.radians(subdivided_tilt_deg(times)) * axis)
@@ -117,7 +121,7 @@ class PoseSelection:
             side = SHIFT_SHARE * (1 if times % 2 == 0 else -1)
             shift_px = side * np.array(self.img_size) * axis[[1, 0]]
             z = DISTANCE_LENGTHS * max(self.board.size)
-            t = t + np.array([*(shift_px / np.diagonal(camera.matrix)[:2] * z), 0.0])
+            t = t + np.array([*(shift_px / camera.focal * z), 0.0])
         return self._target(r, t, camera, f"to measure {INTRINSICS[parameter]}")
 
     def is_reached(self, target: TargetPose, view: View) -> bool:
@@ -197,7 +201,7 @@ class PoseSelection:
         if not np.isfinite(ray).all():
             ray = np.array([0.0, 0.0, 1.0])
         r = rotation.rotation_to_ray(ray)
-        distance = columns * camera.matrix[0, 0] / width
+        distance = columns * camera.focal[0] / width
         return self._target(r, ray * distance - r @ self.board.outline.mean(axis=0), camera, purpose)
 
     def _target(self, r: Array, t: Array, camera: Camera, purpose: str) -> TargetPose:
