@@ -261,3 +261,11 @@ def test_exclusions_are_read_from_records_of_views() -> None:
     reason = {"reason": "outlier", "detail": "Its corners are wrong."}
     found = exclusions([{"set_aside": None}, {"set_aside": reason}, {"ids": [1, 2]}])
     assert found == {1: Exclusion("outlier", "Its corners are wrong.")}
+
+
+@pytest.mark.parametrize("xi", [1.0, -1.0])
+def test_seed_with_an_unbelievable_focal_length_is_not_used(xi: float) -> None:
+    """0.06 image widths, though the camera matrix says 0.12; and infinite."""
+    matrix = np.array([[0.12 * 1280, 0, 640], [0, 0.12 * 1280, 360], [0, 0, 1]])
+    seed = Camera("omnidirectional", matrix, np.array([xi, 0, 0, 0, 0]), (1280, 720))
+    assert Capture(BOARD, (1280, 720), "omnidirectional", seed=seed).seed is None

@@ -101,7 +101,9 @@ class Capture:
         (w, h), k = self.img_size, seed.intrinsics
         if (seed.model, seed.img_size) != (self.model, self.img_size) or not np.isfinite(k).all():
             return False
-        return bool(0.1 * w < k[0] < 20 * w and abs(k[2] - w / 2) < w / 4 and abs(k[3] - h / 2) < h / 4)
+        with np.errstate(all="ignore"):
+            focal = seed.focal[0]
+        return bool(0.1 * w < focal < 20 * w and abs(k[2] - w / 2) < w / 4 and abs(k[3] - h / 2) < h / 4)
 
     def camera(self, estimate: Estimate | None) -> Camera:
         """Camera to draw with: the estimate's, or the initial one where there is none."""
