@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from calibsolver import fit
-from calibsolver.consensus.agreement import compare, gather, without_two
-from calibsolver.consensus.pooling import Member, by_chance, pool
+from calibsolver.consensus.agreement import compare, forward_search, max_leave_two_out_shift
+from calibsolver.consensus.pooling import Member, null_quantile, pool
 from tests.helpers.data import external_data
 from tests.helpers.solver import attacks, specimens, synthetic
 
@@ -40,8 +40,8 @@ def test_the_same_share_of_honest_ones_hangs_on_two_however_many_they_are(contri
     refused, sets = 0, 1000
     for _ in range(sets):
         x = rng.normal(size=(contributors, 1))
-        far, others = without_two(x)
-        refused += far > by_chance(contributors) * float(np.std(x[others], ddof=1))
+        far, others = max_leave_two_out_shift(x)
+        refused += far > null_quantile(contributors) * float(np.std(x[others], ddof=1))
     assert 0.09 < refused / sets < 0.16
 
 
@@ -78,4 +78,6 @@ def test_the_order_of_calibrations_does_not_matter() -> None:
     c = [fit(specimens.views(attacks.vary(camera, 0.002, rng), rng), camera.img_size) for _ in range(6)]
     order = rng.permutation(6)
     np.testing.assert_allclose(compare([c[i] for i in order]), compare(c)[np.ix_(order, order)], atol=1e-9)
-    assert {int(order[i]) for i in gather([c[i] for i in order], 12.8, 0.8)} == set(gather(c, 12.8, 0.8))
+    assert {int(order[i]) for i in forward_search([c[i] for i in order], 12.8, 0.8)} == set(
+        forward_search(c, 12.8, 0.8)
+    )

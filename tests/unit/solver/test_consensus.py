@@ -7,7 +7,7 @@ import pytest
 
 from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
-from calibsolver.consensus.pooling import Member, Rule, balanced, pool
+from calibsolver.consensus.pooling import Member, Rule, balance_contributors, pool
 from tests.helpers.data import available, corner_views
 from tests.helpers.solver import specimens, synthetic
 
@@ -81,9 +81,11 @@ def test_three_who_return_do_not_overrule_those_who_came_once(honest: list[Membe
 def test_in_the_pooled_fit_a_contributor_weighs_no_more_than_most(honest: list[Member]) -> None:
     many = [Member(m.id, "many", m.views) for m in honest[2:]]
     rule = Rule(min_contributors=3)
-    kept = balanced([*many, *honest[:2]], rule)
+    kept = balance_contributors([*many, *honest[:2]], rule)
     assert [m.id for m in kept] == ["m2", "m0", "m1"]
-    assert balanced([*many, *honest[:2]], Rule()) == [*many, *honest[:2]], "where nobody is told apart, all"
+    assert balance_contributors([*many, *honest[:2]], Rule()) == [*many, *honest[:2]], (
+        "where nobody is told apart, all"
+    )
 
 
 def test_of_one_there_is_no_spread(honest: list[Member]) -> None:

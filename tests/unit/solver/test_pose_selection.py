@@ -54,7 +54,7 @@ def test_target_for_the_principal_point_is_shifted_by_a_twentieth_of_the_image(m
 
 @pytest.mark.parametrize("model", models.NAMES)
 def test_distortion_vanishes_at_the_axis_of_every_model(model: str) -> None:
-    """Against a pinhole of the camera's focal length: 0 at the axis, less than 1 % of the radius around it."""
+    """Against a pinhole of the camera's focal length: 0 at the axis, below 1 % of the radius around it."""
     k = models.get(model).start(900.0, SIZE)
     camera = Camera.from_intrinsics(model, k, SIZE)
     field = displacement(camera, SIZE[0] // 20, SIZE[1] // 20)

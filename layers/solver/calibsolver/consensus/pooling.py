@@ -1,4 +1,4 @@
-"""What all calibrations of one camera agree on."""
+"""Pooling of the calibrations of one camera into a consensus, and the rule by which it is reliable."""
 
 import math
 from collections import Counter
@@ -8,7 +8,6 @@ from typing import Literal
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
@@ -16,55 +15,62 @@ from ..fitting.calibration import Calibration
 from ..fitting.fit import fit, fit_again
 from ..fitting.resection import reprojection_score
 from ..view import View
-from .agreement import FEWEST, compare, groups, sway
+from .agreement import MIN_LEAVE_TWO_OUT_CONTRIBUTORS, compare, leave_two_out_influence, split_into_groups
 
-Doubt = Literal["too_few", "disagree", "few_contributors"]
+UnreliableReason = Literal["too_few", "disagree", "few_contributors"]
 
 FOLDS = 5
 """Parts of a group that are left out in turn."""
+MAX_INFLUENCE_WIDTHS = 0.0004
+"""Leave-two-out influence on the answer / image width, where contributors are told apart: half a pixel of
+1,280; or, where specimens differ, `null_quantile` times the others' spread beyond their noise."""
+NULL_QUANTILES, NULL_QUANTILE_SCALE = (3.0, 1.73, 1.23, 0.97, 0.81, 0.7), 5.5
+"""Leave-two-out influence / spread of the others that seven of eight honest sets do not exceed by chance.
 
-
-SWAY = 0.0004
-"""Where contributors are told apart, no two of them may together move the answer by more than this share of
-the image's width, half a pixel of 1,280; or, where specimens differ, by `by_chance` times what the others do
-beyond their noise."""
-SWAY_BY_CHANCE, SWAY_OF_MANY = (3.0, 1.73, 1.23, 0.97, 0.81, 0.7), 5.5
-"""How far the two of five, six ... ten contributors that move the middle most do so, over the spread of the
-others, in seven of eight sets that differ along one direction by chance; of more, over their number - 2."""
-SWAY_OF_FEW = 3.5
-"""The same of three or four contributors, over the spread of the tightest majority."""
+The sets differ along one direction, and have five, six ... ten contributors; for larger ones the quantile
+is the scale / (contributors - 2)."""
+SMALL_SAMPLE_NULL_QUANTILE = 3.5
+"""The same of three or four contributors, over the spread of the densest majority."""
 
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """One calibration of the camera: its id, whoever counts as its contributor, its views."""
+    """Views of one calibration of the camera, with the ids of the calibration and of its contributor."""
 
     id: str
     contributor: str
     views: tuple[View, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A member and the calibration fitted to its views."""
+
+    member: Member
+    calibration: Calibration
+
+
 @dataclass(frozen=True)
 class Rule:
-    """When a consensus is called reliable.
+    """Thresholds from which a consensus is called reliable.
 
     Attributes
     ----------
     min_calibrations, min_contributors
         In the largest group that agrees.
     min_share
-        Of all calibrations that this group holds. Where contributors are told apart (`min_contributors` of 2
-        or more) each of them weighs the same, however many calibrations are theirs: in what is a majority,
-        in this share, and nobody has more calibrations in the pooled fit than half of the others have.
+        Share of all calibrations that this group holds. Where contributors are told apart (`min_contributors`
+        of 2 or more) each of them weighs the same, however many calibrations are theirs, in majorities and
+        in this share; and nobody has more calibrations in the pooled fit than half of the others have.
     max_focal_spread
         Standard deviation of fx / fx, and of fy / fy, within the group.
     max_center_spread
         Standard deviation of cx / width, and of cy / height.
     max_projection_spread
         Two calibrations agree where their projections differ by less than this, rms over the image after
-        the best rotation / image width; and by no more than those around them differ (`agreement.gather`).
+        the best rotation / image width; and by no more than those around them (`agreement.forward_search`).
     max_harmless_spread
-        Differences below this are not looked into: two fifths of the members, all off by it, would move the
+        Differences below this are accepted: two fifths of the members, all off by it, would move the
         pooled projections by less than half a pixel of 1,280.
     max_unexplained
         A member's views, its poses fitted to the others' intrinsics, may have an rms above that of its own
@@ -118,7 +124,7 @@ class Consensus:
     contributors: int
     reliable: bool
     total: int
-    reason: Doubt | None
+    reason: UnreliableReason | None
     groups: tuple[tuple[str, ...], ...]
     dropped: Mapping[str, str]
     spread: float
@@ -134,147 +140,149 @@ def pool(
     Raises CalibrationError (``no_members``, or what `fit` raises) where nothing believable comes out.
     """
     rule = rule or Rule()
-    fits: list[tuple[Member, Calibration]] = []
+    fits: list[Fitted] = []
     dropped: dict[str, str] = {}
     failure = CalibrationError("no_members", "there is no calibration to pool")
     for member in members:
         try:
-            fits.append((member, fit(member.views, img_size, model)))
+            fits.append(Fitted(member, fit(member.views, img_size, model)))
         except CalibrationError as error:
             dropped[member.id], failure = error.code, error
     if not fits:
         raise failure
     limits = rule.max_projection_spread * img_size[0], rule.max_harmless_spread * img_size[0]
-    weight = weights(members, rule)
-    parts = groups([c for _, c in fits], *limits, np.array([weight[m.id] for m, _ in fits]))
-    group = [fits[i] for i in parts[0]]
-    entering = balanced([member for member, _ in group], rule)
+    weights = member_weights(members, rule)
+    groups = [
+        [fits[i] for i in indices]
+        for indices in split_into_groups(
+            [f.calibration for f in fits], *limits, np.array([weights[f.member.id] for f in fits])
+        )
+    ]
+    group = groups[0]
+    entering = balance_contributors([f.member for f in group], rule)
     pooled = fit([view for member in entering for view in member.views], img_size, model)
-    errors = without_each(group, pooled.camera) if len(group) > 1 else np.empty(0)
-    contributors = len({member.contributor for member, _ in group})
-    reason = doubt(group, errors, members, img_size, rule)
+    errors = cross_validate_members(group, pooled.camera) if len(group) > 1 else np.empty(0)
+    reason = unreliable_reason(group, errors, members, img_size, rule)
     return Consensus(
         calibration=pooled,
-        members=tuple(m.id for m, _ in group),
-        contributors=contributors,
+        members=tuple(f.member.id for f in group),
+        contributors=len({f.member.contributor for f in group}),
         reliable=reason is None,
         total=len(members),
         reason=reason,
-        groups=tuple(tuple(fits[i][0].id for i in part) for part in parts),
+        groups=tuple(tuple(f.member.id for f in part) for part in groups),
         dropped=dropped,
-        spread=apart(pooled, [c for _, c in group]) if len(group) > 1 else math.nan,
-        member_errors={m.id: float(e) for (m, _), e in zip(group, errors, strict=False)},
-        held_out_error=overall(group, errors) if len(group) > 1 else math.nan,
+        spread=rms_spread(pooled, [f.calibration for f in group]) if len(group) > 1 else math.nan,
+        member_errors={f.member.id: float(e) for f, e in zip(group, errors, strict=False)},
+        held_out_error=pooled_rms(group, errors) if len(group) > 1 else math.nan,
     )
 
 
-def doubt(
-    group: Sequence[tuple[Member, Calibration]],
+def unreliable_reason(
+    group: Sequence[Fitted],
     errors: Array,
     members: Sequence[Member],
     img_size: tuple[int, int],
     rule: Rule,
-) -> Doubt | None:
-    """Why the group among `members` is not reliable; `errors` (m,) px of those in it, held out."""
+) -> UnreliableReason | None:
+    """Reason why the group among all `members` is not reliable; None where it is.
+
+    Parameters
+    ----------
+    errors
+        (m,) px rms of the group's members, each held out; empty where the group is one member.
+    """
     if len(members) < rule.min_calibrations:
         return "too_few"
-    weight = weights(members, rule)
-    share = sum(weight[member.id] for member, _ in group) / sum(weight.values())
+    weights = member_weights(members, rule)
+    share = sum(weights[f.member.id] for f in group) / sum(weights.values())
     if len(group) < rule.min_calibrations or share < rule.min_share - 1e-9:
         return "disagree"
-    own = np.array([c.avg_reprojection_error for _, c in group])
+    own = np.array([f.calibration.avg_reprojection_error for f in group])
     if len(group) > 1 and (errors > own + rule.max_unexplained * img_size[0]).any():
         return "disagree"
-    if not spread_within(group, img_size, rule):
+    if not is_spread_within(group, img_size, rule):
         return "disagree"
-    contributors = [member.contributor for member, _ in group]
+    contributors = [f.member.contributor for f in group]
     if len(set(contributors)) < rule.min_contributors:
         return "few_contributors"
     if rule.min_contributors > 1:
-        by_two, core = sway([c for _, c in group], contributors)
-        if by_two > max(SWAY * img_size[0], by_chance(len(set(contributors))) * core):
+        influence, spread = leave_two_out_influence([f.calibration for f in group], contributors)
+        by_chance = null_quantile(len(set(contributors))) * spread
+        if influence > max(MAX_INFLUENCE_WIDTHS * img_size[0], by_chance):
             return "disagree"
     return None
 
 
-def by_chance(contributors: int) -> float:
-    """How far two of so many may move the middle, over the spread of the others."""
-    if contributors < FEWEST:
-        return SWAY_OF_FEW
-    at = contributors - FEWEST
-    return SWAY_BY_CHANCE[at] if at < len(SWAY_BY_CHANCE) else SWAY_OF_MANY / (contributors - 2)
+def null_quantile(contributors: int) -> float:
+    """Quantile 7/8 of the leave-two-out influence of so many honest contributors / spread of the others."""
+    if contributors < MIN_LEAVE_TWO_OUT_CONTRIBUTORS:
+        return SMALL_SAMPLE_NULL_QUANTILE
+    i = contributors - MIN_LEAVE_TWO_OUT_CONTRIBUTORS
+    return NULL_QUANTILES[i] if i < len(NULL_QUANTILES) else NULL_QUANTILE_SCALE / (contributors - 2)
 
 
-def weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
-    """How much each member counts, by id: where contributors are told apart, all of one as much as one."""
+def member_weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
+    """Weight of each member by id: where contributors are told apart, those of one share a weight of 1."""
     if rule.min_contributors < 2:
         return {member.id: 1.0 for member in members}
     counts = Counter(member.contributor for member in members)
     return {member.id: 1 / counts[member.contributor] for member in members}
 
 
-def balanced(group: Sequence[Member], rule: Rule) -> list[Member]:
-    """Those that enter the pooled fit: of each contributor the first, no more than the median one has."""
+def balance_contributors(group: Sequence[Member], rule: Rule) -> list[Member]:
+    """Select the members for the pooled fit: each contributor's first ones, no more than the median count."""
     if rule.min_contributors < 2:
         return list(group)
     counts = Counter(member.contributor for member in group)
-    most = sorted(counts.values())[(len(counts) - 1) // 2]
+    median = sorted(counts.values())[(len(counts) - 1) // 2]
     entered: Counter[str] = Counter()
-    kept = []
+    selected = []
     for member in group:
         entered[member.contributor] += 1
-        if entered[member.contributor] <= most:
-            kept.append(member)
-    return kept
+        if entered[member.contributor] <= median:
+            selected.append(member)
+    return selected
 
 
-def apart(pooled: Calibration, group: Sequence[Calibration]) -> float:
+def rms_spread(pooled: Calibration, group: Sequence[Calibration]) -> float:
     """Root mean square over the group of the differences from the pooled projections, px."""
     return float(np.sqrt(np.mean(compare([pooled, *group])[0, 1:] ** 2)))
 
 
-def overall(group: Sequence[tuple[Member, Calibration]], errors: Array) -> float:
+def pooled_rms(group: Sequence[Fitted], errors: Array) -> float:
     """Root mean square over all points of the errors (m,) of members, px."""
-    points = [sum(len(view) for view in member.views) for member, _ in group]
+    points = [sum(len(view) for view in f.member.views) for f in group]
     return float(np.sqrt(np.average(errors**2, weights=points)))
 
 
-def spread_within(group: Sequence[tuple[Member, Calibration]], img_size: tuple[int, int], rule: Rule) -> bool:
-    """Whether focal lengths and principal points vary no more than the rule allows."""
-    k = np.stack([np.concatenate([magnification(c), c.camera.intrinsics[2:4]]) for _, c in group])
+def is_spread_within(group: Sequence[Fitted], img_size: tuple[int, int], rule: Rule) -> bool:
+    """Whether focal lengths, px per radian at the axis, and principal points vary no more than allowed."""
+    cameras = [f.calibration.camera for f in group]
+    k = np.stack([[*camera.focal, *camera.intrinsics[2:4]] for camera in cameras])
     std = k.std(axis=0)
     focal = std[:2] / k[:, :2].mean(axis=0)
     center = std[2:] / np.asarray(img_size)
     return bool((focal < rule.max_focal_spread).all() and (center < rule.max_center_spread).all())
 
 
-def magnification(calibration: Calibration) -> Array:
-    """Px per radian on the axis (2,): fx and fy, whatever else a model's coefficients scale them by.
-
-    The f of an omnidirectional camera is (1 + xi) times that, and xi of a narrow lens is anybody's guess.
-    """
-    camera = calibration.camera
-    _, _, by_p = models.get(camera.model).jacobian(camera.intrinsics, np.array([[0.0], [0.0], [1.0]]))
-    return np.array([by_p[0, 0, 0], by_p[1, 1, 0]])
-
-
-def without_each(group: Sequence[tuple[Member, Calibration]], pooled: Camera) -> Array:
+def cross_validate_members(group: Sequence[Fitted], pooled: Camera) -> Array:
     """Rms (m,), px, of each member's views under intrinsics fitted without it, the poses alone fitted anew.
 
-    With it up to a fifth of the group is left out, so that a large one takes no longer: `FOLDS` fits, each
-    from where that of all, `pooled`, ended. Infinite where the others alone give no fit.
+    At most FOLDS fits, each from where that of all, `pooled`, ended: with a member up to a fifth of the group
+    is left out, so that a large group takes no longer. Infinite where the others alone give no fit.
     """
     errors = np.full(len(group), np.inf)
-    views = [view for member, _ in group for view in member.views]
-    of = np.repeat(np.arange(len(group)), [len(member.views) for member, _ in group])
+    views = [view for f in group for view in f.member.views]
+    owner = np.repeat(np.arange(len(group)), [len(f.member.views) for f in group])
     poses = reprojection_score(pooled, views).poses
     for fold in range(min(FOLDS, len(group))):
-        left = range(fold, len(group), FOLDS)
-        others = np.flatnonzero(~np.isin(of, left))
+        held_out = range(fold, len(group), FOLDS)
+        others = np.flatnonzero(~np.isin(owner, held_out))
         try:
             camera = fit_again([views[i] for i in others], pooled, poses[others]).camera
         except CalibrationError:
             continue
-        for i in left:
-            errors[i] = reprojection_score(camera, group[i][0].views).rms
+        for i in held_out:
+            errors[i] = reprojection_score(camera, group[i].member.views).rms
     return errors
