@@ -7,7 +7,7 @@ from playwright.sync_api import Page
 WATCH = """async (frames) => {
   const { DEFAULT_BOARD, corners } = await import("/lib/board.js");
   const { Painter } = await import("/lib/virtual/painter.js");
-  const { project } = await import("/lib/virtual/lens.js");
+  const { projectionOf } = await import("/lib/virtual/lens.js");
   const { transform } = await import("/lib/pose.js");
   const { Detector } = await import("/lib/detector.js");
   const size = [1280, 720];
@@ -15,7 +15,7 @@ WATCH = """async (frames) => {
   const pose = { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] };
   const picture = new ImageData(...size);
   new Painter(DEFAULT_BOARD, lens, size).paint(pose, picture.data);
-  const truth = corners(DEFAULT_BOARD).map(([x, y]) => project(lens, transform(pose, [x, y, 0])));
+  const truth = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(lens).project(transform(pose, [x, y, 0])));
 
   const progress = [];
   const detector = await Detector.open(DEFAULT_BOARD, (part) => progress.push(part));

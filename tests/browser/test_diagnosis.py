@@ -19,7 +19,7 @@ def address(**more: object) -> str:
 WATCH = """async (faults) => {
   const { DEFAULT_BOARD } = await import("/lib/board.js");
   const { Painter } = await import("/lib/virtual/painter.js");
-  const { spoil } = await import("/lib/virtual/degrade.js");
+  const { degrade } = await import("/lib/virtual/degrade.js");
   const { Detector } = await import("/lib/detector.js");
   const { HEALTHY, diagnose, nextProbe } = await import("/calibrate/diagnosis.js");
   const size = [1280, 720];
@@ -30,7 +30,7 @@ WATCH = """async (faults) => {
     const picture = new ImageData(...size);
     const pose = { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, z] };
     new Painter({ ...DEFAULT_BOARD, ...board }, lens, size).paint(pose, picture.data);
-    if (fault) spoil(picture, fault);
+    if (fault) degrade(picture, fault);
     let state = HEALTHY;
     for (let time = 1000; time < 16000 && !state.trouble; time += 250) {
       const seen = await detector.detect(await createImageBitmap(picture), { probe: nextProbe(state, time) });

@@ -6,16 +6,16 @@ import { HEALTHY, PROBES, diagnose, nextProbe } from "../../web/calibrate/diagno
 import { blackSquares } from "../../web/lib/target-preview.js";
 import { exposure, sharpness, frameMetrics, moire } from "../../web/lib/frame-metrics.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
-import { project } from "../../web/lib/virtual/lens.js";
+import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { transform } from "../../web/lib/pose.js";
-import { smear, spoil } from "../../web/lib/virtual/degrade.js";
+import { degrade, smear } from "../../web/lib/virtual/degrade.js";
 
 const SIZE = [1280, 720];
 const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
 const POSES = [{ rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] }, { rvec: [0, 0, 0], tvec: [-4, -3, 7] }, { rvec: [0.7, -0.45, 0.1], tvec: [-4, -3, 14] }];
 const painter = new Painter(DEFAULT_BOARD, LENS, SIZE);
 const foundAt = (pose) => {
-  const points = corners(DEFAULT_BOARD).map(([x, y]) => project(LENS, transform(pose, [x, y, 0])));
+  const points = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transform(pose, [x, y, 0])));
   return { ids: points.map((_, id) => id), points };
 };
 function seen(pose, spoilt = () => {}) {
@@ -44,7 +44,7 @@ test("moiré shows in the white of the board, and sensor noise does not", () => 
   for (const pose of POSES) {
     const found = foundAt(pose);
     assert.ok(moire(seen(pose), DEFAULT_BOARD, found) < 0.01);
-    assert.ok(moire(seen(pose, (picture) => spoil(picture, "moire")), DEFAULT_BOARD, found) > 0.09);
+    assert.ok(moire(seen(pose, (picture) => degrade(picture, "moire")), DEFAULT_BOARD, found) > 0.09);
     const noisy = seen(pose);
     noisy.data.forEach((value, at) => (noisy.data[at] = Math.max(0, Math.min(255, value + 20 * (random() + random() + random() - 1.5)))));
     assert.ok(moire(noisy, DEFAULT_BOARD, found) < 0.05);
@@ -127,10 +127,10 @@ test("arrows go from the board as seen to the target, about what is said", () =>
 test("the ghost is the board, its rim included", () => {
   const { ids, points } = foundAt({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] });
   const flat = { ...LENS, k1: 0 };
-  const exact = corners(DEFAULT_BOARD).map(([x, y]) => project(flat, transform({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] }, [x, y, 0])));
+  const exact = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(flat).project(transform({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] }, [x, y, 0])));
   const squares = blackSquares(DEFAULT_BOARD, { ids, corners: exact });
   assert.equal(squares.length, 27);
-  const [x, y] = project(flat, [-4.5, -3, 12]);
+  const [x, y] = projectionOf(flat).project([-4.5, -3, 12]);
   assert.ok(squares.flat().some(([u, v]) => Math.hypot(u - x, v - y) < 1e-6), "the first corner");
   assert.equal(blackSquares(DEFAULT_BOARD, { ids: [], corners: [] }).length, 0);
   assert.equal(points.length, 40);

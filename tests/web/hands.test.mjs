@@ -8,7 +8,7 @@ import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { isEnough } from "../../web/calibrate/state.js";
 import { motion } from "../../web/calibrate/stillness.js";
 import { Hand } from "../../web/lib/virtual/hand.js";
-import { project } from "../../web/lib/virtual/lens.js";
+import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { matched } from "../../web/lib/virtual/match.js";
 import { seeded, transform } from "../../web/lib/pose.js";
 
@@ -26,7 +26,7 @@ function seen(pose, blur, random) {
   const points = [];
   if (blur === 0) {
     corners(DEFAULT_BOARD).forEach(([x, y], id) => {
-      const [u, v] = project(LENS, transform(pose, [x, y, 0]));
+      const [u, v] = projectionOf(LENS).project(transform(pose, [x, y, 0]));
       if (u < 4 || v < 4 || u > WIDTH - 5 || v > HEIGHT - 5) return;
       ids.push(id);
       points.push([u + NOISE * (random() - 0.5), v + NOISE * (random() - 0.5)]);

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { refine, refineCorner, squareSizes } from "../../web/lib/subpixel.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
-import { project } from "../../web/lib/virtual/lens.js";
+import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { transform } from "../../web/lib/pose.js";
 
 const SIZE = [640, 360];
@@ -14,7 +14,7 @@ function photograph(pose) {
   const rgba = new Uint8ClampedArray(4 * SIZE[0] * SIZE[1]);
   new Painter(DEFAULT_BOARD, LENS, SIZE).paint(pose, rgba);
   const data = Uint8Array.from({ length: SIZE[0] * SIZE[1] }, (_, index) => rgba[4 * index]);
-  const points = corners(DEFAULT_BOARD).map(([x, y]) => project(LENS, transform(pose, [x, y, 0])));
+  const points = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transform(pose, [x, y, 0])));
   return { image: { width: SIZE[0], height: SIZE[1], data }, points, ids: points.map((_, index) => index) };
 }
 

@@ -3,12 +3,12 @@ import { test } from "node:test";
 import { DEFAULT_BOARD, outline } from "../../web/lib/board.js";
 import { jaccard } from "../../web/calibrate/jaccard.js";
 import { advice, difference } from "../../web/calibrate/target.js";
-import { project } from "../../web/lib/virtual/lens.js";
+import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { misplaced, seeded, transform } from "../../web/lib/pose.js";
 
 const LENS = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 };
 const CENTRE = [4.5, 3, 0];
-const see = (pose) => outline(DEFAULT_BOARD).map(([x, y]) => project(LENS, transform(pose, [x, y, 0])));
+const see = (pose) => outline(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transform(pose, [x, y, 0])));
 /** The board turned so about its centre, which is there in the camera's frame. */
 function held(rvec, centre) {
   const turned = transform({ rvec, tvec: [0, 0, 0] }, CENTRE);

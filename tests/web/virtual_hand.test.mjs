@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { HANDS, Hand } from "../../web/lib/virtual/hand.js";
-import { project } from "../../web/lib/virtual/lens.js";
+import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { matched } from "../../web/lib/virtual/match.js";
 import { transform } from "../../web/lib/pose.js";
 
@@ -10,7 +10,7 @@ const LENS = { fx: 640, fy: 640, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0,
 const PIVOT = [4.5, 3, 0];
 const START = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
 const TARGET = { rvec: [0.5, -0.4, 0.1], tvec: [-3, -2, 9] };
-const see = (lens, pose) => corners(DEFAULT_BOARD).map(([x, y]) => project(lens, transform(pose, [x, y, 0])));
+const see = (lens, pose) => corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(lens).project(transform(pose, [x, y, 0])));
 const ids = corners(DEFAULT_BOARD).map((_, id) => id);
 const rms = (a, b) => Math.sqrt(a.reduce((sum, [x, y], i) => sum + (x - b[i][0]) ** 2 + (y - b[i][1]) ** 2, 0) / a.length);
 const hand = (kind, error = 0) => new Hand(kind, { error, seed: 3, pivot: PIVOT, focal: LENS.fx, start: START });

@@ -9,12 +9,12 @@ export { isVirtual };
 
 /**
  * @typedef {import("../board.js").Board} Board
- * @typedef {import("./lens.js").Lens} Lens
+ * @typedef {import("./lens.js").LensParameters} LensParameters
  * @typedef {import("../pose.js").Pose} Pose
  *
  * @typedef {object} Setup
  * @property {[number, number]} size px
- * @property {Lens} lens
+ * @property {LensParameters} lens
  * @property {number} error how clumsy the hand is: 0 not at all, 1 about 3° and 3 % of the distance
  * @property {number} seed of the hand
  * @property {string} hand whose it is, of `HANDS`

@@ -1,4 +1,4 @@
-// What can be wrong with a picture, done to one: for trying out how a page finds it.
+// Faults of pictures, added to one: darkness, blur, moiré. With them pages are shown what they must diagnose.
 
 /** @typedef {{width: number, height: number, data: Uint8ClampedArray}} Picture rgba, grey */
 
@@ -9,11 +9,11 @@ const SHADES = {
   moire: (value, x, y) => value * (0.85 + 0.15 * Math.sin(0.35 * x + 0.21 * y)),
 };
 
-/** What may be asked for. */
+/** Names of the faults. */
 export const FAULTS = [...Object.keys(SHADES), "blurred", "mirrored"];
 
-/** @param {Picture} picture changed in place @param {string} fault */
-export function spoil(picture, fault) {
+/** Adds a fault to a picture. @param {Picture} picture changed in place @param {string} fault */
+export function degrade(picture, fault) {
   if (fault === "blurred") {
     for (const along of [1, picture.width, 1, picture.width]) smear(picture, 13, along);
     return;

@@ -1,24 +1,26 @@
 // A person does not read numbers: the board is held so that it covers its outline, whatever lens the target was drawn for.
 import { corners as boardCorners } from "../board.js";
-import { project } from "./lens.js";
+import { projectionOf } from "./lens.js";
 import { minimize } from "../least-squares.js";
 import { transform } from "../pose.js";
 
 /**
  * @typedef {import("../pose.js").Pose} Pose
- * @typedef {import("./lens.js").Lens} Lens
+ * @typedef {import("./lens.js").LensParameters} LensParameters
  */
 
+const UNSEEN = 1e3; // px, residual of a corner that the lens does not see
 const ENOUGH = 12; // corners; more would say the same, slower
 
 /**
  * The pose in which this lens sees the board's corners nearest to where they are asked for.
- * @param {import("../board.js").Board} board @param {Lens} lens
+ * @param {import("../board.js").Board} board @param {LensParameters} lens
  * @param {Pose & {ids?: readonly number[], corners?: readonly (readonly number[])[]}} target
  * @returns {Pose} the target's own where it shows too little of the board
  */
 export function matched(board, lens, { rvec, tvec, ids = [], corners = [] }) {
   if (ids.length < 6) return { rvec, tvec };
+  const { project } = projectionOf(lens);
   const places = boardCorners(board);
   const every = Math.max(1, Math.floor(ids.length / ENOUGH));
   const used = ids.map((_, index) => index).filter((index) => index % every === 0 || index === ids.length - 1);
@@ -29,9 +31,8 @@ export function matched(board, lens, { rvec, tvec, ids = [], corners = [] }) {
     return points.flatMap((point, n) => {
       const index = used[n];
       const p = transform(pose, point);
-      if (p[2] < 0.1) return [1e3, 1e3];
-      const [u, v] = project(lens, p);
-      return [u - corners[index][0], v - corners[index][1]];
+      const pixel = p[2] < 0.1 ? null : project(p);
+      return pixel ? [pixel[0] - corners[index][0], pixel[1] - corners[index][1]] : [UNSEEN, UNSEEN];
     });
   };
   const at = minimize(residuals, [...rvec, ...tvec]);

@@ -1,10 +1,10 @@
 // The virtual camera's painter in a Worker: a hundred milliseconds a picture would stop the page.
 import { Painter } from "./painter.js";
-import { smear, spoil } from "./degrade.js";
+import { degrade, smear } from "./degrade.js";
 
 /**
  * @typedef {import("../board.js").Board} Board
- * @typedef {import("./lens.js").Lens} Lens
+ * @typedef {import("./lens.js").LensParameters} LensParameters
  * @typedef {import("../pose.js").Pose} Pose
  */
 
@@ -16,7 +16,7 @@ let size = [0, 0];
 let fault = "";
 
 /**
- * @typedef {{open: {board: Board, lens: Lens, size: [number, number], fault: string}}} Open
+ * @typedef {{open: {board: Board, lens: LensParameters, size: [number, number], fault: string}}} Open
  * @typedef {{pose: Pose | null, blur: number}} Frame blur: px, across for even numbers, down for odd ones
  */
 
@@ -31,6 +31,6 @@ self.onmessage = ({ data }) => {
   const picture = new ImageData(...size);
   painter?.paint(data.pose, picture.data);
   if (data.blur > 0) smear(picture, data.blur, data.blur % 2 ? size[0] : 1);
-  if (fault) spoil(picture, fault);
+  if (fault) degrade(picture, fault);
   self.postMessage({ picture }, { transfer: [picture.data.buffer] });
 };

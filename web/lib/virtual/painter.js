@@ -1,11 +1,11 @@
 // Paints the board as a camera with a known lens sees it. Pure: numbers in, pixels out.
 import { raster } from "../board-drawing.js";
 import { rotationMatrix } from "../pose.js";
-import { unproject } from "./lens.js";
+import { projectionOf } from "./lens.js";
 
 /**
  * @typedef {import("../board.js").Board} Board
- * @typedef {import("./lens.js").Lens} Lens
+ * @typedef {import("./lens.js").LensParameters} LensParameters
  * @typedef {import("../pose.js").Pose} Pose
  */
 
@@ -25,9 +25,10 @@ export class Painter {
   /** @type {Float32Array} board coordinates at two rows of pixel corners */
   #rows;
 
-  /** @param {Board} board @param {Lens} lens @param {[number, number]} size px */
+  /** @param {Board} board @param {LensParameters} lens @param {[number, number]} size px */
   constructor(board, lens, size) {
     const [width, height] = size;
+    const { unproject } = projectionOf(lens);
     this.#size = size;
     this.#texture = raster(board, TEXELS, BORDER);
     this.#even = evenness(this.#texture);
@@ -35,9 +36,9 @@ export class Painter {
     this.#rays = new Float32Array(2 * (width + 1) * (height + 1));
     for (let y = 0, at = 0; y <= height; y++) {
       for (let x = 0; x <= width; x++, at += 2) {
-        const ray = unproject(lens, x - 0.5, y - 0.5);
-        this.#rays[at] = ray ? ray[0] : NaN;
-        this.#rays[at + 1] = ray ? ray[1] : NaN;
+        const ray = unproject([x - 0.5, y - 0.5]);
+        this.#rays[at] = ray ? ray[0] / ray[2] : NaN;
+        this.#rays[at + 1] = ray ? ray[1] / ray[2] : NaN;
       }
     }
   }
