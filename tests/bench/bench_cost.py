@@ -1,4 +1,4 @@
-"""What is asked of AWS, at list prices: `make cost` prints the parts."""
+"""Costs of a lookup and of a calibration at AWS list prices."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What many requests leave behind, and many captures at once. `make bench DOCS=load` is the long version."""
+"""Memory and files after many requests, and many captures at once. `make bench DOCS=load` is the long version."""
 
 import http.client
 import json

@@ -1,4 +1,4 @@
-"""What no guidance can undercut: views chosen with the true camera known, and all of them together."""
+"""Lower bound of any guidance: views chosen with the true camera known, and all of them together."""
 
 import numpy as np
 

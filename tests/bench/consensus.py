@@ -58,7 +58,7 @@ def poisoning(cameras: int) -> str:
 
 @dataclass(frozen=True)
 class Tried:
-    """What became of one camera; `moved` px and the `spread` that the answer states, px.
+    """Consensus of one camera; `moved` px and the `spread` that the answer states, px.
 
     `by_honest`: px that honest ones in the liars' place moved it by, None where no answer was reliable.
     """

@@ -36,7 +36,7 @@ class Corners:
 
     @property
     def training(self) -> list[View]:
-        """What the training error is taken on: all views, or those that its authors trained on."""
+        """Views of the training error: all, or those that the set's authors trained on."""
         return [v for v, part in zip(self.views, self.split, strict=True) if part < 0] or list(self.views)
 
     def parts(self) -> Iterator[tuple[list[View], list[View]]]:

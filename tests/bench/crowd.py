@@ -18,7 +18,7 @@ from tests.helpers.stack.processes import LocalProcess
 
 
 def missing_or_double(data_dir: Path, heard: list[CaptureRecord]) -> list[str]:
-    """Return what is wrong with what a server, by now stopped, has kept; nothing, where all is there once."""
+    """List the captures that a stopped server lost or stored twice."""
     with LocalStack(data_dir) as stack:
         store = Store.of(Settings.from_environment(stack.environment))
         documents = {document.id: document for document in store.calibrations.all()}

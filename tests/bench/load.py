@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 
 @dataclass(frozen=True)
 class Load:
-    """What was measured, ms: `each`, the wall time over the number of requests, and `latencies`, sorted."""
+    """Measurements, ms: `each`, the wall time over the number of requests, and `latencies`, sorted."""
 
     each: float
     latencies: list[float]

@@ -47,7 +47,7 @@ Asked = dict[str, Any]
 
 @dataclass(frozen=True)
 class Both:
-    """What was asked, what the service answers (None: a miss), what the file does, and how large it is."""
+    """Requests, the answers of the service (None: a miss) and of the file, and the file's size."""
 
     asked: list[Asked]
     told: list[Any]

@@ -19,7 +19,7 @@ FLAT = ((0.01, 0.0, 0.0),)
 
 
 def views(count: int = 3, seed: int = 100, fx: float = 950.0, tilts: Any = TILTS) -> list[dict[str, Any]]:
-    """What a camera with this focal length sees of a board held by hand."""
+    """Views of a board held by hand, through a camera with this focal length."""
     seen = held(Truth(fx=fx, fy=fx - 2, seed=seed), count, tilts)
     return [{"ids": ids, "points": points} for ids, points in seen]
 

@@ -1,4 +1,4 @@
-"""Where contributors can be told apart, as on AWS: by where they are, whatever their tokens."""
+"""Contributors told apart by source address, as on AWS, whatever their tokens."""
 
 import itertools
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""What is asked of AWS stays affordable, by calls and sizes measured and prices written down."""
+"""Price of calls to AWS, by calls and sizes measured here and prices written down."""
 
 import pytest
 import yaml

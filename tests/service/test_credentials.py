@@ -1,4 +1,4 @@
-"""Who may call what: missing credentials are 401, wrong ones 403, on every call."""
+"""Credentials: missing ones are 401, wrong ones 403, on every call."""
 
 import time
 

@@ -20,7 +20,7 @@ TOKEN = {"authorization": "Bearer cdb_dev_local"}
 
 @dataclass
 class Ledger:
-    """What clients were told."""
+    """Answers that clients received."""
 
     started: dict[str, Any] = field(default_factory=dict)  # session id -> state
     forgotten: set[str] = field(default_factory=set)
@@ -55,7 +55,7 @@ def write_until_cut_off(url: str, ledger: Ledger, worker: int) -> None:
 
 
 def dangling_pointers(data_dir: Path) -> tuple[int, list[str]]:
-    """How many running sessions the index names, and which of them point to no object."""
+    """Number of running sessions in the index, and those that point to no object."""
     with LocalStack(data_dir) as stack:
         table, bucket = stack.environment["TABLE_NAME"], stack.environment["BUCKET_NAME"]
         pages = boto3.client("dynamodb").get_paginator("scan").paginate(TableName=table)

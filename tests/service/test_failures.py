@@ -179,7 +179,7 @@ def test_an_upload_that_breaks_off_changes_nothing(stack: LocalStack, share: flo
 
 
 def test_an_object_that_the_index_never_named_is_in_nobodys_way(stack: LocalStack) -> None:
-    """What a crash between the two writes leaves: a version of the session that nothing points to."""
+    """A crash between the two writes leaves a version of the session that nothing points to."""
     client = Client(stack)
     client.open()
     pose = client.pose().json

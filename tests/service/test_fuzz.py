@@ -93,7 +93,7 @@ POINT = st.tuples(st.floats(-0.5, 1279.5), st.floats(-0.5, 719.5))
 
 
 def board_in(quad: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Where the 8 x 5 corners lie when the outer four lie at `quad`, be it a sliver or a bow tie."""
+    """Positions of the 8 x 5 corners when the outer four lie at `quad`, be it a sliver or a bow tie."""
     outer = np.array([(0, 0), (7, 0), (7, 4), (0, 4)], np.float32)
     inside = np.array([[(column, row)] for row in range(5) for column in range(8)], np.float32)
     homography = cv2.getPerspectiveTransform(outer, np.array(quad, np.float32))

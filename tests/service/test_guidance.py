@@ -1,4 +1,4 @@
-"""What a capture says over HTTP: hints, views set aside, advice, the report, and what others measured."""
+"""Guidance over HTTP: hints, excluded views, advice, the report, and the seed from other captures."""
 
 import json
 

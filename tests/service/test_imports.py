@@ -80,7 +80,7 @@ def deployed() -> dict[str, tuple[str, ...]]:
 
 
 def contents(layer: str) -> Iterator[Path]:
-    """What `make layers` puts into a layer, as it is installed here."""
+    """Files that `make layers` puts into a layer, as they are installed here."""
     yield from (p for p in (ROOT / "layers" / layer).iterdir() if (p / "__init__.py").exists())
     lock = (ROOT / "layers" / layer / "requirements.lock").read_text()
     for name in re.findall(r"(?m)^([\w.-]+)==", lock):

@@ -163,7 +163,7 @@ def test_a_second_id_under_a_name_ends_what_the_name_alone_says(
 def test_an_invented_id_does_not_keep_another_from_its_name(
     stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What is calibrated under a name answers an id of which nothing is known, but for another's name."""
+    """A calibration under a name answers for an unknown id, but not for an id under another name."""
     monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
     label = "Onefold X4"
     store.calibrations.publish(calibration(label))

@@ -1,4 +1,4 @@
-"""What happens is counted, as CloudWatch reads it, and only where CloudWatch is."""
+"""Metrics in CloudWatch's embedded format, written only on AWS."""
 
 import json
 from typing import Any

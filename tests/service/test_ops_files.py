@@ -52,7 +52,7 @@ def lines(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def lookups(stack: LocalStack) -> list[Any]:
-    """What is answered to all sorts of questions, to the byte where something is known.
+    """Answers to all sorts of requests, to the byte where something is known.
 
     The address of the guidance page, which every miss names, is each stack's own.
     """

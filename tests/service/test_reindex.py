@@ -32,7 +32,7 @@ KNOWN = "HD Pro Webcam C920 (046d:082d)"
 
 @dataclass(frozen=True)
 class History:
-    """What was there, what the bucket alone made of it, twice, and what anyone may have of it."""
+    """Table before, after one and after two reindexings from the bucket alone, and the public answers."""
 
     before: dict[Key, Any]
     anew: list[dict[Key, Any]]
@@ -141,7 +141,7 @@ def from_elsewhere(context: OpsContext, folder: Path) -> None:
 
 
 def answers(stack: LocalStack) -> dict[str, Any]:
-    """What is answered of every camera, but for where the guidance page is."""
+    """Answers for every camera, without the address of the guidance page."""
     client = Client(stack)
     cameras = "Confirmed", "Doubted", "Zoom lens", "Cropped", "Captured", "Seeded", "Of earlier rules"
     labels = KNOWN, KNOWN.partition(" (")[0], "Imported Z77 (1234:5678)", *(f"{name} Z77" for name in cameras)

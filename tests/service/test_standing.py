@@ -1,4 +1,4 @@
-"""Which USB ids are well known under a name: computations of two sizes at once leave what is true."""
+"""Well-known USB ids of a name: concurrent computations of two sizes leave the right list."""
 
 from collections.abc import Iterable
 from typing import Any

@@ -1,4 +1,4 @@
-"""What docs/security.md promises has its tests."""
+"""Links of docs/security.md to the tests that hold its promises."""
 
 import ast
 import gzip

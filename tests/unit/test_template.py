@@ -28,7 +28,7 @@ def source() -> dict:
 
 @pytest.fixture(scope="module")
 def transformed(source: dict) -> dict:
-    """What AWS would create; code and layers stand in a bucket, as `sam package` leaves them."""
+    """Resources that AWS would create; code and layers stand in a bucket, as `sam package` leaves them."""
     return as_created(source)
 
 
@@ -140,7 +140,7 @@ def test_the_edge_tells_lookups_apart_by_all_that_decides_them(source: dict) -> 
 
 
 def test_a_revoked_token_opens_nothing_after_a_minute_at_the_edge_either(source: dict) -> None:
-    """What the edge kept at the last moment at which a function remembered the token is still in time."""
+    """A token remembered by a function and an answer kept by the edge end in time together."""
     key = source["Resources"]["LookupCaching"]["Properties"]["CachePolicyConfig"]
     assert 0 < key["MaxTTL"] <= 60 - token_cache.TOKEN_TTL_S
 

@@ -21,7 +21,7 @@ const FITS = ["cover", "contain", "fill", "none", "scale-down"];
 const POINTS = [[0.1, -0.2, 1.5], [-1.3, 0.8, 3], [0, 0, 0.5], [2, 1, 7.7], [-0.3, -0.4, 90]];
 const BOUND = 1e-9; // px
 
-/** How CSS lays out a picture: where its top-left corner comes to lie, and its size. */
+/** Layout of a picture by CSS: its top-left corner, and its size. */
 function laidOut([w, h], [vw, vh], fit) {
   const whole = Math.min(vw / w, vh / h);
   const scale = { cover: Math.max(vw / w, vh / h), contain: whole, none: 1, "scale-down": Math.min(1, whole) }[fit];

@@ -24,7 +24,7 @@ const calibration = { img_size: SIZE, camera_matrix: MATRIX };
 const POINTS = corners(DEFAULT_BOARD);
 const inside = ([u, v]) => u > 5 && v > 5 && u < SIZE[0] - 6 && v < SIZE[1] - 6;
 
-/** What a lens sees of the board, and where that is on it. */
+/** Points of the board that a lens sees: in the picture, and on the board. */
 function view(lens, pose) {
   const place = placing(pose);
   const pixels = POINTS.map(([x, y]) => lens.project(place([x, y, 0])));

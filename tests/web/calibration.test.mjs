@@ -7,7 +7,7 @@ const WIDE = { img_size: [1280, 720], camera_matrix: [[1013.7, 0, 652.3], [0, 10
 const POINTS = [[0.1, -0.2, 1.5], [-1.3, 0.8, 3], [0, 0, 0.5], [2, 1, 7.7]];
 /** A pinhole's pixel, of whatever distortion. */
 const pixelOf = ([x, y, z]) => [(1013.7 * x) / z + 652.3, (1009.1 * y) / z + 348.8];
-/** Where a matrix draws a point, from the viewport's top-left corner. */
+/** Position at which a matrix draws a point, from the viewport's top-left corner. */
 function drawn(m, [x, y, z], [width, height]) {
   const [a, b, c] = [x, -y, -z];
   const at = (row) => m[row] * a + m[4 + row] * b + m[8 + row] * c + m[12 + row];

@@ -57,7 +57,7 @@ test("exposure is what the picture's histogram says", () => {
   assert.equal(flat(255).overexposed, 1);
 });
 
-/** What is said after two seconds of such frames at 20 a second. */
+/** Diagnosis after two seconds of such frames at 20 a second. */
 function said(detection, { motion = 0, from = HEALTHY } = {}) {
   let state = from;
   for (let time = 1000; time <= 3400; time += 50) state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], probe: null, ...detection }, motion, time);

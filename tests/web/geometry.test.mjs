@@ -12,7 +12,7 @@ import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery, corners, dictionary
 
 const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));
 
-/** What cv2 draws, and where it says the corners are. */
+/** The board as cv2 draws it, and the corners that cv2 names. */
 function drawnByOpenCV({ squares, marker_ratio, dictionary, legacy }, scale, margin) {
   const script = `
 import base64, json, sys, cv2

@@ -20,7 +20,7 @@ const FRAME = 1000 / 30; // ms
 const LIMIT = 180_000; // ms
 const NOISE = 0.1; // px
 
-/** What the detector would find: corners in the picture; nothing where it is smeared. */
+/** Corners that the detector would find in the picture; none where it is smeared. */
 function seen(pose, blur, random) {
   const ids = [];
   const points = [];

@@ -14,7 +14,7 @@ const catalogs = Object.fromEntries(await Promise.all(names.map(async (name) =>
 const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("messages/") && name !== "lib/i18n.js")
   .map((name) => readFileSync(new URL(name, WEB), "utf8"));
 const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
-/** What a text needs of whoever says it: values in braces, children of the element. */
+/** Parameters of a text: values in braces, children of the element. */
 const needs = (text) => [...new Set(texts(text).flatMap((form) => form.match(/\{\w+\}|<\d>/g) ?? []))].sort();
 
 addMessages(catalogs);

@@ -50,7 +50,7 @@ const say = ({ cameraMatrix, distortionCoefficients, distortionModel }) =>
   [cameraMatrix && [...cameraMatrix], distortionCoefficients && [...distortionCoefficients], distortionModel];
 const views = ({ XRFrame }, session) => new XRFrame(session).getViewerPose().views;
 const look = (global, session) => say(views(global, session)[0]);
-/** What is under way has come. */
+/** Wait until pending promises have settled. */
 const settled = () => new Promise((done) => setImmediate(done));
 
 /** A browser with a session, and a provider whose answers the test gives. */

@@ -80,7 +80,7 @@ def listed(value: Any) -> tuple[Any, ...]:
 
 
 def grants(kind: str = "AWS::Serverless::Function") -> dict[str, tuple[Grant, ...]]:
-    """What the template grants each resource of this type."""
+    """Permissions that the template grants each resource of this type."""
     document, resolve = template()
     return {
         name: tuple(
@@ -112,7 +112,7 @@ def template() -> tuple[Mapping[str, Any], Resolver]:
 
 
 def needs_of_machine(name: str) -> Iterator[Needed]:
-    """What a state machine needs for its definition, which nothing here can run.
+    """Permissions that a state machine needs by its definition, which nothing here can run.
 
     Sources: AWS Step Functions developer guide, "IAM policies for using Distributed Map states" and "AWS
     Lambda". A distributed map starts the machine itself anew for each batch, and follows what it started.
@@ -152,7 +152,7 @@ def _states(definition: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
 
 
 def needs(service: str, operation: str, asked: Mapping[str, Any]) -> Iterator[Needed]:
-    """What a call with these parameters needs."""
+    """Permission that a call with these parameters needs."""
     action = _ACTIONS.get(operation) or "".join(word.title() for word in operation.split("_"))
     match service:
         case "lambda":
@@ -193,7 +193,7 @@ def _attributes(asked: Mapping[str, Any]) -> Iterator[str]:
 
 @dataclass
 class Recorder:
-    """Who needed what, while its block lasts."""
+    """Permissions that functions needed, recorded while its block lasts."""
 
     needed: set[tuple[str, Needed]]
 

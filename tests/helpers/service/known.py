@@ -1,4 +1,4 @@
-"""What the database may know of made-up cameras, without a capture: documents as they are stored."""
+"""Documents of made-up cameras as the database stores them, made without a capture."""
 
 from calibdb.camera_key import camera_key
 from calibdb.schema import (

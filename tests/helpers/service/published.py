@@ -28,7 +28,7 @@ def store(stack: LocalStack) -> Store:
 def held(
     truth: Truth, count: int, tilts: Sequence[Vector] = TILTS
 ) -> list[tuple[list[int], list[list[float]]]]:
-    """What the camera sees of a board held by hand in several ways: ids and points."""
+    """Views of a board held by hand in several ways: ids and points."""
     seen = []
     for n in range(count):
         tvec = [-4.5 + truth.rng.normal(0, 0.7), -3 + truth.rng.normal(0, 0.5), 8 + 0.7 * n]

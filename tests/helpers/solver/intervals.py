@@ -17,7 +17,7 @@ POPULATIONS = {
 
 @dataclass(frozen=True)
 class Intervals:
-    """What came out of many captures, each of another camera.
+    """Results of many captures, each of another camera.
 
     Attributes
     ----------

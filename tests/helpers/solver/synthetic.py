@@ -83,7 +83,7 @@ def seen(
     wild: float = 0.0,
     blur: float = 0.0,
 ) -> View:
-    """What a detector would report: corners in the image, Gaussian noise, a share `wild` 3 to 50 px off.
+    """Corners as a detector reports them: in the image, Gaussian noise, a share `wild` 3 to 50 px off.
 
     With `blur` the noise grows with the tilt: it is 1 + blur times as large at 45 degrees.
     """
@@ -166,7 +166,7 @@ def projection_error(truth: Camera, found: Camera, grid: tuple[int, int] = (20, 
 
 @dataclass
 class Session:
-    """What happened in one capture: per accepted view the errors, what the capture predicted, and its fit."""
+    """Course of one capture: per accepted view the errors, the predicted errors, and the fit."""
 
     mean: list[float] = field(default_factory=list)
     rms: list[float] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""What is vulnerable fails; where nobody knows, that is said and nothing fails."""
+"""Audit of dependencies: a vulnerability fails it, an index that does not answer is reported."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What is not on disk is told to nobody, and what cannot get there is taken back."""
+"""Durable storage: a write is acknowledged once it is on disk, and undone if it cannot get there."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""What is said of a size or zoom that was not calibrated: what is verified, and nothing else."""
+"""Answers for a size or zoom that was not calibrated: verified relations only."""
 
 import pytest
 

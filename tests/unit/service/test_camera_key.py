@@ -332,7 +332,7 @@ def test_an_earlier_versions_key_becomes_todays() -> None:
 
 
 def test_a_distinct_name_leads_to_its_usb_id_from_every_computer() -> None:
-    """What is calibrated under a name alone stays with its system; what has an id is found from all."""
+    """A calibration under a name alone stays with its system; one with an id is found from all."""
     with_id = identify("HD Pro Webcam C920 (046d:082d)", LINUX)
     for platform in (LINUX, WINDOWS, MAC, "X11; CrOS x86_64 14541.0.0", "curl/8"):
         assert camera_key("HD Pro Webcam C920", platform) in with_id.name_keys

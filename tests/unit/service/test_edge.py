@@ -1,4 +1,4 @@
-"""Who asks through CloudFront is who asked CloudFront; who only says so is not believed."""
+"""Source address behind CloudFront: taken from its header, and not from a forged one."""
 
 from dataclasses import replace
 from typing import Any, cast

@@ -1,4 +1,4 @@
-"""What the sizes of a camera have to do with each other, told from calibrations at both."""
+"""Relation of two image sizes of a camera, inferred from calibrations at both."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Which consensus answers: the exact size, else the closest by aspect and then by area, if it is reliable."""
+"""Selection of a consensus: the exact size, else the closest reliable one by aspect, then by area."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What a service remembers: a token for half a minute, and nothing else."""
+"""Memory of a service between requests: a token for half a minute, and nothing else."""
 
 from dataclasses import replace
 from typing import Any, cast

@@ -1,4 +1,4 @@
-"""What is known of a camera: calibrations, votes, the consensus, which races leave as new as it can be."""
+"""Store of calibrations, votes and consensus; races leave the newest of them."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What checks on fresh views decide, and what they cannot."""
+"""Votes of checks on fresh views, and their limits."""
 
 import pytest
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""Who agrees with whom: liars, hidden modes, published lens profiles."""
+"""Clustering of calibrations: liars, hidden modes, published lens profiles."""
 
 import itertools
 

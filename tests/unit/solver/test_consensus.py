@@ -102,7 +102,7 @@ def test_no_majority_is_not_reliable(honest: list[Member]) -> None:
 
 @pytest.mark.parametrize("model", ["fisheye", "rational", "omnidirectional"])
 def test_another_model_is_fitted_from_the_same_views(model: str) -> None:
-    """What the rectilinear camera of five sessions is to each of the other models."""
+    """The rectilinear camera of five sessions, fitted by each of the other models."""
     camera, rng = synthetic.rectilinear_cameras()[6], np.random.default_rng(0)
     members = [Member(str(i), str(i), tuple(specimens.views(camera, rng))) for i in range(5)]
     pooled = pool(members, SIZE, model)
@@ -157,7 +157,7 @@ def test_modes_are_told_apart(honest: list[Member]) -> None:
 
 
 def test_modes_of_one_specimen_are_told_apart_by_a_hundredth() -> None:
-    """Where only the noise of the corners differs, a field of view 1 % narrower is another one."""
+    """If only the noise of the corners differs, a field of view 1 % narrower is another one."""
     camera = synthetic.rectilinear_cameras()[6]
     k = camera.intrinsics
     k[:2] *= 1.01

@@ -210,7 +210,7 @@ def test_reasons_of_views_set_aside_are_sentences() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_corners_without_any_noise_are_calibrated_by_the_largest_model(seed: int) -> None:
-    """Who tries a simulated camera first: then nothing but rounding and the prior says what is not seen."""
+    """A simulated camera: nothing but rounding and the prior determines what is not seen."""
     session = Session(seed=seed)
     session.rules = Capture(BOARD, SIZE, model="rational")
     for _ in range(6):

@@ -1,4 +1,4 @@
-"""What holds for every model at any plausible intrinsics and any point of its valid domain."""
+"""Properties of every model at any plausible intrinsics and any point of its valid domain."""
 
 import numpy as np
 import pytest

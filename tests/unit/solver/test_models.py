@@ -122,7 +122,7 @@ def test_omnidirectional_equals_opencv_beside_and_behind_too() -> None:
     ],
 )
 def test_fold_is_found_and_never_crossed(name: str, distortion: list[float], edge: float) -> None:
-    """Where the radial part stops growing, at a closed-form angle, projection and unprojection end."""
+    """At the closed-form angle where the radial part stops growing, projection and unprojection end."""
     camera = Camera(
         name, np.array([[500, 0, 640], [0, 500, 360], [0, 0, 1.0]]), np.array(distortion), (1280, 720)
     )

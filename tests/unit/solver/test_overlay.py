@@ -101,7 +101,7 @@ def test_markers_of_the_picture_are_found_with_their_ids() -> None:
 
 
 def test_nothing_is_drawn_beyond_the_fold() -> None:
-    """Where the image ends, 1 / sqrt(1.2) focal lengths from the axis, a board across the edge is cut."""
+    """A board across the model's edge, 1 / sqrt(1.2) focal lengths from the axis, is cut."""
     matrix = np.array([[500, 0, 639.5], [0, 500, 359.5], [0, 0, 1.0]])
     camera = Camera("rectilinear", matrix, np.array([-0.4, 0, 0, 0, 0]), (1280, 720))
     r = rotation.matrix(np.array([0.1, 0.0, 0.0]))

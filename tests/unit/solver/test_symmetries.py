@@ -1,4 +1,4 @@
-"""What a fit must not depend on: the order of views and points, the unit of the board."""
+"""Invariance of a fit: the order of views and points, the unit of the board."""
 
 import numpy as np
 import pytest

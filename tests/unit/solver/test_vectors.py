@@ -1,4 +1,4 @@
-"""What the browser's projections are tested against is what the solver computes today."""
+"""Test vectors of the browser's projections equal what the solver computes."""
 
 import json
 

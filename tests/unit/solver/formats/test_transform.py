@@ -1,4 +1,4 @@
-"""What a resized, cut, turned or mirrored picture's camera is, against the picture itself."""
+"""Camera of a resized, cut, turned or mirrored picture, against the picture itself."""
 
 import numpy as np
 import pytest
