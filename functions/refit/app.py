@@ -1,24 +1,25 @@
-"""Computes what the calibrations of one camera, at one size and zoom, agree on. Internal.
+"""Refit: the consensus of the calibrations of one camera, at one size and zoom. Internal.
 
-Safe to run twice, late, or at the same time as another: a result is written only over one that was made from
-less. Asked again with nothing new, it answers what is stored. Asked through the queue while another
-computation of the same is under way, it leaves word and ends, and the other goes round once more: of a
-hundred captures that end together, one computation serves all.
+It is idempotent and safe to run late, or at the same time as another: a result is written only over one that
+was made from less. With nothing new, it answers what is stored. A request from the queue takes the
+single-flight lease; where another computation holds it, the request marks the lease and ends, and the holder
+goes round once more. So one computation serves a hundred captures that end together. A request that fails
+every time goes to the dead-letter queue.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import functools
-import hashlib
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import quality_gates
+from calibdb.rules.refit_plan import Step, digest, plan_refit
 from calibdb.rules.votes import Finding, OwnCamera, decide_vote, tally, with_votes
 from calibdb.schema import (
     DISTORTION_MODELS,
@@ -34,18 +35,19 @@ from calibdb.schema import (
 )
 from calibdb.service import Service
 from calibdb.settings import Thresholds
-from calibdb.store import StreamMode
+from calibdb.store import IndexedVote, StreamMode
+from calibdb.store.calibrations import CountedCalibration
 from calibdb.store.keys import consensus_id
 from calibsolver import Board, CalibrationError, Camera, View, __version__, consensus
 from calibsolver.consensus import difference
 from calibsolver.fitting.resection import reprojection_score
 
-ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
-ATTEMPTS = 5  # of one that others keep overtaking
+MAX_ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
+MAX_ATTEMPTS = 5  # while other writers keep winning the conditional put
 
 METHOD = 3  # of pooling and counting: what another one computed is computed anew
 
-Answer = dict[str, ConsensusDocument | None]
+Consensuses = dict[str, ConsensusDocument | None]
 
 
 def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
@@ -54,22 +56,23 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     service = Service.of(os.environ)
     mode = StreamMode(request.camera, request.img_size, request.zoom)
     if request.queued:
-        in_turn(service, mode, context)
+        run_under_lease(service, mode, context)
         return RefitAnswer(models={}).model_dump(mode="json")
     models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
-    return RefitAnswer.model_validate({"models": current(service, mode, models)}).model_dump(mode="json")
+    consensuses = ensure_current(service, mode, models)
+    return RefitAnswer.model_validate({"models": consensuses}).model_dump(mode="json")
 
 
-def in_turn(service: Service, mode: StreamMode, context: Any) -> None:
-    """Bring every model's consensus up to date, unless another computation does and can do it along."""
+def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
+    """Refresh every model's consensus, unless the holder of the lease will do so for this request."""
     leases, me = service.store.leases, str(context.aws_request_id)
     until = service.now + math.ceil(context.get_remaining_time_in_millis() / 1000)
     if not leases.take(mode, me, service.now, until):
         return
     done = False
     try:
-        for _ in range(ROUNDS):
-            current(service, mode, DISTORTION_MODELS)
+        for _ in range(MAX_ROUNDS):
+            ensure_current(service, mode, DISTORTION_MODELS)
             done = leases.release(mode, me)
             if done:
                 return
@@ -81,57 +84,76 @@ def in_turn(service: Service, mode: StreamMode, context: Any) -> None:
     raise UnavailableError("Calibrations of this camera keep coming in.")
 
 
-def current(service: Service, mode: StreamMode, models: Sequence[str]) -> Answer:
-    """Return each model's consensus as it must be by what is in the index, stored if it was not."""
-    for _ in range(ATTEMPTS):
-        answer = attempt(service, mode, models)
-        if answer is not None:
-            return answer
+def ensure_current(service: Service, mode: StreamMode, models: Sequence[str]) -> Consensuses:
+    """Return each model's consensus as it follows from the index; compute and store those that are stale."""
+    for _ in range(MAX_ATTEMPTS):
+        consensuses = _try_once(service, mode, models)
+        if consensuses is not None:
+            return consensuses
     raise UnavailableError("Others keep computing the consensus of this camera.")
 
 
-def attempt(service: Service, mode: StreamMode, models: Sequence[str]) -> Answer | None:
-    """Return what `current` does; None when it was overtaken."""
+def _try_once(service: Service, mode: StreamMode, models: Sequence[str]) -> Consensuses | None:
+    """Do what `ensure_current` does; None if another writer won a conditional put."""
     store, thresholds = service.store, service.settings.thresholds
-    # First of all: whatever is stored by now was made from what is read after it, or from less.
+    # Stored consensuses are read first: each was made from what is read after it, or from less.
     stored: dict[str, ConsensusDocument] = {c.distortion_model: c for c in store.consensuses.at(mode)}
     counted = store.calibrations.newest(mode, thresholds.most_calibrations, thresholds.contributor_period)
     if not counted:
-        gone = [stored[model] for model in models if model in stored]
-        if not all(map(store.consensuses.drop, gone)):
-            return None
-        if gone:
-            well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
-        return dict.fromkeys(models)
-    cast = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
-    pooled = digest(METHOD, [c.id for c in counted], rule_of(thresholds), thresholds, __version__)
-    basis = digest(pooled, [vote.id for vote in cast])
+        return _drop(service, mode, models, stored)
+    votes = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
+    pool_digest = digest(METHOD, [c.id for c in counted], rule_of(thresholds), thresholds, __version__)
+    input_digest = digest(pool_digest, [vote.id for vote in votes])
+    steps = plan_refit(models, stored, pool_digest, input_digest)
+    return _apply(service, Inputs(mode, counted, votes, pool_digest, input_digest), steps)
 
-    documents = functools.cache(lambda: store.calibrations.read([c.id for c in counted]))
-    votes = functools.cache(lambda: store.votes.read(cast))
-    sources = frozenset(c.source for c in counted)
-    answer: Answer = {}
-    overtaken = False
-    for model in models:
-        known = stored.get(model)
-        if known is not None and known.basis == basis:
-            answer[model] = known
-            continue
-        groups = None
-        if known is not None and known.pooled == pooled:
-            document = known  # only the votes are others
-        else:
-            document, groups = pool(mode, documents(), model, thresholds, pooled)
-        found = count(document, votes() if cast else [], sources, thresholds)
-        document = with_votes(document, found, basis, thresholds)
-        if not store.consensuses.put(document, groups, known.basis if known else None):
-            overtaken = True
-            break
-        answer[model] = document
-    # Overtaken, too: who was quicker may have looked before the first of these was written.
-    if any(known is not stored.get(model) for model, known in answer.items()):
-        well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
-    return None if overtaken else answer
+
+@dataclasses.dataclass(frozen=True)
+class Inputs:
+    """Calibrations and votes of a mode that its consensuses are computed from, and their digests."""
+
+    mode: StreamMode
+    counted: Sequence[CountedCalibration]
+    votes: Sequence[IndexedVote]
+    pool_digest: str
+    input_digest: str
+
+
+def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensuses | None:
+    """Compute and store what `steps` ask for; None if another writer won a conditional put."""
+    store, thresholds = service.store, service.settings.thresholds
+    documents = functools.cache(lambda: store.calibrations.read([c.id for c in inputs.counted]))
+    votes = functools.cache(lambda: store.votes.read(inputs.votes))
+    sources = frozenset(c.source for c in inputs.counted)
+    consensuses: Consensuses = {}
+    written = 0
+    for step in steps:
+        document, groups = step.stored, None
+        if step.action == "pool" or document is None:
+            document, groups = pool(inputs.mode, documents(), step.model, thresholds, inputs.pool_digest)
+        if step.action != "keep":
+            counts = count(document, votes() if inputs.votes else [], sources, thresholds)
+            document = with_votes(document, counts, inputs.input_digest, thresholds)
+            if not store.consensuses.put(document, groups, step.stored.basis if step.stored else None):
+                break
+            written += 1
+        consensuses[step.model] = document
+    # Even when another writer won: it may have looked before the first of these was written.
+    if written:
+        well_known_ids.refresh_well_known(store, inputs.mode.camera_key, thresholds)
+    return consensuses if len(consensuses) == len(steps) else None
+
+
+def _drop(
+    service: Service, mode: StreamMode, models: Sequence[str], stored: Mapping[str, ConsensusDocument]
+) -> Consensuses | None:
+    """Drop the consensuses of a mode without calibrations; None if another writer changed one meanwhile."""
+    gone = [stored[model] for model in models if model in stored]
+    if not all(map(service.store.consensuses.drop, gone)):
+        return None
+    if gone:
+        well_known_ids.refresh_well_known(service.store, mode.camera_key, service.settings.thresholds)
+    return dict.fromkeys(models)
 
 
 def pool(
@@ -139,9 +161,9 @@ def pool(
     documents: Sequence[CalibrationDocument],
     model: str,
     thresholds: Thresholds,
-    pooled: str,
+    pool_digest: str,
 ) -> tuple[ConsensusDocument, GroupsDocument]:
-    """Return what `documents`, all of one mode, agree on, before any vote, and what is behind it."""
+    """Pool `documents`, all of one mode, before any vote: their consensus, and its groups and errors."""
     stored = functools.partial(
         ConsensusDocument,
         camera_key=mode.camera_key,
@@ -150,7 +172,7 @@ def pool(
         distortion_model=model,
         total=len(documents),
         latest=max((d.time for d in documents), default=0),
-        pooled=pooled,
+        pooled=pool_digest,
     )
     members = [one for d in documents if (one := member(d)) is not None]
     rule = rule_of(thresholds)
@@ -158,7 +180,7 @@ def pool(
         agreed = consensus.pool(members, mode.img_size, model, rule)
     except CalibrationError:
         found = "too_few" if len(documents) < rule.min_calibrations else "disagree"
-        return stored(found=found, reason=found), GroupsDocument(pooled=pooled)
+        return stored(found=found, reason=found), GroupsDocument(pooled=pool_digest)
     newest = max((d for d in documents if d.id in agreed.members), key=lambda d: (d.time, d.id))
     calibration = Calibration.of(
         FitRecord.model_validate(agreed.calibration.record()),
@@ -169,22 +191,22 @@ def pool(
         calibration_time=newest.time,
         calibrations=len(agreed.members),
         contributors=agreed.contributors,
-        spread=within(agreed.spread, mode.img_size),
-        held_out_error=within(agreed.held_out_error, mode.img_size),
+        spread=none_beyond_image(agreed.spread, mode.img_size),
+        held_out_error=none_beyond_image(agreed.held_out_error, mode.img_size),
     )
     confirmable = quality_gates.is_confirmable(calibration) and (
         agreed.reason == "few_contributors"
-        or (agreed.reason == "too_few" and consistent(members, mode, model, rule))
+        or (agreed.reason == "too_few" and is_consistent(members, mode, model, rule))
     )
-    sizes = ((name, within(error, mode.img_size)) for name, error in agreed.member_errors.items())
+    sizes = ((name, none_beyond_image(error, mode.img_size)) for name, error in agreed.member_errors.items())
     errors = {name: error for name, error in sizes if error is not None}
     return (
         stored(found=agreed.reason, confirmable=confirmable, calibration=calibration),
-        GroupsDocument(pooled=pooled, groups=agreed.groups, errors=errors),
+        GroupsDocument(pooled=pool_digest, groups=agreed.groups, errors=errors),
     )
 
 
-def consistent(
+def is_consistent(
     members: Sequence[consensus.Member], mode: StreamMode, model: str, rule: consensus.Rule
 ) -> bool:
     """Tell whether few calibrations would make a reliable consensus if they were enough."""
@@ -220,16 +242,15 @@ def count(
 
 
 def rule_of(thresholds: Thresholds) -> consensus.Rule:
-    """Return the solver's rule by the deployment's thresholds."""
+    """Make the solver's rule of the deployment's thresholds."""
     names = [field.name for field in dataclasses.fields(consensus.Rule)]
     return consensus.Rule(**{name: getattr(thresholds, name) for name in names})
 
 
 def member(document: CalibrationDocument) -> consensus.Member | None:
-    """Return the keypoints of one calibration for the solver; None where they are not of their board.
+    """Convert the keypoints of one calibration for the solver; None where they are not of their board.
 
-    No session ends like that, but what was brought in from elsewhere may, and must not stand in the way of
-    the others.
+    No session ends like that. An imported calibration may, and must not stand in the way of the others.
     """
     try:
         return consensus.Member(document.id, document.counted_as, tuple(views_of(document)))
@@ -243,11 +264,6 @@ def views_of(document: CalibrationDocument | VoteDocument) -> list[View]:
     return board.views([view.model_dump() for view in document.views])
 
 
-def digest(*parts: object) -> str:
-    """Return what stands for `parts`."""
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
-
-
-def within(px: float, img_size: tuple[int, int]) -> float | None:
-    """Return a length, None where it is no number or larger than the image: then nothing is explained."""
+def none_beyond_image(px: float, img_size: tuple[int, int]) -> float | None:
+    """Return a length; None where it is NaN or larger than the image, so that nothing is explained."""
     return px if px <= math.hypot(*img_size) else None

@@ -1,7 +1,8 @@
-"""Who computes the consensus of a mode just now, so that others who want the same need not.
+"""Single-flight leases: one computation of a mode's consensus at a time serves all who ask for it.
 
-`REFIT#<camera key>#<w>x<h>#<zoom>`: who computes, until when it can be trusted to, and whether somebody asked
-since it began. It only spares work. A computation without a lease, or two at once, do no harm.
+`REFIT#<camera key>#<w>x<h>#<zoom>`: the holder, the time at which the lease expires, and whether somebody
+asked since the holder began. A lease only saves work. Correctness comes from the conditional write of the
+consensus: two computations at once, or one without a lease, do no harm.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ from calibdb.store.keys import StreamMode
 from calibdb.store.table import Condition, Item, Table
 
 _SK = "META"
-_ATTEMPTS = 8  # to learn who holds it, while others let go of it and take it
-_FORGOTTEN = 3600  # seconds after which what a crash left behind is removed
+_MAX_ATTEMPTS = 8  # to learn who holds it, while others let go of it and take it
+_EXPIRED_S = 3600  # seconds after which what a crash left behind is removed
 
 
 class Leases:
@@ -31,7 +32,7 @@ class Leases:
             {"me": me, "now": now},
             {"holder": "holder", "until": "until"},
         )
-        for _ in range(_ATTEMPTS):
+        for _ in range(_MAX_ATTEMPTS):
             if self._table.put(_item(mode, me, until, asked=0), free):
                 return True
             item = self._table.get(_pk(mode), _SK)
@@ -77,5 +78,5 @@ def _item(mode: StreamMode, holder: str, until: int, asked: int) -> Item:
         "holder": holder,
         "until": until,
         "asked": asked,
-        "ttl": until + _FORGOTTEN,
+        "ttl": until + _EXPIRED_S,
     }
