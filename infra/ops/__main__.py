@@ -1,6 +1,6 @@
-"""`python -m infra.ops`: the operator's command line.
+"""The operator's command line: `python -m infra.ops`.
 
-It acts on the local stack's DATA_DIR (default .data/), whose server must be stopped meanwhile; or, with
+It acts on the local stack's DATA_DIR (default .data/), whose server must be stopped; or, with
 CALIBDB_STORAGE=aws and the deployment's TABLE_NAME and BUCKET_NAME in the environment, on AWS with the
 operator's own credentials.
 """
@@ -17,11 +17,11 @@ from infra.local import LocalStack
 from infra.local.environment import storage_is_elsewhere
 from infra.local.intrinsics import TemplateError
 from infra.local.journal import JournalError
-from infra.ops.arguments import parser
+from infra.ops.parser import parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Do what the command line asks; return the exit status: 1 where it could not be done, 2 for misuse."""
+    """Execute a command line; the exit status is 1 for a failure, 2 for a wrong command line."""
     logging.basicConfig(format="%(message)s")
     asked = parser().parse_args(arguments)
     data_dir = None if storage_is_elsewhere(os.environ) else Path(os.environ.get("DATA_DIR") or ".data")
@@ -29,12 +29,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with LocalStack(data_dir) as stack:
             # Here and not above: the stack has put the layers on the path.
             from calibdb.errors import CalibdbError
-            from infra.ops.commands import run
             from infra.ops.context import OpsContext
 
             try:
                 known = stack.embedded or "CONTRIBUTOR_SECRET" in os.environ
-                run(asked, OpsContext.of(stack.environment, secret_known=known))
+                asked.func(OpsContext.of(stack.environment, secret_known=known), asked)
             except CalibdbError as error:
                 print(f"calibDB: {error.detail}", file=sys.stderr)
                 return 1

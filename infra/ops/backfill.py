@@ -1,4 +1,4 @@
-"""Every model's consensus for every camera: what the state machine `BackfillMachine` does on AWS, by command.
+"""Recomputation of every outdated consensus, as the state machine `BackfillMachine` does on AWS.
 
 For after a release with a new model, a better solver or other thresholds. Whatever is up to date costs a few
 reads and is left as it is, so it can be stopped and run again at any time.
@@ -14,22 +14,23 @@ from dataclasses import dataclass
 from calibdb.errors import UnavailableError
 from calibdb.schema import DISTORTION_MODELS, BackfillAnswer, RefitRequest
 from calibdb.store import clients
-from infra.ops.context import OpsContext, OpsError
+from infra.ops.context import OpsContext
+from infra.ops.errors import OpsError
 
-BATCH = 1000  # names that the state machine hands on together
+BATCH_SIZE = 1000  # names that the state machine hands on together
 _FUNCTION = "BackfillFunction"
 
 
 @dataclass(frozen=True)
-class Report:
-    """What was done: of so many cameras at one size and zoom, so many consensuses changed, so many failed."""
+class BackfillResult:
+    """Numbers of modes (cameras at one size and zoom), and of consensuses that changed or failed."""
 
     modes: int
     changed: int
     failed: int
 
 
-def backfill(context: OpsContext, after: str = "") -> Report:
+def backfill(context: OpsContext, after: str = "") -> BackfillResult:
     """Bring every consensus up to date.
 
     Parameters
@@ -54,7 +55,7 @@ def backfill(context: OpsContext, after: str = "") -> Report:
             changed += found or 0
             size = f"{request.img_size[0]}x{request.img_size[1]}"
             context.echo(f"{request.camera} {size}: {'failed' if found is None else f'{found} changed'}")
-    return Report(modes, changed, failed)
+    return BackfillResult(modes, changed, failed)
 
 
 def _refit(context: OpsContext, request: RefitRequest) -> int | None:
@@ -87,5 +88,5 @@ def _requests(context: OpsContext, names: Iterable[str]) -> Iterator[RefitReques
 
 def _batches(names: Iterable[str]) -> Iterator[list[str]]:
     names = iter(names)
-    while batch := list(itertools.islice(names, BATCH)):
+    while batch := list(itertools.islice(names, BATCH_SIZE)):
         yield batch

@@ -24,15 +24,15 @@ from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.fields import ImgSize
 from infra.ops.context import OpsContext
 
-#: what computers call themselves, one of each system: on each of them a camera can be plugged in
-COMPUTERS = {
+#: platforms to which cameras can be attached, one of each system
+DESKTOP_PLATFORMS = {
     "linux": "X11; Linux x86_64",
     "windows": "Windows NT 10.0; Win64; x64",
     "macos": "Macintosh; Intel Mac OS X 10_15_7",
     "chromeos": "X11; CrOS x86_64 14541.0.0",
 }
-#: sizes that applications ask for: what is known of them is worked out beforehand
-USUAL: tuple[ImgSize, ...] = (
+#: sizes that applications use; the answers for them are precomputed
+COMMON_SIZES: tuple[ImgSize, ...] = (
     *((320, 180), (320, 240), (480, 270), (640, 360), (640, 480), (800, 450), (800, 600), (854, 480)),
     *((960, 540), (960, 720), (1024, 576), (1024, 768), (1280, 720), (1280, 960), (1600, 900)),
     *((1600, 1200), (1920, 1080), (2560, 1440), (3840, 2160)),
@@ -42,12 +42,12 @@ COLUMNS = (
     *("avg_reprojection_error", "uncertainty", "spread", "held_out_error", "calibrations", "contributors"),
     *("basis", "calibration_time", "id", "relation", "at"),
 )
-_DIGITS = 9  # a thousandth of a pixel is the seventh
+_SIGNIFICANT_DIGITS = 9  # a thousandth of a pixel is the seventh
 
 
 @dataclass(frozen=True)
-class Bundled:
-    """What was written."""
+class BundleResult:
+    """Numbers and sizes of what was written."""
 
     cameras: dict[str, int]  # bytes of each, by its label
     calibrations: int
@@ -56,7 +56,7 @@ class Bundled:
     compressed: int
 
 
-def bundle(context: OpsContext, path: Path, most: int) -> Bundled:
+def bundle(context: OpsContext, path: Path, most: int) -> BundleResult:
     """Write the `most` cameras with the most contributors; their order is the same for the same database."""
     read = functools.cache(context.store.cameras.known)
     names = _labels(context)
@@ -67,11 +67,11 @@ def bundle(context: OpsContext, path: Path, most: int) -> Bundled:
     places: defaultdict[str, dict[str, int]] = defaultdict(dict)
     meant = _meanings(context, read, {key: (names[key], reliable[key]) for key in chosen})
     for label, by_place in sorted(meant.items()):
-        everywhere = {by_place.get(place) for place in COMPUTERS}
+        everywhere = {by_place.get(place) for place in DESKTOP_PLATFORMS}
         if len(everywhere) == 1 and (key := everywhere.pop()):
             labels[label] = chosen.index(key)
         for place, key in sorted(by_place.items()):
-            if label not in labels or place not in COMPUTERS:
+            if label not in labels or place not in DESKTOP_PLATFORMS:
                 places[place][label] = chosen.index(key)
     cameras = [_camera(read(key).consensuses) for key in chosen]
     document = {
@@ -86,7 +86,7 @@ def bundle(context: OpsContext, path: Path, most: int) -> Bundled:
     content = _json(document)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content)
-    return Bundled(
+    return BundleResult(
         cameras={f"{c['camera']} ({key})": len(_json(c)) for key, c in zip(chosen, cameras, strict=True)},
         calibrations=sum(len(c["rows"]) for c in cameras),
         labels=len(labels.keys() | {label for found in places.values() for label in found}),
@@ -96,7 +96,7 @@ def bundle(context: OpsContext, path: Path, most: int) -> Bundled:
 
 
 def _labels(context: OpsContext) -> dict[str, set[tuple[str, str]]]:
-    """Return labels and platforms with which each camera was calibrated; a label also without its USB id."""
+    """Collect labels and platforms with which each camera was calibrated; a label also without its USB id."""
     found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
     for document, withdrawn in context.store.calibrations.everything():
         if not withdrawn:
@@ -114,7 +114,7 @@ def _meanings(
     read: Any,
     cameras: dict[str, tuple[set[tuple[str, str]], list[ConsensusDocument]]],
 ) -> dict[str, dict[str, str]]:
-    """Return by label, and by where it is said, the camera that a lookup finds; none where it finds two."""
+    """Map label and platform to the camera that a lookup finds; none where it finds two."""
     private = context.settings.thresholds.min_contributors == 1
     meant: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
 
@@ -129,7 +129,7 @@ def _meanings(
         for label, own in names:
             system = system_of(own)
             here = {system.text: own} if system.is_one_device else {}
-            for place, platform in (COMPUTERS | here).items():
+            for place, platform in (DESKTOP_PLATFORMS | here).items():
                 if all(found(label, platform, c) == key for c in reliable):
                     meant[label][place].add(key)
     return {
@@ -144,7 +144,7 @@ def _rows(known: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
             continue
         exact = build_answer(c.calibration, known, c.img_size)
         at = {}
-        for size in sorted({*USUAL, *(other.img_size for other in known)}):
+        for size in sorted({*COMMON_SIZES, *(other.img_size for other in known)}):
             if choose(known, size, c.zoom, c.distortion_model).found is not c or size == c.img_size:
                 continue
             told = build_answer(c.calibration, known, size)
@@ -183,7 +183,7 @@ def _intrinsics(matrix: Sequence[Sequence[float]]) -> list[float]:
 
 
 def _rounded(values: Sequence[float]) -> list[float]:
-    return [float(f"{value:.{_DIGITS}g}") for value in values]
+    return [float(f"{value:.{_SIGNIFICANT_DIGITS}g}") for value in values]
 
 
 def _rank(reliable: Sequence[ConsensusDocument]) -> tuple[int, int]:

@@ -11,16 +11,17 @@ from calibdb.schema import CalibrationDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
 from infra.ops import reindex
-from infra.ops.context import OpsContext, OpsError
+from infra.ops.context import OpsContext
+from infra.ops.errors import OpsError
 
-_CALIBRATIONS = "calibrations/"
+_FOLDER = "calibrations/"
 
 
-def listed(context: OpsContext, text: str) -> list[str]:
-    """Make a line for each camera whose key holds `text`: key and number of calibrations."""
+def describe_all(context: OpsContext, text: str) -> list[str]:
+    """Describe each camera in a line whose key contains `text`: key and number of calibrations."""
     counts: Counter[str] = Counter()
     withdrawn: Counter[str] = Counter()
-    for name in context.objects.names(_CALIBRATIONS):
+    for name in context.objects.names(_FOLDER):
         key = name.split("/")[1]
         if text.lower() in key:
             (withdrawn if name.endswith(WITHDRAWN) else counts)[key] += 1
@@ -31,7 +32,7 @@ def listed(context: OpsContext, text: str) -> list[str]:
     ]
 
 
-def shown(context: OpsContext, camera_key: str) -> Iterator[str]:
+def describe(context: OpsContext, camera_key: str) -> Iterator[str]:
     """Yield the lines of one camera: its consensuses, and every calibration.
 
     A key of earlier rules shows the camera that is known under today's.
@@ -41,21 +42,21 @@ def shown(context: OpsContext, camera_key: str) -> Iterator[str]:
     OpsError
         If no calibration of the camera is stored.
     """
-    found = list(calibrations(context, camera_key))
+    found = list(read_calibrations(context, camera_key))
     if not found:
         raise OpsError(f"nothing is known of a camera {camera_key}")
     # Stored before labels were cleaned, it may hold what a terminal would obey.
     yield visible(f"{found[-1][0].camera}, {found[-1][0].platform}")
     modes: dict[StreamMode, list[tuple[CalibrationDocument, bool]]] = {}
     for document, withdrawn in found:
-        modes.setdefault(reindex.mode(document), []).append((document, withdrawn))
+        modes.setdefault(reindex.mode_of(document), []).append((document, withdrawn))
     for mode, members in modes.items():
         yield f"{mode.img_size[0]} x {mode.img_size[1]}, zoom {mode.zoom:g}"
-        yield from (f"  {line}" for line in _consensuses(context, mode))
-        yield from (f"  {_calibration(document, withdrawn)}" for document, withdrawn in members)
+        yield from (f"  {line}" for line in _describe_consensuses(context, mode))
+        yield from (f"  {_describe_calibration(document, withdrawn)}" for document, withdrawn in members)
 
 
-def calibrations(context: OpsContext, camera_key: str) -> Iterator[tuple[CalibrationDocument, bool]]:
+def read_calibrations(context: OpsContext, camera_key: str) -> Iterator[tuple[CalibrationDocument, bool]]:
     """Yield the calibrations of one camera, oldest first, and whether they were withdrawn.
 
     An object stays in the folder of the key that the camera had when it was stored.
@@ -77,7 +78,7 @@ def _stored_under(
     context: OpsContext, camera_key: str
 ) -> Iterator[tuple[str, tuple[CalibrationDocument, bool]]]:
     """Yield id, document and whether it was withdrawn of each calibration in the folder of a key."""
-    names = set(context.objects.names(f"{_CALIBRATIONS}{camera_key}/"))
+    names = set(context.objects.names(f"{_FOLDER}{camera_key}/"))
     for name in names:
         calibration_id = name.rpartition("/")[2].removesuffix(".json")
         if not name.endswith(WITHDRAWN):
@@ -92,7 +93,7 @@ def _indexed(context: OpsContext, camera_key: str) -> Iterator[str]:
         yield sk.rpartition("#")[2]
 
 
-def _consensuses(context: OpsContext, mode: StreamMode) -> Iterator[str]:
+def _describe_consensuses(context: OpsContext, mode: StreamMode) -> Iterator[str]:
     for consensus in context.store.consensuses.at(mode):
         known = consensus.calibration
         what = "reliable" if consensus.reliable else f"not reliable ({consensus.reason})"
@@ -106,7 +107,7 @@ def _consensuses(context: OpsContext, mode: StreamMode) -> Iterator[str]:
         yield line
 
 
-def _calibration(document: CalibrationDocument, withdrawn: bool) -> str:
+def _describe_calibration(document: CalibrationDocument, withdrawn: bool) -> str:
     fit = document.fits[document.distortion_model]
     day = time.strftime("%Y-%m-%d %H:%M", time.gmtime(document.time))
     return (

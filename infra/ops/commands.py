@@ -1,94 +1,140 @@
-"""The commands, each a few lines: what was asked goes in, what was done is said."""
+"""The operator's commands: each takes a context and the parsed arguments, and prints what it did.
+
+A command imports its module when it runs: only then are the layers on the path, and some modules load slowly
+(the solver, pyarrow).
+"""
 
 from __future__ import annotations
 
-import argparse
+from argparse import Namespace
+from typing import TYPE_CHECKING
 
-from infra.ops import cameras, tokens, withdrawal
-from infra.ops.backfill import backfill
-from infra.ops.bundle import bundle
-from infra.ops.context import OpsContext, OpsError
-from infra.ops.reindex import reindex
-from infra.ops.restore import load
+from infra.ops.errors import OpsError
 
-
-def run(asked: argparse.Namespace, context: OpsContext) -> None:
-    """Do what was asked; raises OpsError where it cannot be done."""
-    match asked.command, getattr(asked, "action", None):
-        case "token", _:
-            _token(asked, context)
-        case "camera", "list":
-            for line in cameras.listed(context, asked.text):
-                context.echo(line)
-        case "camera", "show":
-            for line in cameras.shown(context, asked.key):
-                context.echo(line)
-        case "calibration", "withdraw":
-            if not withdrawal.withdraw(context, asked.id, asked.reason):
-                context.echo("it was withdrawn before")
-        case "calibration", "restore":
-            withdrawal.restore(context, asked.id)
-        case "contributor", "forget":
-            _forget(asked, context)
-        case "reindex", _:
-            _reindex(context)
-        case "backfill", _:
-            _backfill(asked, context)
-        case "dump", _:
-            from infra.ops.dump import dump  # pyarrow takes its time
-
-            calibrations, votes = dump(context, asked.folder)
-            context.echo(f"{calibrations} calibrations and {votes} votes written to {asked.folder}")
-        case "bundle", _:
-            _bundle(asked, context)
-        case "load", _:
-            calibrations, votes = load(context, asked.folder)
-            context.echo(f"{calibrations} calibrations and {votes} votes taken in")
-        case "import", _:
-            from infra.ops.imports import Whose, take_in  # the solver takes its time
-
-            whose = Whose(asked.camera, asked.platform, asked.zoom)
-            context.echo(take_in(context, asked.file, whose, asked.img_size, asked.squares, asked.model))
-        case "seed", _:
-            from infra.ops.seed import seed  # the solver takes its time
-
-            done = seed(context, asked.file, asked.camera, asked.platform, asked.model, asked.source)
-            context.echo(f"{done.rows} rows: {done.priors} first guesses for {done.cameras} cameras")
-            for why, count in done.skipped.items():
-                context.echo(f"{count} passed over: {why}")
-        case command, _:
-            raise OpsError(f"{command} is not known")
+if TYPE_CHECKING:
+    from infra.ops.context import OpsContext
 
 
-def _token(asked: argparse.Namespace, context: OpsContext) -> None:
-    match asked.action:
-        case "create":
-            context.echo(tokens.create(context, asked.origin, asked.plan))
-        case "list":
-            for line in tokens.listed(context):
-                context.echo(line)
-        case "revoke":
-            tokens.revoke(context, asked.id)
-        case "rotate":
-            context.echo(tokens.rotate(context, asked.id, asked.grace))
+def create_token(context: OpsContext, asked: Namespace) -> None:
+    """Issue a token and print it."""
+    from infra.ops import tokens
+
+    context.echo(tokens.create(context, asked.origin, asked.plan))
 
 
-def _forget(asked: argparse.Namespace, context: OpsContext) -> None:
+def list_tokens(context: OpsContext, _: Namespace) -> None:
+    """Print a line for each token."""
+    from infra.ops import tokens
+
+    for line in tokens.describe(context):
+        context.echo(line)
+
+
+def revoke_token(context: OpsContext, asked: Namespace) -> None:
+    """Revoke a token."""
+    from infra.ops import tokens
+
+    tokens.revoke(context, asked.id)
+
+
+def rotate_token(context: OpsContext, asked: Namespace) -> None:
+    """Give a token a new secret and print it."""
+    from infra.ops import tokens
+
+    context.echo(tokens.rotate(context, asked.id, asked.grace))
+
+
+def list_cameras(context: OpsContext, asked: Namespace) -> None:
+    """Print a line for each camera."""
+    from infra.ops import cameras
+
+    for line in cameras.describe_all(context, asked.text):
+        context.echo(line)
+
+
+def show_camera(context: OpsContext, asked: Namespace) -> None:
+    """Print consensuses and calibrations of one camera."""
+    from infra.ops import cameras
+
+    for line in cameras.describe(context, asked.key):
+        context.echo(line)
+
+
+def withdraw(context: OpsContext, asked: Namespace) -> None:
+    """Withdraw a calibration."""
+    from infra.ops import withdrawal
+
+    if not withdrawal.withdraw(context, asked.id, asked.reason):
+        context.echo("it was withdrawn before")
+
+
+def restore(context: OpsContext, asked: Namespace) -> None:
+    """Restore a withdrawn calibration."""
+    from infra.ops import withdrawal
+
+    withdrawal.restore(context, asked.id)
+
+
+def forget(context: OpsContext, asked: Namespace) -> None:
+    """Remove everything of one contributor, or of those at an address."""
+    from infra.ops import withdrawal
+
     if (asked.id is None) == (asked.address is None):
-        raise OpsError("say either which contributor, or which address")
+        raise OpsError("name either a contributor or an address")
     if asked.id is not None:
-        who = {withdrawal.named(context, asked.id)}
+        contributors = {withdrawal.find_contributor(context, asked.id)}
     elif not context.secret_known:
-        raise OpsError("CONTRIBUTOR_SECRET is not set, without which no address can be told")
+        raise OpsError("set CONTRIBUTOR_SECRET: without it, addresses cannot be matched with contributors")
     else:
-        who = withdrawal.at_address(context, asked.address, asked.token)
-    if not who:
+        contributors = withdrawal.find_contributors_at(context, asked.address, asked.token)
+    if not contributors:
         raise OpsError("nothing came from there")
-    done = withdrawal.forget(context, who)
+    done = withdrawal.forget(context, contributors)
     context.echo(f"removed {done.calibrations} calibrations, {done.sessions} sessions, {done.votes} votes")
 
 
-def _bundle(asked: argparse.Namespace, context: OpsContext) -> None:
+def reindex(context: OpsContext, _: Namespace) -> None:
+    """Rebuild the index."""
+    from infra.ops.reindex import reindex
+
+    done = reindex(context)
+    context.echo(
+        f"{done.calibrations} calibrations indexed, {done.published} of them published only now; "
+        f"{done.votes} votes, {done.tokens} tokens, {done.sessions} sessions; "
+        f"{done.consensuses} consensuses computed, {done.removed} stale entries removed"
+    )
+    _raise_failed(done.failed)
+
+
+def backfill(context: OpsContext, asked: Namespace) -> None:
+    """Recompute outdated consensuses."""
+    from infra.ops.backfill import backfill
+
+    done = backfill(context, asked.after)
+    context.echo(f"{done.modes} modes of cameras checked, {done.changed} consensuses computed")
+    _raise_failed(done.failed)
+
+
+def dump(context: OpsContext, asked: Namespace) -> None:
+    """Write the database to a folder."""
+    from infra.ops.dump import dump
+
+    calibrations, votes = dump(context, asked.folder)
+    context.echo(f"{calibrations} calibrations and {votes} votes written to {asked.folder}")
+
+
+def load(context: OpsContext, asked: Namespace) -> None:
+    """Store the content of a dump."""
+    from infra.ops.restore import load
+
+    calibrations, votes = load(context, asked.folder)
+    context.echo(f"{calibrations} calibrations and {votes} votes stored")
+
+
+def bundle(context: OpsContext, asked: Namespace) -> None:
+    """Write the bundle for web applications."""
+    from infra.ops.bundle import bundle
+
     done = bundle(context, asked.file, asked.most)
     for camera, size in done.cameras.items():
         context.echo(f"{size:6} bytes  {camera}")
@@ -98,19 +144,24 @@ def _bundle(asked: argparse.Namespace, context: OpsContext) -> None:
     )
 
 
-def _backfill(asked: argparse.Namespace, context: OpsContext) -> None:
-    done = backfill(context, asked.after)
-    context.echo(f"{done.modes} modes of cameras looked at, {done.changed} consensuses computed")
-    if done.failed:
-        raise OpsError(f"of {done.failed} modes the consensus could not be computed; run it again")
+def import_file(context: OpsContext, asked: Namespace) -> None:
+    """Store a calibration file of another tool."""
+    from infra.ops.imports import ReportedCamera, import_file
+
+    camera = ReportedCamera(asked.camera, asked.platform, asked.zoom)
+    context.echo(import_file(context, asked.file, camera, asked.img_size, asked.squares, asked.model))
 
 
-def _reindex(context: OpsContext) -> None:
-    done = reindex(context)
-    context.echo(
-        f"{done.calibrations} calibrations indexed, {done.published} of them published only now; "
-        f"{done.votes} votes, {done.tokens} tokens, {done.sessions} sessions; "
-        f"{done.consensuses} consensuses computed, {done.removed} stale entries removed"
-    )
-    if done.failed:
-        raise OpsError(f"of {done.failed} modes the consensus could not be computed; run it again")
+def seed(context: OpsContext, asked: Namespace) -> None:
+    """Store published calibrations as first guesses."""
+    from infra.ops.seed import seed
+
+    done = seed(context, asked.file, asked.camera, asked.platform, asked.model, asked.source)
+    context.echo(f"{done.rows} rows: {done.priors} first guesses for {done.cameras} cameras")
+    for reason, count in done.skipped.items():
+        context.echo(f"{count} skipped: {reason}")
+
+
+def _raise_failed(modes: int) -> None:
+    if modes:
+        raise OpsError(f"the consensus of {modes} modes could not be computed; run the command again")

@@ -1,4 +1,4 @@
-"""The context of a command: storage, clock and output; and the error that ends it."""
+"""The context of a command: storage, clock and output."""
 
 from __future__ import annotations
 
@@ -11,10 +11,6 @@ from dataclasses import dataclass
 from calibdb.settings import Settings
 from calibdb.store import Objects, Store, clients
 from infra.ops.index import Index
-
-
-class OpsError(ValueError):
-    """The command cannot be done; the message says why, in the operator's words."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The database as files for anyone: JSON Lines that `load` reads, and Parquet tables for analysis (CC0)."""
+"""Dump of the database (CC0): JSON Lines that `load` reads, and Parquet tables for analysis."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from pyarrow import parquet
 
 from calibdb.camera_key import public_label, public_platform
 from calibdb.schema import CalibrationDocument, VoteDocument
-from infra.ops.context import OpsContext, OpsError
+from infra.ops.context import OpsContext
+from infra.ops.errors import OpsError
 from infra.ops.restore import CALIBRATIONS, VOTES
 
 _ROWS = 500  # calibrations written to Parquet together

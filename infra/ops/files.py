@@ -1,4 +1,4 @@
-"""A file from elsewhere taken apart, with limits: nothing in it is trusted."""
+"""Parser of untrusted calibration files, with limits on size and depth."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from yaml.nodes import MappingNode, Node
 from calibsolver import CalibrationError
 from calibsolver.formats import Read
 from calibsolver.formats.reading import read, read_text
-from infra.ops.context import OpsError
+from infra.ops.errors import OpsError
 
-_MOST_JSON = 64 * 2**20  # bytes; keypoints make files large
-_MOST_YAML = 2**20  # bytes; a camera alone is a few hundred
-_DEEPEST = 20
+_MAX_JSON_BYTES = 64 * 2**20  # bytes; keypoints make files large
+_MAX_YAML_BYTES = 2**20  # bytes; a camera alone is a few hundred
+_MAX_DEPTH = 20
 
 
 class _FormError(ValueError):
@@ -45,9 +45,9 @@ def read_file(path: Path, squares: tuple[int, int] | None = None) -> Read:
 
 def _text(path: Path) -> str:
     with path.open("rb") as file:
-        raw = file.read(_MOST_JSON + 1)
-    if len(raw) > _MOST_JSON:
-        raise OpsError(f"{path} is larger than {_MOST_JSON >> 20} MB")
+        raw = file.read(_MAX_JSON_BYTES + 1)
+    if len(raw) > _MAX_JSON_BYTES:
+        raise OpsError(f"{path} is larger than {_MAX_JSON_BYTES >> 20} MB")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -74,7 +74,7 @@ class _Loader(yaml.SafeLoader):
         if self.check_event(AliasEvent):
             raise yaml.MarkedYAMLError("aliases are not allowed")
         self.depth += 1
-        if self.depth > _DEEPEST:
+        if self.depth > _MAX_DEPTH:
             raise yaml.MarkedYAMLError("nested too deeply")
         try:
             node: Node | None = super().compose_node(parent, index)
@@ -93,8 +93,8 @@ _Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", _matrix)
 
 
 def _yaml(content: str) -> object:
-    if len(content) > _MOST_YAML:
-        raise _FormError(f"the file is larger than {_MOST_YAML >> 20} MB")
+    if len(content) > _MAX_YAML_BYTES:
+        raise _FormError(f"the file is larger than {_MAX_YAML_BYTES >> 20} MB")
     # OpenCV writes its version with a colon, which no YAML reader takes
     lines = content.splitlines()
     if lines and lines[0].startswith("%YAML:"):

@@ -1,4 +1,4 @@
-"""A calibration made with another tool, put to use here."""
+"""Import of calibration files that other tools wrote."""
 
 from __future__ import annotations
 
@@ -17,29 +17,30 @@ from calibsolver.formats.grid import grid
 from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
 from infra.ops import reindex
-from infra.ops.context import OpsContext, OpsError
+from infra.ops.context import OpsContext
+from infra.ops.errors import OpsError
 from infra.ops.files import read_file
-from infra.ops.seed import UNKNOWN
+from infra.ops.seed import UNKNOWN_ERROR
 
 #: views from which a fit can be believed without a guide having chosen them
-FEWEST = 4
+MIN_VIEWS = 4
 #: corners that a dictionary of 50 markers has room for, and the dictionary for larger boards
-_SMALL, _LARGE = 100, "DICT_4X4_1000"
+_MAX_SMALL_CORNERS, _LARGE_DICTIONARY = 100, "DICT_4X4_1000"
 
 
 @dataclass(frozen=True)
-class Whose:
-    """What a browser would say of the camera."""
+class ReportedCamera:
+    """The camera as a browser would report it."""
 
     camera: str
     platform: str
     zoom: float = 0.0
 
 
-def take_in(
+def import_file(
     context: OpsContext,
     path: Path,
-    whose: Whose,
+    reported: ReportedCamera,
     img_size: tuple[int, int] | None = None,
     squares: tuple[int, int] | None = None,
     model: str = "",
@@ -53,17 +54,17 @@ def take_in(
     Raises OpsError where the file, or what it holds, cannot be used; nothing is stored then.
     """
     read = read_file(path, squares)
-    identity = identify(whose.camera, whose.platform)
+    identity = identify(reported.camera, reported.platform)
     if identity.ambiguous or identity.virtual:
-        raise OpsError(f"{whose.camera!r} does not say which camera it is")
+        raise OpsError(f"{reported.camera!r} does not say which camera it is")
     if not read.views:
-        return _guess(context, path, whose, read)
+        return _guess(context, path, reported, read)
     size = read.camera.img_size if read.camera else read.img_size or img_size
     if size is None:
         raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
-    document = _document(context, path, whose, read.views, size, model)
+    document = _document(context, path, reported, read.views, size, model)
     taken = fingerprint(document)
-    mode = reindex.mode(document)
+    mode = reindex.mode_of(document)
     counted = context.store.calibrations.newest(mode, context.settings.thresholds.most_calibrations)
     for known in context.store.calibrations.read([c.id for c in counted]):
         if known.id != document.id and fingerprint(known) == taken:
@@ -78,40 +79,47 @@ def take_in(
 
 
 def fingerprint(document: CalibrationDocument) -> str:
-    """Return what two files of one capture have in common, whichever tool wrote them: its keypoints."""
+    """Hash the keypoints, which are the same in all files of one capture."""
     views = sorted(sorted((round(x, 2), round(y, 2)) for x, y in view.points) for view in document.views)
     return hashlib.sha256(repr(views).encode()).hexdigest()
 
 
 def _document(
-    context: OpsContext, path: Path, whose: Whose, views: tuple[View, ...], size: tuple[int, int], model: str
+    context: OpsContext,
+    path: Path,
+    reported: ReportedCamera,
+    views: tuple[View, ...],
+    size: tuple[int, int],
+    model: str,
 ) -> CalibrationDocument:
     """Fit the keypoints, and put everything that is known into a document."""
-    if len(views) < FEWEST:
-        raise OpsError(f"{path} has {len(views)} views, a calibration needs {FEWEST}")
+    if len(views) < MIN_VIEWS:
+        raise OpsError(f"{path} has {len(views)} views, a calibration needs {MIN_VIEWS}")
     if model and model not in models.NAMES:
         raise OpsError(f"there is no distortion model {model!r}")
     try:
         found = grid(views)
         board = calibsolver.Board(
             found.squares,
-            dictionary="DICT_4X4_50" if found.squares[0] * found.squares[1] <= _SMALL else _LARGE,
+            dictionary="DICT_4X4_50"
+            if found.squares[0] * found.squares[1] <= _MAX_SMALL_CORNERS
+            else _LARGE_DICTIONARY,
         )
         ours = [board.view(ids, view.image_points) for ids, view in zip(found.ids, views, strict=True)]
         chosen = model or suggest_model(ours, size).model
         calibration = fit(ours, size, model=chosen)
     except CalibrationError as error:
         raise OpsError(f"{path}: {error}") from error
-    key = identify(whose.camera, whose.platform).key
+    key = identify(reported.camera, reported.platform).key
     digest = hashlib.sha256(path.read_bytes() + f"/{key}/{chosen}".encode()).hexdigest()
     try:
         return CalibrationDocument(
             id=f"{key}-{digest[:20]}",
             camera_key=key,
-            camera=public_label(whose.camera),
-            platform=public_platform(whose.platform),
+            camera=public_label(reported.camera),
+            platform=public_platform(reported.platform),
             img_size=size,
-            zoom=whose.zoom,
+            zoom=reported.zoom,
             distortion_model=chosen,
             board=Board.model_validate({"squares": board.squares, "dictionary": board.dictionary}),
             guidance="projection-uncertainty",
@@ -137,7 +145,7 @@ def _document(
         raise OpsError(f"{path}: {'.'.join(map(str, what['loc']))}: {what['msg']}") from error
 
 
-def _guess(context: OpsContext, path: Path, whose: Whose, read: Read) -> str:
+def _guess(context: OpsContext, path: Path, reported: ReportedCamera, read: Read) -> str:
     camera = read.camera
     if camera is None:
         raise OpsError(f"{path} holds neither a camera nor keypoints")
@@ -147,10 +155,10 @@ def _guess(context: OpsContext, path: Path, whose: Whose, read: Read) -> str:
         raise OpsError(f"{path}: {error.errors(include_url=False)[0]['msg']}") from error
     context.store.priors.keep(
         PriorDocument(
-            camera_key=identify(whose.camera, whose.platform).key,
-            camera=public_label(whose.camera),
-            platform=public_platform(whose.platform),
-            zoom=whose.zoom,
+            camera_key=identify(reported.camera, reported.platform).key,
+            camera=public_label(reported.camera),
+            platform=public_platform(reported.platform),
+            zoom=reported.zoom,
             fit=record,
             source=path.name,
             measured=1,
@@ -160,8 +168,8 @@ def _guess(context: OpsContext, path: Path, whose: Whose, read: Read) -> str:
 
 
 def _record(camera: Camera) -> dict[str, object]:
-    """Return the camera as a fit of which nobody knows how good it is."""
-    off = UNKNOWN * camera.img_size[0]
+    """Convert the camera to a fit of unknown accuracy."""
+    off = UNKNOWN_ERROR * camera.img_size[0]
     return {
         "img_size": list(camera.img_size),
         "camera_matrix": camera.matrix.tolist(),

@@ -1,4 +1,4 @@
-"""The whole table, as only an operator reads it."""
+"""Scans and batch deletes of the whole table, which only operators do."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 Key = tuple[str, str]  # pk, sk
 
-_MOST_AT_ONCE = 25  # deletes in one request
-_PAUSE = 0.2  # s, when DynamoDB could not do all of them
+_MAX_BATCH_DELETES = 25  # of one BatchWriteItem
+_RETRY_PAUSE_S = 0.2  # before unprocessed items are tried again
 
 
 class Index:
@@ -50,11 +50,11 @@ class Index:
     def remove(self, keys: Iterable[Key]) -> int:
         """Remove the items under these keys; return how many keys they were."""
         wanted = sorted(set(keys))
-        for start in range(0, len(wanted), _MOST_AT_ONCE):
+        for start in range(0, len(wanted), _MAX_BATCH_DELETES):
             left: dict[str, object] = {
                 self._name: [
                     {"DeleteRequest": {"Key": {"pk": {"S": pk}, "sk": {"S": sk}}}}
-                    for pk, sk in wanted[start : start + _MOST_AT_ONCE]
+                    for pk, sk in wanted[start : start + _MAX_BATCH_DELETES]
                 ]
             }
             while left:
@@ -62,5 +62,5 @@ class Index:
                     answer = self._client().batch_write_item(RequestItems=left)  # type: ignore[arg-type]
                 left = dict(answer.get("UnprocessedItems", {}))
                 if left:
-                    time.sleep(_PAUSE)
+                    time.sleep(_RETRY_PAUSE_S)
         return len(wanted)

@@ -1,4 +1,4 @@
-"""The index made anew from the bucket, which is the truth."""
+"""Rebuild of the index from the bucket, the source of truth."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _COMPUTED = ("CONSENSUS", "GROUPS")
 
 
 @dataclass(frozen=True)
-class Report:
-    """What was done."""
+class ReindexResult:
+    """Numbers of indexed documents and computed consensuses."""
 
     calibrations: int
     published: int  # that a crash had left unpublished
@@ -35,8 +35,8 @@ class Report:
     removed: int
 
 
-class _Noting(Table):
-    """A table that notes what is written to it."""
+class _RecordingTable(Table):
+    """A table that records the keys of what it writes."""
 
     def __init__(self, context: OpsContext) -> None:
         settings = context.settings
@@ -49,8 +49,8 @@ class _Noting(Table):
         return super().put(item, condition)
 
 
-def reindex(context: OpsContext, only: Iterable[StreamMode] | None = None) -> Report:
-    """Let the index name exactly what is in the bucket, and compute every consensus that is not of it.
+def reindex(context: OpsContext, only: Iterable[StreamMode] | None = None) -> ReindexResult:
+    """Make the index name exactly what is in the bucket, and recompute outdated consensuses.
 
     Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
     there. What is published while it runs is indexed by its own submit. Counters of use are not in the bucket
@@ -66,12 +66,12 @@ def reindex(context: OpsContext, only: Iterable[StreamMode] | None = None) -> Re
     # First, so that what is published from here on cannot be mistaken for something that the bucket lacks.
     indexed = set(context.index.keys("CAMERA"))
     published = publish_finished(context)
-    table = _Noting(context)
+    table = _RecordingTable(context)
     calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
     modes: Counter[StreamMode] = Counter()
     for document, withdrawn in calibrations.everything():
         calibrations.index(document, withdrawn=withdrawn)
-        modes[mode(document)] += not withdrawn
+        modes[mode_of(document)] += not withdrawn
     cast = 0
     for vote in votes.all():
         votes.index(vote)
@@ -91,7 +91,7 @@ def reindex(context: OpsContext, only: Iterable[StreamMode] | None = None) -> Re
         consensuses += found or 0
         count = modes[wanted]
         context.echo(f"{wanted.camera_key} {wanted.text}: {count} calibration{'' if count == 1 else 's'}")
-    return Report(
+    return ReindexResult(
         calibrations=sum(modes.values()),
         published=published,
         votes=cast,
@@ -134,13 +134,13 @@ def refit(context: OpsContext, wanted: StreamMode) -> int | None:
     return sum(1 for found in answer.models.values() if found is not None)
 
 
-def mode(document: CalibrationDocument) -> StreamMode:
-    """Return what the calibration is one of."""
+def mode_of(document: CalibrationDocument) -> StreamMode:
+    """Get camera, size and zoom of a calibration, under today's key."""
     return StreamMode(with_current_key(document).camera_key, document.img_size, document.zoom)
 
 
 def _computed_of(key: Key) -> tuple[str, str] | None:
-    """Return partition and text of the mode that the item was computed for, None for other items."""
+    """Parse partition and text of the mode that the item was computed for, None for other items."""
     pk, sk = key
     kind, _, rest = sk.partition("#")
     return (pk, rest.rpartition("#")[0]) if kind in _COMPUTED else None

@@ -1,4 +1,4 @@
-"""A dump taken in: the same calibrations, and so the same answers."""
+"""Load of a dump into a stack, which then gives the same answers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from pydantic import BaseModel, ValidationError
 
 from calibdb.schema import CalibrationDocument, VoteDocument
 from infra.ops import reindex
-from infra.ops.context import OpsContext, OpsError
+from infra.ops.context import OpsContext
+from infra.ops.errors import OpsError
 
 CALIBRATIONS, VOTES = "calibrations.jsonl", "votes.jsonl"
 
@@ -34,7 +35,7 @@ def load(context: OpsContext, folder: Path) -> tuple[int, int]:
     calibrations = votes = 0
     for document in _lines(folder / CALIBRATIONS, CalibrationDocument):
         context.store.calibrations.publish(document)
-        modes.add(reindex.mode(document))
+        modes.add(reindex.mode_of(document))
         calibrations += 1
     for vote in _lines(folder / VOTES, VoteDocument):
         context.store.votes.cast(vote)
@@ -43,7 +44,7 @@ def load(context: OpsContext, folder: Path) -> tuple[int, int]:
         reindex.refit(context, mode) is None for mode in sorted(modes, key=lambda m: (m.camera_key, m.text))
     )
     if failed:
-        raise OpsError(f"of {failed} modes the consensus could not be computed; `reindex` tries again")
+        raise OpsError(f"of {failed} modes the consensus could not be computed; run `reindex`")
     return calibrations, votes
 
 

@@ -1,4 +1,4 @@
-"""Calibrations from elsewhere, as first guesses: a capture may begin with them, no lookup tells them."""
+"""Published calibrations as first guesses: a capture may start from them, no lookup returns them."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from pydantic import ValidationError
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import FitRecord, PriorDocument
 from calibsolver import models
-from infra.ops.context import OpsContext, OpsError
+from infra.ops.context import OpsContext
+from infra.ops.errors import OpsError
 
 # Ratio of focal lengths beyond which rows are of several lenses or modes under one name: no guess at all.
-_ONE_LENS = 1.1
+_MAX_FOCAL_RATIO = 1.1
 # Nobody knows how good they are: of the image's width, about what a guess without any knowledge misses by.
-UNKNOWN = 0.05
+UNKNOWN_ERROR = 0.05
 
 
 @dataclass(frozen=True)
-class Seeded:
-    """What became of the rows."""
+class SeedResult:
+    """Numbers of stored guesses and of skipped rows."""
 
     priors: int
     cameras: int
     rows: int
-    skipped: Mapping[str, int]  # rows, by why they were passed over
+    skipped: Mapping[str, int]  # rows, by reason
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class _Row:
     fit: FitRecord
 
 
-def seed(context: OpsContext, path: Path, camera: str, platform: str, model: str, source: str) -> Seeded:
+def seed(context: OpsContext, path: Path, camera: str, platform: str, model: str, source: str) -> SeedResult:
     """Store a guess for every camera, size, zoom and model in a CSV file.
 
     Columns: `w h fx fy cx cy`, the coefficients by their names, optionally `zoom` and `distortion_model`,
@@ -78,7 +79,7 @@ def seed(context: OpsContext, path: Path, camera: str, platform: str, model: str
     cameras = set()
     for (key, _, zoom, _), members in groups.items():
         focals = sorted(_focal(row) for row in members)
-        if focals[-1] > _ONE_LENS * focals[0]:
+        if focals[-1] > _MAX_FOCAL_RATIO * focals[0]:
             skipped["several lenses or modes under one name"] += len(members)
             continue
         middle = sorted(members, key=_focal)[len(members) // 2]
@@ -95,7 +96,7 @@ def seed(context: OpsContext, path: Path, camera: str, platform: str, model: str
         )
         priors += 1
         cameras.add(key)
-    return Seeded(priors, len(cameras), rows, skipped)
+    return SeedResult(priors, len(cameras), rows, skipped)
 
 
 def _fields(path: Path, labels: tuple[str, str]) -> Iterator[tuple[int, dict[str, str]]]:
@@ -135,7 +136,7 @@ def _row(fields: Mapping[str, str], camera: str, platform: str, model: str, numb
             distortion_coefficients=tuple(_number(fields[name]) for name in coefficients),
             distortion_model=model,
             avg_reprojection_error=_number(fields.get("rms") or "0"),
-            uncertainty={"rms": UNKNOWN * size[0], "max": UNKNOWN * size[0]},
+            uncertainty={"rms": UNKNOWN_ERROR * size[0], "max": UNKNOWN_ERROR * size[0]},
         )
         zoom = _number(fields.get("zoom") or "0")
     except ValidationError:

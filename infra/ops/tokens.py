@@ -1,4 +1,4 @@
-"""API tokens: issued, listed, exchanged, revoked."""
+"""API tokens: creation, listing, rotation, revocation."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from urllib.parse import urlsplit
 
 from calibdb.access.plans import PLANS
 from calibdb.access.tokens import ApiToken, secret_hash
-from infra.ops.context import OpsContext, OpsError
+from infra.ops.context import OpsContext
+from infra.ops.errors import OpsError
 
-_SECRET = 24  # bytes
+_SECRET_BYTES = 24
 
 
 def create(context: OpsContext, origins: Sequence[str], plan: str) -> str:
-    """Store a new token and return it. Only its hash is kept: this is the one time that it can be seen.
+    """Store a new token and return it. Only its hash is stored, so it cannot be shown again.
 
     Raises OpsError where an origin is none, or the plan is not known.
     """
@@ -24,14 +25,14 @@ def create(context: OpsContext, origins: Sequence[str], plan: str) -> str:
     if plan not in PLANS:
         raise OpsError(f"there is no plan {plan!r}; there are {', '.join(PLANS)}")
     while True:
-        token_id, secret = context.random_hex(8), context.random_hex(_SECRET)
+        token_id, secret = context.random_hex(8), context.random_hex(_SECRET_BYTES)
         token = ApiToken(token_id, secret_hash(secret), tuple(origins), plan, context.now)
         if context.store.tokens.create(token):
             return f"cdb_{token_id}_{secret}"
 
 
-def listed(context: OpsContext) -> list[str]:
-    """Return a line for each token, oldest first."""
+def describe(context: OpsContext) -> list[str]:
+    """Describe each token in a line, oldest first."""
     return [
         "  ".join(
             (
@@ -46,12 +47,12 @@ def listed(context: OpsContext) -> list[str]:
 
 
 def rotate(context: OpsContext, token_id: str, grace: float) -> str:
-    """Give the token another secret and return it; the one before opens for `grace` hours more.
+    """Give the token another secret and return it; the old one still works for `grace` hours.
 
-    A third is refused at once: of two exchanges within the grace, the second ends what the first left open.
+    At most two secrets work: a second rotation within the grace ends the first secret at once.
     """
-    token = _known(context, token_id)
-    secret = context.random_hex(_SECRET)
+    token = _get_token(context, token_id)
+    secret = context.random_hex(_SECRET_BYTES)
     context.store.tokens.change(
         replace(
             token,
@@ -65,10 +66,10 @@ def rotate(context: OpsContext, token_id: str, grace: float) -> str:
 
 def revoke(context: OpsContext, token_id: str) -> None:
     """Refuse the token from now on, for good: its id is never another's."""
-    context.store.tokens.revoke(_known(context, token_id), context.now)
+    context.store.tokens.revoke(_get_token(context, token_id), context.now)
 
 
-def _known(context: OpsContext, token_id: str) -> ApiToken:
+def _get_token(context: OpsContext, token_id: str) -> ApiToken:
     token = context.store.tokens.get(token_id)
     if token is None:
         raise OpsError(f"there is no token {token_id}")

@@ -57,11 +57,11 @@ def everything() -> dict[tuple[str, float], set[str]]:
 def test_the_command(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["backfill"]) == 0
     said = capsys.readouterr().out
-    assert f"4 modes of cameras looked at, {3 * 3 + 4} consensuses computed" in said
+    assert f"4 modes of cameras checked, {3 * 3 + 4} consensuses computed" in said
     with LocalStack(data_dir) as stack:
         assert known(stack) == everything()
     assert main(["backfill"]) == 0
-    assert "4 modes of cameras looked at, 0 consensuses computed" in capsys.readouterr().out
+    assert "4 modes of cameras checked, 0 consensuses computed" in capsys.readouterr().out
 
 
 @pytest.mark.usefixtures("data_dir")

@@ -15,7 +15,7 @@ from calibdb.lookup import well_known_ids
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
 from infra.local import LocalStack
-from infra.ops.bundle import Bundled, bundle
+from infra.ops.bundle import BundleResult, bundle
 from infra.ops.context import OpsContext
 from tests.helpers.data import ROOT, data_dir, external_data
 from tests.helpers.service.client import Client
@@ -52,7 +52,7 @@ class Both:
     asked: list[Asked]
     told: list[Any]
     found: list[Any]
-    written: Bundled
+    written: BundleResult
     public: bool
 
 

@@ -90,7 +90,7 @@ def test_what_was_dumped_answers_alike_elsewhere(
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "elsewhere"))
     for _ in range(2):  # the second time changes nothing
         assert main(["load", str(dumped)]) == 0
-        assert "6 calibrations and 0 votes taken in" in capsys.readouterr().out
+        assert "6 calibrations and 0 votes stored" in capsys.readouterr().out
         with LocalStack(tmp_path / "elsewhere") as stack:
             assert lookups(stack) == expected
 
@@ -250,9 +250,9 @@ def test_rows_that_disagree_are_no_guess(
     assert seed(file) == 0
     said = capsys.readouterr().out
     assert "9 rows: 1 first guesses for 1 cameras" in said
-    assert "2 passed over: several lenses or modes under one name" in said
-    assert "3 passed over: no camera is like that" in said
-    assert "1 passed over: a number is missing" in said
+    assert "2 skipped: several lenses or modes under one name" in said
+    assert "3 skipped: no camera is like that" in said
+    assert "1 skipped: a number is missing" in said
     with LocalStack(tmp_path / "data") as stack:
         store = Store.of(Settings.from_environment(stack.environment))
         fit = store.priors.find(camera_key("A One camera", "photograph"), (1280, 720), 0, "fisheye")

@@ -129,12 +129,12 @@ def withdrawn(context: OpsContext) -> None:
 
 def from_elsewhere(context: OpsContext, folder: Path) -> None:
     """A file with keypoints, one without, and a guess of the operator's."""
-    whose = imports.Whose("Imported Z77 (1234:5678)", PLATFORM)
+    reported = imports.ReportedCamera("Imported Z77 (1234:5678)", PLATFORM)
     known = subject("rectilinear")
     for name, kept in (("with", known), ("without", replace(known, views=(), board=None))):
         path = folder / f"{name}.json"
         path.write_bytes(write(kept, "photonvision").content)
-        imports.take_in(context, path, whose, model="rectilinear")
+        imports.import_file(context, path, reported, model="rectilinear")
     key = camera_key("Seeded Z77", PLATFORM)
     guess = {"camera": "Seeded Z77", "platform": PLATFORM, "zoom": 0.0, "source": "a test", "measured": 3}
     context.store.priors.keep(schema.PriorDocument(camera_key=key, fit=fit(), **guess))

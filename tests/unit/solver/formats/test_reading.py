@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from calibsolver import CalibrationError, View, formats, models
 from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
-from infra.ops.context import OpsError
+from infra.ops.errors import OpsError
 from infra.ops.files import read_file
 from tests.helpers.data import available, corner_set, corner_views
 from tests.helpers.solver.formats import IMG_SIZE, subject
