@@ -11,7 +11,8 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from calibdb import __version__, schema
-from infra.web_build.operations import JSON, OPERATIONS, PROBLEM, PROBLEMS, Content, Node, Operation
+from infra.web_build.operations import JSON, OPERATIONS, PROBLEM, PROBLEMS, Content, Operation
+from infra.web_build.parameters import Node
 
 __all__ = ["OPERATIONS", "TARGET", "document", "text"]
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import BaseModel
 
 from calibdb import schema
 from calibdb.http.call import MAX_BODY_BYTES
-from calibdb.schema.cameras import MOST_CAMERAS
+from calibdb.schema.cameras import CamerasRequest
 from calibdb.schema.fields import MAX_INDEX
+from infra.web_build.parameters import SWITCH, Node, path, query, query_of
 
 JSON, PROBLEM, JPEG, PNG = "application/json", "application/problem+json", "image/jpeg", "image/png"
-Node = dict[str, Any]
 
 PROBLEMS = {
     400: "The body is not JSON.",
@@ -58,35 +58,20 @@ class Operation:
     parameters: tuple[Node, ...] = ()
 
 
-def _query(name: str, content: Node, description: str, *, required: bool = False, old: bool = False) -> Node:
-    node = {"name": name, "in": "query", "schema": content, "description": description}
-    return node | ({"required": True} if required else {}) | ({"deprecated": True} if old else {})
-
-
-def _path(name: str, content: Node, description: str) -> Node:
-    return {"name": name, "in": "path", "required": True, "schema": content, "description": description}
-
-
-_TEXT: Node = {"type": "string", "minLength": 1, "maxLength": 256}
-_SIZE: Node = {"type": "string", "pattern": "^[0-9]+x[0-9]+$", "examples": ["1280x720"]}
-_SWITCH: Node = {"type": "string", "enum": ["0", "1", "false", "true"]}
-_REDIRECT = _query("redirect", _SWITCH, "`false`: 404 with `guidance_url` instead of the redirect.")
-_OLD = "Spelling of the older public client."
-_KEY = (
-    _query("camera", _TEXT, "`MediaStreamTrack.label`", required=True),
-    # Required, too, but by one of two names.
-    _query("platform", _TEXT, "The parenthesised part of the user agent."),
-    _query("userAgent", _TEXT, _OLD, old=True),
-    _query("img_size", _SIZE, "Width and height, px."),
-    _query("imsize", _SIZE, _OLD, old=True),
-    _query("zoom", {"type": "number", "minimum": 0, "maximum": 1e6, "default": 0}, "`zoom` of the track."),
-    _query(
-        "distortion_model",
-        {"type": "string", "enum": list(schema.DISTORTION_MODELS), "default": "rectilinear"},
-        "The model to answer with.",
-    ),
-    _query("resize_mode", {"type": "string", "maxLength": 64}, "`resizeMode` of the track."),
+_LOOKUP = query_of(
+    schema.LookupRequest,
+    {
+        "camera": "`MediaStreamTrack.label`",
+        "platform": "The parenthesised part of the user agent.",
+        "img_size": "Width and height, px.",
+        "zoom": "`zoom` of the track.",
+        "distortion_model": "The model to answer with.",
+        "resize_mode": "`resizeMode` of the track.",
+        "redirect": "`false`: 404 with `guidance_url` instead of the redirect.",
+    },
+    deprecated=("userAgent", "imsize"),
 )
+_REDIRECT = _LOOKUP[-1]
 _STATE = Content("The session's state.", schema.SessionState)
 _TOKEN, _SESSION = ("apiToken",), ("sessionId",)
 _ASKED = (401, 403, 429, 500, 503)
@@ -144,7 +129,7 @@ OPERATIONS = (
         },
         (*_ASKED, 404, 406, 409, 422),
         _SESSION,
-        parameters=(_query("skip", _SWITCH, "`1`: a pose of another kind instead of the open one."),),
+        parameters=(query("skip", SWITCH, "`1`: a pose of another kind instead of the open one."),),
     ),
     Operation(
         "post",
@@ -165,7 +150,7 @@ OPERATIONS = (
         (*_ASKED, 404, 409, 422),
         _SESSION,
         parameters=(
-            _path("index", {"type": "integer", "minimum": 0, "maximum": MAX_INDEX}, "Index of the view."),
+            path("index", {"type": "integer", "minimum": 0, "maximum": MAX_INDEX}, "Index of the view."),
         ),
     ),
     Operation(
@@ -187,7 +172,7 @@ OPERATIONS = (
         _FOUND,
         (*_ASKED, 422),
         ("apiToken", "apiTokenInQuery", "apiTokenInOldQuery"),
-        parameters=(*_KEY, _REDIRECT),
+        parameters=_LOOKUP,
     ),
     Operation(
         "get",
@@ -214,27 +199,8 @@ OPERATIONS = (
         (*_ASKED, 404, 410, 422),
         _TOKEN,
         parameters=(
-            _path("id", {"type": "string"}, "As a session or a lookup answered it."),
-            _query(
-                "format",
-                {"type": "string", "enum": list(schema.FORMATS), "default": "calibdb"},
-                "File format.",
-            ),
-            _query(
-                "crop",
-                {"type": "string", "pattern": "^[0-9]+,[0-9]+,[0-9]+,[0-9]+$", "examples": ["160,0,960,720"]},
-                "Left, top, width and height of the part that is cut out first, px.",
-            ),
-            _query("resize", _SIZE, "Width and height to which the picture, or the part, is then scaled."),
-            _query(
-                "rotate", {"type": "integer", "enum": [0, 90, 180, 270]}, "Degrees, clockwise, after that."
-            ),
-            _query("mirror", _SWITCH, "Whether left and right are swapped at last."),
-            _query(
-                "without",
-                {"type": "string", "pattern": "^[0-9]+(,[0-9]+)*$", "examples": ["4,7"]},
-                "Indices of views that are left out: what the calibration would be had they not been taken.",
-            ),
+            path("id", {"type": "string"}, "As a session or a lookup answered it."),
+            *query_of(schema.ExportQuery),
         ),
     ),
     Operation(
@@ -255,13 +221,7 @@ OPERATIONS = (
         {200: Content("The cameras found.", schema.CameraList)},
         (*_ASKED, 422),
         _TOKEN,
-        parameters=(
-            _query("query", {"type": "string", "maxLength": 128, "default": ""}, "Words; none: all cameras."),
-            _query(
-                "limit", {"type": "integer", "minimum": 1, "maximum": MOST_CAMERAS, "default": 20}, "A page."
-            ),
-            _query("after", {"type": "string", "maxLength": 256}, "`next` of an answer to the same query."),
-        ),
+        parameters=query_of(CamerasRequest),
     ),
     Operation(
         "get",
@@ -271,7 +231,7 @@ OPERATIONS = (
         {200: Content("The camera, by size and zoom.", schema.CameraDetail)},
         (*_ASKED, 404),
         _TOKEN,
-        parameters=(_path("key", {"type": "string"}, "As a search answered it."),),
+        parameters=(path("key", {"type": "string"}, "As a search answered it."),),
     ),
     Operation(
         "get",

@@ -22,9 +22,11 @@ class CamerasRequest(BaseModel):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
 
-    query: str = Field("", max_length=128)
-    limit: Annotated[int, Field(ge=1, le=MOST_CAMERAS), BeforeValidator(_whole)] = 20
-    after: str | None = Field(None, max_length=256)
+    query: str = Field("", max_length=128, description="Words; none: all cameras.")
+    limit: Annotated[int, Field(ge=1, le=MOST_CAMERAS), BeforeValidator(_whole)] = Field(
+        20, description="A page."
+    )
+    after: str | None = Field(None, max_length=256, description="`next` of an answer to the same query.")
 
 
 class CameraSize(Open):

@@ -61,18 +61,25 @@ class ExportQuery(Open):
 
     format: FormatName = Field("calibdb", description="File format.")
     crop: Annotated[tuple[Position, Position, Position, Position] | None, _numbers(",", 4)] = Field(
-        None, description="Left, top, width and height of the part that is cut out, px: `160,0,960,720`."
+        None,
+        description="Left, top, width and height of the part that is cut out first, px.",
+        examples=["160,0,960,720"],
     )
     resize: Annotated[ImgSize | None, _numbers("x", 2)] = Field(
-        None, description="Width and height that the picture, or the part, is scaled to: `640x360`."
+        None, description="Width and height to which the picture, or the part, is then scaled."
     )
     rotate: Annotated[
         Literal[0, 90, 180, 270],
         BeforeValidator(lambda v: int(v) if str(v) in ("0", "90", "180", "270") else v),
-    ] = Field(0, description="Degrees by which it is turned clockwise.")
-    mirror: bool = Field(False, description="Whether left and right are swapped.")
+    ] = Field(0, description="Degrees, clockwise, after that.")
+    mirror: bool = Field(False, description="Whether left and right are swapped at last.")
     without: Annotated[tuple[Index, ...], BeforeValidator(_indices)] = Field(
-        (), max_length=64, description="Indices of views that are left out of the fit: `4,7`."
+        (),
+        max_length=64,
+        description=(
+            "Indices of views that are left out: what the calibration would be had they not been taken."
+        ),
+        examples=["4,7"],
     )
 
     @property
