@@ -62,40 +62,94 @@ def resolve(
     *,
     private: bool,
 ) -> CameraMatch:
-    """Return what is known of a camera.
+    """Resolve an identity to the key under which its camera is known (docs/camera-keys.md, "In which order").
 
     `read` is asked once where the camera is known under its own key, and no well known one beside it; never
     more than twice.
     """
+    search = _Search(read, identity, img_size, zoom, model, private)
+    for step in _STEPS[identity.usb_id is not None, identity.distinct, private]:
+        match = step(search)
+        if match is not None:
+            return match
+    return search.own
 
-    def at(key: str, known: Known) -> CameraMatch:
-        return CameraMatch(key, known.consensuses, choose(known.consensuses, img_size, zoom, model))
 
-    known = read(identity.key)
-    own = at(identity.key, known)
-    alone = identity.usb_id is None and identity.distinct and not private
-    if own.has_answer and alone and len(known.well_known) == 1:
-        # Few could say anything under the name alone of what many know under the id that it means.
-        other = at(known.well_known[0], read(known.well_known[0]))
-        return other if _outnumbers(other.choice.found, own.choice.found) else own
-    if own.has_answer or not (identity.distinct or private):
-        return own
-    if identity.usb_id is None:
-        # Calibrations that disagree under the name alone say that it is a name of several cameras.
-        candidates = known.same_as if private else known.candidates
-        if len(candidates) > 1:
-            return replace(own, several=True)
-        if not candidates or own.choice.reason == "disagree":
-            return own
-        other = at(candidates[0], read(candidates[0]))
-    else:
-        if known.consensuses:
-            return own
-        named = read(identity.name_key)
-        if any(key != identity.key for key in (named.same_as if private else named.well_known)):
-            return own
-        other = at(identity.name_key, named)
-    return other if other.has_answer or own.choice.reason == "unknown_camera" else own
+class _Search:
+    """One search for a camera: what is known under its own key, and reads of other keys."""
+
+    def __init__(
+        self,
+        read: Callable[[str], Known],
+        identity: Identity,
+        img_size: tuple[int, int],
+        zoom: float,
+        model: str,
+        private: bool,
+    ) -> None:
+        self.read = read
+        self.identity = identity
+        self.private = private
+        self._wanted = img_size, zoom, model
+        self.known = read(identity.key)
+        self.own = self.match(identity.key, self.known)
+
+    def match(self, key: str, known: Known | None = None) -> CameraMatch:
+        """Choose what answers among all that is known under `key`, read now unless given."""
+        known = known or self.read(key)
+        return CameraMatch(key, known.consensuses, choose(known.consensuses, *self._wanted))
+
+    def prefer(self, other: CameraMatch) -> CameraMatch:
+        """Return `other`, unless only the camera's own key says why there is no answer."""
+        return other if other.has_answer or self.own.choice.reason == "unknown_camera" else self.own
+
+
+def _own_key(search: _Search) -> CameraMatch | None:
+    return search.own if search.own.has_answer else None
+
+
+def _own_key_unless_outnumbered(search: _Search) -> CameraMatch | None:
+    """Take the own key, or the only well-known USB id of a bare name if more contributors calibrated it."""
+    if not search.own.has_answer or len(search.known.well_known) != 1:
+        return _own_key(search)
+    other = search.match(search.known.well_known[0])
+    return other if _outnumbers(other.choice.found, search.own.choice.found) else search.own
+
+
+def _only_usb_id(search: _Search) -> CameraMatch | None:
+    """Take the one USB id that is known under a bare name."""
+    candidates = search.known.same_as if search.private else search.known.candidates
+    if len(candidates) > 1:
+        return replace(search.own, several=True)
+    # Calibrations that disagree under the bare name say that several cameras bear it.
+    if not candidates or search.own.choice.reason == "disagree":
+        return None
+    return search.prefer(search.match(candidates[0]))
+
+
+def _name_of_unknown_id(search: _Search) -> CameraMatch | None:
+    """Take the name of a USB id of which nothing is known, unless the name belongs to another id."""
+    if search.known.consensuses:
+        return None
+    key = search.identity.name_key
+    named = search.read(key)
+    owners = named.same_as if search.private else named.well_known
+    if any(owner != search.identity.key for owner in owners):
+        return None
+    return search.prefer(search.match(key, named))
+
+
+# (has a USB id?, is the name distinct?, is the database private?) -> steps; the first that matches answers.
+_STEPS: dict[tuple[bool, bool, bool], tuple[Callable[[_Search], CameraMatch | None], ...]] = {
+    (False, False, False): (_own_key,),
+    (False, False, True): (_own_key, _only_usb_id),
+    (False, True, False): (_own_key_unless_outnumbered, _only_usb_id),
+    (False, True, True): (_own_key, _only_usb_id),
+    (True, False, False): (_own_key,),
+    (True, False, True): (_own_key, _name_of_unknown_id),
+    (True, True, False): (_own_key, _name_of_unknown_id),
+    (True, True, True): (_own_key, _name_of_unknown_id),
+}
 
 
 def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) -> bool:

@@ -1,4 +1,4 @@
-"""By which key a camera is found; and how often the index is read for it."""
+"""Camera lookup: the key under which a camera is found, and how often the index is read for it."""
 
 from typing import Any
 
