@@ -1,4 +1,4 @@
-"""Memory and files after many requests, and many captures at once. `make bench DOCS=load` is the long version."""
+"""Memory and files after many requests, and many captures at once. `make bench DOCS=load` does more."""
 
 import http.client
 import json

@@ -1,4 +1,4 @@
-"""What is drawn lies where it should, measured in the pictures that the page shows."""
+"""Position of drawn objects on the AR page, measured in the pictures that it shows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import httpx
 import numpy as np
 import numpy.typing as npt
 import pytest
-from playwright.sync_api import BrowserContext, Page, Request
+from playwright.sync_api import BrowserContext, Page, Request, expect
 
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.firefox import in_firefox
@@ -156,7 +156,7 @@ def test_a_practice_needs_no_database(page: Page, sent: list[Request]) -> None:
     picture(page, "ar-before")
     page.locator("#welcome .virtually").click()
     page.locator("#rms:not(:empty)").wait_for()
-    assert "exact, the camera is made up" in (page.locator("#facts").text_content() or "")
+    expect(page.locator("#facts")).to_contain_text("exact, the camera is made up")
     for key, name in (("1", "matrix"), ("2", "rectified"), ("3", "distorted")):
         page.keyboard.press(key)
         page.locator(f"#stage[data-shown={name}]").wait_for()
@@ -166,7 +166,7 @@ def test_a_practice_needs_no_database(page: Page, sent: list[Request]) -> None:
     page.get_by_role("button", name="Stop").click()
     page.locator("#welcome-title:focus").wait_for()
     assert sent == []
-    assert page.locator(".virtual-camera:not(video)").count() == 0, "the camera is let go"
+    expect(page.locator(".virtual-camera:not(video)"), "the camera is let go").to_have_count(0)
 
 
 def test_what_was_just_measured_is_taken(page: Page, api: httpx.Client, sent: list[Request]) -> None:
@@ -217,6 +217,6 @@ def test_a_known_camera_waits_for_the_board(page: Page) -> None:
     page.goto("/ar/?lang=uk")
     page.locator("#start").click()
     page.locator("#instruction:not(:empty)").wait_for()
-    assert "з calibDB" in (page.locator("#facts").text_content() or "")
-    assert page.locator("#move").is_hidden()
+    expect(page.locator("#facts")).to_contain_text("з calibDB")
+    expect(page.locator("#move")).to_be_hidden()
     picture(page, "ar-waiting")

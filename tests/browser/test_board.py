@@ -6,7 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.waiting import address, until
@@ -96,9 +96,9 @@ def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
     page.goto(f"/board/?{board}")
     description = page.locator("#description").text_content() or ""
     assert "8 × 11 squares, DICT_5X5_100, markers 0.75" in description
-    assert page.locator("#columns").input_value() == "8"
+    expect(page.locator("#columns")).to_have_value("8")
     page.goto("/calibrate/?squares=12x12")
-    assert "it needs 72" in (page.locator("#problem").text_content() or "")
+    expect(page.locator("#problem")).to_contain_text("it needs 72")
     picture(page, "capture-impossible-board")
     page.goto("/board/?squares=12x12")
     page.locator("#problem", has_text="it needs 72").wait_for()
@@ -120,7 +120,7 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
         assert all(href.endswith(f"/{where}/?{asked}") for href in hrefs), where
     page.locator("#columns").fill("2")
     page.locator("#form-problem", has_text="3 to 50").wait_for()
-    assert "7 × 5" in (page.locator("#description").text_content() or ""), "what cannot be changes nothing"
+    expect(page.locator("#description"), "what cannot be changes nothing").to_contain_text("7 × 5")
     page.locator("#reset").click()
     page.locator("#description", has_text="9 × 6").wait_for()
     assert address(page).endswith("/board/")

@@ -2,7 +2,7 @@
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.captures import capture, listed
 from tests.helpers.browser.pictures import picture
@@ -19,16 +19,16 @@ def test_what_is_known_is_drawn(page: Page, scheme: str) -> None:
     answer(page, "**/v1/cameras/*", camera)
     page.goto("/cameras/")
     page.locator("#found li").first.wait_for()
-    assert page.locator("#found > li").count() == 6
-    assert page.locator("#found > li", has_text="practice camera, not a real one").count() == 1
-    assert page.locator("#more").is_visible()
+    expect(page.locator("#found > li")).to_have_count(6)
+    expect(page.locator("#found > li", has_text="practice camera, not a real one")).to_have_count(1)
+    expect(page.locator("#more")).to_be_visible()
     picture(page, f"cameras-{scheme}")
     page.goto("/cameras/?key=c2.specimen")
     page.locator("#camera-name", has_text="C920").wait_for()
     assert page.locator(".agrees").count() == 2 * (9 + 2)
     assert page.locator("path.cut").count() == 2 * 2, "what does not agree is crossed"
-    assert "known: every web page" in (page.locator(".standing").first.text_content() or "")
-    assert "too few calibrations" in (page.locator(".standing").last.text_content() or "")
+    expect(page.locator(".standing").first).to_contain_text("known: every web page")
+    expect(page.locator(".standing").last).to_contain_text("too few calibrations")
     captions = page.locator("figcaption").all_text_contents()
     assert ["agreed" in caption for caption in captions] == [True, True, False, False], (
         "where there is none, none is named"
@@ -44,11 +44,11 @@ def test_a_calibrated_camera_is_found_and_fitted_with_any_model(page: Page, api:
     page.locator("#query").fill("shelf test")
     page.locator("#found a", has_text="Shelf Test Camera").click()
     page.locator("#camera-name", has_text="Shelf Test Camera").wait_for()
-    assert page.locator("h2", has_text="1280 × 720").count() == 1
+    expect(page.locator("h2", has_text="1280 × 720")).to_have_count(1)
     page.locator("select[id^=model-]").select_option("fisheye")
     page.locator("caption", has_text="fisheye").wait_for()
-    assert page.locator("tbody th", has_text="k4").count() == 1
-    assert '"camera"' in (page.locator("pre").last.text_content() or "")
+    expect(page.locator("tbody th", has_text="k4")).to_have_count(1)
+    expect(page.locator("pre").last).to_contain_text('"camera"')
     page.locator("select[id^=format-model-]").select_option("gyroflow")
     page.locator("button[id^=download-model-]").click()
     page.locator(".saved", has_text="says exactly").wait_for()

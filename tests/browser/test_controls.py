@@ -1,9 +1,9 @@
-"""What a person does beside the capture, and what the first minute says to whom it does not go well."""
+"""Controls of the capture page, and its messages while a camera does not open."""
 
 import re
 
 import pytest
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.interruptions import ENDLESS, HIDE, UNPLUG, views, wait_for_views
 from tests.helpers.browser.pictures import picture
@@ -56,7 +56,7 @@ def test_language_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> No
     listen(page)
     page.goto(f"{ENDLESS}&camera=Another+one")
     page.locator("#undo:enabled").wait_for()
-    assert page.locator("#another").is_hidden(), "read by now"
+    expect(page.locator("#another"), "read by now").to_be_hidden()
     page.reload()
     hear(page, "another", "Asked for: Another one. Opened: calibDB virtual camera")
     hear(page, "said", "Asked for: Another one")  # it is read out too
@@ -64,8 +64,8 @@ def test_language_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> No
     assert page.evaluate(LIVE) == ["said"], "one voice at a time"
 
     page.locator("#language").select_option("de")
-    assert page.locator("#stop").text_content() == "Aufhören"
-    assert "Ansicht" in (page.locator("#counts").text_content() or "")
+    expect(page.locator("#stop")).to_have_text("Aufhören")
+    expect(page.locator("#counts")).to_contain_text("Ansicht")
     hear(page, "said", HINTS)
     page.evaluate(HIDE, True)  # as if nobody saw it, so that no view is the last one
     for language in ("de", "uk", "en"):
@@ -83,7 +83,7 @@ def test_language_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> No
     page.locator("#stage").click()
     assert popover.get_attribute("open") is None
     page.keyboard.press("Escape")
-    assert page.locator("#controls").is_visible(), "no key ends a capture by accident"
+    expect(page.locator("#controls"), "no key ends a capture by accident").to_be_visible()
 
     assert views(page) >= 1
     page.keyboard.press("u")
@@ -117,8 +117,8 @@ def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for
     page.add_init_script(PLUGGED + slowly)
     page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)")
     page.locator("#start").click()
-    assert page.locator("#camera option").count() == 0, "nothing is said before it is known"
-    assert page.locator("#wanted").text_content() == "Asked for: HD Pro Webcam C920 (046d:082d)."
+    expect(page.locator("#camera option"), "nothing is said before it is known").to_have_count(0)
+    expect(page.locator("#wanted")).to_have_text("Asked for: HD Pro Webcam C920 (046d:082d).")
     page.evaluate("window.answer()")
     page.locator("#controls:not([hidden])").wait_for()
     assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
@@ -135,7 +135,7 @@ def test_a_camera_without_a_picture_is_said_to_be_one(page: Page) -> None:
     page.locator("#opening:not([hidden])").wait_for()
     page.clock.run_for(16_000)
     page.locator("#failure", has_text="The camera is open and sends no picture.").wait_for()
-    assert page.locator("#again").is_visible()
+    expect(page.locator("#again")).to_be_visible()
 
 
 @pytest.mark.parametrize(
@@ -161,11 +161,11 @@ def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> 
     page = context.new_page()
     page.goto("/calibrate/")
     page.locator("#wanted", has_text="No camera was found. Plug one in, or try the virtual one").wait_for()
-    assert page.locator("#start-virtual.primary").is_visible()
+    expect(page.locator("#start-virtual.primary")).to_be_visible()
     picture(page, "capture-no-camera")
-    assert page.locator("#resolutions").is_visible()
+    expect(page.locator("#resolutions")).to_be_visible()
     page.locator("#camera").select_option("virtual")
-    assert page.locator("#resolutions").is_hidden(), "it has one size"
+    expect(page.locator("#resolutions"), "it has one size").to_be_hidden()
     page.locator("#start").click()
     page.locator("#opening:not([hidden]), #controls:not([hidden])").wait_for()
     page.locator("#practice").wait_for(state="attached")

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
+from tests.helpers.browser.waiting import until
+
 WATCH = """async (frames) => {
   const { DEFAULT_BOARD, corners } = await import("/lib/board.js");
   const { Painter } = await import("/lib/virtual/painter.js");
@@ -15,7 +17,8 @@ WATCH = """async (frames) => {
   const pose = { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] };
   const picture = new ImageData(...size);
   new Painter(DEFAULT_BOARD, lens, size).paint(pose, picture.data);
-  const truth = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(lens).project(transform(pose, [x, y, 0])));
+  const projection = projectionOf(lens);
+  const truth = corners(DEFAULT_BOARD).map(([x, y]) => projection.project(transform(pose, [x, y, 0])));
 
   const progress = [];
   const detector = await Detector.open(DEFAULT_BOARD, (part) => progress.push(part));
@@ -62,10 +65,13 @@ def test_a_detector_that_never_answers_is_reported(page: Page) -> None:
         """async () => {
           const { Detector } = await import("/lib/detector.js");
           const { DEFAULT_BOARD } = await import("/lib/board.js");
-          window.outcome = Detector.open(DEFAULT_BOARD).catch((error) => error.message);
-          await new Promise((done) => requestAnimationFrame(done));
+          Detector.open(DEFAULT_BOARD).catch((error) => { window.outcome = error.message; });
         }"""
     )
-    page.wait_for_timeout(500)
-    page.clock.fast_forward(25_000)
-    assert page.evaluate("window.outcome") == "The board detector does not answer."
+
+    def outcome() -> str | None:
+        page.clock.run_for(5_000)
+        found: str | None = page.evaluate("window.outcome ?? null")
+        return found
+
+    assert until(page, outcome) == "The board detector does not answer."

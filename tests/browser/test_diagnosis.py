@@ -1,9 +1,9 @@
-"""What the page says of a picture in which the board cannot be seen, or not well."""
+"""Diagnosis of pictures in which the board is not seen, or not well."""
 
 import json
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.truth import Truth
@@ -64,7 +64,7 @@ def test_each_trouble_is_known_from_the_picture(page: Page) -> None:
 def test_a_trouble_is_said_with_what_to_do(page: Page) -> None:
     page.goto(address(fault="dark"))
     page.locator("#instruction", has_text="Too dark").wait_for()
-    assert "light" in (page.locator("#remedy").text_content() or "")
+    expect(page.locator("#remedy")).to_contain_text("light")
     picture(page, "capture-dark")
 
 
@@ -97,4 +97,4 @@ def test_other_languages(page: Page, language: str, heading: str) -> None:
     page.locator("#language").select_option("en")
     page.locator("#welcome-title", has_text="Calibrate a camera").wait_for()
     page.goto("/calibrate/")
-    assert page.locator("#welcome-title").text_content() == "Calibrate a camera", "the choice is kept"
+    expect(page.locator("#welcome-title"), "the choice is kept").to_have_text("Calibrate a camera")

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.truth import Truth
@@ -76,7 +76,7 @@ def complete(page: Page) -> tuple[npt.NDArray[np.uint8], Array, Array]:
 
 
 def expected(matrix: Any, plane: Array, depth: float, viewport: tuple[int, int]) -> Array:
-    """Return where a pinhole's points lie in a viewport that its picture covers, px from the corner."""
+    """Positions of a pinhole's points in a viewport that its picture covers, px from the corner."""
     (fx, _, cx), (_, fy, cy), _ = matrix
     size = np.array(TRUTH.size)
     scale = max(np.array(viewport) / size)
@@ -85,7 +85,7 @@ def expected(matrix: Any, plane: Array, depth: float, viewport: tuple[int, int])
 
 
 def distance(found: Array, wanted: Array) -> float:
-    """Return how far the farthest of `found` is from the next of `wanted`, px."""
+    """Largest distance of a point of `found` to the nearest of `wanted`, px."""
     return float(np.linalg.norm(found[:, None] - wanted[None], axis=2).min(axis=1).max())
 
 
@@ -117,4 +117,4 @@ def test_a_camera_that_is_of_no_use_is_let_go(context: BrowserContext) -> None:
     page.locator("#start").click()
     page.locator("#problem a", has_text="Calibrate").wait_for()
     assert page.evaluate("window.given.map((track) => track.readyState)") == ["ended", "ended"]
-    assert page.locator("#stage").is_hidden()
+    expect(page.locator("#stage")).to_be_hidden()

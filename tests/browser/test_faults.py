@@ -1,9 +1,9 @@
-"""What goes wrong is said in the language of the page, with what to do about it."""
+"""Error messages in the language of the page, with a remedy."""
 
 import json
 
 import pytest
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.scenes import CAMERA, no_network, unreadable
@@ -37,7 +37,7 @@ def test_faults_in_words_of_the_page(context: BrowserContext, language: str) -> 
     for path in ("/result/?id=none", "/cameras/?key=c2.none"):
         page.goto(f"{path}&lang={language}")
         page.locator("#waiting p", has_text=said["none"]).wait_for()
-        assert page.locator("#waiting .actions a:visible").count() == 2, "there are ways on"
+        expect(page.locator("#waiting .actions a:visible"), "there are ways on").to_have_count(2)
         picture(page, f"missing-{path.split('/')[1]}-{language}", ["hand"])
 
     page = context.new_page()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import BrowserContext, Page, Request
+from playwright.sync_api import BrowserContext, Page, Request, expect
 
 from calibsolver import fit
 from calibsolver.formats import Subject, write
@@ -63,7 +63,7 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
         picture(page, "import-table", full=True)
         page.locator("#table button").click()
     page.locator("#status", has_text="16 views of a board of 9 × 6 squares, 1280 × 720 px").wait_for()
-    assert page.locator("#views li").count() == 16
+    expect(page.locator("#views li")).to_have_count(16)
     assert telling(sent) == [], "nothing is sent before one asks for it"
     picture(page, f"import-{form}", full=True)
     page.locator("#kind").select_option("photographs")
@@ -94,9 +94,9 @@ def test_a_file_without_keypoints_is_explained(page: Page, tmp_path: Path) -> No
         give(page, tmp_path, file.filename, file.content)
         wanted = "packed too deep" if form == "mrcal" else "no corners"
         page.locator("#guess h2", has_text=wanted).wait_for()
-        assert f"import {file.filename} --camera" in (page.locator("#guess code").text_content() or "")
+        expect(page.locator("#guess code")).to_contain_text(f"import {file.filename} --camera")
         assert page.locator("#matrix").count() == int(shown), form
-        assert page.locator("#form").is_hidden()
+        expect(page.locator("#form")).to_be_hidden()
         if shown:
             fx = float(page.locator("#matrix td").first.text_content() or "")
             assert fx == pytest.approx(held.camera.matrix[0, 0], abs=1e-3)
@@ -117,8 +117,8 @@ def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> N
     ):
         give(page, tmp_path, name, content)
         page.locator("#problem", has_text=said).wait_for()
-        assert page.locator("#form").is_hidden()
-        assert page.locator("#views li").count() == 0
+        expect(page.locator("#form")).to_be_hidden()
+        expect(page.locator("#views li")).to_have_count(0)
     large = tmp_path / "large.json"
     with large.open("wb") as file:
         file.truncate(64_000_001)

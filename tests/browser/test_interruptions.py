@@ -1,10 +1,10 @@
-"""What happens in the middle of a capture, and what the page makes of it: nothing captured is lost."""
+"""Interruptions of a capture: no captured view is lost."""
 
 import json
 import re
 
 import pytest
-from playwright.sync_api import BrowserContext, Page, Request, Route
+from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 
 from tests.helpers.browser.interruptions import (
     ENDLESS,
@@ -24,7 +24,7 @@ from tests.helpers.browser.interruptions import (
     wait_for_views,
 )
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.waiting import address, hear, heard, listen, until
+from tests.helpers.browser.waiting import address, hear, heard, listen, requests_within, until
 
 
 @pytest.mark.thorough
@@ -49,7 +49,7 @@ def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     for session, view in sent:  # nothing of one picture goes to the other's session
         assert session == 1
         assert all(x < 1280 and y < 720 for x, y in json.loads(view.post_data or "")["points"])
-    assert page.locator(".virtual-camera").count() == 1, "the camera before is let go"
+    expect(page.locator(".virtual-camera"), "the camera before is let go").to_have_count(1)
 
 
 def test_a_lost_camera_loses_no_views(page: Page) -> None:
@@ -57,7 +57,7 @@ def test_a_lost_camera_loses_no_views(page: Page) -> None:
     page.goto(VIRTUAL)
     page.evaluate(UNPLUG_WITH_A_VIEW)
     page.locator("#failed:not([hidden])").wait_for()
-    assert "The camera was unplugged" in (page.locator("#failure").text_content() or "")
+    expect(page.locator("#failure")).to_contain_text("The camera was unplugged")
     assert re.fullmatch(
         r"(1 view is|\d views are) kept. Try again with the same camera to go on.",
         page.locator("#kept").text_content() or "",
@@ -78,17 +78,15 @@ def test_a_stop_that_would_lose_views_is_asked_for_twice(page: Page) -> None:
     page.locator("#stop").dblclick()  # in haste, which counts once
     page.locator("#stop", has_text="Stop?").wait_for()
     hear(page, "notice", r"^Press once more to stop: \d views? will be lost\.$")
-    assert page.locator("#controls").is_visible()
+    expect(page.locator("#controls")).to_be_visible()
     picture(page, "capture-stop")
     page.locator("#stop", has_text=re.compile("^Stop$")).wait_for()
     stop(page)
-    assert page.locator("#interrupted").is_hidden(), "what a person ended is not offered again"
+    expect(page.locator("#interrupted"), "what a person ended is not offered again").to_be_hidden()
 
 
 def test_waiting_for_the_service_is_said_and_can_be_ended(context: BrowserContext) -> None:
     page = context.new_page()  # what is refused here complains in the console
-    asked: list[str] = []
-    page.on("request", lambda request: asked.append(request.url) if "/v1/" in request.url else None)
     page.route("**/v1/auth", lambda route: route.abort())
     listen(page)
     page.goto(VIRTUAL)
@@ -97,15 +95,14 @@ def test_waiting_for_the_service_is_said_and_can_be_ended(context: BrowserContex
     page.locator("#away", has_text="Without connection").wait_for()
     page.locator("#undo:enabled").wait_for()
     stop(page)
-    before = len(asked)
-    page.wait_for_timeout(2_500)
-    assert len(asked) == before
-    assert page.locator("#welcome").is_visible()
+    assert requests_within(page, 2.5) == []
+    expect(page.locator("#welcome")).to_be_visible()
 
 
 def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: BrowserContext) -> None:
     page = context.new_page()
     begun = sessions(page)
+    listen(page)
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
     there = views(page)
@@ -117,14 +114,13 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     picture(page, "capture-away")
     page.unroute("**/v1/**")
     page.locator("#away").wait_for(state="hidden")
-    # What is said is of now: for a while after the return, whatever is said.
-    said = set()
-    for _ in range(20):
-        said.add(page.locator("#instruction").text_content())
-        page.wait_for_timeout(50)
-    assert not [text for text in said if text and "onnection" in text], said
+    # Instructions after the return are of now.
+    earlier = len(heard(page, "instruction"))
+    said = [page.locator("#instruction").text_content() or ""]
     wait_for_views(page, there + 1)
-    assert "kept here" not in (page.locator("#counts").text_content() or "")
+    said += heard(page, "instruction")[earlier:]
+    assert not [text for text in said if "onnection" in text], said
+    expect(page.locator("#counts")).not_to_contain_text("kept here")
 
     taken = views(page)
     page.reload()
@@ -149,13 +145,13 @@ def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_
     page.route("**/v1/**", lambda route: route.abort())
     page.route("**/config.json", lambda route: route.abort())
     page.goto(VIRTUAL)
-    hear(page, "away", "Without connection: go on, views are kept here")
+    expect(page.locator("#away")).to_contain_text("Without connection: go on, views are kept here")
     page.locator("#counts", has_text=re.compile("[2-7] of 8 kept here")).wait_for()
 
     page.goto("/calibrate/")
     page.locator("#interrupted-text", has_text="are kept on this device").wait_for()
     page.locator("#go-on").click()
-    hear(page, "away", "Without connection")
+    expect(page.locator("#away")).to_contain_text("Without connection")
     page.locator("#instruction", has_text="Enough views. Waiting for calibDB").wait_for()
     assert (page.locator("#counts").text_content() or "").endswith("8 of 8 kept here")
     page.locator("#undo").click()
@@ -173,7 +169,7 @@ def test_a_view_that_the_service_has_is_not_taken_back_without_it(context: Brows
     page.locator("#undo:enabled").wait_for()
     page.route("**/v1/**", lambda route: route.abort())
     page.reload()
-    hear(page, "away", "Without connection: go on")
+    expect(page.locator("#away")).to_contain_text("Without connection: go on")
 
     def is_refused() -> bool:  # what was taken meanwhile is taken back, before
         page.locator("#undo:enabled").click()
@@ -192,9 +188,9 @@ def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> Non
     held[0].continue_()
     page.unroute("**/v1/calibrations/*")
     done(page)
-    assert page.locator("#once-more:focus").count() == 1, "the report leaves the focus where it is"
-    assert "This was practice" in (page.locator("#practice").text_content() or "")
-    assert page.locator("#practice").is_visible()
+    expect(page.locator("#once-more:focus"), "the report leaves the focus where it is").to_have_count(1)
+    expect(page.locator("#practice")).to_contain_text("This was practice")
+    expect(page.locator("#practice")).to_be_visible()
     assert "/result/?id=" in address(page)
     first = address(page)
     page.locator("#once-more").click()
@@ -223,7 +219,7 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(contex
     until(page, lambda: len(begun) == 2)
     page.locator("#controls:not([hidden])").wait_for()
     assert views(page) >= 1, "views that say nothing new are not taken twice"
-    assert page.locator("#model").is_hidden()
+    expect(page.locator("#model")).to_be_hidden()
     models = [json.loads(request.post_data or "")["distortion_model"] for request in begun]
     assert models == ["rectilinear", "rational"]
     assert "distortion_model=rational" in address(page)
@@ -261,7 +257,7 @@ def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: Browser
     assert json.loads(begun[-1].post_data or "")["track"]["focusDistance"] == 0.4
     assert len(captured) >= 2
     assert [view in sent[told:] for view in captured] == [True] * len(captured), "they are sent again"
-    assert page.locator("#failed").is_hidden()
+    expect(page.locator("#failed")).to_be_hidden()
 
 
 def test_a_killed_detector_is_started_again(context: BrowserContext) -> None:

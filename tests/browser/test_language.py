@@ -1,6 +1,6 @@
-"""Who chooses another language in the middle of something reads all of the page in it."""
+"""Change of language in the middle of a task: all texts of the page follow."""
 
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.interruptions import ENDLESS
 from tests.helpers.browser.scenes import no_network, unreadable
@@ -28,7 +28,7 @@ def test_what_the_pages_have_said_is_said_again_in_another_language(page: Page) 
     page.locator("#status", has_text="found in 0 of 0").wait_for()
     speak(page, "de")
     page.locator("#status", has_text="IMG_0001.HEIC").wait_for()
-    assert "found" not in (page.locator("#status").text_content() or "")
+    expect(page.locator("#status")).not_to_contain_text("found")
 
 
 def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_every_language(
@@ -56,5 +56,5 @@ def test_a_language_that_was_chosen_stays_whatever_the_address_asked_for(page: P
     page.goto("/calibrate/?lang=de")
     page.locator("#go-on", has_text="Weitermachen").click()
     page.locator("#controls:not([hidden])").wait_for()
-    assert page.locator("#stop").text_content() == "Aufhören", "what is gone on with speaks as who goes on"
+    expect(page.locator("#stop"), "what is gone on with speaks as who goes on").to_have_text("Aufhören")
     assert address(page).endswith("&lang=de")

@@ -1,4 +1,4 @@
-"""What cannot be loaded is said in plain words."""
+"""Messages for files that cannot be loaded."""
 
 from playwright.sync_api import BrowserContext
 

@@ -1,4 +1,4 @@
-"""What is drawn on a GPU comes back with it, and whoever waits in vain is told."""
+"""Loss of the WebGL context: drawings come back with it, and a loss for good is reported."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import cv2
 import pytest
-from playwright.sync_api import BrowserContext, Page, Request, Route
+from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.waiting import until
@@ -35,8 +35,8 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page) -> None:
     page.on("request", lambda request: sent.append(request))
     page.locator("#files").set_input_files([*photographs("640x480")[5:], photographs("1280x720")[0]])
     page.locator("#status", has_text="The board was found in 13 of 13").wait_for()
-    assert page.locator("#pictures .what", has_text="another camera, lens or size").count() == 1
-    assert "640 × 480 · 12 views" in (page.locator("#series option").first.text_content() or "")
+    expect(page.locator("#pictures .what", has_text="another camera, lens or size")).to_have_count(1)
+    expect(page.locator("#series option").first).to_contain_text("640 × 480 · 12 views")
     calibrate(page)
     assert page.locator("#pictures .taken").count() >= 6
     calibration = json.loads(page.locator("#json").text_content() or "")
@@ -62,7 +62,7 @@ def test_too_little_is_not_stored_but_what_would_help_is_drawn(page: Page) -> No
     page.locator("#camera").fill(NAME)
     page.locator("#start").click()
     page.locator("#wanted figure").wait_for()
-    assert "Not enough yet" in (page.locator("#status").text_content() or "")
+    expect(page.locator("#status")).to_contain_text("Not enough yet")
     picture(page, "photos-more", ["hand"], full=True)
 
     held: list[Route] = []
@@ -70,12 +70,12 @@ def test_too_little_is_not_stored_but_what_would_help_is_drawn(page: Page) -> No
     page.locator("#start").click()
     until(page, lambda: held)
     page.locator("#clear").click()
-    assert page.locator("#pictures li").count() == 0
-    assert page.locator("#form").is_hidden()
+    expect(page.locator("#pictures li")).to_have_count(0)
+    expect(page.locator("#form")).to_be_hidden()
     held[0].continue_()
     page.locator("#start:enabled").wait_for(state="attached")
-    assert page.locator("#status").text_content() == "", "what is computed of them comes too late"
-    assert page.locator("#wanted figure").count() == 0
+    expect(page.locator("#status"), "what is computed of them comes too late").to_have_text("")
+    expect(page.locator("#wanted figure")).to_have_count(0)
 
 
 def test_another_board_is_not_taken_for_this_one(context: BrowserContext) -> None:
@@ -83,7 +83,7 @@ def test_another_board_is_not_taken_for_this_one(context: BrowserContext) -> Non
     page.goto("/photos/")
     page.locator("#files").set_input_files(photographs("640x480")[:2])
     page.locator("#status", has_text="Is it the board named above?").wait_for()
-    assert page.locator("#pictures .what", has_text="no board").count() == 2
+    expect(page.locator("#pictures .what", has_text="no board")).to_have_count(2)
 
 
 @pytest.mark.thorough

@@ -83,7 +83,7 @@ def picture() -> npt.NDArray[np.uint8]:
 
 
 def asking(asked: list[tuple[str, str]], picture: npt.NDArray[np.uint8]) -> list[Any]:
-    """Say what is to be drawn of the picture, of its upper left part as large as it is taken."""
+    """Arguments of WARPED: warps to draw of the picture's upper left part, and the picture as PNG."""
     options: dict[str, dict[str, float]] = {"rectifier": BALANCED, "distorter": {}}
     png = base64.b64encode(cv2.imencode(".png", picture)[1].tobytes()).decode()
     return [[(kind, calibration(model), options[kind]) for kind, model in asked], png]

@@ -10,7 +10,7 @@ import cv2
 import httpx
 import numpy as np
 import pytest
-from playwright.sync_api import BrowserContext, Download, Page
+from playwright.sync_api import BrowserContext, Download, Page, expect
 
 from calibsolver.formats import NAMES
 from tests.helpers.browser.captures import capture
@@ -42,14 +42,14 @@ def test_a_result_with_its_report(page: Page, scheme: str) -> None:
     answer(page, "**/v1/calibrations/*", result)
     page.goto("/result/?id=x")
     page.locator("#verdict", has_text="Fair").wait_for()
-    assert page.locator(".reasons li").count() == 2
+    expect(page.locator(".reasons li")).to_have_count(2)
     assert page.locator("svg.heat rect.heat-7").count() >= 1
-    assert page.locator(".views li").count() == 12
-    assert page.locator(".views .problem").count() == 3, "the views to take again"
+    expect(page.locator(".views li")).to_have_count(12)
+    expect(page.locator(".views .problem"), "the views to take again").to_have_count(3)
     left_out = page.locator(".views li", has_text="Left out: it contradicts the others")
     assert left_out.count() == 1, "one view was left out as a whole"
-    assert left_out.locator(".plot.bad").count() == 1
-    assert "±" in (page.locator("td.std").first.text_content() or "")
+    expect(left_out.locator(".plot.bad")).to_have_count(1)
+    expect(page.locator("td.std").first).to_contain_text("±")
     picture(page, f"result-{scheme}", full=True)
 
 
@@ -72,7 +72,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(page: Page, api: httpx.Cli
     page.goto(f"/result/?id={state['calibration_id']}")
     page.locator("#view-0-out").click()
     page.locator(".trial", has_text="without view 1").wait_for()
-    assert page.locator("#view-0-out:focus").text_content() == "Take back in"
+    expect(page.locator("#view-0-out:focus")).to_have_text("Take back in")
     assert json.loads(page.locator("#json").text_content() or "")["camera_matrix"] == less["camera_matrix"]
     before, after = (each["uncertainty"]["rms"] for each in (state["calibration"], less))
     assert after > before
@@ -151,9 +151,9 @@ def test_a_format_that_cannot_be_is_explained_in_the_page(context: BrowserContex
         page.locator("#format").select_option("corners-vnl")
         page.locator("#download").click()
         page.locator(".saved.problem", has_text=words).wait_for()
-        assert detail not in (page.locator("main").text_content() or ""), "in one language"
+        expect(page.locator("main"), "in one language").not_to_contain_text(detail)
     page.locator("#format").select_option("ros")
-    assert page.locator(".saved").text_content() == "", "it was said of another"
+    expect(page.locator(".saved"), "it was said of another").to_have_text("")
 
 
 def test_a_result_goes_back_to_allowed_applications_alone(page: Page) -> None:
@@ -166,10 +166,10 @@ def test_a_result_goes_back_to_allowed_applications_alone(page: Page) -> None:
     )
     page.goto("/result/?id=x&return_to=https://evil.example/")
     page.locator(".return.problem", has_text="evil.example").wait_for()
-    assert page.locator("#return").count() == 0
+    expect(page.locator("#return")).to_have_count(0)
     page.goto("/result/?id=x&return_to=javascript:alert(1)")
     page.locator("#verdict").wait_for()
-    assert page.locator(".return").count() == 0
+    expect(page.locator(".return")).to_have_count(0)
 
 
 def test_a_picture_is_straightened_on_this_device(page: Page) -> None:

@@ -1,10 +1,10 @@
 """A capture in one of several tabs, and in one that nobody sees."""
 
 import pytest
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.interruptions import ENDLESS, HIDE, sessions, views, wait_for_views
-from tests.helpers.browser.waiting import hear, listen, until
+from tests.helpers.browser.waiting import hear, listen, requests_within, until, wait_until_quiet
 
 ACQUIRE = """async (busy) => {
   const held = window.held = new AbortController();
@@ -40,7 +40,7 @@ def test_a_second_tab_leaves_the_first_one_alone(context: BrowserContext) -> Non
     first.locator("#undo:enabled").wait_for()
     begun = sessions(second)
     second.goto("/calibrate/")
-    assert second.locator("#interrupted").is_hidden(), "it is not interrupted, it goes on"
+    expect(second.locator("#interrupted"), "it is not interrupted, it goes on").to_be_hidden()
     second.goto(ENDLESS)
     second.locator("#failure", has_text="being calibrated in another tab").wait_for()
     assert begun == []
@@ -53,27 +53,15 @@ def test_a_second_tab_leaves_the_first_one_alone(context: BrowserContext) -> Non
     assert views(second) >= 1, "it takes up what the first one had"
 
 
-def settled(page: Page, sent: list[str]) -> None:
-    """Wait until what was on its way has arrived: nothing is sent for two seconds."""
-    before = -1
-    while before != len(sent):
-        before = len(sent)
-        page.wait_for_timeout(2_000)
-    sent.clear()
-
-
 @pytest.mark.parametrize("seconds", [2, pytest.param(60, marks=pytest.mark.thorough)])
 def test_a_hidden_tab_waits(page: Page, seconds: int) -> None:
     listen(page)
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
-    sent: list[str] = []
-    page.on("request", lambda request: sent.append(request.url))
     page.evaluate(HIDE, True)
-    settled(page, sent)
+    wait_until_quiet(page)
     before = views(page)
-    page.wait_for_timeout(1_000 * seconds)
-    assert sent == []
+    assert requests_within(page, seconds) == []
     page.evaluate(HIDE, False)
     hear(page, "notice", "Nothing was taken while this page was hidden")
     wait_for_views(page, before + 1)

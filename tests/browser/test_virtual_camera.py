@@ -41,7 +41,7 @@ def assert_true(calibration: dict[str, Any], views: int, seconds: float, frames:
 
 
 def assert_only_keypoints(sent: list[Request]) -> None:
-    """What leaves the page: GETs, the opening of a session, corner positions as JSON; never a picture."""
+    """Assert that GETs, the opening of a session and corner positions leave the page, never a picture."""
     views = 0
     for request in sent:
         if request.method == "GET":

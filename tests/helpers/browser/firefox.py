@@ -45,7 +45,7 @@ def screen() -> Iterator[str]:
 
 
 def driven(script: Path, address: str, *, given: str = "", **environment: str) -> Any:
-    """What a script prints of a page in Firefox; fails where the page complains."""
+    """Output of a script that drives a page in Firefox; fails if the page complains."""
     command = ["node", str(script), executable("firefox-esr"), address]
     run = subprocess.run(
         command,
@@ -63,6 +63,6 @@ def driven(script: Path, address: str, *, given: str = "", **environment: str) -
 
 
 def in_firefox(address: str, function: str) -> Any:
-    """What a page makes of an asynchronous JavaScript function; fails where the page complains."""
+    """Result of an asynchronous JavaScript function in a page; fails if the page complains."""
     with screen() as name:
         return driven(SCRIPT, address, given=function, DISPLAY=name)["result"]

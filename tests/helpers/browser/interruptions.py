@@ -1,12 +1,12 @@
-"""What can happen in the middle of a capture, and how far it has come."""
+"""Scripts that interrupt a capture, and readers of its progress."""
 
 import json
+import re
 from typing import Any
 
-from playwright.sync_api import Page, Request
+from playwright.sync_api import Page, Request, expect
 
 from .truth import Truth
-from .waiting import until
 
 VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
 #: not reached in the time that a test takes
@@ -102,8 +102,9 @@ def views(page: Page) -> int:
 
 
 def wait_for_views(page: Page, count: int) -> None:
-    # The policy of the pages refuses a function that is made of a string, such as a test could wait for.
-    until(page, lambda: views(page) >= count)
+    """Wait until at least so many views are counted, up to 99."""
+    numbers = "|".join(str(number) for number in range(count, 100))
+    expect(page.locator("#counts")).to_have_text(re.compile(rf"^({numbers})\b"))
 
 
 def stop(page: Page) -> None:

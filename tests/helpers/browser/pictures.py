@@ -1,5 +1,6 @@
 """Pictures of pages at a desk, on a tablet and in a hand, and what is wrong with them."""
 
+import time
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
@@ -41,12 +42,11 @@ SMALL = """([finger, inline]) => {
 }"""
 
 
-def remaining(page: Page, faults: Callable[[], T], tries: int = 10) -> T:
-    """What is wrong with a page, and still is after a while: in the middle of a change much may be."""
-    for _ in range(tries):
-        if not (found := faults()):
-            break
-        page.wait_for_timeout(200)
+def remaining(page: Page, faults: Callable[[], T], seconds: float = 5.0) -> T:
+    """Faults of a page that are still there once changes have come to an end, or after so many seconds."""
+    end = time.monotonic() + seconds
+    while (found := faults()) and time.monotonic() < end:
+        page.evaluate(SETTLED)
     return found
 
 

@@ -1,4 +1,4 @@
-"""What a page finds around it: a camera of its own, no network."""
+"""Environments of a page: a fake camera, no network."""
 
 from playwright.sync_api import FilePayload, Page
 

@@ -1,11 +1,13 @@
-"""Waiting for what a page does, and for what it did a moment ago."""
+"""Waiting for conditions that `expect` cannot see: requests, storage, and texts that pass."""
 
 import re
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TypeVar
 
 from playwright.sync_api import Page
+from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 #: seconds; only what fails is waited for so long: a machine may be slow, or busy with something else
 PATIENCE = 120.0
@@ -28,16 +30,35 @@ T = TypeVar("T")
 
 
 def until(page: Page, holds: Callable[[], T], seconds: float = PATIENCE) -> T:
-    """Wait until something holds, and return it; what the page does meanwhile is heard of."""
+    """Wait until a condition holds that no locator can express, and return its value.
+
+    What is visible in a page is waited for by `expect`. This is for requests that arrived, for storage and
+    for variables of the page; the condition is looked at after each request, or after 50 ms.
+    """
     end = time.monotonic() + seconds
     while not (found := holds()):
         assert time.monotonic() < end, f"it did not happen in {seconds:.0f} s"
-        page.wait_for_timeout(50)
+        with suppress(PlaywrightTimeoutError):
+            page.wait_for_event("request", timeout=50)
     return found
 
 
+def requests_within(page: Page, seconds: float) -> list[str]:
+    """Address of the first request that a page makes in so many seconds; [] where it makes none."""
+    try:
+        return [page.wait_for_event("request", timeout=1000 * seconds).url]
+    except PlaywrightTimeoutError:
+        return []
+
+
+def wait_until_quiet(page: Page, seconds: float = 2.0) -> None:
+    """Wait until a page makes no request for so many seconds: what was on its way has arrived."""
+    while requests_within(page, seconds):
+        pass
+
+
 def address(page: Page) -> str:
-    """Return where a page is by itself: the browser tells of it a little later."""
+    """Address of a page by its own account: Playwright learns of it a little later."""
     there: str = page.evaluate("location.href")
     return there
 
@@ -54,5 +75,9 @@ def heard(page: Page, where: str) -> list[str]:
 
 
 def hear(page: Page, where: str, words: str) -> None:
-    """Wait until a page has said what fits a pattern."""
+    """Wait until a page has shown a text that fits a pattern, be it for a moment only.
+
+    `expect(locator)` looks from time to time and misses a notice that stands for a second on a busy machine;
+    the observer of `listen` writes every text down. Texts that stay are waited for by `expect`.
+    """
     until(page, lambda: any(re.search(words, text) for text in heard(page, where)))

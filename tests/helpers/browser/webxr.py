@@ -22,7 +22,7 @@ def script(body: str, **constants: object) -> str:
 
 
 def calibrated(api: httpx.Client, model: str = "rectilinear") -> dict[str, Any]:
-    """What a lookup answers of the camera, which is calibrated five times before the first."""
+    """Answer of a lookup of the camera; the first call calibrates it five times."""
     wanted = KEY | {"distortion_model": model, "redirect": False}
     answer = api.post("/lookup", json=wanted)
     if answer.status_code != 200:
