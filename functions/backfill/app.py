@@ -1,4 +1,4 @@
-"""Which consensuses rest on a batch of calibrations? Internal: the first step of every batch of a backfill.
+"""Consensuses that rest on a batch of calibrations. Internal: the first step of every batch of a backfill.
 
 The state machine lists the bucket and hands on the names, a thousand at a time; the names of one camera's
 calibrations stand together. What is answered here are requests for `refit`, one for each camera, size and
@@ -21,7 +21,7 @@ from calibdb.store.names import with_current_key
 
 
 def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
-    """Return what `refit` is to be asked for."""
+    """List the requests to `refit`."""
     batch = BackfillBatch.model_validate(event)
     calibrations = Service.of(os.environ).store.calibrations
     found = sorted(

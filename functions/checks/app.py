@@ -104,7 +104,7 @@ def check(call: application.Call) -> Response:
 
 
 def consensus(call: application.Call, request: CheckRequest) -> tuple[StreamMode, Calibration]:
-    """Return what to check, reliable or not, and what it is of; raises NotFoundError where there is nothing.
+    """Find the consensus to check, reliable or not, and its mode; raises NotFoundError where there is none.
 
     It is found as a lookup would find it, but at no other size or zoom than the views'. As in a lookup, what
     a browser cropped is another picture.

@@ -40,7 +40,7 @@ def reported(document: CalibrationDocument) -> ReportedCalibration:
 
 
 def refitted(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
-    """Return what the calibration would be had these views not been taken."""
+    """Refit the calibration without these views."""
     from calibsolver import Board, CalibrationError, fit
     from calibsolver.quality import report
 

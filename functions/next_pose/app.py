@@ -1,4 +1,4 @@
-"""Where to hold the board next, as a picture to lay over the video or as numbers."""
+"""Next target pose, as a picture to lay over the video or as numbers."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def remove(call: application.Call) -> Response:
 
 @dataclass(frozen=True)
 class Judged:
-    """What a view makes of a session: the document to store if it changes, and why the view was refused."""
+    """Result of a view: the session document to store if it changes, and the reason of a refusal."""
 
     document: SessionDocument | None = None
     reason: Refusal | None = None

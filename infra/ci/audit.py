@@ -27,7 +27,7 @@ _PIN = re.compile(r"(?m)^([A-Za-z0-9][\w.-]*==[^\s;\\]+)")
 
 @dataclass(frozen=True)
 class Audit:
-    """What one tool found: how many packages it could judge, and what is wrong with which."""
+    """Findings of one tool: the number of packages it could judge, and the vulnerabilities."""
 
     judged: int
     vulnerable: tuple[str, ...] = ()

@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def plan(target: Target) -> list[str]:
-    """Return what `deploy` would do, line by line."""
+    """Describe the steps of `deploy`, line by line."""
     lines = [f"{target.stack} in {target.region}"]
     for number, step in enumerate(steps(target), 1):
         lines.append(f"{number}. {step.text}")

@@ -1,4 +1,4 @@
-"""What a deployment does with AWS's interface itself. All of it can be done again."""
+"""Calls of a deployment to AWS's API. All of them are idempotent."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _KEPT_KEYS = 3  # of SESSION_SECRETS: the one that signs, the next, the one befo
 
 
 def missing_secrets(ssm: Any, stack: str) -> list[str]:
-    """Return which secrets the stack does not have yet."""
+    """List the secrets that the stack does not have yet."""
     found = ssm.get_parameters(Names=[f"/calibdb/{stack}/{name}" for name in SECRETS])
     there = {p["Name"].rpartition("/")[2] for p in found["Parameters"]}
     return [name for name in SECRETS if name not in there]
@@ -77,7 +77,7 @@ def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
 
 
 def settings(s3: Any, bucket: str) -> Mapping[str, str] | None:
-    """Return what `/config.json` says already, None where there is none."""
+    """Read the deployed `/config.json`, None where there is none."""
     listed = s3.list_objects_v2(Bucket=bucket, Prefix="config.json", MaxKeys=1)
     if not listed.get("KeyCount"):
         return None

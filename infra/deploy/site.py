@@ -77,7 +77,7 @@ def renamed(content: bytes, vendor: str) -> bytes:
 
 
 def digest(files: Mapping[str, bytes]) -> str:
-    """Return what changes when a file does, or its name."""
+    """Digest that changes when a file does, or its name."""
     whole = hashlib.sha256()
     for name in sorted(files):
         whole.update(f"{name}\0{len(files[name])}\0".encode())

@@ -25,7 +25,7 @@ Ask = Callable[[str, str], Heard]
 
 
 def asking(url: str) -> Ask:
-    """Return what sends requests to `url`, which ends without slash."""
+    """Build a function that sends requests to `url`, which ends without slash."""
     parts = urlsplit(url)
     kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
 

@@ -1,4 +1,4 @@
-"""What a deployment does, in its order, and nothing done yet."""
+"""Steps of a deployment, in order; nothing is run here."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Kind = Literal["run", "secrets", "upload", "invalidate", "smoke"]
 
 @dataclass(frozen=True)
 class Target:
-    """Where to.
+    """Target of a deployment: stack, region, parameters.
 
     Attributes
     ----------

@@ -48,7 +48,7 @@ class Context:
 
     @property
     def log_group_name(self) -> str:
-        """Where CloudWatch would keep the function's log."""
+        """Name of the function's CloudWatch log group."""
         return f"/aws/lambda/{self.function_name}"
 
     def get_remaining_time_in_millis(self) -> int:

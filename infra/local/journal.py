@@ -36,7 +36,7 @@ class JournalError(Exception):
 
 @dataclass(frozen=True)
 class Address:
-    """Where something is kept: an item of a table, an object of a bucket, an invoke in a queue."""
+    """Address of a record: an item of a table, an object of a bucket, an invoke in a queue."""
 
     kind: str
     container: str
@@ -45,7 +45,7 @@ class Address:
 
 @dataclass(frozen=True)
 class Content:
-    """What is kept at an address: the bytes, and what is known about them (JSON)."""
+    """Record at an address: the bytes, and their metadata (JSON)."""
 
     body: bytes
     about: str = ""
@@ -53,7 +53,7 @@ class Content:
 
 @dataclass(frozen=True)
 class Change:
-    """What an address holds from now on; None: nothing."""
+    """Change of an address to a new record; None: removal."""
 
     address: Address
     content: Content | None
@@ -118,7 +118,7 @@ class Journal:
             yield Change(Address(kind, container, key), Content(body, about))
 
     def fetch(self, address: Address) -> Content | None:
-        """Return what is kept at an address.
+        """Read the record at an address.
 
         Raises
         ------

@@ -41,7 +41,7 @@ class Memory:
         return Address(ITEM, table, json.dumps([attributes[name]["S"] for name in schema.table_key_attrs]))
 
     def read(self, address: Address) -> Content | None:
-        """Return what is at an address now."""
+        """Read the current record at an address."""
         if address.kind == OBJECT:
             key = self._buckets.get_bucket(address.container).keys.get(address.key)
             return _object_content(key) if isinstance(key, FakeKey) else None

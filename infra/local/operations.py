@@ -1,4 +1,4 @@
-"""Which operations of DynamoDB and S3 read, and which addresses the others write. Pure.
+"""Operations of DynamoDB and S3 that read, and addresses that the others write. Pure.
 
 An operation that is in neither list is refused: what it wrote would be lost in silence.
 """

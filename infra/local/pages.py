@@ -89,5 +89,5 @@ def headers(path: str) -> dict[str, str]:
 
 
 def public_settings(api: str, token: str) -> dict[str, Any]:
-    """Return what `/config.json` tells the client; a deployment writes that file."""
+    """Content of `/config.json`; a deployment writes that file."""
     return {"api": api, "token": token}

@@ -1,4 +1,4 @@
-"""Which route of an HTTP API answers a method and a path. Pure.
+"""Routing of an HTTP API by method and path. Pure.
 
 Source: Amazon API Gateway developer guide, "Create routes for HTTP APIs in API Gateway", routing API
 requests.

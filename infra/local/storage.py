@@ -114,7 +114,7 @@ class Storage:
         self._await_commit(batch)
 
     def persisted(self, kind: str) -> list[Change]:
-        """Return what is kept of a kind of its own, in the order it came."""
+        """List the records of a kind of its own, in the order they came."""
         with self._journal_lock:
             return list(self._journal.load(kind))
 

@@ -1,4 +1,4 @@
-"""What `template.yaml` deploys, read for running it in one process.
+"""Resources of `template.yaml`, read for running them in one process.
 
 Nothing that the template names is named again here: functions, routes, tables and buckets exist because the
 template lists them. Only what an offline stack needs is resolved; an intrinsic function it does not know is

@@ -33,7 +33,7 @@ PROBLEMS = {
 
 @dataclass(frozen=True)
 class Content:
-    """What one status answers: a model as JSON, pictures, or nothing."""
+    """Response body of one status: a model as JSON, pictures, or nothing."""
 
     description: str
     model: type[BaseModel] | None = None

@@ -1,4 +1,4 @@
-"""What a handler works with: settings, clock, credentials, storage, put together once for an environment."""
+"""Service context of a handler: settings, clock, credentials, storage, built once for an environment."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Service:
         return token
 
     def contributor(self, address: str, token_id: str) -> str:
-        """Return who asks, as a keyed hash."""
+        """Contributor of a request, as a keyed hash."""
         return contributor(self.settings.contributor_secret, address, token_id)
 
     def count_lookup(self, token: ApiToken, address: str) -> None:

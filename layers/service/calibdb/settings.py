@@ -1,4 +1,4 @@
-"""What the deployment decides, read from the environment that the template sets."""
+"""Settings of the deployment, read from the environment that the template sets."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class SettingsError(ValueError):
 
 @dataclass(frozen=True)
 class Thresholds:
-    """What must hold before the database vouches for a calibration; each is a variable of its own.
+    """Conditions of a reliable consensus; each is an environment variable of its own.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ GRID = (40, 30)
 
 @dataclass(frozen=True)
 class Domain:
-    """Where a camera is one-to-one.
+    """Domain in which a camera is one-to-one.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class Camera:
         return models.get(self.model).valid(np.asarray(self.distortion), p).reshape(shape)
 
     def domain(self) -> Domain:
-        """Return where the model is one-to-one, and how much of the image that is."""
+        """Domain in which the model is one-to-one, and its share of the image."""
         rays = models.get(self.model).unproject(self.intrinsics, pixel_grid(self.img_size, GRID))
         angle = models.get(self.model).domain_half_angle(np.asarray(self.distortion))
         return Domain(float(angle), float(np.isfinite(rays[0]).mean()))

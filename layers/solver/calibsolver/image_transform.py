@@ -1,4 +1,4 @@
-"""What becomes of a calibration when its picture is resized, cropped, turned or mirrored.
+"""Calibration of a resized, cropped, turned or mirrored picture.
 
 Pixels: the centre of the top-left pixel is (0, 0). Its corner is (-1/2, -1/2), and it is the corners that a
 resize multiplies: hence the halves.

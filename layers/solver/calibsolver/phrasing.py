@@ -4,10 +4,10 @@ HUNDRED = 100.0
 
 
 def off(px: float, width: float, digits: int = 1) -> str:
-    """How far something is off, px, in an image of this width, px: beyond that no number says more."""
+    """Distance in words, px, in an image of this width, px: beyond that no number says more."""
     return f"{px:.{digits}f} px off" if px < width else "off by more than the image is wide"
 
 
 def times(factor: float) -> str:
-    """How many times."""
+    """Phrase a number of times."""
     return f"{factor:.1f} times" if factor < HUNDRED else "over a hundred times"

@@ -1,4 +1,4 @@
-"""What a token may use in an hour. A plan is one line here and a word in the token."""
+"""Plans: hourly limits of a token. A plan is one line here and a word in the token."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Allowance:
 
 @dataclass(frozen=True)
 class Plan:
-    """What all of a token's users may use together, and what each single one of them may."""
+    """Hourly limits of all of a token's users together, and of each one."""
 
     together: Allowance
     each: Allowance

@@ -28,14 +28,14 @@ _MAX_SOURCES = 4096  # of one token and hour
 
 
 class Tokens(Protocol):
-    """Where tokens are read."""
+    """Store of tokens."""
 
     def get(self, token_id: str) -> ApiToken | None:
         """Return the token, None when there is none (any more)."""
 
 
 class Quotas(Protocol):
-    """Where use is written down."""
+    """Store of use counts."""
 
     def add(self, token_id: str, kind: Kind, now: int, amount: int) -> int:
         """Count `amount` more; return how many it are by now, in this hour."""

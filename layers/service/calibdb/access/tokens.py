@@ -27,7 +27,7 @@ _SALT = "calibdb.session"
 
 @dataclass(frozen=True)
 class ApiToken:
-    """What is known of an API token: never its secret."""
+    """Facts about an API token, never its secret."""
 
     id: str
     secret_sha256: str
@@ -72,7 +72,7 @@ def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
 
 @dataclass(frozen=True)
 class Ticket:
-    """What a session id says: the session, the token that opened it, and the only origin that may use it."""
+    """Claims of a session id: the session, the token that opened it, and the only origin that may use it."""
 
     sid: str
     token: str
@@ -125,7 +125,7 @@ class SessionIds:
         return (signed if isinstance(signed, str) else signed.decode()), int(self._clock()) + self._lifetime
 
     def verify(self, session_id: str, origin: str | None) -> Ticket:
-        """Return what `session_id` says; raises ForbiddenError when it is forged, expired, or another's."""
+        """Verify `session_id` and return its claims; ForbiddenError when it is forged, expired, foreign."""
         if len(session_id) > _LONGEST_SESSION_ID:
             raise ForbiddenError("The session id is not valid.")
         try:

@@ -34,7 +34,7 @@ _APPLE_WORDS = re.compile(
 
 @dataclass(frozen=True)
 class Label:
-    """What names the camera: a normalised name and a USB id; or the program that poses as one."""
+    """Parsed label: a normalised name and a USB id, or the program that poses as a camera."""
 
     name: str
     usb_id: str | None
@@ -69,7 +69,7 @@ def _public(text: str) -> str:
 
 
 def read(label: str, system: str) -> Label:
-    """Return what `label` says, on a system of this family."""
+    """Parse `label`, on a system of this family."""
     text = _plain(public_label(label))
     usb_id = None
     if match := _ID.search(text):

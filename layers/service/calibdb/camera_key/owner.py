@@ -1,4 +1,4 @@
-"""What a label says of a camera's owner: nobody's business, and nothing about the optics."""
+"""Owners' names in labels: private, and no fact about the optics."""
 
 from __future__ import annotations
 

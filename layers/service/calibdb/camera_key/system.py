@@ -1,4 +1,4 @@
-"""Which system, and where it says so which device, a browser runs on."""
+"""Operating system, and device model if stated, that a browser runs on."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class System:
 
     @property
     def text(self) -> str:
-        """What distinguishes it; an update of the system does not change the camera."""
+        """Distinguishing part; an update of the system does not change the camera."""
         return f"{self.name}; {self.model}" if self.model else self.name
 
     @property
@@ -84,7 +84,7 @@ class System:
 
 
 def public_platform(platform: str) -> str:
-    """Return what of `platform` is recognised and so is stored: system, version, the device's model.
+    """Recognised part of `platform`, which is stored: system, version, the device's model.
 
     Of a whole user agent only its parenthesised part. `other` where nothing is.
     """

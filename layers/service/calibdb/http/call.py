@@ -95,7 +95,7 @@ class Call:
         return negotiate(self.request.headers.get("accept") or "*/*", types)
 
     def session(self, charge: Kind | None = None) -> Ticket:
-        """Return what the session id says, the call counted as one of `charge`.
+        """Verify the session id, count the call as one of `charge`, and return the claims.
 
         Raises UnauthenticatedError, ForbiddenError, or TooManyError.
         """
@@ -155,7 +155,7 @@ class Call:
 
 
 def refusal(error: ValidationError) -> CalibdbError:
-    """Return what a caller is told of fields that a model does not take, without a word of Python."""
+    """Messages to a caller about fields that a model does not take, without a word of Python."""
     problems = error.errors(include_url=False, include_input=False, include_context=False)
     if any(p["type"] == "json_invalid" for p in problems):
         return MalformedError("The body is not JSON.")

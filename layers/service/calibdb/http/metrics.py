@@ -1,4 +1,4 @@
-"""What happened, for CloudWatch: a line on standard output that it takes for measurements.
+"""Metrics in CloudWatch's embedded format: one line on standard output each.
 
 Format: Amazon CloudWatch user guide, "Specification: Embedded metric format". No call to CloudWatch is made,
 and nothing is written anywhere but in Lambda.

@@ -58,7 +58,7 @@ def by_mode(known: Sequence[ConsensusDocument]) -> Iterator[tuple[Mode, list[Con
 
 
 def best_known(known: Sequence[ConsensusDocument], most: int) -> list[tuple[Mode, list[ConsensusDocument]]]:
-    """Return what `by_mode` yields, of `most` sizes and zooms: the reliable, and the most calibrated."""
+    """Select from `by_mode` at most `most` sizes and zooms: the reliable, then the most calibrated."""
     found = list(by_mode(known))
     weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in found]
     ranked = sorted(range(len(found)), key=lambda i: weights[i], reverse=True)

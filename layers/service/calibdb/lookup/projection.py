@@ -35,7 +35,7 @@ def axis_focal(camera: Calibration) -> Vector:
 
 
 def distorted(model: str, d: tuple[float, ...], theta: float, phi: float) -> Vector:
-    """Return where the ray at angle `theta` off the axis, azimuth `phi` (rad), meets the plane z = 1.
+    """Intersection of the ray at angle `theta` off the axis, azimuth `phi` (rad), with the plane z = 1.
 
     Distortion included: a pixel is `(fx x + cx, fy y + cy)`. Formulas: docs/conventions.md.
     """

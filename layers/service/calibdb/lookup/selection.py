@@ -16,7 +16,7 @@ _MAX_ASPECT_LOG = 0.01
 
 @dataclass(frozen=True)
 class Choice:
-    """What answers: a consensus, or a size at which the model is yet to be computed, or why nothing does."""
+    """Selected consensus, or a size at which the model is yet to be computed, or the reason for a miss."""
 
     found: ConsensusDocument | None = None
     missing_at: tuple[int, int] | None = None
@@ -58,7 +58,7 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
 
 
 def closeness(size: tuple[int, int], asked: tuple[int, int]) -> tuple[bool, float, float]:
-    """Return what is smaller the closer a size is: the same first, then by aspect, then by area."""
+    """Sort key of sizes by closeness: the same first, then by aspect, then by area."""
     aspect = 0.0 if same_aspect(size, asked) else _aspect_log(size, asked)
     area = abs(math.log(size[0] * size[1] / (asked[0] * asked[1])))
     return size != asked, aspect, area

@@ -1,4 +1,4 @@
-"""What the owner of a session sees of it."""
+"""Session state as its owner sees it."""
 
 from __future__ import annotations
 

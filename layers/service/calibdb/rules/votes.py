@@ -46,7 +46,7 @@ class OwnCamera:
 
 @dataclass(frozen=True)
 class Finding:
-    """What one vote says of the consensus as it is."""
+    """Weight of one vote for the current consensus."""
 
     source: str
     time: int

@@ -31,7 +31,7 @@ class FitRecord(Open):
 
 
 class Calibration(Open):
-    """What is known of a camera: the fit, whose it is, and how far to trust it.
+    """Calibration of a camera: the fit, its camera, and how far to trust it.
 
     Saved as a file it loads in WPILib's WPIcal: top-level `camera`, nested `camera_matrix`, flat
     coefficients.
@@ -105,7 +105,7 @@ class Calibration(Open):
 
 
 class Adapted(Open):
-    """What was calibrated, carried to the size or zoom asked for."""
+    """The calibration, carried to the requested size or zoom."""
 
     img_size: ImgSize
     zoom: float
@@ -115,7 +115,7 @@ class Adapted(Open):
 
 
 class LookupAnswer(Calibration):
-    """What a lookup answers: the stored calibration, and what of it holds for what was asked."""
+    """Answer of a lookup: the stored calibration, and the part that holds for the request."""
 
     relation: Relation | None = Field(
         None,

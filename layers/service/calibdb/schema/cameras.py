@@ -18,7 +18,7 @@ def _whole(value: object) -> object:
 
 
 class CamerasRequest(BaseModel):
-    """What is searched; unknown parameters are passed over."""
+    """Query of a search; unknown parameters are ignored."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
 
@@ -30,7 +30,7 @@ class CamerasRequest(BaseModel):
 
 
 class CameraSize(Open):
-    """What is known of a camera at one size and zoom."""
+    """Calibrations and consensus of a camera at one size and zoom."""
 
     img_size: ImgSize
     zoom: float

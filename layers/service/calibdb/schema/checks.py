@@ -28,7 +28,7 @@ class CheckView(Seen):
 
 
 class CheckRequest(Strict):
-    """Which camera, and what it sees now."""
+    """A camera key and fresh views."""
 
     camera: Label = Field(description="`MediaStreamTrack.label`")
     platform: Label = Field(description="The parenthesised part of the user agent.")

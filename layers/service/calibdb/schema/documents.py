@@ -1,4 +1,4 @@
-"""What is stored. Every document says the version of its layout, so that later code can read earlier data."""
+"""Stored documents. Each names the version of its layout, so that later code can read earlier data."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ViewDocument(Open):
 
 
 class EstimateDocument(Open):
-    """What the views so far give."""
+    """Estimate from the views so far."""
 
     fit: FitRecord | None = None
     uncertainty: Uncertainty | None = None
@@ -36,7 +36,7 @@ class EstimateDocument(Open):
 
 
 class Finish(Open):
-    """What was fixed when the session converged. Publishing it follows from the document alone."""
+    """Outcome fixed when the session converged. Publishing it follows from the document alone."""
 
     calibration_id: str
     time: int  # unix seconds
@@ -47,7 +47,7 @@ class Finish(Open):
 
 
 class CaptureDocument(Open):
-    """What was captured with what, as a session was started."""
+    """Camera, board and options of a session, as it was started."""
 
     layout: Literal[1] = 1
     camera_key: str
@@ -95,7 +95,7 @@ class CalibrationDocument(CaptureDocument):
 
     @property
     def counted_as(self) -> str:
-        """Whose it is where contributors are counted."""
+        """Contributor that counts."""
         return self.source or self.contributor
 
     def answer(self) -> Calibration:
@@ -111,7 +111,7 @@ class CalibrationDocument(CaptureDocument):
 
 
 class Votes(Open):
-    """How many contributors checked a consensus on views of their own, and found that it fits, or not."""
+    """Numbers of contributors whose own views fit a consensus, and did not."""
 
     agree: int = 0
     disagree: int = 0
@@ -146,7 +146,7 @@ class VoteDocument(Open):
 
 
 class ConsensusDocument(Open):
-    """What all calibrations of one camera at one size and zoom agree on, for one model.
+    """Consensus of all calibrations of one camera at one size and zoom, for one model.
 
     `basis` stands for everything that it follows from: the calibrations that count, the votes, the
     thresholds, the solver. Equal, nothing is new. `pooled` stands for the same without the votes.
@@ -174,7 +174,7 @@ class ConsensusDocument(Open):
 
 
 class GroupsDocument(Open):
-    """What is known of each calibration behind a consensus; read by who looks closer, never by a lookup."""
+    """Details of each calibration behind a consensus; read by the camera pages, never by a lookup."""
 
     layout: Literal[1] = 1
     pooled: str  # of the consensus that it belongs to

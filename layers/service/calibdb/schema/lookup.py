@@ -39,7 +39,7 @@ def _flag(value: object) -> object:
 
 
 class LookupRequest(BaseModel):
-    """Which camera, by the paper's names or by those of the older public client.
+    """Camera key, by the paper's names or by those of the older public client.
 
     Unknown fields are passed over: clients of every age ask here.
     """
@@ -62,7 +62,7 @@ class LookupRequest(BaseModel):
 
 
 class Miss(Open):
-    """Where a camera can be calibrated, and why the database has no answer; the body of the 307."""
+    """Address of the guidance page, and the reason for the miss; the body of the 307."""
 
     guidance_url: str
     reason: Reason

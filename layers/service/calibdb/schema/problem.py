@@ -14,7 +14,7 @@ class FieldProblem(Open):
 
 
 class Problem(Open):
-    """What went wrong. `errors` is there on 422."""
+    """Problem details (RFC 9457). `errors` is there on 422."""
 
     type: str
     title: str

@@ -35,12 +35,12 @@ class ListedObject(Open):
 
 
 class BackfillBatch(Open):
-    """What a distributed map of Step Functions hands to each of its children."""
+    """Input that a distributed map of Step Functions hands to each of its children."""
 
     items: tuple[ListedObject, ...] = Field(alias="Items")
 
 
 class BackfillAnswer(Open):
-    """What `refit` is to be asked for."""
+    """Request to `refit`."""
 
     requests: tuple[RefitRequest, ...]

@@ -62,7 +62,7 @@ class SessionOpened(Open):
 
 
 class Track(Open):
-    """What else the browser knew of the MediaStreamTrack: stored, never part of the camera's key.
+    """Further settings of the MediaStreamTrack: stored, never part of the camera's key.
 
     A page may send all settings of the track; what is not listed here, such as ids of devices, is not kept.
     """
@@ -124,14 +124,14 @@ class Advice(Open):
 
 
 class Hint(Open):
-    """What to do so that the next view is taken."""
+    """Hint that leads to the next view."""
 
     code: HintCode
     text: str = Field(description="English, at most six words.")
 
 
 class SessionState(Open):
-    """How far the capture has come."""
+    """Progress of the capture."""
 
     status: Literal["capturing", "converged"]
     camera: str
@@ -162,7 +162,7 @@ class ViewAnswer(SessionState):
 
 
 class Pose(Open):
-    """Where the user is asked to hold the board next; pixels of `img_size`, distortion included."""
+    """Target pose of the board; pixels of `img_size`, distortion included."""
 
     index: int = Field(description="The index that a view answering this pose carries.")
     rvec: Row = Field(description="Rotation vector, board to camera, rad.")

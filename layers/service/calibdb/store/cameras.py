@@ -20,7 +20,7 @@ _IF_EXISTS = Condition("attribute_exists(pk)")
 
 @dataclass(frozen=True)
 class Known:
-    """What stands under one key.
+    """Entries under one camera key.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Known:
 
     @property
     def candidates(self) -> tuple[str, ...]:
-        """Return what the name can mean: one invented id does not rival one that is well known."""
+        """USB ids that the name can mean: one invented id does not rival one that is well known."""
         return self.well_known or self.same_as
 
 

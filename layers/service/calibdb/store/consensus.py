@@ -20,7 +20,7 @@ _log = logging.getLogger(__name__)
 
 
 class Consensuses:
-    """What the calibrations of a camera agree on."""
+    """Store of consensuses."""
 
     def __init__(self, table: Table) -> None:
         self._table = table
@@ -68,7 +68,7 @@ class Consensuses:
         return True
 
     def groups(self, document: ConsensusDocument) -> GroupsDocument | None:
-        """Return what is behind the consensus, None when it has changed meanwhile."""
+        """Read the groups document behind the consensus, None when it has changed meanwhile."""
         sk = groups_sk(document.img_size, document.zoom, document.distortion_model)
         item = self._table.get(camera_pk(document.camera_key), sk, consistent=False)
         if item is None:
@@ -89,7 +89,7 @@ def _still(before: str | None) -> Condition:
 
 
 def documents(items: Iterable[Item]) -> list[ConsensusDocument]:
-    """Return what the items hold, but for what this version cannot read."""
+    """Parse the items, without those that this version cannot read."""
     return [document for item in items if (document := _document(item)) is not None]
 
 

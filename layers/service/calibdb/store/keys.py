@@ -39,7 +39,7 @@ def camera_pk(camera_key: str) -> str:
 
 
 def calibrations_prefix(img_size: tuple[int, int], zoom: float) -> str:
-    """Return what the `sk` of every calibration at this size and zoom begins with."""
+    """Prefix of the `sk` of every calibration at this size and zoom."""
     return f"CALIBRATION#{size_text(img_size)}#{zoom_text(zoom)}#"
 
 

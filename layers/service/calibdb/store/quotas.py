@@ -1,4 +1,4 @@
-"""How much of its plan a token has used: `TOKEN#<id>/QUOTA#<hour>`, and the same with `#<contributor>`.
+"""Quota counters of tokens: `TOKEN#<id>/QUOTA#<hour>`, and the same with `#<contributor>`.
 
 Counters only ever grow, each for one hour; they expire by themselves and are not in the bucket.
 """

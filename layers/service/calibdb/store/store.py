@@ -23,7 +23,7 @@ from calibdb.store.votes import Votes
 
 @dataclass(frozen=True)
 class Store:
-    """What is kept, noun by noun."""
+    """All stores of the service, one attribute a noun."""
 
     tokens: Tokens
     quotas: Quotas

@@ -23,7 +23,7 @@ Item = dict[str, Value]
 
 @dataclass(frozen=True)
 class Condition:
-    """What must hold of the stored item for a write to happen; values are written `:name`."""
+    """Condition on the stored item of a write; values are written `:name`."""
 
     expression: str
     values: Mapping[str, Value] = field(default_factory=dict)

@@ -13,7 +13,7 @@ PREFIX = "tokens/"
 
 
 class Tokens:
-    """What the operator issued."""
+    """Store of issued API tokens."""
 
     def __init__(self, table: Table, objects: Objects) -> None:
         self._table = table

@@ -28,7 +28,7 @@ class IndexedVote:
 
 
 class Votes:
-    """What contributors found of a camera's consensus at one size and zoom."""
+    """Store of votes on a camera's consensus at one size and zoom."""
 
     def __init__(self, table: Table, objects: Objects) -> None:
         self._table = table

@@ -1,4 +1,4 @@
-"""Where the solver starts: poses for a given focal length, and a focal length.
+"""Initial guess of the solver: poses for a given focal length, and a focal length.
 
 For a model without distortion every pixel is a ray, and the rays of a plane's points are a homography of
 them: ray ~ H (X, Y, 1). That holds beyond 90 degrees from the axis too, as long as the ray keeps its sign,
@@ -25,7 +25,7 @@ FEW = 10
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where the solver may begin.
+    """Initial intrinsics and poses.
 
     Attributes
     ----------

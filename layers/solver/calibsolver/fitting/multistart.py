@@ -93,7 +93,7 @@ class Approach:
         return outliers.ranked(found, trial, mask)
 
     def starts(self, trial: Problem) -> Iterator[initial_guess.Start]:
-        """Where to begin, the likeliest first."""
+        """Order starting points, the likeliest first."""
         model, obs, size = trial.model, trial.obs, trial.img_size
         if self.known is not None and self.known.img_size == size:
             yield initial_guess.at(model, obs, initial_guess.like(model, self.known))

@@ -89,19 +89,19 @@ class Observations:
 
 @dataclass(frozen=True, eq=False)
 class Order:
-    """Which view (v,), and which of its points (v, n), stand where in ordered observations."""
+    """Order of observations: view (v,) and point (v, n) at each place."""
 
     views: IntArray
     points: IntArray
 
     def back(self, values: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
-        """Return what belongs to the ordered views, (v, ...), in the order they came in."""
+        """Restore values of the ordered views, (v, ...), to the order they came in."""
         found = np.empty_like(values)
         found[self.views] = values
         return found
 
     def points_back(self, values: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
-        """Return what belongs to the ordered points, (v, n), in the order they came in."""
+        """Restore values of the ordered points, (v, n), to the order they came in."""
         found = np.empty_like(values)
         np.put_along_axis(found, self.points, values, axis=1)
         return self.back(found)

@@ -1,4 +1,4 @@
-"""Which measurements are believed."""
+"""Outlier rejection: inlier masks of points, and excluded views."""
 
 from collections.abc import Sequence
 

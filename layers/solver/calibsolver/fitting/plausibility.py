@@ -1,4 +1,4 @@
-"""What no camera could be is refused."""
+"""Plausibility checks that refuse a camera that cannot exist."""
 
 import numpy as np
 
@@ -49,7 +49,7 @@ def demand(problem: Problem, state: State, good: Mask, robust: bool) -> None:
 
 
 def strange(focal: float, ratio: float) -> str:
-    """Say what is no camera's: the focal length, in image widths, or the shape of the pixels, fx / fy."""
+    """Name the implausible part: the focal length, in image widths, or the shape of the pixels, fx / fy."""
     if focal <= SHORTEST:
         return f"a focal length below {SHORTEST:.0%} of the image's width is no camera's"
     if not focal < LONGEST:

@@ -19,7 +19,7 @@ them."""
 
 
 class Weights:
-    """What stays the same of a model's prior wherever it is evaluated."""
+    """Constant part of a model's prior."""
 
     def __init__(self, model: Model) -> None:
         c = model.prior.distortion

@@ -48,7 +48,7 @@ def planes(points: Array, rays: Array, mask: Mask, allowed: float = CURVED) -> t
 
 
 def agreeing(points: Array, rays: Array, usable: Mask) -> tuple[Mask, float]:
-    """Which points (n,) of one view agree with the best sample, and its median error, radians.
+    """Inlier mask (n,) of one view under the best sample (LMedS), and its median error, radians.
 
     Which samples is a fixed choice: the same every time.
     """

@@ -1,4 +1,4 @@
-"""How far a projection may be wrong: the covariance of the intrinsics seen in the image.
+"""Projection uncertainty: the covariance of the intrinsics, propagated to the image.
 
 A turn of the camera frame is no error of a calibration: whoever uses it estimates the pose anew. So the
 rotation that fits best over the whole image is projected out first (mrcal's "projection uncertainty" does

@@ -1,4 +1,4 @@
-"""What a view must be before it enters a fit."""
+"""Input validation for `fit`."""
 
 from collections.abc import Iterable
 
@@ -48,7 +48,7 @@ def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
 
 
 def in_range(obs: Observations, img_size: tuple[int, int]) -> Observations:
-    """Return what was given, or refuse points so far outside that nothing can be computed of them."""
+    """Check that points are within the range of the computations, and return them."""
     middle = np.array([[img_size[0] / 2], [img_size[1] / 2]])
     off = np.abs(obs.pixels - middle).max(axis=(1, 2)) > FAR_IMAGE * max(img_size)
     refuse(
@@ -84,7 +84,7 @@ def flatness(points: Array, mask: Mask) -> Array:
 
 
 def mirrored(obs: Observations) -> Mask:
-    """Which views (v) show the board mirrored, unlike most.
+    """Mask (v,) of views that show the board mirrored, unlike most.
 
     By the determinant of the affine map that fits best; a homography's has the same sign wherever the whole
     board is in front of the camera, and this one stays defined under strong distortion too.

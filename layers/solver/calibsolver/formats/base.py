@@ -1,4 +1,4 @@
-"""What every file format has: what it can hold, how it is written."""
+"""Base of every file format: capabilities and writer."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ VISIBLE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is exported.
+    """Subject of an export.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Conversion:
 
     @property
     def warning(self) -> str | None:
-        """What a reader of the file must know; None where the conversion cannot be seen."""
+        """Note for the reader of the file; None where the conversion cannot be seen."""
         if self.coverage < 0.999:
             return (
                 f"Approximation: this format holds {100 * self.coverage:.0f} % of the image; "
@@ -106,7 +106,7 @@ class Written:
 
 @dataclass(frozen=True, eq=False)
 class Read:
-    """What a file held.
+    """Content of a file.
 
     Attributes
     ----------

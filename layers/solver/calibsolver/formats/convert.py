@@ -85,7 +85,7 @@ def holds(camera: Camera, shape: Shape) -> bool:
 
 
 def compared(camera: Camera, other: Camera) -> Conversion:
-    """Say how far `other` projects the rays of the image of `camera` from where they were seen.
+    """Projection differences of `other` from `camera`, over the rays of the image of `camera`.
 
     Where `other` holds them: where it is one-to-one and, if `camera` is of a model that sees farther to the
     side, within what its own is good for. A plane's coordinates grow without end towards 90 degrees: where a

@@ -1,4 +1,4 @@
-"""What every file format has: what it can hold, and how it is written."""
+"""Base of every file format: capabilities and writer."""
 
 from abc import ABC, abstractmethod
 

@@ -1,4 +1,4 @@
-"""Which corner of which board every point of imported views is."""
+"""Recognition of the board and of the corner ids of imported views."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

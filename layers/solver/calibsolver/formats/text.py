@@ -50,7 +50,7 @@ def refuse(what: str) -> CalibrationError:
 
 
 def member(data: object, *path: str | int) -> Any:
-    """Return what lies at `path` in parsed data; CalibrationError ``malformed`` names what is missing."""
+    """Look up `path` in parsed data; CalibrationError ``malformed`` names the missing part."""
     here: Any = data
     for i, key in enumerate(path):
         found = (isinstance(here, Mapping) and key in here) or (

@@ -1,4 +1,4 @@
-"""What runs in a page: the WebXR attributes, and glTF's camera."""
+"""Formats for pages: the WebXR attributes, and glTF's camera."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What a calibration is worth, in figures for a page that shows them."""
+"""Quality report of a calibration, in figures for a page that shows them."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
