@@ -1,13 +1,14 @@
-"""Figures as people are told them: where a number says nothing any more, in words."""
+"""Phrases for figures in sentences: in words where a number says nothing any more."""
 
-HUNDRED = 100.0
+MAX_FACTOR = 100.0
+"""Factor from which on a number says nothing more."""
 
 
-def off(px: float, width: float, digits: int = 1) -> str:
-    """Distance in words, px, in an image of this width, px: beyond that no number says more."""
+def format_px_error(px: float, width: float, digits: int = 1) -> str:
+    """Format an error, px, in an image of some width, px: beyond the width no number says more."""
     return f"{px:.{digits}f} px off" if px < width else "off by more than the image is wide"
 
 
-def times(factor: float) -> str:
-    """Phrase a number of times."""
-    return f"{factor:.1f} times" if factor < HUNDRED else "over a hundred times"
+def format_factor(factor: float) -> str:
+    """Format a factor as how many times."""
+    return f"{factor:.1f} times" if factor < MAX_FACTOR else "over a hundred times"

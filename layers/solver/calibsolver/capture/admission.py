@@ -5,7 +5,8 @@ from typing import Literal
 import numpy as np
 
 from ..errors import CalibrationError
-from ..fitting.validation import MIN_POINTS, check
+from ..fitting.observations import Observations
+from ..fitting.validation import MIN_POINTS, check, handedness
 from ..view import View
 
 Reason = Literal["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]
@@ -25,17 +26,6 @@ def rejection_reason(view: View, img_size: tuple[int, int]) -> Reason | None:
     extent = np.linalg.svd(view.image_points - view.image_points.mean(axis=0), compute_uv=False)[1]
     if extent / np.sqrt(len(view)) < MIN_EXTENT_WIDTHS * img_size[0]:
         return "degenerate"  # so far away or so oblique that, within the noise, it is a line
-    if orientation(view) < 0:
+    if handedness(Observations.of([view]))[0] < 0:
         return "mirrored"
     return None
-
-
-def orientation(view: View) -> float:
-    """Sign of the handedness of board to image: negative in a mirrored picture.
-
-    The determinant of the affine map that fits best; a homography's has the same sign wherever the whole
-    board is in front of the camera, and this one stays defined under strong distortion too.
-    """
-    p = view.object_points[:, :2] - view.object_points[:, :2].mean(axis=0)
-    q = view.image_points - view.image_points.mean(axis=0)
-    return float(np.sign(np.linalg.det(p.T @ q)))

@@ -6,7 +6,7 @@ from typing import Literal
 
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
-from ..phrasing import times
+from ..phrasing import format_factor
 from ..quality.model_selection import suggest_model
 from ..view import View
 
@@ -37,7 +37,7 @@ def describe_disagreement(ratio: float | None, better_model: str | None) -> tupl
     """
     advice = []
     if ratio is not None:
-        text = f"The last view lies {times(ratio)} as far off as was predicted; more views will tell."
+        text = f"The last view lies {format_factor(ratio)} as far off as was predicted; more views will tell."
         advice.append(Advice("prediction_disagrees", text))
     if better_model is not None:
         text = f"This lens bends more than the model can; {better_model} explains it better."

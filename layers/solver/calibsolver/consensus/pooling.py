@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
-from ..fitting.fit import fit, fit_again
+from ..fitting.fit import fit, refine
 from ..fitting.resection import reprojection_score
 from ..view import View
 from .agreement import MIN_LEAVE_TWO_OUT_CONTRIBUTORS, compare, leave_two_out_influence, split_into_groups
@@ -280,7 +280,7 @@ def cross_validate_members(group: Sequence[Fitted], pooled: Camera) -> Array:
         held_out = range(fold, len(group), FOLDS)
         others = np.flatnonzero(~np.isin(owner, held_out))
         try:
-            camera = fit_again([views[i] for i in others], pooled, poses[others]).camera
+            camera = refine([views[i] for i in others], pooled, poses[others]).camera
         except CalibrationError:
             continue
         for i in held_out:

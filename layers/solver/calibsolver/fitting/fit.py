@@ -1,4 +1,4 @@
-"""From views to a calibration, or to the reason why there is none."""
+"""Fit of a camera model to views: a calibration, or the reason why there is none."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,20 +24,20 @@ from . import (
 )
 from .calibration import Calibration
 from .levenberg_marquardt import Options, Problem, State
-from .multistart import APPROACH, Approach
+from .multistart import TOWARDS_OPTIMUM, MultiStart
 from .normal_equations import Poses
 from .observations import Order
 from .validation import MIN_POINTS, check
 
 __all__ = ["MIN_POINTS", "check", "fit"]
 
-HARMLESS = 1.1
-"""Least squares over all but wild points may have this many times the rms of those kept."""
-SMOOTH = 4.0
-"""Least squares over all points may have this many times the rms of those kept: the model is a little too
-simple. More than that, and the points cut were wrong."""
-ROUNDS = 6
-"""Cuts at most."""
+MAX_TAIL_RMS_RATIO = 1.1
+"""Rms of least squares over all but gross outliers / rms of the inliers, up to which all of them count."""
+MAX_RIM_RMS_RATIO = 4.0
+"""The same where outliers concentrate at the rim: the model is a little too simple. More than that, and the
+points cut were wrong."""
+MAX_REJECTIONS = 6
+"""Rounds of outlier rejection."""
 FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
 """Least squares alone may wind through long valleys."""
 
@@ -73,37 +73,39 @@ def fit(
         ``no_views``, ``too_few_points``, ``degenerate``, ``not_planar``, ``out_of_range``, ``mirrored``,
         ``unknown_model``, ``no_fit``, ``not_converged`` or ``not_believable``: never is nonsense returned.
     """
-    law = models.get(model)
+    camera_model = models.get(model)
     given = check(views, img_size)
-    turned = validation.mirrored(given)
-    if turned.any() and not robust:
-        raise CalibrationError("mirrored", f"view {int(np.argmax(turned))} shows the board mirrored")
+    mirrored = validation.mirrored_views(given)
+    if mirrored.any() and not robust:
+        raise CalibrationError("mirrored", f"view {int(np.argmax(mirrored))} shows the board mirrored")
     # In one order, whichever the views came in: rounding, too, is then the same.
     obs, order = given.ordered()
     # Far from the solution numbers may overflow; every step is tested before it is taken.
     with np.errstate(all="ignore"):
-        return _Fit(Problem(law, obs, img_size), order, turned[order.views], robust, start).run()
+        return _Fit(Problem(camera_model, obs, img_size), order, mirrored[order.views], robust, start).run()
 
 
-def fit_again(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
-    """Fit views of which camera and poses (v, 6) are nearly known: robustly, from there alone.
+def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
+    """Refine a fit of which camera and poses (v, 6) are nearly known: robustly, from there alone.
 
     For parts of what was fitted before; raises as `fit` does.
     """
-    law, given = models.get(near.model), check(views, near.img_size)
+    given = check(views, near.img_size)
     obs, order = given.ordered()
-    turned = validation.mirrored(given)[order.views]
-    problem = Problem(law, obs, near.img_size)
+    mirrored = validation.mirrored_views(given)[order.views]
+    problem = Problem(models.get(near.model), obs, near.img_size)
     with np.errstate(all="ignore"):
         state = problem.at(near.intrinsics, Poses.of_vectors(poses[order.views]))
-        return _Fit(problem, order, turned, True, near).run(state)
+        return _Fit(problem, order, mirrored, True, near).run(state)
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
+    """One fit: a problem, the order of its observations, which views are mirrored, and how it is solved."""
+
     problem: Problem
     order: Order
-    turned: Mask
+    mirrored: Mask
     robust: bool
     known: Camera | None
 
@@ -119,108 +121,147 @@ class _Fit:
     def mask(self) -> Mask:
         """Points (v, n) that may take part."""
         measured = self.problem.obs.mask
-        return measured & ~self.turned[:, None] if self.turned.any() else measured
+        return measured & ~self.mirrored[:, None] if self.mirrored.any() else measured
 
     @cached_property
-    def approach(self) -> Approach:
-        """The way to near the optimum."""
-        return Approach(self.problem, self.mask, self.known)
+    def multistart(self) -> MultiStart:
+        """Starts of the fit."""
+        return MultiStart(self.problem, self.mask, self.known)
 
     def run(self, near: State | None = None) -> Calibration:
         """Fit, from `near` alone where it is given."""
         try:
-            return self.finish(near or self.approach.run())
+            return self.finish(near or self.multistart.run())
         except np.linalg.LinAlgError:
             raise CalibrationError("not_believable", "the views leave the camera undetermined") from None
 
     def finish(self, state: State) -> Calibration:
-        """From near the optimum to a result: outliers cut, least squares."""
-        if not self.robust:
-            return self.plain(state)
-        problem, obs, mask, size = self.problem, self.problem.obs, self.mask, self.problem.img_size
-        begun, tame = state, outliers.kept(state, mask, mask, outliers.WILD, size)
-        if outliers.systematic(tame, mask, obs, size):
-            # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
-            whole = self.whole(begun, self.approach.everything)
-            if np.mean(whole.square[mask]) < SMOOTH**2 * np.mean(state.square[tame]):
-                return self.result(whole, mask, with_prior=True)
-        good = tame
-        for _ in range(ROUNDS):
-            if not good.any():
-                return self.result(state, good, with_prior=True)  # refused there
-            state = problem.solve(state, outliers.weights(good), Options())
-            previous, good = good, outliers.kept(state, mask, good, outliers.CUT, size)
-            if np.array_equal(previous, good):
-                break
-        else:  # where a point or two change sides every time, either is as good
-            good = previous
-        if not np.array_equal(tame, good):
-            # The same again; and points that hardly spoil the fit are tails, not mistakes: they count too.
-            worse = SMOOTH if outliers.systematic(good, tame, obs, size) else HARMLESS
-            whole = problem.solve(state, outliers.weights(tame), Options())
-            if np.mean(whole.square[tame]) < worse**2 * np.mean(state.square[good]):
-                state, good = whole, tame
-        return self.result(state, good, with_prior=True)
+        """From near the optimum to a result, in three stages.
 
-    def whole(self, state: State, weights: Array) -> State:
+        Gross outliers are removed; the others are tested against fits that never saw these; then the points
+        that hardly spoil the fit are taken back.
+        """
+        if not self.robust:
+            return self._least_squares(state)
+        inliers = outliers.inlier_mask(
+            state, self.mask, self.mask, outliers.GROSS_OUTLIER_SIGMAS, self.problem.img_size
+        )
+        if self._concentrate_at_rim(inliers, self.mask):
+            # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
+            all_points = self._refit_all_points(state, self.multistart.unit_weights)
+            if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
+                return self._result(all_points, self.mask, with_prior=True)
+        state, good = self._reject_outliers(state, inliers)
+        if good.any() and not np.array_equal(inliers, good):
+            state, good = self._readmit_tails(state, good, inliers)
+        return self._result(state, good, with_prior=True)
+
+    def _reject_outliers(self, state: State, inliers: Mask) -> tuple[State, Mask]:
+        """Fit by least squares and reject outliers in turn, from the mask `inliers` (v, n) on."""
+        good = inliers
+        for _ in range(MAX_REJECTIONS):
+            if not good.any():
+                return state, good  # refused later
+            state = self.problem.solve(state, outliers.unit_weights(good), Options())
+            previous, good = (
+                good,
+                outliers.inlier_mask(state, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size),
+            )
+            if np.array_equal(previous, good):
+                return state, good
+        return state, previous  # where a point or two change sides every time, either is as good
+
+    def _readmit_tails(self, state: State, good: Mask, inliers: Mask) -> tuple[State, Mask]:
+        """Take all `inliers` (v, n), not `good` ones alone, where the others are tails of the noise."""
+        ratio = MAX_RIM_RMS_RATIO if self._concentrate_at_rim(good, inliers) else MAX_TAIL_RMS_RATIO
+        tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())
+        return (tails, inliers) if self._is_close(tails, inliers, state, good, ratio) else (state, good)
+
+    def _concentrate_at_rim(self, good: Mask, among: Mask) -> bool:
+        return outliers.outliers_concentrate_at_rim(good, among, self.problem.obs, self.problem.img_size)
+
+    def _is_close(self, one: State, one_mask: Mask, other: State, other_mask: Mask, ratio: float) -> bool:
+        """Whether the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
+        mean = np.mean(other.square[other_mask])
+        return bool(np.mean(one.square[one_mask]) < ratio**2 * mean)
+
+    def _refit_all_points(self, state: State, weights: Array) -> State:
         """Least squares over points of weight (v, n), begun anew from the intrinsics of `state`."""
-        first = initial_guess.mended(
+        first = initial_guess.with_robust_poses(
             self.model, self.problem.obs, initial_guess.at(self.model, self.problem.obs, state.k)
         )
-        state = self.problem.solve(self.problem.at(first.k, first.poses), weights, APPROACH)
+        state = self.problem.solve(self.problem.at(first.k, first.poses), weights, TOWARDS_OPTIMUM)
         return self.problem.solve(state, weights, Options())
 
-    def plain(self, state: State) -> Calibration:
+    def _least_squares(self, state: State) -> Calibration:
         """Least squares over all points, without the prior where the points carry every parameter."""
         problem = self.problem
-        if self.carried(state):
+        if self._is_observable(state):
             # With coefficients that nearly replace one another there are several optima: the lowest counts.
-            law, obs, size = problem.model, problem.obs, problem.img_size
+            model, obs, size = problem.model, problem.obs, problem.img_size
             other = (
-                self.approach.starts(problem)
-                if law.start_families > 1
-                else initial_guess.direct(law, obs, size)
+                self.multistart.starts(problem)
+                if model.start_families > 1
+                else initial_guess.from_vanishing_points(model, obs, size)
             )
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
-            free = [problem.solve(s, self.approach.everything, FREE) for s in begun]
+            free = [problem.solve(s, self.multistart.unit_weights, FREE) for s in begun]
             best = min((s for s in free if s.converged and s.is_finite), key=cost, default=None)
-            if best is not None and plausibility.folded(problem, best, self.mask) <= plausibility.FOLDED:
-                return self.result(best, self.mask, with_prior=False)
-        return self.result(
-            problem.solve(state, self.approach.everything, Options()), self.mask, with_prior=True
+            if (
+                best is not None
+                and plausibility.share_outside_domain(problem, best, self.mask)
+                <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
+            ):
+                return self._result(best, self.mask, with_prior=False)
+        return self._result(
+            problem.solve(state, self.multistart.unit_weights, Options()), self.mask, with_prior=True
         )
 
-    def information(self, state: State, good: Mask) -> Array:
-        """Sum up what the good points (v, n) tell of the intrinsics at unit noise, (p, p)."""
+    def _information(self, state: State, good: Mask) -> Array:
+        """Fisher information (p, p) of the intrinsics from the good points (v, n) at unit noise."""
         rows = state.rows[:-1]
-        weighted = rows if good.all() else rows * outliers.weights(good) ** 0.5
+        weighted = rows if good.all() else rows * outliers.unit_weights(good) ** 0.5
         return normal_equations.reduced_information(weighted)
 
-    def carried(self, state: State) -> bool:
-        """Whether the data alone determine every parameter."""
-        s = self.information(state, self.mask)
+    def _is_observable(self, state: State) -> bool:
+        """Whether the data alone, without the prior, determine every parameter."""
+        s = self._information(state, self.mask)
         scale = 1 / np.sqrt(np.maximum(np.diagonal(s), 1e-300))
         return bool(np.linalg.eigvalsh(s * scale[:, None] * scale)[0] > 1e-12)
 
-    def sigma(self, state: State, good: Mask) -> float:
+    def _sigma(self, state: State, good: Mask) -> float:
         """Noise of one coordinate, px: least squares estimate, corrected for the degrees of freedom."""
         used = 2 * float(good.sum())
         free = used - self.model.size - 6 * float(good.any(axis=1).sum())
         noise = float(np.sqrt(state.square[good].sum() / max(free, 0.1 * used, 1.0)))
         return max(noise, levenberg_marquardt.ROUNDOFF * self.width)
 
-    def result(self, state: State, good: Mask, *, with_prior: bool) -> Calibration:
+    def _result(self, state: State, good: Mask, *, with_prior: bool) -> Calibration:
+        """Check the fit and describe it: errors over all points, covariance from the good ones.
+
+        Parameters
+        ----------
+        state
+            The optimum: intrinsics (p,), poses and residuals (v, n) in the order of the problem; the result
+            has them in the order in which the views came.
+        good
+            (v, n) points that took part.
+        with_prior
+            Whether the prior took part: its information (p, p) is added to that of the points.
+
+        Raises CalibrationError ``not_converged`` or ``not_believable``.
+        """
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
-        plausibility.demand(self.problem, state, good, self.robust)
-        state = self.left_out_posed(state, good)
+        plausibility.check_result(self.problem, state, good, self.robust)
+        state = self._resect_excluded_views(state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
         # No point is farther off than the image is large: of a view that no pose explains the model says
         # anything.
         square = np.minimum(np.where(mask, state.square, 0.0), float(np.hypot(*img_size)) ** 2)
         rms = float(np.sqrt(square.sum() / mask.sum()))
-        sigma = self.sigma(state, good)
-        s = self.information(state, good)
+        sigma = self._sigma(state, good)
+        s = self._information(state, good)
         if with_prior:
             # Below any detector's noise it keeps some weight: corners without any would leave nothing of it.
             s = s + max(sigma, 1e-5 * img_size[0]) ** 2 * prior.information(self.model, k, img_size)
@@ -238,11 +279,11 @@ class _Fit:
             residuals=tuple(frozen(e[m]) for e, m in zip(back(state.length), measured, strict=True)),
             used=tuple(g[m] for g, m in zip(back(good), measured, strict=True)),
             prior_used=with_prior,
-            cut_views=self.reasons(good),
+            cut_views=self._cut_reasons(good),
         )
 
-    def left_out_posed(self, state: State, good: Mask) -> State:
-        """Give views that took no part the poses that suit them best: their errors are reported, too."""
+    def _resect_excluded_views(self, state: State, good: Mask) -> State:
+        """Resect views that took no part: their errors are reported, too."""
         out = np.flatnonzero(~good.any(axis=1))
         if not out.size:
             return state
@@ -250,18 +291,17 @@ class _Fit:
         better = np.isfinite(square) & (
             square < np.where(self.problem.obs.mask, state.square, 0)[out].sum(axis=1)
         )
-        r, t = state.poses.r.copy(), state.poses.t.copy()
-        r[out[better]], t[out[better]] = poses.r[better], poses.t[better]
-        return replace(self.problem.at(state.k, Poses(r, t)), converged=state.converged)
+        resected = state.poses.replaced(out[better], Poses(poses.r[better], poses.t[better]))
+        return replace(self.problem.at(state.k, resected), converged=state.converged)
 
-    def reasons(self, good: Mask) -> dict[int, str]:
-        """Why views (by number) are wholly left out."""
+    def _cut_reasons(self, good: Mask) -> dict[int, str]:
+        """Reasons why views (by number) are wholly left out."""
         return {
-            int(self.order.views[i]): "mirrored" if self.turned[i] else "outlier"
+            int(self.order.views[i]): "mirrored" if self.mirrored[i] else "outlier"
             for i in np.flatnonzero(~good.any(axis=1))
         }
 
 
 def cost(state: State) -> float:
-    """Sum of the squared residuals, padding and all: for comparison only."""
+    """Sum of the squared residuals, padding included: for comparison only."""
     return float(state.square.sum())

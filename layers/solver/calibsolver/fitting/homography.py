@@ -1,4 +1,4 @@
-"""Homographies from a board to the rays on which it is seen, and the poses that they are."""
+"""Homographies from a board to the rays on which it is seen (DLT), and the poses that they stand for."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from .normal_equations import Poses
 
 
 @dataclass(frozen=True, eq=False)
-class Planes:
+class Homographies:
     """Homographies of planes (v): ray ~ h (X, Y, 1) with (X, Y) centred and scaled.
 
     Attributes
@@ -26,8 +26,8 @@ class Planes:
     spread: Array
 
     @classmethod
-    def seen(cls, points: Array, rays: Array, weights: Array) -> "Planes":
-        """From points (v, 3, n), unit rays (v, 3, n) and weights (v, n) as of `plane_poses`, rays finite.
+    def fit_dlt(cls, points: Array, rays: Array, weights: Array) -> "Homographies":
+        """Direct linear transform of points (v, 3, n) to unit rays (v, 3, n), finite, of weight (v, n).
 
         |ray x (H X)|^2 summed = h' [sum (1 - ray ray') (x) X X'] h is least for the smallest eigenvector.
         """
@@ -47,17 +47,19 @@ class Planes:
         h = np.linalg.eigh(m.reshape(v, 9, 9))[1][:, :, 0].reshape(v, 3, 3)
         side = ((h @ x) * rays).sum(axis=1) * weights
         h = h * np.where(side.sum(axis=1) < 0, -1.0, 1.0)[:, None, None]
-        return cls(scaled(h), mean, spread)
+        return cls(normalized(h), mean, spread)
 
     def errors(self, points: Array, rays: Array) -> Array:
-        """Angles (v, n), radians, small ones, between unit rays (v, 3, n) and where points are mapped to."""
+        """Angular errors (v, n), radians, small ones, of points (v, 3, n) against unit rays (v, 3, n)."""
         x = np.ones(rays.shape)
         x[:, :2] = (points[:, :2] - self.mean[:, :, None]) / self.spread[:, None, None]
-        return from_rays(self.h @ x, rays)
+        return angular_errors(self.h @ x, rays)
 
-    def stretched(self, factor: float) -> "Planes":
-        """Take the same planes where rays have `factor` times the distance from the axis."""
-        return Planes(scaled(self.h * np.array([factor, factor, 1.0])[:, None]), self.mean, self.spread)
+    def with_focal_scale(self, factor: float) -> "Homographies":
+        """Homographies of the same planes where rays have `factor` times the distance from the axis."""
+        return Homographies(
+            normalized(self.h * np.array([factor, factor, 1.0])[:, None]), self.mean, self.spread
+        )
 
     def poses(self, offset: Array) -> Poses:
         """Nearest poses of the planes; a plane of constant z = `offset` (v,) only moves the origin."""
@@ -67,8 +69,8 @@ class Planes:
         t = t - (r[:, :, :2] @ self.mean[:, :, None])[:, :, 0] - r[:, :, 2] * offset[:, None]
         return Poses(r, t)
 
-    def stretch(self) -> float:
-        """Find the factor for `stretched` that makes the first two columns orthogonal and equally long.
+    def focal_from_vanishing_points(self) -> float:
+        """Find the factor for `with_focal_scale` that makes the first two columns orthogonal, of one length.
 
         Their vanishing points lie at right angles (Zhang 2000, with square pixels and a known centre);
         NaN where all planes face the camera.
@@ -80,14 +82,14 @@ class Planes:
         return float(np.sqrt(-(image @ depth) / below)) if below > 0 else float("nan")
 
 
-def scaled(h: Array) -> Array:
+def normalized(h: Array) -> Array:
     """Homographies (v, 3, 3) of which the first two columns have mean length 1."""
     columns = np.sqrt((h[:, :, :2] ** 2).sum(axis=1)).sum(axis=1) / 2
     out: Array = h / np.maximum(columns, 1e-300)[:, None, None]
     return out
 
 
-def from_rays(p: Array, rays: Array) -> Array:
+def angular_errors(p: Array, rays: Array) -> Array:
     """Angles (v, n), radians, small ones, between points (v, 3, n), camera frame, and unit rays (v, 3, n)."""
     e = p / np.maximum(np.sqrt((p * p).sum(axis=1, keepdims=True)), 1e-300) - rays
     out: Array = np.sqrt((e * e).sum(axis=1))

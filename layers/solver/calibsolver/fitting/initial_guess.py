@@ -1,4 +1,4 @@
-"""Initial guess of the solver: poses for a given focal length, and a focal length.
+"""Initial guess of the solver: poses for a given focal length by resection, and a focal length.
 
 For a model without distortion every pixel is a ray, and the rays of a plane's points are a homography of
 them: ray ~ H (X, Y, 1). That holds beyond 90 degrees from the axis too, as long as the ray keeps its sign,
@@ -15,17 +15,17 @@ from ..arrays import Array, IntArray, Mask
 from ..camera import Camera
 from ..models import Model
 from . import robust_homography
-from .homography import Planes, from_rays
+from .homography import Homographies, angular_errors
 from .normal_equations import Poses
-from .observations import Observations
+from .observations import MIX, Observations
 
-FEW = 10
-"""Views on which starts are tried."""
+MAX_TRIAL_VIEWS = 10
+"""Views on which starts are tried, at most."""
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Initial intrinsics and poses.
+    """Initial guess of one optimum.
 
     Attributes
     ----------
@@ -59,17 +59,17 @@ def plane_poses(points: Array, rays: Array, weights: Array) -> tuple[Poses, Arra
     if not usable.all():
         weights = np.where(usable, weights, 0.0)
         rays = np.where(usable[:, None, :], rays, 0.0)
-    poses = Planes.seen(points, rays, weights).poses(points[:, 2, 0])
-    return poses, np.where(usable, from_rays(poses.camera_points(points), rays), 0.0)
+    poses = Homographies.fit_dlt(points, rays, weights).poses(points[:, 2, 0])
+    return poses, np.where(usable, angular_errors(poses.camera_points(points), rays), 0.0)
 
 
 def at(model: Model, obs: Observations, k: Array) -> Start:
     """Start from intrinsics k (p,)."""
-    return tried(model, obs, [k])[0]
+    return evaluate_starts(model, obs, [k])[0]
 
 
-def tried(model: Model, obs: Observations, many: list[Array]) -> list[Start]:
-    """Start from each of several intrinsics (p,), all solved at once."""
+def evaluate_starts(model: Model, obs: Observations, many: list[Array]) -> list[Start]:
+    """Evaluate starts from several intrinsics (p,), all poses solved at once."""
     pixels = obs.pixels.transpose(1, 0, 2)
     rays = np.concatenate([model.unproject(k, pixels).transpose(1, 0, 2) for k in many])
     points, mask = np.tile(obs.points, (len(many), 1, 1)), np.tile(obs.mask, (len(many), 1))
@@ -78,68 +78,70 @@ def tried(model: Model, obs: Observations, many: list[Array]) -> list[Start]:
     out = []
     for i, k in enumerate(many):
         part = slice(i * v, (i + 1) * v)
-        # What the start does not see at all is no better than what it sees in the wrong place.
+        # A pixel without a ray is no better than one with a wrong ray.
         blind = np.isnan(rays[part, 0])
-        focal = np.sqrt(k[0] * k[1]) * model.magnification(k[4:])[0]
+        focal = np.sqrt(np.prod(model.focal(k)))
         error = float(np.median(np.where(blind, np.inf, angle[part])[obs.mask]) * focal)
         out.append(Start(k, Poses(poses.r[part], poses.t[part]), error))
     return out
 
 
-def ladder(model: Model, obs: Observations, img_size: tuple[int, int]) -> list[Start]:
-    """Try every rung of the model: starts, the best of each kind first."""
-    rungs = tried(model, obs, model.initial_intrinsics(img_size))
-    each = len(rungs) // model.start_families
-    kinds = [
-        sorted(rungs[i * each : (i + 1) * each], key=lambda start: start.error)
+def focal_sweep(model: Model, obs: Observations, img_size: tuple[int, int]) -> list[Start]:
+    """Evaluate all initial intrinsics of the model: starts, the best of each family first."""
+    starts = evaluate_starts(model, obs, model.initial_intrinsics(img_size))
+    each = len(starts) // model.start_families
+    families = [
+        sorted(starts[i * each : (i + 1) * each], key=lambda start: start.error)
         for i in range(model.start_families)
     ]
-    return [start for rank in zip(*kinds, strict=True) for start in rank]
+    return [start for rank in zip(*families, strict=True) for start in rank]
 
 
-def direct(model: Model, obs: Observations, img_size: tuple[int, int]) -> Iterator[Start]:
-    """Yield the start from vanishing points, for a model without distortion a pinhole, or nothing."""
+def from_vanishing_points(model: Model, obs: Observations, img_size: tuple[int, int]) -> Iterator[Start]:
+    """Yield the start from vanishing points (Zhang 2000) where the undistorted model is a pinhole."""
     if not model.is_perspective:
         return
     k = model.start(float(img_size[0]), img_size)
-    rays = seen(model, obs, k)
-    planes, weights = robust_homography.planes(obs.points, rays, obs.mask)
-    factor = planes.stretch()
+    rays = unproject_observations(model, obs, k)
+    homographies, weights = robust_homography.fit_homographies_lmeds(obs.points, rays, obs.mask)
+    factor = homographies.focal_from_vanishing_points()
     if 0.2 < factor < 8:
         k[:2] /= factor
-        yield Start(k, planes.stretched(factor).poses(obs.points[:, 2, 0]), weights=weights)
+        yield Start(k, homographies.with_focal_scale(factor).poses(obs.points[:, 2, 0]), weights=weights)
 
 
-def mended(model: Model, obs: Observations, first: Start) -> Start:
-    """Return a start whose poses follow the majority of the points of each view."""
-    planes, weights = robust_homography.planes(obs.points, seen(model, obs, first.k), obs.mask)
-    return Start(first.k, planes.poses(obs.points[:, 2, 0]), first.error, weights)
+def with_robust_poses(model: Model, obs: Observations, first: Start) -> Start:
+    """Replace the poses of a start by those of the inliers of each view."""
+    homographies, weights = robust_homography.fit_homographies_lmeds(
+        obs.points, unproject_observations(model, obs, first.k), obs.mask
+    )
+    return Start(first.k, homographies.poses(obs.points[:, 2, 0]), first.error, weights)
 
 
-def seen(model: Model, obs: Observations, k: Array) -> Array:
-    """Return unit rays (v, 3, n) of the pixels under intrinsics k (p,); NaN where there are none."""
+def unproject_observations(model: Model, obs: Observations, k: Array) -> Array:
+    """Unproject the pixels to unit rays (v, 3, n) under intrinsics k (p,); NaN where there are none."""
     return model.unproject(k, obs.pixels.transpose(1, 0, 2)).transpose(1, 0, 2)
 
 
-def like(model: Model, camera: Camera) -> Array:
-    """Intrinsics (p,) of a model that resemble a camera's, of this model or another."""
+def convert_intrinsics(model: Model, camera: Camera) -> Array:
+    """Convert a camera's intrinsics to similar ones (p,) of a model, the same or another."""
     theirs = camera.intrinsics
     if camera.model == model.name:
         return theirs
-    k = model.start(float(np.sqrt(theirs[0] * theirs[1])) * camera.magnification, camera.img_size)
+    k = model.start(float(np.sqrt(np.prod(camera.focal))), camera.img_size)
     k[2:4] = theirs[2:4]
     return k
 
 
-def few(obs: Observations, mask: Mask) -> IntArray | None:
-    """Choose views (FEW,) to try starts on, from all over the image; None where there are no more.
+def subsample_views(obs: Observations, mask: Mask) -> IntArray | None:
+    """Choose MAX_TRIAL_VIEWS views, from all over the image, to try starts on; None where there are no more.
 
     Chosen by what they show, not by their order.
     """
     usable = np.flatnonzero(mask.any(axis=1))
-    if len(usable) <= FEW:
+    if len(usable) <= MAX_TRIAL_VIEWS:
         return None if len(usable) == obs.view_count else usable
     weight = obs.mask[usable] / obs.mask[usable].sum(axis=1, keepdims=True)
     x, y = (obs.pixels[usable] * weight[:, None]).sum(axis=2).T
-    order = np.argsort(x + 0.618 * y, kind="stable")
-    return usable[order[np.linspace(0, len(usable) - 1, FEW).round().astype(np.int64)]]
+    order = np.argsort(x + MIX * y, kind="stable")
+    return usable[order[np.linspace(0, len(usable) - 1, MAX_TRIAL_VIEWS).round().astype(np.int64)]]

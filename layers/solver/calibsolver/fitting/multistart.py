@@ -1,4 +1,4 @@
-"""From several starts to near the optimum: robustly, and whichever views are bad."""
+"""Multistart: from several initial guesses to near the optimum, robustly, whichever views are bad."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,23 +14,23 @@ from . import initial_guess, outliers, plausibility, robust_homography
 from .levenberg_marquardt import Options, Problem, State
 from .normal_equations import Poses
 
-DOUBTFUL = 0.002
-"""Above this share of the image width other starts are tried."""
-APPROACH = Options(robust=True, tolerance=1e-3, damping=1e-6)
-"""The way there is always robust: one bad view must not turn the first steps."""
-SURPRISE = 3.0
-"""Other starts are tried too where pixels are this many sigmas from square, or the centre from the middle."""
-AGAIN = 3
-"""Times that views which fit badly are posed anew."""
-AGREES = 5.0
-"""Median errors within which a point of such a view agrees with most of its points."""
-TRIES = 4
-"""Rungs of the ladder that are followed at most."""
+MAX_TRUSTED_RMS_WIDTHS = 0.002
+"""Trimmed rms / image width above which other starts are tried."""
+TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-6)
+"""The way to near the optimum is always robust: one bad view must not turn the first steps."""
+MAX_PRIOR_Z = 3.0
+"""Sigmas of the prior by which aspect and principal point may differ before other starts are tried, too."""
+MAX_REINITIALIZATIONS = 3
+"""Times that poses of views which fit badly are reinitialized, at most."""
+INLIER_MEDIANS = 5.0
+"""Median errors of its view within which a point is an inlier."""
+MAX_SWEEP_STARTS = 4
+"""Starts of the focal sweep that are followed at most."""
 
 
 @dataclass(frozen=True, eq=False)
-class Approach:
-    """The way to one fit's optimum."""
+class MultiStart:
+    """Several starts of one fit, the best of which is followed."""
 
     problem: Problem
     mask: Mask
@@ -40,102 +40,108 @@ class Approach:
 
     @property
     def model(self) -> Model:
-        """The law that is fitted."""
+        """Camera model that is fitted."""
         return self.problem.model
 
     @cached_property
-    def everything(self) -> Array:
+    def unit_weights(self) -> Array:
         """Weights (v, n) with all points."""
-        return outliers.weights(self.mask)
+        return outliers.unit_weights(self.mask)
 
     def run(self) -> State:
-        """From several starts to near the optimum; the best of them."""
+        """Solve from several starts to near the optimum and return the best."""
         obs, problem = self.problem.obs, self.problem
-        few = initial_guess.few(obs, self.mask)
-        if few is None:
-            return self.ranked(problem, self.everything, self.mask)[0]
-        trial = Problem(problem.model, obs.subset(few), problem.img_size)
-        found = self.ranked(trial, self.everything[few], self.mask[few])
+        trial_views = initial_guess.subsample_views(obs, self.mask)
+        if trial_views is None:
+            return self.rank_optima(problem, self.unit_weights, self.mask)[0]
+        trial = Problem(problem.model, obs.subset(trial_views), problem.img_size)
+        found = self.rank_optima(trial, self.unit_weights[trial_views], self.mask[trial_views])
         # Where a few views leave it open which camera it is, all of them decide.
         states = []
-        for k in [state.k for state in found[: 1 if self.ordinary(found[0]) else 2]]:
-            first = initial_guess.mended(problem.model, obs, initial_guess.at(problem.model, obs, k))
+        for k in [state.k for state in found[: 1 if self.within_prior(found[0]) else 2]]:
+            first = initial_guess.with_robust_poses(
+                problem.model, obs, initial_guess.at(problem.model, obs, k)
+            )
             state = problem.at(first.k, first.poses)
-            # The camera is known about; what is far off already would only bend it on the way.
-            near = state.square <= AGREES**2 * robust_homography.medians(state.square, self.mask)[:, None]
-            weights = outliers.weights(near & self.mask)
-            state = problem.solve(state, weights, APPROACH)
-            states.append(posed_anew(problem, state, weights, self.mask))
-        return outliers.ranked(states, problem, self.mask)[0]
+            # Intrinsics are approximately known, so gross outliers can be excluded already.
+            near = (
+                state.square
+                <= INLIER_MEDIANS**2 * robust_homography.medians(state.square, self.mask)[:, None]
+            )
+            weights = outliers.unit_weights(near & self.mask)
+            state = problem.solve(state, weights, TOWARDS_OPTIMUM)
+            states.append(reinitialize_outlying_poses(problem, state, weights, self.mask))
+        return outliers.rank_states(states, problem, self.mask)[0]
 
-    def ranked(self, trial: Problem, weights: Array, mask: Mask) -> list[State]:
-        """Optima that the starts lead to, the best first; no more than it takes to find an ordinary one."""
+    def rank_optima(self, trial: Problem, weights: Array, mask: Mask) -> list[State]:
+        """Rank the optima that the starts lead to, the best first; stop at one within the prior."""
         found: list[State] = []
         for first in self.starts(trial):
             state = trial.at(first.k, first.poses)
             good = mask if first.weights is None else mask & (first.weights > 0)
             if not (state.is_finite and good.any()):
                 continue
-            state = trial.solve(state, outliers.weights(good), APPROACH)
-            state = posed_anew(trial, state, weights, mask)
+            state = trial.solve(state, outliers.unit_weights(good), TOWARDS_OPTIMUM)
+            state = reinitialize_outlying_poses(trial, state, weights, mask)
             if not state.is_finite:
                 continue
             found.append(state)
             if (
                 len(found) >= self.model.start_families
-                and self.ordinary(state)
-                and outliers.level(state, mask) < DOUBTFUL * self.problem.img_size[0]
-                and plausibility.folded(trial, state, mask) <= plausibility.FOLDED
+                and self.within_prior(state)
+                and outliers.trimmed_rms(state, mask) < MAX_TRUSTED_RMS_WIDTHS * self.problem.img_size[0]
+                and plausibility.share_outside_domain(trial, state, mask)
+                <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
             ):
                 break
         if not found:
             raise CalibrationError("no_fit", "no camera explains these views")
-        return outliers.ranked(found, trial, mask)
+        return outliers.rank_states(found, trial, mask)
 
     def starts(self, trial: Problem) -> Iterator[initial_guess.Start]:
-        """Order starting points, the likeliest first."""
+        """Yield the starts, the likeliest first."""
         model, obs, size = trial.model, trial.obs, trial.img_size
         if self.known is not None and self.known.img_size == size:
-            yield initial_guess.at(model, obs, initial_guess.like(model, self.known))
-        yield from initial_guess.direct(model, obs, size)
-        for rung in initial_guess.ladder(model, obs, size)[:TRIES]:
-            yield initial_guess.mended(model, obs, rung)
+            yield initial_guess.at(model, obs, initial_guess.convert_intrinsics(model, self.known))
+        yield from initial_guess.from_vanishing_points(model, obs, size)
+        for start in initial_guess.focal_sweep(model, obs, size)[:MAX_SWEEP_STARTS]:
+            yield initial_guess.with_robust_poses(model, obs, start)
 
-    def ordinary(self, state: State) -> bool:
-        """Whether this is a camera like others; a strange one may be a local minimum beside the right one."""
-        return bool(np.abs(state.prior_residuals[1:4]).max() < SURPRISE)
+    def within_prior(self, state: State) -> bool:
+        """Whether the camera is like others; a strange one may be a local minimum beside the right one."""
+        return bool(np.abs(state.prior_residuals[1:4]).max() < MAX_PRIOR_Z)
 
 
-def posed_anew(problem: Problem, state: State, weights: Array, mask: Mask) -> State:
-    """Let views that fit badly start again, from what the majority of their points say.
+def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, mask: Mask) -> State:
+    """Reinitialize the poses of views that fit badly from the LMedS inliers among their points.
 
     A row of corners under wrong names pulls its view so far that robust weights alone do not bring it
     back: to fit all points a little is cheaper than to fit most and miss some by far.
     """
-    for _ in range(AGAIN):
-        bad = outliers.unfit(state, mask)
+    for _ in range(MAX_REINITIALIZATIONS):
+        bad = outliers.views_beyond_threshold(state, mask)
         if not bad.size:
             break
         part = Problem(problem.model, problem.obs.subset(bad), problem.img_size)
-        rays = initial_guess.seen(problem.model, part.obs, state.k)
-        planes, _ = robust_homography.planes(part.obs.points, rays, mask[bad], 0.0)
-        poses = planes.poses(part.obs.points[:, 2, 0])
+        rays = initial_guess.unproject_observations(problem.model, part.obs, state.k)
+        homographies, _ = robust_homography.fit_homographies_lmeds(part.obs.points, rays, mask[bad], 0.0)
+        poses = homographies.poses(part.obs.points[:, 2, 0])
         square = part.at(state.k, poses).square
         middle = robust_homography.medians(square, mask[bad])
         better = middle < robust_homography.medians(state.square[bad], mask[bad])
         if not better.any():
             break
-        r, t, weights = state.poses.r.copy(), state.poses.t.copy(), weights.copy()
-        r[bad[better]], t[bad[better]] = poses.r[better], poses.t[better]
-        near = square <= AGREES**2 * middle[:, None]
+        weights = weights.copy()
+        all_poses = state.poses.replaced(bad[better], Poses(poses.r[better], poses.t[better]))
+        near = square <= INLIER_MEDIANS**2 * middle[:, None]
         weights[bad[better]] = (near & mask[bad])[better]
-        state = problem.solve(problem.at(state.k, Poses(r, t)), weights, APPROACH)
-    return tamed(problem, state, mask)
+        state = problem.solve(problem.at(state.k, all_poses), weights, TOWARDS_OPTIMUM)
+    return refit_without_gross_outliers(problem, state, mask)
 
 
-def tamed(problem: Problem, state: State, mask: Mask) -> State:
-    """Fit without what is certainly wrong, so that it no longer bends the way."""
-    good = outliers.kept(state, mask, mask, outliers.WILD, problem.img_size)
+def refit_without_gross_outliers(problem: Problem, state: State, mask: Mask) -> State:
+    """Refit without gross outliers, which would bias the way to the optimum."""
+    good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, problem.img_size)
     if np.array_equal(good, mask):
         return state
-    return problem.solve(state, outliers.weights(good), Options(tolerance=1e-4))
+    return problem.solve(state, outliers.unit_weights(good), Options(tolerance=1e-4))

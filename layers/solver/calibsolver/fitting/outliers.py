@@ -1,4 +1,4 @@
-"""Outlier rejection: inlier masks of points, and excluded views."""
+"""Outlier rejection: the inlier mask of points, and whole views that fit nowhere."""
 
 from collections.abc import Sequence
 
@@ -11,75 +11,84 @@ from .observations import Observations
 from .robust_homography import medians
 from .validation import MIN_POINTS
 
-CUT = 4.0
+OUTLIER_SIGMAS = 4.0
 """Sigmas beyond which a point is an outlier: one in 3000 good ones."""
-WILD = 6.0
-"""Sigmas beyond which it certainly is one. They go first: then the rest is judged by a fit that has not seen
-them, the same as if they had never been there."""
-RIM, MOST, TIMES = 0.01, 0.4, 4.0
-"""Outermost share of the points, the share of those that bad luck alone does not cut, and how many times that
-of all points it is then."""
-LEFT = 0.5
+GROSS_OUTLIER_SIGMAS = 6.0
+"""Sigmas beyond which a point is a gross outlier. They go first: the rest is tested against a fit that never
+saw them."""
+RIM_SHARE = 0.01
+"""Share of the points, the outermost, that make the rim of the image."""
+MAX_CHANCE_RIM_OUTLIERS = 0.4
+"""Share of the points at the rim that chance alone may make outliers."""
+MIN_RIM_EXCESS = 4.0
+"""Share of outliers at the rim / share among all points from which they concentrate there."""
+MIN_RIM_POINTS = 12
+"""Points that make the rim at least: of fewer one or two say nothing."""
+MIN_INLIER_SHARE = 0.5
 """Share of its points that a view keeps at least: with fewer it contradicts the others as a whole."""
-MOST_COUNTED = 6.0
+MAX_COUNTED_SIGMAS = 6.0
 """Sigmas beyond which it does not matter any more how far away a point is, when fits are compared."""
 
 
-def kept(state: State, mask: Mask, among: Mask, cut: float, img_size: tuple[int, int]) -> Mask:
-    """Points (v, n) within `cut` sigmas; of a view that loses most of them, none.
+def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: tuple[int, int]) -> Mask:
+    """Inlier mask (v, n): points within so many `sigmas`; of a view that loses most of them, none.
 
     The noise is that of the points `among` (v, n): what has been left out already does not blur what is left.
     """
     # Beside a view that happens to have less noise, one with as much as others have is no outlier.
     sigma = max(levenberg_marquardt.robust_sigma(state, among), levenberg_marquardt.NOISE_FLOOR * img_size[0])
-    if not np.where(mask, state.square, 0.0).max() > (cut * sigma) ** 2:
+    if not np.where(mask, state.square, 0.0).max() > (sigmas * sigma) ** 2:
         return mask
     # Real residuals have longer tails than the median promises; what is kept says how long.
     for _ in range(3):
-        near = state.square[(state.square <= (cut * sigma) ** 2) & mask]
+        near = state.square[(state.square <= (sigmas * sigma) ** 2) & mask]
         sigma = max(sigma, float(np.sqrt(np.mean(near) / 2)))
-    good: Mask = (state.square <= (cut * sigma) ** 2) & mask
+    good: Mask = (state.square <= (sigmas * sigma) ** 2) & mask
     count = good.sum(axis=1)
-    good &= (count >= np.maximum(MIN_POINTS, LEFT * mask.sum(axis=1)))[:, None]
+    good &= (count >= np.maximum(MIN_POINTS, MIN_INLIER_SHARE * mask.sum(axis=1)))[:, None]
     return good
 
 
-def level(state: State, mask: Mask) -> float:
+def trimmed_rms(state: State, mask: Mask) -> float:
     """Root mean square, px, of the best three quarters of the residuals of points (v, n)."""
     square = np.sort(state.square[mask])[: max(3 * int(mask.sum()) // 4, 1)]
     return float(np.sqrt(np.mean(square) + 1e-12))
 
 
-def ranked(states: Sequence[State], problem: Problem, mask: Mask) -> list[State]:
-    """Sort states: the likeliest first, with the prior; those that fold the views last.
+def rank_states(states: Sequence[State], problem: Problem, mask: Mask) -> list[State]:
+    """Rank states: the likeliest first, with the prior; those that fold the views last.
 
     A point counts up to some sigmas, the same for all: else a state might win by what it does not explain.
     """
     if len(states) == 1:
         return list(states)
-    sigma2 = min(level(state, mask) for state in states) ** 2 / 2
+    sigma2 = min(trimmed_rms(state, mask) for state in states) ** 2 / 2
 
     def score(state: State) -> tuple[bool, float]:
-        explained = np.minimum(state.square[mask] / sigma2, MOST_COUNTED**2)
-        folds = plausibility.folded(problem, state, mask) > plausibility.FOLDED
+        explained = np.minimum(state.square[mask] / sigma2, MAX_COUNTED_SIGMAS**2)
+        folds = (
+            plausibility.share_outside_domain(problem, state, mask) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN
+        )
         return folds, float(explained.sum() + state.prior_residuals @ state.prior_residuals)
 
     return sorted(states, key=score)
 
 
-def unfit(state: State, mask: Mask) -> IntArray:
-    """Find views (by number) of which half of the points or more lie beyond CUT sigmas."""
+def views_beyond_threshold(state: State, mask: Mask) -> IntArray:
+    """Find views (by number) of which half of the points or more lie beyond OUTLIER_SIGMAS."""
     sigma = levenberg_marquardt.robust_sigma(state, mask)
-    return np.flatnonzero((medians(state.square, mask) > (CUT * sigma) ** 2) & mask.any(axis=1))
+    return np.flatnonzero((medians(state.square, mask) > (OUTLIER_SIGMAS * sigma) ** 2) & mask.any(axis=1))
 
 
-def weights(good: Mask) -> Array:
+def unit_weights(good: Mask) -> Array:
     """Weights (v, n): 1 for the good, 0 for others. The pose of a view without any stays where it is."""
     return good.astype(np.float64)
 
 
-def systematic(good: Mask, among: Mask, obs: Observations, img_size: tuple[int, int]) -> bool:
-    """Whether the points cut `among` some (v, n) are those at the rim of the image.
+def outliers_concentrate_at_rim(
+    good: Mask, among: Mask, obs: Observations, img_size: tuple[int, int]
+) -> bool:
+    """Whether the outliers `among` some points (v, n) concentrate at the rim of the image.
 
     Corners that were found badly lie anywhere. Where the rim is cut it may be the model that fails there,
     and without these points it would fail unseen.
@@ -88,7 +97,7 @@ def systematic(good: Mask, among: Mask, obs: Observations, img_size: tuple[int, 
         return False
     seen = obs.pixels - (np.asarray(img_size) / 2)[None, :, None]
     radius = np.hypot(seen[:, 0], seen[:, 1])[among]
-    share = max(RIM, min(12 / radius.size, 1.0))  # of a few points one or two say nothing
+    share = max(RIM_SHARE, min(MIN_RIM_POINTS / radius.size, 1.0))
     rim = radius >= np.quantile(radius, 1 - share)
     cut = ~good[among]
-    return bool(np.mean(cut[rim]) > max(MOST, TIMES * np.mean(cut)))
+    return bool(np.mean(cut[rim]) > max(MAX_CHANCE_RIM_OUTLIERS, MIN_RIM_EXCESS * np.mean(cut)))

@@ -1,22 +1,26 @@
-"""Planes of views of which a part is wrong: corners under others' names, other things taken for corners.
+"""Robust homographies of views in which some points are wrong: corners under others' ids, other things.
 
-Of homographies through some points each, the one whose median error over the view's points is least
-(Rousseeuw 1984; Fischler & Bolles 1981), then the one through all points that agree with it.
+Least median of squares (LMedS): of homographies through random samples the one whose median error over the
+view's points is least (Rousseeuw 1984; Fischler & Bolles 1981), then the one through all its inliers.
 """
 
 import numpy as np
 
 from ..arrays import Array, Mask
-from .homography import Planes
+from .homography import Homographies
 
-SAMPLES, SAMPLE = 60, 5
+SAMPLES, SAMPLE_SIZE = 60, 5
 """Homographies tried for a view, and points for each: of five points three in four must be good."""
-CURVED = 0.03
-"""Median error of a homography / extent of the view: lenses do not bend images by more, wrong names do."""
+MAX_CURVATURE = 0.03
+"""Median error of a homography / extent of the view: lenses do not bend images by more, wrong ids do."""
+INLIER_LMEDS_MEDIANS = 3.0
+"""Median errors within which a point is an inlier."""
 
 
-def planes(points: Array, rays: Array, mask: Mask, allowed: float = CURVED) -> tuple[Planes, Array]:
-    """Homographies of views (v) by all points, or by the majority where that is much better.
+def fit_homographies_lmeds(
+    points: Array, rays: Array, mask: Mask, allowed: float = MAX_CURVATURE
+) -> tuple[Homographies, Array]:
+    """Fit the homographies of views (v) to all points, or to the inliers where that is much better.
 
     Also returns the weights (v, n), 0 or 1, of the points that they go through.
 
@@ -35,32 +39,32 @@ def planes(points: Array, rays: Array, mask: Mask, allowed: float = CURVED) -> t
     if not usable.all():
         rays = np.where(usable[:, None], rays, 0.0)
     weights = usable.astype(np.float64)
-    out = Planes.seen(points, rays, weights)
+    out = Homographies.fit_dlt(points, rays, weights)
     error = medians(out.errors(points, rays), usable)
     center = (rays @ weights[:, :, None]) / np.maximum(weights.sum(axis=1), 1.0)[:, None, None]
     extent = np.sqrt(((rays - center) ** 2 * weights[:, None]).sum(axis=(1, 2)) / weights.sum(axis=1))
-    for i in np.flatnonzero(~(error <= allowed * extent) & (usable.sum(axis=1) > SAMPLE)):
-        agree, best = agreeing(points[i], rays[i], usable[i])
+    for i in np.flatnonzero(~(error <= allowed * extent) & (usable.sum(axis=1) > SAMPLE_SIZE)):
+        agree, best = lmeds_inliers(points[i], rays[i], usable[i])
         if best < error[i] / 2:
             weights[i] = agree
     changed = (weights != usable).any()
-    return (Planes.seen(points, rays, weights) if changed else out), weights
+    return (Homographies.fit_dlt(points, rays, weights) if changed else out), weights
 
 
-def agreeing(points: Array, rays: Array, usable: Mask) -> tuple[Mask, float]:
-    """Inlier mask (n,) of one view under the best sample (LMedS), and its median error, radians.
+def lmeds_inliers(points: Array, rays: Array, usable: Mask) -> tuple[Mask, float]:
+    """Find the inliers (n,) of one view by LMedS, and the median error of the best sample, radians.
 
-    Which samples is a fixed choice: the same every time.
+    The samples are a fixed choice: the same every time.
     """
     index = np.flatnonzero(usable)
     order = np.random.default_rng(len(index)).random((SAMPLES, len(index))).argsort(axis=1)
     weights = np.zeros((SAMPLES, len(usable)))
-    np.put_along_axis(weights, index[order[:, :SAMPLE]], 1.0, axis=1)
+    np.put_along_axis(weights, index[order[:, :SAMPLE_SIZE]], 1.0, axis=1)
     many = np.broadcast_to(points, (SAMPLES, *points.shape)), np.broadcast_to(rays, (SAMPLES, *rays.shape))
-    error = Planes.seen(*many, weights).errors(*many)
+    error = Homographies.fit_dlt(*many, weights).errors(*many)
     middle = medians(error, np.broadcast_to(usable, error.shape))
     best = int(np.argmin(middle))
-    agree: Mask = usable & (error[best] <= 3 * middle[best])
+    agree: Mask = usable & (error[best] <= INLIER_LMEDS_MEDIANS * middle[best])
     return agree, float(middle[best])
 
 

@@ -1,4 +1,4 @@
-"""Input validation for `fit`."""
+"""Input validation for `fit`: degenerate, mirrored and absurd views."""
 
 from collections.abc import Iterable
 
@@ -11,9 +11,9 @@ from .observations import Observations
 
 MIN_POINTS = 6
 """A view has six unknowns of its own; fewer points say nothing about the camera."""
-FLAT_BOARD, FLAT_IMAGE = 0.02, 1e-3
+MIN_FLATNESS_BOARD, MIN_FLATNESS_IMAGE = 0.02, 1e-3
 """Smaller / larger extent of points below which they lie on a line, on the board and in the image."""
-FAR_IMAGE, FAR_BOARD = 10.0, 1e9
+MAX_IMAGE_DISTANCE, MAX_BOARD_DISTANCE = 10.0, 1e9
 """Image sizes from the middle of the image, and units of the board, within which points are."""
 
 
@@ -42,7 +42,7 @@ def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
         "the points of view {} do not lie on a board",
     )
     small = (q.max(axis=2) - q.min(axis=2)).max(axis=1) < 4
-    flat = (flatness(p[:, :2], obs.mask) < FLAT_BOARD) | (flatness(q, obs.mask) < FLAT_IMAGE)
+    flat = (flatness(p[:, :2], obs.mask) < MIN_FLATNESS_BOARD) | (flatness(q, obs.mask) < MIN_FLATNESS_IMAGE)
     refuse(small | flat, "degenerate", "the points of view {} lie on a line or in one place")
     return obs
 
@@ -50,9 +50,9 @@ def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
 def in_range(obs: Observations, img_size: tuple[int, int]) -> Observations:
     """Check that points are within the range of the computations, and return them."""
     middle = np.array([[img_size[0] / 2], [img_size[1] / 2]])
-    off = np.abs(obs.pixels - middle).max(axis=(1, 2)) > FAR_IMAGE * max(img_size)
+    off = np.abs(obs.pixels - middle).max(axis=(1, 2)) > MAX_IMAGE_DISTANCE * max(img_size)
     refuse(
-        off | (np.abs(obs.points).max(axis=(1, 2)) > FAR_BOARD),
+        off | (np.abs(obs.points).max(axis=(1, 2)) > MAX_BOARD_DISTANCE),
         "out_of_range",
         "view {} has points far outside the image or the board",
     )
@@ -83,13 +83,21 @@ def flatness(points: Array, mask: Mask) -> Array:
     return flat
 
 
-def mirrored(obs: Observations) -> Mask:
-    """Mask (v,) of views that show the board mirrored, unlike most.
+def handedness(obs: Observations) -> Array:
+    """Compute the determinant (v,) of the best affine map from board to image: negative where mirrored.
 
-    By the determinant of the affine map that fits best; a homography's has the same sign wherever the whole
-    board is in front of the camera, and this one stays defined under strong distortion too.
+    A homography's has the same sign wherever the whole board is in front of the camera, and this one stays
+    defined under strong distortion too.
     """
     m = centred(obs.points[:, :2], obs.mask) @ obs.pixels.transpose(0, 2, 1)
-    turned: Mask = m[:, 0, 0] * m[:, 1, 1] < m[:, 0, 1] * m[:, 1, 0]
-    # Whether z of the board points to its back or its front is a convention, the same for all views.
-    return ~turned if turned.mean() > 0.5 else turned
+    det: Array = m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] * m[:, 1, 0]
+    return det
+
+
+def mirrored_views(obs: Observations) -> Mask:
+    """Find the views (v,) that show the board mirrored, unlike most.
+
+    Whether z of the board points to its back or its front is a convention, the same for all views.
+    """
+    mirrored: Mask = handedness(obs) < 0
+    return ~mirrored if mirrored.mean() > 0.5 else mirrored

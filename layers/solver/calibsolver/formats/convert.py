@@ -13,7 +13,7 @@ from ..fitting.fit import fit
 from ..fitting.levenberg_marquardt import Options, Problem
 from ..fitting.observations import Observations
 from ..models import Model
-from ..phrasing import off
+from ..phrasing import format_px_error
 from ..view import View
 from .base import Conversion, Shape, Subject
 
@@ -61,9 +61,9 @@ def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
     held = next(conversion for conversion in near if conversion.coverage > widest - LOST)
     width = subject.camera.img_size[0]
     if held.error > FARTHEST * width:
+        away = format_px_error(held.error, width, 0)
         raise CalibrationError(
-            "not_representable",
-            f"the closest camera this format can hold is {off(held.error, width, 0)} somewhere in the image",
+            "not_representable", f"the closest camera this format can hold is {away} somewhere in the image"
         )
     return held
 

@@ -105,6 +105,6 @@ class Omnidirectional(Planar):
 
 
 def distance(xi: float, s: Array) -> Array:
-    """Distance from the centre of projection to the unit sphere, in units of the ray (x, y, 1), s = x^2 + y^2."""
+    """Distance to the unit sphere along the ray (x, y, 1), in its units; s = x^2 + y^2."""
     out: Array = (xi + np.sqrt(np.maximum(1 + (1 - xi * xi) * s, 0.0))) / (1 + s)
     return out

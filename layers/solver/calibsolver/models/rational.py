@@ -66,7 +66,7 @@ class Rational(Pinhole):
         return g, slope * inverse, (a1, a2, a3, -g * a1, -g * a2, -g * a3)
 
     def radial_derivative(self, d: Array, s: Array) -> tuple[Array, Array, Array]:
-        """Exact derivative: the first order would not do where numerator and denominator, each large, cancel."""
+        """Exact derivative: no first order serves where numerator and denominator, each large, cancel."""
         above, below = d[[0, 1, 4]], d[5:]
         powers = s[:, None] ** ORDERS
         lower = powers * ORDERS / s[:, None]

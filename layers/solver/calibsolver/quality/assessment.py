@@ -12,7 +12,7 @@ from ..camera import pixel_grid
 from ..fitting.calibration import Calibration
 from ..fitting.normal_equations import Poses, project
 from ..fitting.observations import Observations
-from ..phrasing import off
+from ..phrasing import format_px_error
 from ..view import View
 
 Level = Literal["good", "fair", "poor"]
@@ -101,12 +101,13 @@ def assess(calibration: Calibration, views: Sequence[View], held_out: float | No
 
     error = calibration.uncertainty().rms
     width = calibration.camera.img_size[0]
-    text = f"projections are expected to be {off(error, width)}: more views would help"
+    text = f"projections are expected to be {format_px_error(error, width)}: more views would help"
     note(_above(error / scale, UNCERTAIN), "uncertain", text)
 
     train = calibration.avg_reprojection_error
     if held_out is not None and held_out - train > NOTICED * scale:
-        text = f"views left out of the fit are {off(held_out, width, 2)}, those in it {off(train, width, 2)}"
+        text = f"views left out of the fit are {format_px_error(held_out, width, 2)}"
+        text += f", those in it {format_px_error(train, width, 2)}"
         note(_above(held_out / max(train, 1e-12), OVER_FITTED), "over_fitted", text)
 
     share, common = systematic(calibration, views)

@@ -9,7 +9,7 @@ from .. import models
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import MIN_POINTS, fit
-from ..phrasing import off
+from ..phrasing import format_px_error
 from ..view import View
 from .cross_validation import HeldOut, held_out
 
@@ -117,11 +117,11 @@ def describe_reasons(
 ) -> list[str]:
     """Describe in sentences why a model was chosen, model by model."""
     width = img_size[0]
-    sentences = [f"views left out of the fit of {chosen} are {off(scores[chosen].rms, width, 2)}"]
+    sentences = [f"views left out of the fit of {chosen} are {format_px_error(scores[chosen].rms, width, 2)}"]
     for name, result in scores.items():
         if name == chosen:
             continue
-        error = off(result.rms, width, 2)
+        error = format_px_error(result.rms, width, 2)
         if simplicity_rank(name) < simplicity_rank(chosen):
             sentences.append(f"{name} is simpler, but with it they are {error}")
         elif name == best and result.rms < scores[chosen].rms:
