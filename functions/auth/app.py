@@ -1,4 +1,4 @@
-"""Opens a session: an API token goes in, the signed and short-lived id of one guided capture comes out."""
+"""Auth: exchanges an API token for the signed, short-lived id of one guided capture."""
 
 from __future__ import annotations
 

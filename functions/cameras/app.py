@@ -1,4 +1,4 @@
-"""Shows the database: a search by words, and all that is known of one camera."""
+"""Cameras: a search by words, and all that is known of one camera."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Does what the database holds fit this camera? Scores a consensus on fresh views, and counts as a vote.
+"""Checks: scores a consensus on fresh views of a camera, and counts the result as a vote.
 
 The consensus is taken as it is, reliable or not; only the poses are fitted to the views. A vote keeps the
 views, so that it can be counted anew for whatever the consensus becomes (`calibdb.rules.votes`).

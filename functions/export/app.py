@@ -1,4 +1,4 @@
-"""Hands out one stored calibration, or one consensus, by its id: as it is, or as another tool's file."""
+"""Export: one stored calibration, or one consensus, by its id, as it is or as another tool's file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The calibration of the camera that a page just opened, or the way to one.
+"""Lookup: the calibration of the camera that a page just opened, or the way to one.
 
 A lookup that hits is one Query. No lookup writes for itself: tokens are read twice a minute, and lookups are
 counted in memory and flushed in batches (`calibdb.access.token_cache`).

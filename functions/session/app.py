@@ -1,4 +1,4 @@
-"""One guided capture: starts it, shows how far it has come, forgets it."""
+"""Session: starts one guided capture, shows its state, or forgets it."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""A view comes in: it is judged, the camera is fitted anew, and the next pose is chosen. Or a view is undone.
+"""Submit: decide on a view, fit the camera anew and choose the next pose; or undo a view.
 
 The view that makes the session converge ends it: the calibration is published and its consensus asked for.
-The session's own document says so first. Everything after that follows from this document and can be done
-again: a client that repeats a view whose answer it missed completes what a crash left undone.
+The session's own document says so first. Everything after that follows from this document and is idempotent:
+a client that repeats a view whose answer it missed completes what a crash left undone.
 """
 
 from __future__ import annotations

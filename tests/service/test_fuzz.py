@@ -1,4 +1,4 @@
-"""Whatever is sent: an answer that the OpenAPI document promises (the client checks), and never a 500."""
+"""Fuzzing of all calls: every answer is one that the OpenAPI document promises, and never a 500."""
 
 from typing import Any
 

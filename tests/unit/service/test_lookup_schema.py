@@ -1,4 +1,4 @@
-"""Whatever is sent, it is read or refused by field; and what is answered can be read again."""
+"""Lookup schema: any request is read or refused by field, and any answer can be read again."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""One call of the API: what was asked, by whom, and with what, read from the request."""
+"""Call of the API: credentials, body and parameters, read from the request."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The database as it is shown: a camera's consensuses gathered by size and zoom, and words compared."""
+"""Camera search: words compared with labels, and a camera's consensuses grouped by size and zoom."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from calibdb.schema import ConsensusDocument
 
 @dataclass(frozen=True)
 class Step:
-    """What one model's consensus needs.
+    """Step of a refit: the action that one model's consensus needs.
 
     Attributes
     ----------

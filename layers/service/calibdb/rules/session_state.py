@@ -9,12 +9,12 @@ from calibdb.schema.session import Hint, Refusal
 
 
 def state(document: SessionDocument) -> SessionState:
-    """Return the state of a session."""
+    """Make the API's state of a session."""
     return SessionState(**_members(document))
 
 
 def view_answer(document: SessionDocument, reason: Refusal | None, hint: Hint | None = None) -> ViewAnswer:
-    """Return the answer to a view: the state, and where it was refused why, and what to do."""
+    """Make the answer to a view: the state, and where it was refused why, and what to do."""
     members = {**_members(document), "accepted": reason is None, "reason": reason, "hint": hint}
     return ViewAnswer.model_validate(members)
 

@@ -45,7 +45,7 @@ class CheckRequest(Strict):
 
 
 class CheckAnswer(Open):
-    """Whether the stored consensus is of this camera, as far as these views can tell."""
+    """Result of a check: whether the stored consensus fits these views."""
 
     fits: Literal["fits", "does_not_fit"]
     error: float = Field(description="px rms of the views under the consensus, the poses alone fitted.")

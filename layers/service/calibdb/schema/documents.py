@@ -141,7 +141,7 @@ class VoteDocument(Open):
 
     @property
     def counted_as(self) -> str:
-        """Whose it is where contributors are counted."""
+        """Contributor that it counts as."""
         return self.source or self.contributor
 
 

@@ -41,7 +41,7 @@ def _flag(value: object) -> object:
 class LookupRequest(BaseModel):
     """Camera key, by the paper's names or by those of the older public client.
 
-    Unknown fields are passed over: clients of every age ask here.
+    Unknown fields are ignored: clients of every age ask here.
     """
 
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore", allow_inf_nan=False)

@@ -97,7 +97,7 @@ class ViewRequest(Seen):
 
 
 class SetAside(Open):
-    """Why an accepted view takes no part in the fit any more."""
+    """Reason for which an accepted view is excluded from the fit."""
 
     reason: Literal["outlier", "disagrees"] = Field(
         description="`outlier`: found wrong once others were there; `disagrees`: more views contradict it."

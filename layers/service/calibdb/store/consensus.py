@@ -1,4 +1,4 @@
-"""Consensuses: index items that hold, ready to send, what a lookup answers.
+"""Consensuses: index items that hold the answers to lookups, ready to send.
 
 Whoever computes one reads first what is stored, then what there is to compute from, and writes on condition
 that what is stored is still what it read. So whatever it finds stored was made from less than it has seen,

@@ -26,7 +26,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class _Head:
-    """What the index says: the latest version, and whether the session was forgotten."""
+    """Index entry: the latest version, and whether the session was forgotten."""
 
     version: int
     forgotten: bool
