@@ -1,4 +1,4 @@
-"""Numbers nobody would send on purpose: every one ends in a finite result or in a reason."""
+"""Adversarial numbers: every input ends in a finite result or in a documented reason."""
 
 from collections.abc import Callable
 
@@ -35,32 +35,32 @@ CAMERAS = {
     "rational": specimens.rational_cameras(),
     "omnidirectional": specimens.omnidirectional_cameras(),
 }
-Seen = tuple[Array, Array]
+Observation = tuple[Array, Array]
 """Points (n, 3) of the board and where they were seen (n, 2), px."""
-Spoiler = Callable[[np.random.Generator, Array, Array], Seen]
+Corruption = Callable[[np.random.Generator, Array, Array], Observation]
 seeds = st.integers(0, 2**32 - 1)
 
 
-def few(rng: np.random.Generator, p: Array, q: Array) -> Seen:
+def select_few(rng: np.random.Generator, p: Array, q: Array) -> Observation:
     chosen = rng.choice(len(p), min(int(rng.integers(4, 9)), len(p)), replace=False)
     return p[chosen], q[chosen]
 
 
-def squeezed(rng: np.random.Generator, p: Array, q: Array) -> Seen:
+def squeeze(rng: np.random.Generator, p: Array, q: Array) -> Observation:
     """Towards a line, on the board and in the image."""
     return p * (1, 10 ** rng.uniform(-5, 0), 1), (q - 360) * (1, 10 ** rng.uniform(-5, 0)) + 360
 
 
-def repeated(rng: np.random.Generator, p: Array, q: Array) -> Seen:
+def repeat(rng: np.random.Generator, p: Array, q: Array) -> Observation:
     chosen = rng.integers(0, min(len(p), 6), len(p))
     return p[chosen], q[chosen]
 
 
-SPOILERS: dict[str, Spoiler] = {
+CORRUPTIONS: dict[str, Corruption] = {
     "nothing": lambda _, p, q: (p, q),
-    "few points": few,
-    "on a line": squeezed,
-    "again and again": repeated,
+    "few points": select_few,
+    "on a line": squeeze,
+    "again and again": repeat,
     "anywhere": lambda rng, p, _: (p, rng.uniform((0, 0), SIZE, (len(p), 2))),
     "other names": lambda rng, p, q: (p, rng.permutation(q)),
     "one place": lambda rng, p, q: (p, rng.uniform(0, 700, 2) + 2 * rng.normal(size=q.shape)),
@@ -76,8 +76,8 @@ SPOILERS: dict[str, Spoiler] = {
 }
 
 
-def spoilt(rng: np.random.Generator, camera: Camera, kind: str) -> list[View]:
-    """One to five views of a camera without any noise, spoilt: facing it or leaning, near or infinite."""
+def corrupt_views(rng: np.random.Generator, camera: Camera, kind: str) -> list[View]:
+    """One to five views of a camera without any noise, corrupted: facing it or leaning, near or infinite."""
     middle = BOARD.outline.mean(axis=0)
     views: list[View] = []
     most, infinite, same = rng.choice([0, 50]), rng.uniform() < 0.1, rng.uniform() < 0.1
@@ -90,16 +90,16 @@ def spoilt(rng: np.random.Generator, camera: Camera, kind: str) -> list[View]:
         depth *= 10 ** rng.uniform(1, 12) if infinite else 1
         q = camera.project((BOARD.points - middle) @ r.T + depth * np.array([*rng.uniform(-0.3, 0.3, 2), 1]))
         seen = np.isfinite(q).all(axis=1)
-        if seen.sum() >= MOST_SPOILT:
-            views.append(View(*SPOILERS[kind](rng, BOARD.points[seen], q[seen])))
+        if seen.sum() >= MIN_CORRUPTIBLE_POINTS:
+            views.append(View(*CORRUPTIONS[kind](rng, BOARD.points[seen], q[seen])))
     return [views[0]] * len(views) if same else views
 
 
-MOST_SPOILT = 9
-"""Points that a spoiler needs."""
+MIN_CORRUPTIBLE_POINTS = 9
+"""Points that a corruption needs."""
 
 
-def fitted(rng: np.random.Generator, model: str, views: list[View]) -> None:
+def check_fit(rng: np.random.Generator, model: str, views: list[View]) -> None:
     """Fit, and use what came out for all that a calibration is used for."""
     try:
         c = fit(views, SIZE, model, robust=bool(rng.uniform() < 0.7))
@@ -117,7 +117,7 @@ def fitted(rng: np.random.Generator, model: str, views: list[View]) -> None:
     assert same < 1e-3 or (np.isinf(same) and c.camera.domain().covered < 0.6)
 
 
-def captured(rng: np.random.Generator, model: str, views: list[View]) -> None:
+def check_capture(rng: np.random.Generator, model: str, views: list[View]) -> None:
     """Send the views to a capture, one after the other."""
     rules = Capture(BOARD, SIZE, model, target_error=float(rng.choice([0.3, 0.001])))
     estimate, taken = rules.estimate([]), list[View]()
@@ -132,17 +132,17 @@ def captured(rng: np.random.Generator, model: str, views: list[View]) -> None:
     assert rules.reconcile(taken, {}).progress <= 1
 
 
-def tried(model: str, kind: str, seed: int) -> None:
+def check_input(model: str, kind: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     kinds = list(CAMERAS)
     camera = CAMERAS[kinds[int(rng.integers(len(kinds)))]][int(rng.integers(12))]
-    views = spoilt(rng, camera, kind)
+    views = corrupt_views(rng, camera, kind)
     if not views:
         return
     if rng.uniform() < 0.5:
-        fitted(rng, model, views)
+        check_fit(rng, model, views)
     else:
-        captured(rng, model, views)
+        check_capture(rng, model, views)
     try:
         told = reprojection_score(camera, views)
     except CalibrationError as error:
@@ -153,32 +153,32 @@ def tried(model: str, kind: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-@given(kind=st.sampled_from(sorted(SPOILERS)), seed=seeds)
+@given(kind=st.sampled_from(sorted(CORRUPTIONS)), seed=seeds)
 @settings(max_examples=15, deadline=None)
 def test_every_input_ends_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
     """Warnings are errors here, as in all tests."""
-    tried(model, kind, seed)
+    check_input(model, kind, seed)
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("model", models.NAMES)
-@given(kind=st.sampled_from(sorted(SPOILERS)), seed=seeds)
+@given(kind=st.sampled_from(sorted(CORRUPTIONS)), seed=seeds)
 @settings(max_examples=500, deadline=None)
-def test_a_great_many_inputs_end_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
-    tried(model, kind, seed)
+def test_many_inputs_end_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
+    check_input(model, kind, seed)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_what_is_no_number_is_refused_at_the_door(bad: float) -> None:
+def test_view_with_nonfinite_points_raises_value_error(bad: float) -> None:
     p, q = BOARD.points, BOARD.points[:, :2] * 50
     for i in range(2):
-        spoilt_points = [p.copy(), q.copy()]
-        spoilt_points[i][3, 1] = bad
+        points = [p.copy(), q.copy()]
+        points[i][3, 1] = bad
         with pytest.raises(ValueError, match="finite"):
-            View(*spoilt_points)
+            View(*points)
 
 
-def test_views_that_no_start_sees_are_a_refusal() -> None:
+def test_views_without_a_start_raise_calibration_error() -> None:
     """Of an omnidirectional camera's starts some have no ray for pixels far beyond the image."""
     views = [View(BOARD.points, BOARD.points[:, :2] * 40 + (9000, off)) for off in (6000, -6000)]
     with pytest.raises(CalibrationError) as caught:
@@ -186,13 +186,13 @@ def test_views_that_no_start_sees_are_a_refusal() -> None:
     assert caught.value.code in REASONS
 
 
-def test_views_that_all_contradict_each_other_are_a_refusal() -> None:
+def test_contradictory_views_end_in_a_reason() -> None:
     """Each of so few points that none of them is left once those that do not fit are cut."""
     for model in models.NAMES:
-        tried(model, "few points", 109)
+        check_input(model, "few points", 109)
 
 
-def test_a_matrix_that_rounding_made_indefinite_has_a_positive_inverse() -> None:
+def test_symmetric_inverse_of_an_indefinite_matrix_is_positive() -> None:
     """Two unknowns that replace one another to the last digit, and one that stands alone."""
     a = np.array([[1.0, 1.0 + 1e-15, 0.0], [1.0 + 1e-15, 1.0, 0.0], [0.0, 0.0, 4.0]])
     inverse = symmetric_inverse(a)
@@ -203,19 +203,19 @@ def test_a_matrix_that_rounding_made_indefinite_has_a_positive_inverse() -> None
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-def test_a_capture_without_any_noise_goes_on(model: str) -> None:
+def test_noiseless_capture_accepts_views(model: str) -> None:
     """A simulated camera, its picture shifted at each view, and a goal that no detector reaches."""
-    without_noise(model, 0, 4)
+    check_noiseless_capture(model, 0, 4)
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize("seed", range(6))
-def test_many_captures_without_any_noise_go_on(model: str, seed: int) -> None:
-    without_noise(model, seed, 15)
+def test_many_noiseless_captures_accept_views(model: str, seed: int) -> None:
+    check_noiseless_capture(model, seed, 15)
 
 
-def without_noise(model: str, seed: int, attempts: int) -> None:
+def check_noiseless_capture(model: str, seed: int, attempts: int) -> None:
     rng = np.random.default_rng(seed)
     camera = CAMERAS[model][2 * seed]
     rules = Capture(BOARD, SIZE, model, target_error=0.001)
@@ -234,7 +234,7 @@ def without_noise(model: str, seed: int, attempts: int) -> None:
     assert views
 
 
-def test_parts_of_a_consensus_that_leave_the_camera_open_are_not_answered() -> None:
+def test_pooled_copies_of_one_view_end_in_a_reason() -> None:
     """Copies of one view that faces the camera: fitted again in parts, nothing carries them."""
     view = View(BOARD.points, BOARD.points[:, :2] * 100 + 200)
     try:

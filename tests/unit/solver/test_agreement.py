@@ -13,7 +13,7 @@ from tests.helpers.solver import attacks, specimens, synthetic
 
 
 @pytest.mark.parametrize("kind", attacks.KINDS)
-def test_two_fifths_who_lie_do_not_move_the_answer(kind: str) -> None:
+def test_lying_minority_does_not_move_the_consensus(kind: str) -> None:
     """By half a pixel over the image, from just beside the truth to 30 % off; no answer is no harm."""
     rng = np.random.default_rng(5)
     totals = (5, 10) if kind == "junk" else (5, 6, 8, 10, 12)
@@ -24,7 +24,7 @@ def test_two_fifths_who_lie_do_not_move_the_answer(kind: str) -> None:
 
 
 @pytest.mark.parametrize("number", [810, 938])
-def test_what_hangs_on_two_contributors_is_no_answer(number: int) -> None:
+def test_answer_is_withheld_when_two_contributors_move_it(number: int) -> None:
     """Lies where noise might excuse them: the two of 1,000 cameras that moved by over half a pixel."""
     rng = np.random.default_rng((7, number))
     found = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)))
@@ -34,7 +34,7 @@ def test_what_hangs_on_two_contributors_is_no_answer(number: int) -> None:
 
 
 @pytest.mark.parametrize("contributors", [5, 6, 7, 8, 9, 10, 11, 12, 13, 20, 30])
-def test_the_same_share_of_honest_ones_hangs_on_two_however_many_they_are(contributors: int) -> None:
+def test_leave_two_out_refuses_one_honest_set_in_eight(contributors: int) -> None:
     """Made-up differences along one direction: one set in eight is refused, give or take the simulation."""
     rng = np.random.default_rng(contributors)
     refused, sets = 0, 1000
@@ -45,7 +45,7 @@ def test_the_same_share_of_honest_ones_hangs_on_two_however_many_they_are(contri
     assert 0.09 < refused / sets < 0.16
 
 
-def test_liars_alone_are_never_the_answer() -> None:
+def test_two_contributors_are_never_reliable() -> None:
     """Two contributors with most of the calibrations: too few contributors, however well they agree."""
     rng = np.random.default_rng(1)
     liars = attacks.lies("focal", synthetic.rectilinear_cameras()[5], 6, 0.0, rng, 5)
@@ -55,7 +55,7 @@ def test_liars_alone_are_never_the_answer() -> None:
 
 
 @external_data
-def test_published_calibrations_of_one_mode_agree_and_of_several_lenses_do_not() -> None:
+def test_lens_profiles_agree_only_within_a_mode() -> None:
     """Draws of five: of two modes whose lens and setting are named, and across the lenses of one camera."""
     rng = np.random.default_rng(0)
     profiles = specimens.profiles()
@@ -72,7 +72,7 @@ def test_published_calibrations_of_one_mode_agree_and_of_several_lenses_do_not()
         assert not pool(specimens.members(drawn, rng), drawn[0][0].img_size, "fisheye").reliable
 
 
-def test_the_order_of_calibrations_does_not_matter() -> None:
+def test_forward_search_does_not_depend_on_order() -> None:
     rng = np.random.default_rng(2)
     camera = synthetic.rectilinear_cameras()[4]
     c = [fit(specimens.views(attacks.vary(camera, 0.002, rng), rng), camera.img_size) for _ in range(6)]

@@ -1,4 +1,4 @@
-"""The rules of a capture: what is taken, what is refused and why, when it ends."""
+"""Rules of a capture: acceptance and refusal of views, convergence."""
 
 import itertools
 
@@ -28,7 +28,7 @@ def hold(target: TargetPose, seed: int = 9) -> View:
     return synthetic.seen(BOARD, CAMERA, target.rvec, target.tvec, np.random.default_rng(seed))
 
 
-def test_begins_with_nothing() -> None:
+def test_estimate_without_views_is_empty() -> None:
     c = capture()
     estimate = c.estimate([])
     assert estimate.calibration is None
@@ -48,13 +48,13 @@ def test_progress_grows_to_one(session: synthetic.Session) -> None:
     assert last.uncertainty.rms < 0.3
 
 
-def test_three_views_never_converge_however_good(session: synthetic.Session) -> None:
+def test_three_views_never_converge(session: synthetic.Session) -> None:
     generous = Capture(BOARD, CAMERA.img_size, target_error=50.0)
     assert not generous.estimate(session.views[:3]).converged
     assert generous.estimate(session.views).converged
 
 
-def test_honest_view_is_taken_with_its_estimate(session: synthetic.Session) -> None:
+def test_honest_view_is_accepted(session: synthetic.Session) -> None:
     c = capture()
     views = session.views[:2]
     target = c.next_target(views, c.estimate(views))
@@ -101,7 +101,7 @@ def refusals(session: synthetic.Session) -> dict[str, View]:
         "no_information",
     ],
 )
-def test_bad_view_is_refused_by_its_reason(session: synthetic.Session, kind: str) -> None:
+def test_bad_view_is_refused_with_its_reason(session: synthetic.Session, kind: str) -> None:
     c, views = capture(), session.views[:3]
     target = c.next_target(views, c.estimate(views))
     decision = c.judge(views, target, refusals(session)[kind])
@@ -113,7 +113,7 @@ def test_bad_view_is_refused_by_its_reason(session: synthetic.Session, kind: str
     assert c.judge(views, target, hold(target)).accepted
 
 
-def test_nine_copies_of_a_good_view_are_not_ten_views(session: synthetic.Session) -> None:
+def test_copies_of_a_view_do_not_converge(session: synthetic.Session) -> None:
     c, views = capture(), list(session.views[:1])
     for _ in range(9):
         target = c.next_target(views, c.estimate(views))
@@ -125,7 +125,7 @@ def test_nine_copies_of_a_good_view_are_not_ten_views(session: synthetic.Session
 
 
 @pytest.mark.parametrize("focal", [500, 1000, 1600])
-def test_copies_without_any_noise_do_not_end_a_capture(focal: int) -> None:
+def test_noiseless_copies_do_not_converge(focal: int) -> None:
     # Their residuals are nothing, so by these alone a single pose would seem to tell everything.
     c = capture()
     camera = Camera("rectilinear", np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1]]), D, SIZE)
@@ -141,7 +141,7 @@ def test_copies_without_any_noise_do_not_end_a_capture(focal: int) -> None:
 
 
 @pytest.mark.parametrize("width", [0.1, 0.2, 0.6])
-def test_a_first_view_without_noise_does_not_make_outliers_of_the_rest(width: float) -> None:
+def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> None:
     c, rng = capture(), np.random.default_rng(3)
     target, rvec = c.next_target([], c.estimate([])), np.array([0.3, 0.4, 0.0])
     place = np.array([0, 0, 9 * CAMERA.matrix[0, 0] / (width * 1280)])
@@ -161,7 +161,7 @@ def test_a_first_view_without_noise_does_not_make_outliers_of_the_rest(width: fl
 
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize("tilt", [0, 2, 5, 10, 20])
-def test_a_first_view_of_any_tilt_and_size_is_fitted(model: str, tilt: int) -> None:
+def test_first_view_is_never_an_outlier(model: str, tilt: int) -> None:
     # Facing the camera it tells little: `no_information` then, never an outlier for want of a fit.
     c, rng = Capture(BOARD, SIZE, model), np.random.default_rng(tilt)
     target = c.next_target([], c.estimate([]))
@@ -174,7 +174,7 @@ def test_a_first_view_of_any_tilt_and_size_is_fitted(model: str, tilt: int) -> N
         assert decision.reason in (None, "no_information"), (focal, width)
 
 
-def test_mirrored_stream_is_refused_from_the_first_view_in_any_pose() -> None:
+def test_mirrored_first_view_is_refused_in_any_pose() -> None:
     c, rng = capture(), np.random.default_rng(4)
     target = c.next_target([], c.estimate([]))
     for _ in range(20):
@@ -206,7 +206,7 @@ def test_hostile_numbers_end_in_refusals(model: str) -> None:
         assert c.estimate([View(p, q)]).converged is False
 
 
-def test_an_honest_user_converges_after_a_hostile_one() -> None:
+def test_capture_converges_between_shuffled_views() -> None:
     c, rng = capture(), np.random.default_rng(8)
     views: list[View] = []
     for i in range(16):
@@ -227,7 +227,7 @@ def test_an_honest_user_converges_after_a_hostile_one() -> None:
     assert error.mean() < 0.6
 
 
-def test_unknown_names_are_refused() -> None:
+def test_unknown_guidance_raises_value_error() -> None:
     with pytest.raises(ValueError, match="guidance"):
         Capture(BOARD, (1280, 720), guidance="random")
 

@@ -33,7 +33,7 @@ def honest() -> list[Member]:
     return [member(seed) for seed in range(7)]
 
 
-def test_five_that_agree_are_reliable_and_four_are_not(honest: list[Member]) -> None:
+def test_consensus_is_reliable_from_five_members(honest: list[Member]) -> None:
     five = pool(honest[:5], SIZE, "rectilinear")
     assert (five.reliable, five.total, five.contributors) == (True, 5, 5)
     assert five.members == ("m0", "m1", "m2", "m3", "m4")
@@ -43,13 +43,13 @@ def test_five_that_agree_are_reliable_and_four_are_not(honest: list[Member]) -> 
     assert five.calibration.camera.matrix[0, 0] == pytest.approx(truth.matrix[0, 0], rel=0.01)
 
 
-def test_contributors_count(honest: list[Member]) -> None:
+def test_too_few_contributors_are_not_reliable(honest: list[Member]) -> None:
     one = [Member(m.id, "same", m.views) for m in honest[:5]]
     assert pool(one, SIZE, "rectilinear").reliable
     assert not pool(one, SIZE, "rectilinear", Rule(min_contributors=3)).reliable
 
 
-def test_a_minority_that_lies_changes_nothing(honest: list[Member]) -> None:
+def test_lying_minority_changes_nothing(honest: list[Member]) -> None:
     """Three of ten agree with each other on another focal length; one more sends noise."""
     liars = [member(50 + i, focal=1.15, contributor="mallory") for i in range(3)]
     rng = np.random.default_rng(0)
@@ -66,7 +66,7 @@ def test_a_minority_that_lies_changes_nothing(honest: list[Member]) -> None:
 
 
 @pytest.mark.parametrize("focal", [1.15, 1.03, 1.01])
-def test_three_who_return_do_not_overrule_those_who_came_once(honest: list[Member], focal: float) -> None:
+def test_returning_contributors_do_not_outvote_others(honest: list[Member], focal: float) -> None:
     """Nine calibrations of three contributors against one each of five."""
     returning = [member(90 + i, focal=focal, contributor=f"liar {i % 3}") for i in range(9)]
     rule = Rule(min_contributors=3)
@@ -78,7 +78,7 @@ def test_three_who_return_do_not_overrule_those_who_came_once(honest: list[Membe
         assert (found.contributors, found.reliable) == (5, True)
 
 
-def test_in_the_pooled_fit_a_contributor_weighs_no_more_than_most(honest: list[Member]) -> None:
+def test_pooled_fit_balances_contributors(honest: list[Member]) -> None:
     many = [Member(m.id, "many", m.views) for m in honest[2:]]
     rule = Rule(min_contributors=3)
     kept = balance_contributors([*many, *honest[:2]], rule)
@@ -88,11 +88,11 @@ def test_in_the_pooled_fit_a_contributor_weighs_no_more_than_most(honest: list[M
     )
 
 
-def test_of_one_there_is_no_spread(honest: list[Member]) -> None:
+def test_spread_of_one_member_is_nan(honest: list[Member]) -> None:
     assert np.isnan(pool(honest[:1], SIZE, "rectilinear").spread)
 
 
-def test_no_majority_is_not_reliable(honest: list[Member]) -> None:
+def test_consensus_without_majority_is_not_reliable(honest: list[Member]) -> None:
     """Five agree, and as many agree on something else."""
     others = [member(60 + i, focal=1.2) for i in range(5)]
     split = pool([*honest[:5], *others], SIZE, "rectilinear")
@@ -101,7 +101,7 @@ def test_no_majority_is_not_reliable(honest: list[Member]) -> None:
 
 
 @pytest.mark.parametrize("model", ["fisheye", "rational", "omnidirectional"])
-def test_another_model_is_fitted_from_the_same_views(model: str) -> None:
+def test_other_models_pool_the_same_views(model: str) -> None:
     """The rectilinear camera of five sessions, fitted by each of the other models."""
     camera, rng = synthetic.rectilinear_cameras()[6], np.random.default_rng(0)
     members = [Member(str(i), str(i), tuple(specimens.views(camera, rng))) for i in range(5)]
@@ -111,7 +111,7 @@ def test_another_model_is_fitted_from_the_same_views(model: str) -> None:
     assert pooled.held_out_error < 0.5
 
 
-def test_difference_is_in_pixels_after_the_best_turn() -> None:
+def test_difference_is_in_pixels_after_the_best_rotation() -> None:
     camera = synthetic.rectilinear_cameras()[6]
     session = synthetic.run(camera, np.random.default_rng(0), views=6)
     c = session.calibration
@@ -133,7 +133,7 @@ MODELS = {"mint_isaw": "rectilinear", "jy_left": "fisheye", "babel_ov_plane": "o
 
 
 @pytest.mark.parametrize("name", available(MODELS))
-def test_real_views_in_parts_pool_to_the_fit_of_all(name: str) -> None:
+def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     """The photographs of one camera, dealt out to five members: they agree, and nothing is lost."""
     views, size = corner_views(name)
     model = MODELS[name]
@@ -146,7 +146,7 @@ def test_real_views_in_parts_pool_to_the_fit_of_all(name: str) -> None:
     assert pooled.spread < 0.003 * size[0]
 
 
-def test_modes_are_told_apart(honest: list[Member]) -> None:
+def test_modes_are_separate_groups(honest: list[Member]) -> None:
     """A field of view 4 % narrower and a stabilised crop are groups of their own; the majority answers."""
     narrower = [member(70 + i, focal=1.04) for i in range(2)]
     cropped = [member(80 + i, focal=1.11) for i in range(2)]
@@ -156,7 +156,7 @@ def test_modes_are_told_apart(honest: list[Member]) -> None:
     assert pooled.reliable
 
 
-def test_modes_of_one_specimen_are_told_apart_by_a_hundredth() -> None:
+def test_modes_one_percent_apart_are_separate_groups() -> None:
     """If only the noise of the corners differs, a field of view 1 % narrower is another one."""
     camera = synthetic.rectilinear_cameras()[6]
     k = camera.intrinsics

@@ -1,4 +1,4 @@
-"""The plan for a client without a server: fresh, easy to hold, and nearly as good."""
+"""Fixed plan for a client without a server: current, easy to hold, nearly as accurate."""
 
 import json
 
@@ -10,7 +10,7 @@ from infra.web_build import plan
 from tests.helpers.solver import synthetic
 
 
-def test_the_committed_file_is_what_the_plan_gives() -> None:
+def test_committed_plan_is_current() -> None:
     """To a hundredth of a degree: the last digits differ between machines."""
     ours, theirs = json.loads(plan.text()), json.loads(plan.TARGET.read_text())
     assert len(ours) == len(theirs)
@@ -26,19 +26,19 @@ def test_the_committed_file_is_what_the_plan_gives() -> None:
         ]
 
 
-def test_all_of_it_can_be_held() -> None:
+def test_plan_poses_are_near_and_visible() -> None:
     for pose in FixedPlan(Board(), (1280, 720)).poses:
         assert len(pose.ids) >= 0.75 * 40
         assert np.linalg.norm(pose.tvec) < 2.5 * 9
 
 
-def test_a_skipped_pose_is_followed_by_the_next() -> None:
+def test_skipped_pose_is_followed_by_the_next() -> None:
     plan = FixedPlan(Board(), (1280, 720))
     assert plan.next_pose([], None) is plan.poses[0]
     assert plan.next_pose([], None, [plan.poses[0]]) is plan.poses[1]
 
 
-def test_it_is_nearly_as_good_as_adapting() -> None:
+def test_fixed_plan_error_after_four_and_six_views() -> None:
     """Every camera, one capture each, 0.2 px of noise: mean projection error after 4 and 6 views."""
     sessions = [
         synthetic.run(

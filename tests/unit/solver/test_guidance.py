@@ -1,4 +1,4 @@
-"""Guidance in the closed loop: few views, honest predictions, poses that a person can hold."""
+"""Guidance in the closed loop: few views, calibrated predictions, feasible poses."""
 
 import json
 
@@ -26,7 +26,7 @@ def at(sessions: list[synthetic.Session], views: int) -> np.ndarray:
     return np.percentile([session.mean[views - 1] for session in sessions], [50, 95])
 
 
-def test_few_views_are_enough(rectilinear: list[synthetic.Session]) -> None:
+def test_projection_error_after_three_to_five_views(rectilinear: list[synthetic.Session]) -> None:
     """The bounds of `make bench DOCS=guidance`, for half of its captures."""
     assert all(len(session.views) == 5 for session in rectilinear)
     assert (at(rectilinear, 3) <= (0.20, 0.40)).all()
@@ -34,13 +34,13 @@ def test_few_views_are_enough(rectilinear: list[synthetic.Session]) -> None:
     assert (at(rectilinear, 5) <= (0.14, 0.32)).all()
 
 
-def test_prediction_holds_in_the_loop(rectilinear: list[synthetic.Session]) -> None:
+def test_predicted_error_matches_actual_error(rectilinear: list[synthetic.Session]) -> None:
     for views in (3, 4, 5):
         ratio = [s.rms[views - 1] / s.predicted[views - 1] for s in rectilinear]
         assert 0.7 < np.sqrt(np.mean(np.square(ratio))) < 1.15
 
 
-def test_it_stops_by_itself(rectilinear: list[synthetic.Session]) -> None:
+def test_capture_stops_after_four_views(rectilinear: list[synthetic.Session]) -> None:
     stops = [session.stopped or 99 for session in rectilinear]
     off = [s.rms[s.stopped - 1] / s.predicted[s.stopped - 1] for s in rectilinear if s.stopped]
     assert np.mean(np.array(off) > 2) <= 0.05
@@ -49,7 +49,7 @@ def test_it_stops_by_itself(rectilinear: list[synthetic.Session]) -> None:
     assert sum(s.attempts for s in rectilinear) <= 1.1 * sum(len(s.views) for s in rectilinear)
 
 
-def test_fisheye_too() -> None:
+def test_fisheye_reaches_target_in_four_views() -> None:
     sessions = [
         synthetic.run(camera, np.random.default_rng(100 * i + seed), views=4)
         for i, camera in enumerate(synthetic.fisheye_cameras())
@@ -60,7 +60,7 @@ def test_fisheye_too() -> None:
 
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize("squares", [(9, 6), (8, 8), (5, 7)])
-def test_first_pose_is_easy(model: str, squares: tuple[int, int]) -> None:
+def test_first_pose_shows_the_whole_board_moderately_tilted(model: str, squares: tuple[int, int]) -> None:
     board = Board(squares=squares)
     target = ProjectionUncertainty(board, (1280, 720), model).next_pose([], None)
     assert len(target.ids) == board.corner_count
@@ -75,7 +75,7 @@ def test_first_pose_is_easy(model: str, squares: tuple[int, int]) -> None:
 
 
 @pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
-def test_poses_can_be_held_and_seen(kind: str) -> None:
+def test_poses_are_near_and_visible(kind: str) -> None:
     board = Board()
     cameras = synthetic.rectilinear_cameras() if kind == "rectilinear" else synthetic.fisheye_cameras()
     for i in (0, 5, 11):
@@ -96,7 +96,7 @@ def test_poses_can_be_held_and_seen(kind: str) -> None:
         assert target.gain > 0
 
 
-def test_a_skipped_target_is_followed_by_an_easier_one_of_another_kind() -> None:
+def test_skipped_target_is_followed_by_an_easier_dissimilar_one() -> None:
     board, camera = Board(), synthetic.rectilinear_cameras()[6]
     guide = ProjectionUncertainty(board, camera.img_size)
     session = synthetic.run(camera, np.random.default_rng(0), views=3)
@@ -123,7 +123,7 @@ def test_target_survives_json() -> None:
     assert (again.ids, again.gain, again.hint) == (target.ids, target.gain, target.hint)
 
 
-def test_choice_is_a_function_of_what_it_is_given() -> None:
+def test_next_pose_is_deterministic() -> None:
     camera = synthetic.rectilinear_cameras()[3]
     session = synthetic.run(camera, np.random.default_rng(0), views=2)
     a, b = (
@@ -157,19 +157,19 @@ def place(rvec: tuple[float, float, float], center: tuple[float, float, float]) 
         ((0, 0, 0.1), (0, -3, 14), "up"),
     ],
 )
-def test_hint_says_what_differs_most(
+def test_hint_names_the_largest_difference(
     rvec: tuple[float, float, float], center: tuple[float, float, float], code: str
 ) -> None:
     facing = place((0, 0, 0), (0, 0, 14))
     assert largest_difference(facing, place(rvec, center), 1280).code == code
 
 
-def test_hints_are_short() -> None:
+def test_hints_have_at_most_six_words() -> None:
     assert all(len(text.split()) <= 6 for text in TEXTS.values())
 
 
 @pytest.mark.parametrize("img_size", [(720, 1280), (1080, 1920), (480, 640)])
-def test_an_upright_picture_needs_no_more_views_than_a_wide_one(img_size: tuple[int, int]) -> None:
+def test_portrait_capture_stops_after_five_views(img_size: tuple[int, int]) -> None:
     # The default board is wide: it is asked for on its side, or its long side would never fill the picture.
     focal = 0.8 * max(img_size)
     matrix = np.array([[focal, 0, img_size[0] / 2], [0, focal, img_size[1] / 2], [0, 0, 1]])
@@ -184,7 +184,7 @@ def test_an_upright_picture_needs_no_more_views_than_a_wide_one(img_size: tuple[
 @pytest.mark.parametrize(
     ("squares", "most"), [((4, 4), 8), ((5, 4), 6), ((3, 12), 7), ((30, 20), 5), ((44, 44), 7)]
 )
-def test_boards_small_long_and_fine_end_too(squares: tuple[int, int], most: int) -> None:
+def test_capture_with_an_unusual_board_stops(squares: tuple[int, int], most: int) -> None:
     board = Board(squares, dictionary="DICT_4X4_1000")
     camera = synthetic.rectilinear_cameras()[6]
     session = synthetic.run(camera, np.random.default_rng(0), board=board, noise=0.15, views=8)
@@ -201,16 +201,16 @@ def subset(views: int, **world: object) -> list[synthetic.Session]:
     ]
 
 
-def test_wild_corners_cost_little() -> None:
+def test_gross_outliers_hardly_raise_the_error() -> None:
     assert np.median([s.mean[3] for s in subset(4, wild=0.01)]) <= 0.19
 
 
-def test_a_clumsy_user_needs_hardly_more_attempts() -> None:
+def test_clumsy_user_needs_few_more_attempts() -> None:
     sessions = subset(4, user=synthetic.User(degrees=9.0, share=0.09))
     assert sum(s.attempts for s in sessions) <= 1.3 * sum(len(s.views) for s in sessions)
 
 
-def test_comfortable_poses_are_good_enough() -> None:
+def test_comfortable_poses_reach_a_quarter_pixel() -> None:
     cameras = synthetic.rectilinear_cameras()[1::2]
     sessions = [
         synthetic.run(
@@ -225,7 +225,7 @@ def test_comfortable_poses_are_good_enough() -> None:
 
 
 @pytest.mark.parametrize("model", ["rational", "omnidirectional"])
-def test_every_model_can_be_guided(model: str) -> None:
+def test_capture_stops_for_every_model(model: str) -> None:
     cameras = {
         "rational": specimens.rational_cameras(4),
         "omnidirectional": specimens.omnidirectional_cameras(4),
@@ -236,7 +236,7 @@ def test_every_model_can_be_guided(model: str) -> None:
         assert session.mean[session.stopped - 1] < 0.6
 
 
-def test_noise_that_grows_with_the_tilt_is_learnt() -> None:
+def test_noise_at_steep_tilts_leads_to_flatter_poses() -> None:
     """After views that were bad because they were steep, flatter ones are asked for."""
     camera = synthetic.rectilinear_cameras()[6]
     tilts: dict[float, list[float]] = {0.0: [], 4.0: []}
@@ -252,7 +252,7 @@ def test_noise_that_grows_with_the_tilt_is_learnt() -> None:
     assert np.mean(tilts[4.0]) < np.mean(tilts[0.0]) - 1
 
 
-def test_what_could_not_be_reached_is_not_asked_for_again() -> None:
+def test_unreached_tilt_limits_later_targets() -> None:
     camera = synthetic.rectilinear_cameras()[6]
     guide = ProjectionUncertainty(Board(), camera.img_size)
     session = synthetic.run(camera, np.random.default_rng(0), views=1)

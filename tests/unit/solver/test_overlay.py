@@ -1,4 +1,4 @@
-"""The picture says what the numbers say."""
+"""Overlay: the picture agrees with the target's coordinates."""
 
 from typing import Literal
 
@@ -13,7 +13,7 @@ from tests.helpers.solver import synthetic
 BOARD = Board()
 
 
-def decoded(data: bytes) -> np.ndarray:
+def decode(data: bytes) -> np.ndarray:
     picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     assert picture is not None
     return picture
@@ -32,9 +32,9 @@ def targets(kind: str) -> list[tuple[Camera, TargetPose]]:
 
 
 @pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
-def test_corners_lie_where_the_picture_shows_them(kind: str) -> None:
+def test_picture_shows_corners_at_their_coordinates(kind: str) -> None:
     for camera, target in targets(kind):
-        green = decoded(overlay.render(BOARD, camera, target, "png"))[:, :, 1]
+        green = decode(overlay.render(BOARD, camera, target, "png"))[:, :, 1]
         inside = [
             q
             for q in target.corners
@@ -50,9 +50,9 @@ def test_corners_lie_where_the_picture_shows_them(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
-def test_the_whole_board_is_coloured_and_nothing_else(kind: str) -> None:
+def test_board_is_coloured_and_background_black(kind: str) -> None:
     for camera, target in targets(kind):
-        picture = decoded(overlay.render(BOARD, camera, target))
+        picture = decode(overlay.render(BOARD, camera, target))
         assert picture.shape == (720, 1280, 3)
         polygon = np.zeros((720, 1280), np.uint8)
         cv2.fillPoly(polygon, [np.round(target.outline).astype(np.int32)], 255)
@@ -68,24 +68,24 @@ def test_the_whole_board_is_coloured_and_nothing_else(kind: str) -> None:
     assert outside.sum() > 100_000  # of the last one, the easy one
 
 
-def test_png_is_transparent_outside() -> None:
+def test_png_is_transparent_outside_the_board() -> None:
     camera, target = targets("rectilinear")[2]
-    picture = decoded(overlay.render(BOARD, camera, target, "png"))
+    picture = decode(overlay.render(BOARD, camera, target, "png"))
     assert picture.shape == (720, 1280, 4)
     alpha = picture[:, :, 3]
     assert set(np.unique(alpha)) >= {0, 255}
-    jpeg = decoded(overlay.render(BOARD, camera, target)).max(axis=2)
+    jpeg = decode(overlay.render(BOARD, camera, target)).max(axis=2)
     assert np.mean((alpha > 127) == (jpeg > 127)) > 0.99
 
 
-def test_markers_of_the_picture_are_found_with_their_ids() -> None:
+def test_opencv_detects_the_drawn_markers() -> None:
     """OpenCV's own detector reads the board back from the green channel, each id at its corner."""
     for board in (BOARD, Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")):
         camera = guidance.IntrinsicsPosterior.of("rectilinear", (1280, 720), None).camera
         target = ProjectionUncertainty(board, (1280, 720)).next_pose([], None)
-        green = np.ascontiguousarray(decoded(overlay.render(board, camera, target, "png"))[:, :, 1])
+        green = np.ascontiguousarray(decode(overlay.render(board, camera, target, "png"))[:, :, 1])
         # On black nothing separates the outer markers from the background: make it white.
-        alpha = decoded(overlay.render(board, camera, target, "png"))[:, :, 3]
+        alpha = decode(overlay.render(board, camera, target, "png"))[:, :, 3]
         green = np.where(alpha == 0, 255, green).astype(np.uint8)
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
         drawn = cv2.aruco.CharucoBoard(board.squares, 1.0, board.marker_ratio, dictionary)
@@ -100,13 +100,13 @@ def test_markers_of_the_picture_are_found_with_their_ids() -> None:
         assert np.median(off) < 0.5
 
 
-def test_nothing_is_drawn_beyond_the_fold() -> None:
+def test_board_is_cut_at_the_end_of_the_domain() -> None:
     """A board across the model's edge, 1 / sqrt(1.2) focal lengths from the axis, is cut."""
     matrix = np.array([[500, 0, 639.5], [0, 500, 359.5], [0, 0, 1.0]])
     camera = Camera("rectilinear", matrix, np.array([-0.4, 0, 0, 0, 0]), (1280, 720))
     r = rotation.matrix(np.array([0.1, 0.0, 0.0]))
     target = TargetPose.seen(BOARD, camera, r, np.array([-1.0, -3.0, 6.0]), "", 0.0)
-    picture = decoded(overlay.render(BOARD, camera, target, "png"))
+    picture = decode(overlay.render(BOARD, camera, target, "png"))
     y, x = np.nonzero(picture[:, :, 3])
     edge = 500 * (1 / np.sqrt(1.2)) * (1 - 0.4 / 1.2)
     assert len(x) > 10_000
@@ -119,7 +119,7 @@ def test_board_outside_the_image_is_an_empty_picture() -> None:
     camera = guidance.IntrinsicsPosterior.of("rectilinear", (1280, 720), None).camera
     far = TargetPose.seen(BOARD, camera, np.eye(3), np.array([60.0, 0.0, 20.0]), "", 0.0)
     assert far.ids == ()
-    assert decoded(overlay.render(BOARD, camera, far)).max() < 10
+    assert decode(overlay.render(BOARD, camera, far)).max() < 10
 
 
 def test_jpeg_has_at_most_60_kb() -> None:
@@ -129,14 +129,14 @@ def test_jpeg_has_at_most_60_kb() -> None:
 
 
 @pytest.mark.parametrize("image_format", ["jpeg", "png"])
-def test_a_picture_of_many_pixels_is_drawn_smaller(image_format: Literal["jpeg", "png"]) -> None:
+def test_large_picture_is_drawn_smaller(image_format: Literal["jpeg", "png"]) -> None:
     """In the same shape, the board in the same place."""
     size = (8192, 6144)
     camera = Camera(
         "rectilinear", np.array([[8000.0, 0, 4000], [0, 8000, 3000], [0, 0, 1]]), [0.1, 0, 0, 0, 0], size
     )
     target = TargetPose.seen(BOARD, camera, np.eye(3), np.array([-4.0, -3.0, 16.0]), "", 0.0)
-    picture = decoded(overlay.render(BOARD, camera, target, image_format))
+    picture = decode(overlay.render(BOARD, camera, target, image_format))
     assert overlay.drawn_size((4000, 3000)) == (4000, 3000)
     w, h = overlay.drawn_size(size)
     assert picture.shape[:2] == (h, w)
@@ -171,7 +171,7 @@ def test_legacy_boards_differ_where_rows_are_even() -> None:
         Board(squares=(40, 40), dictionary="DICT_6X6_1000"),
     ],
 )
-def test_every_board_that_exists_can_be_drawn(board: Board) -> None:
+def test_extreme_boards_are_drawn(board: Board) -> None:
     camera = guidance.IntrinsicsPosterior.of("rectilinear", (640, 480), None).camera
     target = ProjectionUncertainty(board, (640, 480)).next_pose([], None)
-    assert decoded(overlay.render(board, camera, target)).shape == (480, 640, 3)
+    assert decode(overlay.render(board, camera, target)).shape == (480, 640, 3)

@@ -1,4 +1,4 @@
-"""The published method behaves as published."""
+"""Pose selection: the method behaves as published, for every model."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def test_angles_are_subdivided() -> None:
     assert [subdivided_tilt_deg(n) for n in range(4)] == [-35.0, 35.0, -52.5, 52.5]
 
 
-def test_the_first_two_poses() -> None:
+def test_first_two_poses_are_the_published_ones() -> None:
     guide = PoseSelection(Board(), SIZE)
     first = guide.next_pose([], None)
     assert np.degrees(np.linalg.norm(first.rvec)) == pytest.approx(50.0, abs=1)
@@ -42,7 +42,7 @@ def test_second_pose_fills_the_picture_for_every_model(model: str) -> None:
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-def test_target_for_the_principal_point_is_shifted_by_a_twentieth_of_the_image(model: str) -> None:
+def test_principal_point_target_is_shifted_by_five_percent(model: str) -> None:
     """Each camera with its own focal length, px per radian at the axis."""
     k = models.get(model).start(900.0, SIZE)
     camera = Camera.from_intrinsics(model, k, SIZE)
@@ -75,7 +75,7 @@ def test_pinhole_of_every_model_is_not_distorted(model: str, distortion: list[fl
     assert displacement(camera, 64, 36).max() < 1e-9
 
 
-def test_the_most_distorted_region_comes_first_and_once() -> None:
+def test_most_distorted_region_comes_first_and_once() -> None:
     matrix = np.array([[900, 0, 500], [0, 900, 359.5], [0, 0, 1.0]])
     camera = Camera("rectilinear", matrix, np.array([-0.3, 0.1, 0, 0, 0]), SIZE)
     box = find_next_region(camera, [])
@@ -86,14 +86,14 @@ def test_the_most_distorted_region_comes_first_and_once() -> None:
     assert find_next_region(camera, [Box(0, 0, 1, 1)]) == Box(0.0, 0.0, 1.0, 1.0)
 
 
-def test_overlap() -> None:
+def test_jaccard_index_of_shifted_squares() -> None:
     square = np.array([[100, 100], [500, 100], [500, 500], [100, 500]], dtype=float)
     assert jaccard_index(square, square, SIZE) == 1
     assert jaccard_index(square, np.add(square, (200, 0)), SIZE) == pytest.approx(1 / 3, abs=0.02)
     assert jaccard_index(square, np.add(square, (600, 0)), SIZE) == 0
 
 
-def test_it_stops_after_eight_to_ten_views_or_so() -> None:
+def test_published_method_stops_after_seven_to_twelve_views() -> None:
     """Published: 9 views, 0.40 px; here every third camera, once, at 0.2 px."""
     sessions = [
         peers.published(camera, np.random.default_rng(i))
