@@ -15,8 +15,10 @@ def bound(camera: Camera, counts: tuple[int, ...], noise: float = 0.2) -> list[f
     """Predicted rms error over the image, px, of the best `counts` views found: greedy, then exchanged."""
     board = Board()
     guide = ProjectionUncertainty(board, camera.img_size, camera.model)
-    law, k = guide.model, camera.intrinsics
-    nothing = IntrinsicsPosterior(law, k, prior.information(law, k, camera.img_size), noise, camera.img_size)
+    model, k = guide.model, camera.intrinsics
+    nothing = IntrinsicsPosterior(
+        model, k, prior.information(model, k, camera.img_size), noise, camera.img_size
+    )
     found: list[np.ndarray] = []
     out = []
     for count in counts:
