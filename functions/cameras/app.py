@@ -18,7 +18,7 @@ from calibdb.store.cameras import is_place
 _MOST_MEMBERS = 200
 _MOST_MODES = 60  # sizes and zooms of a camera that are shown; anybody can add one
 _READERS = 8  # cameras, or modes of one, read at a time
-_CACHED = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
+_PRIVATE_CACHE = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
 
 
 def search(call: application.Call) -> Response:
@@ -40,7 +40,7 @@ def search(call: application.Call) -> Response:
         if camera_search.listed(consensuses, least) and camera_search.matches(wanted[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
-    return application.json_response(answer, headers=_CACHED)
+    return application.json_response(answer, headers=_PRIVATE_CACHE)
 
 
 def show(call: application.Call) -> Response:
@@ -61,7 +61,7 @@ def show(call: application.Call) -> Response:
     with ThreadPoolExecutor(_READERS) as readers:
         modes = tuple(readers.map(lambda found: _mode(call, StreamMode(key, *found[0]), found[1]), shown))
     return application.json_response(
-        CameraDetail(key=key, camera=camera, platform=platform, modes=modes), headers=_CACHED
+        CameraDetail(key=key, camera=camera, platform=platform, modes=modes), headers=_PRIVATE_CACHE
     )
 
 

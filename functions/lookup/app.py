@@ -19,7 +19,7 @@ from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
 from calibdb.schema.fields import size_text, zoom_text
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
-_CACHED = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
+_PUBLIC_CACHE = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
 _NOTHING = "Nothing reliable is known of this camera."
 _DETAILS = {
     "unknown_camera": _NOTHING,
@@ -47,7 +47,9 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
     now = call.service.clock()
     if isinstance(found, LookupAnswer):
         metrics.count(now, Lookups=1, Hits=1)
-        return application.json_response(found, headers=_CACHED if call.request.method != "POST" else None)
+        return application.json_response(
+            found, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
+        )
     if not (request.redirect and call.flag("redirect", default=True)):
         metrics.count(now, Lookups=1, Misses=1)
         raise NotFoundError(

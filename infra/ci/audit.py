@@ -20,7 +20,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 PIP_AUDIT = ROOT / ".build" / "audit" / "bin" / "pip-audit"
 LOCKS = ("requirements.lock", "layers/service/requirements.lock", "layers/solver/requirements.lock")
-_PATIENCE = 60.0  # s
+_AUDIT_TIMEOUT_S = 60.0  # s
 _SHORT = 10.0  # s: does the service answer at all?
 _PIN = re.compile(r"(?m)^([A-Za-z0-9][\w.-]*==[^\s;\\]+)")
 
@@ -63,7 +63,7 @@ def pins(*locks: Path) -> list[str]:
 def python(packages: list[str]) -> Audit:
     """Ask about Python's packages; about one first, for each that is not answered takes its time."""
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as asked:
-        for part, patience in ((packages[:1], _SHORT), (packages, _PATIENCE)):
+        for part, patience in ((packages[:1], _SHORT), (packages, _AUDIT_TIMEOUT_S)):
             asked.seek(0)
             asked.truncate()
             asked.write("\n".join(part))
@@ -77,7 +77,7 @@ def python(packages: list[str]) -> Audit:
 
 def npm() -> Audit:
     """Ask about npm's packages."""
-    return Audit.of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"], _PATIENCE))
+    return Audit.of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"], _AUDIT_TIMEOUT_S))
 
 
 def _answer(command: list[str], patience: float) -> Any:

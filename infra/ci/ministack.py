@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 _SERVER = Path(__file__).resolve().parents[2] / ".build" / "ministack" / "bin" / "hypercorn"
-_PATIENCE = 30.0  # s
+_START_TIMEOUT_S = 30.0  # s
 
 
 @contextmanager
@@ -44,7 +44,7 @@ def _free_port() -> int:
 
 
 def _answers(port: int, server: subprocess.Popen[bytes]) -> None:
-    end = time.monotonic() + _PATIENCE
+    end = time.monotonic() + _START_TIMEOUT_S
     while time.monotonic() < end and server.poll() is None:
         with socket.socket() as probe:
             if probe.connect_ex(("127.0.0.1", port)) == 0:

@@ -19,7 +19,7 @@ from infra.deploy import aws
 from infra.deploy.__main__ import DeployError, deploy
 from infra.deploy.steps import ROOT, Target
 
-TARGET = Target("rehearsal", "us-east-1", {"AlarmEmail": "operator@example.org"})
+REHEARSAL = Target("rehearsal", "us-east-1", {"AlarmEmail": "operator@example.org"})
 # Of the template, what ministack cannot make: budgets, rules of sampling, and alarms on a sum.
 _UNKNOWN = ("Budget", "TraceSampling", "ThrottleAlarm")
 # Nobody delivers the site there, and its functions run on AWS's processors.
@@ -33,16 +33,16 @@ def main() -> int:
             "AWS_ENDPOINT_URL": url,
             "AWS_ACCESS_KEY_ID": "rehearsal",
             "AWS_SECRET_ACCESS_KEY": "rehearsal",
-            "AWS_REGION": TARGET.region,
-            "AWS_DEFAULT_REGION": TARGET.region,
+            "AWS_REGION": REHEARSAL.region,
+            "AWS_DEFAULT_REGION": REHEARSAL.region,
         }
         os.environ.pop("AWS_PROFILE", None)
         template = known((ROOT / "template.yaml").read_text(encoding="utf-8"))
         try:
-            deploy(TARGET, template, _ONLY_ON_AWS)
+            deploy(REHEARSAL, template, _ONLY_ON_AWS)
             settings = _settings()
-            deploy(TARGET, template, _ONLY_ON_AWS)
-            aws.rotate(boto3.client("ssm"), TARGET.stack)
+            deploy(REHEARSAL, template, _ONLY_ON_AWS)
+            aws.rotate(boto3.client("ssm"), REHEARSAL.stack)
         except DeployError as error:
             print(f"calibDB: {error}", file=sys.stderr)
             return 1
@@ -65,10 +65,10 @@ def known(template: str) -> str:
 def problems() -> Iterator[str]:
     """Yield what is not as the template has it, by what AWS's interface says."""
     cloudformation = boto3.client("cloudformation")
-    (stack,) = cloudformation.describe_stacks(StackName=TARGET.stack)["Stacks"]
+    (stack,) = cloudformation.describe_stacks(StackName=REHEARSAL.stack)["Stacks"]
     if stack["StackStatus"] != "UPDATE_COMPLETE":
         yield f"the stack is {stack['StackStatus']}"
-    made = aws.outputs(cloudformation, TARGET.stack)
+    made = aws.outputs(cloudformation, REHEARSAL.stack)
     parameters = {p["ParameterKey"]: p["ParameterValue"] for p in stack["Parameters"]}
     if parameters["GuidanceUrl"] != f"{made['SiteUrl']}/calibrate/":
         yield f"lookups are sent to {parameters['GuidanceUrl']}"
@@ -81,7 +81,9 @@ def problems() -> Iterator[str]:
             yield f"{bucket} can be made public"
         if "aws:SecureTransport" not in s3.get_bucket_policy(Bucket=bucket)["Policy"]:
             yield f"{bucket} is open without TLS"
-    secrets = boto3.client("ssm").get_parameters_by_path(Path=f"/calibdb/{TARGET.stack}", WithDecryption=True)
+    secrets = boto3.client("ssm").get_parameters_by_path(
+        Path=f"/calibdb/{REHEARSAL.stack}", WithDecryption=True
+    )
     keys = {p["Name"].rpartition("/")[2]: p["Value"].count(",") + 1 for p in secrets["Parameters"]}
     if keys != {"SESSION_SECRETS": 3, "CONTRIBUTOR_SECRET": 1, "EDGE_SECRET": 1}:
         yield f"the secrets hold so many keys: {keys}"
@@ -93,11 +95,11 @@ def problems() -> Iterator[str]:
 
 def _resources() -> list[object]:
     pages = boto3.client("cloudformation").get_paginator("list_stack_resources")
-    return [r for page in pages.paginate(StackName=TARGET.stack) for r in page["StackResourceSummaries"]]
+    return [r for page in pages.paginate(StackName=REHEARSAL.stack) for r in page["StackResourceSummaries"]]
 
 
 def _settings() -> dict[str, str]:
-    made = aws.outputs(boto3.client("cloudformation"), TARGET.stack)
+    made = aws.outputs(boto3.client("cloudformation"), REHEARSAL.stack)
     return dict(aws.settings(boto3.client("s3"), made["WebBucketName"]) or {})
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from urllib.parse import urlsplit
 
-_PATIENCE = 20.0  # s: the first request of all starts a function
+_SMOKE_TIMEOUT_S = 20.0  # s: the first request of all starts a function
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ def asking(url: str) -> Ask:
     kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
 
     def ask(method: str, path: str) -> Heard:
-        connection = kind(parts.netloc, timeout=_PATIENCE)
+        connection = kind(parts.netloc, timeout=_SMOKE_TIMEOUT_S)
         try:
             connection.request(method, path)
             response = connection.getresponse()

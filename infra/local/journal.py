@@ -17,7 +17,7 @@ from pathlib import Path
 # Kinds of address. Others may be kept too; only these two are in moto.
 ITEM, OBJECT = "item", "object"
 
-_VERSION = 1
+_JOURNAL_VERSION = 1
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS state (
     kind TEXT NOT NULL,
@@ -100,13 +100,13 @@ class Journal:
         execute("PRAGMA journal_size_limit = 16777216")
         execute("BEGIN EXCLUSIVE")
         version = execute("PRAGMA user_version").fetchone()[0]
-        if version not in (0, _VERSION):
+        if version not in (0, _JOURNAL_VERSION):
             execute("ROLLBACK")
             raise JournalError(
-                f"journal version {version} is not {_VERSION}; it was written by another release"
+                f"journal version {version} is not {_JOURNAL_VERSION}; it was written by another release"
             )
         execute(_SCHEMA)
-        execute(f"PRAGMA user_version = {_VERSION}")
+        execute(f"PRAGMA user_version = {_JOURNAL_VERSION}")
         execute("COMMIT")
 
     def load(self, kind: str) -> Iterator[Change]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from urllib.parse import parse_qs, quote, urlsplit
 
-_VERSION = "<Version><Key>{}</Key><VersionId>null</VersionId><IsLatest>true</IsLatest></Version>"
+_VERSION_XML = "<Version><Key>{}</Key><VersionId>null</VersionId><IsLatest>true</IsLatest></Version>"
 _LISTING = (
     '<?xml version="1.0" encoding="UTF-8"?><ListVersionsResult><EncodingType>url</EncodingType>'
     "<IsTruncated>false</IsTruncated>{}</ListVersionsResult>"
@@ -22,4 +22,4 @@ def prefix_of(url: str) -> str:
 
 def listing(names: Iterable[str]) -> bytes:
     """Return the answer to a ListObjectVersions: one version of each, in one page."""
-    return _LISTING.format("".join(_VERSION.format(quote(name)) for name in sorted(names))).encode()
+    return _LISTING.format("".join(_VERSION_XML.format(quote(name)) for name in sorted(names))).encode()

@@ -34,7 +34,7 @@ _TIMEOUT_S = 60.0  # s for one answer
 _ATTEMPTS = 10  # where the stack says that it has no time
 _TARGET_ERROR_PX = 100.0  # px: the fourth accepted view ends the capture
 _NOISE_PX = 0.15  # px
-_SIZE = (1280, 720)
+_IMG_SIZE = (1280, 720)
 # (rvec about x and y, rad) of a board that teaches something each time
 _TILTS = ((0.5, 0.0), (-0.5, 0.1), (0.1, 0.55), (0.0, -0.6), (0.4, 0.4), (-0.4, -0.4), (0.45, -0.4))
 
@@ -200,7 +200,7 @@ def capture(line: Line, token: str, seed: int, camera: str, finish: bool) -> Cap
     start = {
         "camera": camera,
         "platform": "X11; Linux x86_64",
-        "img_size": _SIZE,
+        "img_size": _IMG_SIZE,
         "target_error": _TARGET_ERROR_PX,
     }
     state = line.call("POST", "/v1/session", session, start)
@@ -226,14 +226,14 @@ def observe_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
     rng = np.random.default_rng(seed)
     board = Board()
     matrix = np.array([[950.0, 0.0, 652.0], [0.0, 948.0, 351.0], [0.0, 0.0, 1.0]])
-    camera = Camera("rectilinear", matrix, np.array([-0.12, 0.05, 0.0005, -0.0004, 0.0]), _SIZE)
+    camera = Camera("rectilinear", matrix, np.array([-0.12, 0.05, 0.0005, -0.0004, 0.0]), _IMG_SIZE)
     for n, (x, y) in enumerate(_TILTS):
         rotation = rotations.matrix(np.array([x, y, 0.1 * n]) + rng.normal(0, 0.04, 3))
         place = np.array([-4.5 + (n % 3 - 1), -3.0 + 0.5 * (n % 2), 9.0 + n % 4])
         q = camera.project(board.points @ rotation.T + place) + rng.normal(
             0, _NOISE_PX, (len(board.points), 2)
         )
-        inside = np.flatnonzero(((q >= 0) & (q <= np.array(_SIZE) - 1)).all(axis=1))
+        inside = np.flatnonzero(((q >= 0) & (q <= np.array(_IMG_SIZE) - 1)).all(axis=1))
         yield inside.tolist(), q[inside].tolist()
 
 

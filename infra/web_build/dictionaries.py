@@ -13,7 +13,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-TARGET = Path(__file__).parents[2] / "web" / "lib" / "dictionaries.js"
+DICTIONARIES_PATH = Path(__file__).parents[2] / "web" / "lib" / "dictionaries.js"
 TABLES = {
     "4X4": ("DICT_4X4_1000", 4),
     "5X5": ("DICT_5X5_1000", 5),
@@ -56,4 +56,4 @@ def text() -> str:
 
 
 if __name__ == "__main__":
-    TARGET.write_text(text())
+    DICTIONARIES_PATH.write_text(text())

@@ -14,9 +14,9 @@ from calibdb import __version__, schema
 from infra.web_build.operations import JSON, OPERATIONS, PROBLEM, PROBLEMS, Content, Operation
 from infra.web_build.parameters import Node
 
-__all__ = ["OPERATIONS", "TARGET", "document", "text"]
+__all__ = ["OPENAPI_PATH", "OPERATIONS", "document", "text"]
 
-TARGET = Path(__file__).resolve().parents[2] / "web" / "openapi.json"
+OPENAPI_PATH = Path(__file__).resolve().parents[2] / "web" / "openapi.json"
 _REFERENCE = "#/components/schemas/{model}"
 
 
@@ -103,4 +103,4 @@ def text() -> str:
 
 
 if __name__ == "__main__":
-    TARGET.write_text(text())
+    OPENAPI_PATH.write_text(text())

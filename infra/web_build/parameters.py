@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 Node = dict[str, Any]
 
 SWITCH: Node = {"type": "string", "enum": ["0", "1", "false", "true"]}
-_SIZE: Node = {"type": "string", "pattern": "^[0-9]+x[0-9]+$", "examples": ["1280x720"]}
+_SIZE_PARAMETER: Node = {"type": "string", "pattern": "^[0-9]+x[0-9]+$", "examples": ["1280x720"]}
 _DEPRECATED = "Spelling of the older public client."
 _KEYWORDS = (
     *("type", "enum", "pattern", "minLength", "maxLength", "minimum", "maximum", "default", "examples"),
@@ -71,7 +71,7 @@ def _as_text(node: Node) -> Node:
     if found["type"] == "array":
         count = len(found.get("prefixItems", ()))
         if count == 2:
-            return _SIZE
+            return _SIZE_PARAMETER
         number = "[0-9]+"
         pattern = ",".join([number] * count) if count else f"{number}(,{number})*"
         return {"type": "string", "pattern": f"^{pattern}$", "examples": found["examples"]}

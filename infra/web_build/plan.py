@@ -12,7 +12,7 @@ from pathlib import Path
 from calibsolver import Board
 from calibsolver.guidance import FixedPlan
 
-TARGET = Path(__file__).resolve().parents[2] / "web" / "calibrate" / "plan.json"
+PLAN_PATH = Path(__file__).resolve().parents[2] / "web" / "calibrate" / "plan.json"
 IMG_SIZE = (1280, 720)
 
 
@@ -32,4 +32,4 @@ def text() -> str:
 
 
 if __name__ == "__main__":
-    TARGET.write_text(text())
+    PLAN_PATH.write_text(text())

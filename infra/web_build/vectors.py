@@ -15,7 +15,7 @@ import numpy as np
 
 from calibsolver import Camera, models
 
-TARGET = Path(__file__).parents[2] / "tests" / "web" / "vectors.json"
+VECTORS_PATH = Path(__file__).parents[2] / "tests" / "web" / "vectors.json"
 SIZE = (1280, 720)
 # Some bend inwards, some outwards, some not at all; of the wide models one sees beyond 90 degrees.
 LENSES: dict[str, list[tuple[float, list[float]]]] = {
@@ -64,4 +64,4 @@ def vectors() -> list[dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    TARGET.write_text(json.dumps(vectors()) + "\n")
+    VECTORS_PATH.write_text(json.dumps(vectors()) + "\n")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Download, Page, expect
 
-from calibsolver.formats import NAMES
+from calibsolver.formats import FORMAT_NAMES
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.specimens import answer, result
@@ -100,7 +100,7 @@ def test_every_format_is_saved_or_says_why_not(context: BrowserContext, api: htt
     page.locator("#format").wait_for()
     formats = [each.get_attribute("value") or "" for each in page.locator("#format option").all()]
     labels = page.locator("#format option").all_text_contents()
-    assert formats == list(NAMES)
+    assert formats == list(FORMAT_NAMES)
     assert len(set(labels)) == len(formats)
     assert not set(labels) & set(formats), "people's names"
     said: dict[str, str] = {}

@@ -20,7 +20,7 @@ def calibration(stack: LocalStack) -> str:
 
 
 def test_the_names_are_those_of_the_solver() -> None:
-    assert FORMATS == formats.NAMES
+    assert FORMATS == formats.FORMAT_NAMES
 
 
 @pytest.mark.parametrize("name", FORMATS)
@@ -30,9 +30,9 @@ def test_every_format_is_a_file_with_its_name_and_error(client: Client, calibrat
     assert float(answer.headers["x-conversion-error"]) < (640 if name == "gltf" else 64)
     assert float(answer.headers["x-conversion-coverage"]) > 0.9
     if name != "calibdb":
-        suffix = formats.REGISTRY[name].suffix
+        suffix = formats.FORMATS[name].suffix
         assert f'filename="test-camera-1280x720-{name}{suffix}"' in answer.headers["content-disposition"]
-        assert answer.headers["content-type"] == formats.REGISTRY[name].media_type
+        assert answer.headers["content-type"] == formats.FORMATS[name].media_type
     warned = "x-conversion-warning" in answer.headers
     assert warned == (float(answer.headers["x-conversion-error"]) > formats.VISIBLE)
 

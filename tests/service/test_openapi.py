@@ -14,11 +14,11 @@ from infra.web_build import openapi
 
 @pytest.fixture(scope="module")
 def document() -> dict:
-    return json.loads(openapi.TARGET.read_text())
+    return json.loads(openapi.OPENAPI_PATH.read_text())
 
 
 def test_the_committed_file_is_what_the_models_give() -> None:
-    assert openapi.TARGET.read_text() == openapi.text(), "run `make openapi`"
+    assert openapi.OPENAPI_PATH.read_text() == openapi.text(), "run `make openapi`"
 
 
 def test_it_names_the_routes_of_the_template(document: dict, stack: LocalStack) -> None:

@@ -10,7 +10,7 @@ from . import models
 from .arrays import Array, Mask, frozen
 from .errors import CalibrationError
 
-GRID = (40, 30)
+DOMAIN_GRID = (40, 30)
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class Camera:
 
     def domain(self) -> Domain:
         """Domain in which the model is one-to-one, and its share of the image."""
-        rays = models.get(self.model).unproject(self.intrinsics, pixel_grid(self.img_size, GRID))
+        rays = models.get(self.model).unproject(self.intrinsics, pixel_grid(self.img_size, DOMAIN_GRID))
         angle = models.get(self.model).domain_half_angle(np.asarray(self.distortion))
         return Domain(float(angle), float(np.isfinite(rays[0]).mean()))
 

@@ -12,7 +12,7 @@ from tests.helpers.solver import synthetic
 
 def test_committed_plan_is_current() -> None:
     """To a hundredth of a degree: the last digits differ between machines."""
-    ours, theirs = json.loads(plan.text()), json.loads(plan.TARGET.read_text())
+    ours, theirs = json.loads(plan.text()), json.loads(plan.PLAN_PATH.read_text())
     assert len(ours) == len(theirs)
     for one, other in zip(ours, theirs, strict=True):
         np.testing.assert_allclose(

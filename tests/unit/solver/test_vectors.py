@@ -4,11 +4,11 @@ import json
 
 import numpy as np
 
-from infra.web_build.vectors import TARGET, vectors
+from infra.web_build.vectors import VECTORS_PATH, vectors
 
 
 def test_the_recorded_vectors_are_the_solvers() -> None:
-    recorded = json.loads(TARGET.read_text())
+    recorded = json.loads(VECTORS_PATH.read_text())
     computed = vectors()
     assert [each["distortion_model"] for each in recorded] == [each["distortion_model"] for each in computed]
     for old, new in zip(recorded, computed, strict=True):

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 # By language: en, de, fr, es, ca, pt, it, nl, sv/nb/da, fi, pl, cs/sk, hr, hu, ro, tr, ru/uk/bg/kk, el,
 # he, ar, hi, th, vi, id/ms, zh, ja, ko. NFKC, case folded; spaces count as one.
-_WORDS: Mapping[str, tuple[str, ...]] = {
+_POSITION_WORDS: Mapping[str, tuple[str, ...]] = {
     "back": (
         *(
             "back",
@@ -260,7 +260,7 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
         *("stolní", "bureaubladweergave", "デスクビュー", "桌上视角", "桌面顯示"),
     ),
 }
-_MEANING = {word: meaning for meaning, words in _WORDS.items() for word in words}
+_MEANING = {word: meaning for meaning, words in _POSITION_WORDS.items() for word in words}
 _ANY = re.compile("|".join(re.escape(word) for word in sorted(_MEANING, key=len, reverse=True)))
 _NOTHING = re.compile(r"[\s,()·-]*")
 _ORDER = (
@@ -276,7 +276,7 @@ _ORDER = (
     "camera",
 )
 _SIDES, _LENSES = {"back", "front"}, {"ultra wide", "wide", "telephoto", "truedepth"}
-CAMERA_WORDS = tuple(sorted(_WORDS["camera"], key=len, reverse=True))
+CAMERA_WORDS = tuple(sorted(_POSITION_WORDS["camera"], key=len, reverse=True))
 
 
 def in_english(text: str) -> str | None:

@@ -20,7 +20,7 @@ _TELEPHONE = re.compile(
     rf"(?<!\w)(?<!\w-)(?<!\d\.)(?:[+＋][\s(]?\d(?:{_BETWEEN}\d){{6,14}}|\(?[0０]\d(?:{_BETWEEN}\d){{6,13}}"
     r"|\(?\d{3}\)?[ .-]\d{3}[ .-]\d{4})(?!\w)"
 )
-_HOST = re.compile(
+_HOST_NAME = re.compile(
     r"(?<![\w-])(?!usb)[\w-]+-(?:pc|laptop|notebook|desktop|macbook)(?![\w-])"
     r"|(?<![\w-])(?:desktop|laptop)-[0-9a-z]{5,}(?![\w-])",
     re.IGNORECASE,
@@ -58,7 +58,7 @@ def without_owner(name: str) -> str:
 
 
 def _cut(name: str) -> str:
-    for pattern in (_ADDRESS, _HOST, _QUOTED):
+    for pattern in (_ADDRESS, _HOST_NAME, _QUOTED):
         name = pattern.sub(" ", name)
     name = _PARENTHESES.sub(_kept, name)
     name = _GENITIVE.sub("", _POSSESSIVE.sub("", name))

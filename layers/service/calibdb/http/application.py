@@ -32,7 +32,7 @@ _PROBLEM = "application/problem+json"
 _TEXT = ["text/", "application/json", _PROBLEM]  # everything else leaves as base64
 
 _log = logging.getLogger(__name__)
-_HOST = ("host", "x-forwarded-port")
+_HOST_HEADERS = ("host", "x-forwarded-port")
 _DETAILS: dict[int, str] = {
     HTTPStatus.NOT_FOUND: "There is no such path.",
     HTTPStatus.METHOD_NOT_ALLOWED: "This path knows {Allow}.",
@@ -96,7 +96,7 @@ def handler(*routes: Route) -> LambdaHandler:
 
 def _without_host(event: dict[str, Any]) -> dict[str, Any]:
     """Return the event without its host: nothing here depends on it, and Mangum fails on a malformed one."""
-    headers = {k: v for k, v in (event.get("headers") or {}).items() if k.lower() not in _HOST}
+    headers = {k: v for k, v in (event.get("headers") or {}).items() if k.lower() not in _HOST_HEADERS}
     return {**event, "headers": headers}
 
 

@@ -11,7 +11,7 @@ from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.cameras import CameraEntry, CameraSize
 
 Mode = tuple[tuple[int, int], float]
-_MOST_WORDS = 8
+_MAX_QUERY_WORDS = 8
 _LISTED = 2  # contributors
 
 
@@ -21,7 +21,7 @@ def asked(query: str) -> list[str]:
     A maker's name is left out where there are other words: not every system says it.
     """
     text = unicodedata.normalize("NFKC", query).casefold()
-    found = list(dict.fromkeys(words(text)))[:_MOST_WORDS]
+    found = list(dict.fromkeys(words(text)))[:_MAX_QUERY_WORDS]
     named = [word for word in found if not is_maker(word)] or found
     return sorted(named, key=len, reverse=True)
 

@@ -34,7 +34,7 @@ MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
 Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
 WITHDRAWALS: tuple[Withdrawal, ...] = get_args(Withdrawal)
 _READERS = 8  # objects read at a time
-_MAX_ITEMS = 2_000  # of a mode that are looked through for those that count
+_MAX_CALIBRATIONS = 2_000  # of a mode that are looked through for those that count
 _CROPPED = "crop-and-scale"
 _NOT_WITHDRAWN = Condition("attribute_not_exists(withdrawn)")
 
@@ -105,7 +105,7 @@ class Calibrations:
         """
         counted: list[CountedCalibration] = []
         # Mostly all of them count; where they do not, one is not kept out by many that are passed over.
-        for most in (limit + limit // 4, _MAX_ITEMS):
+        for most in (limit + limit // 4, _MAX_CALIBRATIONS):
             # Ids sort by the time at which the session was started.
             prefix = calibrations_prefix(mode.img_size, mode.zoom)
             items = self._table.query(mode.pk, prefix, newest_first=True, limit=most, consistent=True)

@@ -23,7 +23,7 @@ from calibdb.store.table import IF_NOT_EXISTS, Item, Table
 
 SAME_AS = "CONSENSUS-OF#"
 ALL = "CAMERAS#"  # partition of all cameras; followed by a letter, of the words that begin with it
-_MOST_WORDS = 16
+_MAX_NAME_WORDS = 16
 _OWN_ID = re.compile(r"-[0-9a-f]{20}$")  # what a calibration's id adds to the key it was made under
 
 
@@ -102,7 +102,7 @@ def _aliases(named: _Named) -> list[Item]:
 
 
 def _search_items(named: _Named) -> list[Item]:
-    found = list(dict.fromkeys(words(named.identity.name)))[:_MOST_WORDS]
+    found = list(dict.fromkeys(words(named.identity.name)))[:_MAX_NAME_WORDS]
     if named.identity.usb_id:
         found += named.identity.usb_id.split(":")
     name = named.identity.name

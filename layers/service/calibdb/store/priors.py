@@ -10,7 +10,7 @@ from calibdb.store.keys import camera_pk
 from calibdb.store.objects import Objects
 from calibdb.store.table import Table
 
-_PREFIX = "priors/"
+_PRIORS_PREFIX = "priors/"
 
 
 class Priors:
@@ -29,7 +29,7 @@ class Priors:
         """Store the guess in the place of the one that was there."""
         fit = document.fit
         place = f"{size_text(fit.img_size)}~{zoom_text(document.zoom)}~{fit.distortion_model}"
-        name = f"{_PREFIX}{document.camera_key}/{place}.json"
+        name = f"{_PRIORS_PREFIX}{document.camera_key}/{place}.json"
         self._objects.put(name, document.model_dump_json().encode())
         self.index(document)
 
@@ -46,7 +46,7 @@ class Priors:
 
     def all(self) -> Iterator[PriorDocument]:
         """Yield every guess in the bucket. For operators."""
-        for name in self._objects.names(_PREFIX):
+        for name in self._objects.names(_PRIORS_PREFIX):
             content = self._objects.get(name)
             if content is not None:
                 yield PriorDocument.model_validate_json(content)

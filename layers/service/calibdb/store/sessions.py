@@ -17,7 +17,7 @@ from calibdb.store.objects import Objects
 from calibdb.store.table import IF_NOT_EXISTS, Condition, Item, Table
 
 LIFETIME_S = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
-_PREFIX = "sessions/"
+_SESSIONS_PREFIX = "sessions/"
 _ATTEMPTS = 5  # of a change that others keep overtaking
 _MAX_ORPHANS = 16  # versions written and never pointed to, one after the other
 
@@ -127,14 +127,14 @@ class Sessions:
 
     def purge(self, sid: str) -> int:
         """Remove all that is stored of the session, for good; return how many objects those were."""
-        removed = self._objects.purge_all_versions(list(self._objects.names(f"{_PREFIX}{sid}/")))
+        removed = self._objects.purge_all_versions(list(self._objects.names(f"{_SESSIONS_PREFIX}{sid}/")))
         self._table.delete(f"SESSION#{sid}", "META")
         return removed
 
     def _versions(self) -> dict[str, int]:
         highest: dict[str, int] = {}
-        for name in self._objects.names(_PREFIX):
-            sid, _, file = name.removeprefix(_PREFIX).partition("/")
+        for name in self._objects.names(_SESSIONS_PREFIX):
+            sid, _, file = name.removeprefix(_SESSIONS_PREFIX).partition("/")
             version = file.removesuffix(".json")
             if version.isdecimal():
                 highest[sid] = max(highest.get(sid, 0), int(version))
@@ -177,7 +177,7 @@ class Sessions:
 
 
 def _name(sid: str, version: int) -> str:
-    return f"{_PREFIX}{sid}/{version}.json"
+    return f"{_SESSIONS_PREFIX}{sid}/{version}.json"
 
 
 def _item(sid: str, version: int, now: int) -> Item:

@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array
 from ..models import Model
 
-WIDEST = 6.0
+MAX_SQUARED_RADIUS = 6.0
 """Squared image radius, in focal lengths, towards which that of ever wider lenses saturates: on a fisheye
 of 180 degrees and more the distortion is a series in the angle, which stops at about 1.6 where the radius
 goes on."""
@@ -65,15 +65,15 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
     j[1, 0], j[1, 1] = 1 / (fx * prior.aspect_sigma), -1 / (fy * prior.aspect_sigma)
     j[2, 2] = j[3, 3] = 1 / (prior.center_sigma * w)
     square = (w * w + h * h) / (4 * fx * fy)
-    reach = (square / (1 + square / WIDEST)) ** fixed.order
+    reach = (square / (1 + square / MAX_SQUARED_RADIUS)) ** fixed.order
     # d(log reach)/d(log f), the same for both focal lengths
-    by_focal = -fixed.order / (1 + square / WIDEST)
+    by_focal = -fixed.order / (1 + square / MAX_SQUARED_RADIUS)
     certain = fixed.edge * reach
     r[4:size] = (d - fixed.mean) * (fixed.plain + certain)
     j.reshape(-1)[4 * size + 4 : size * size : size + 1] = fixed.plain + certain
     by_log = d * certain * by_focal
     j[4:size, 0], j[4:size, 1] = by_log / fx, by_log / fy
-    s = fixed.squares * square / (1 + square / WIDEST)
+    s = fixed.squares * square / (1 + square / MAX_SQUARED_RADIUS)
     exact = model.radial_derivative(d, s)
     if exact is not None:
         value, by_d, by_s = exact
@@ -81,7 +81,7 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
         certain = 1 / (fixed.sigmas * np.maximum(value, 1))
         r[size:] = np.where(value > 1, np.log(np.maximum(value, 1)), value - 1) / fixed.sigmas
         j[size:, 4:] = by_d * certain[:, None]
-        by_log = -by_s * s / (1 + square / WIDEST) * certain
+        by_log = -by_s * s / (1 + square / MAX_SQUARED_RADIUS) * certain
     else:
         slope = fixed.slope * reach
         r[size:] = slope @ d

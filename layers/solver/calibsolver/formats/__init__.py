@@ -24,7 +24,7 @@ from . import (
 from .base import VISIBLE, Conversion, Read, Shape, Subject, Written
 from .format import Format
 
-REGISTRY: dict[str, Format] = {
+FORMATS: dict[str, Format] = {
     form.name: form
     for form in (
         native.NativeJson(),
@@ -45,11 +45,11 @@ REGISTRY: dict[str, Format] = {
         artoolkit.ArToolKit(),
     )
 }
-NAMES = tuple(REGISTRY)
+FORMAT_NAMES = tuple(FORMATS)
 
 __all__ = [
-    "NAMES",
-    "REGISTRY",
+    "FORMATS",
+    "FORMAT_NAMES",
     "VISIBLE",
     "Conversion",
     "Format",
@@ -66,10 +66,10 @@ def write(subject: Subject, name: str, transform: transforms.Transform | None = 
 
     Raises CalibrationError ``unknown_format``, or ``not_representable`` where the format cannot hold it.
     """
-    form = REGISTRY.get(name)
+    form = FORMATS.get(name)
     if form is None:
         raise CalibrationError(
-            "unknown_format", f"no format is called {name!r}; there are {', '.join(NAMES)}"
+            "unknown_format", f"no format is called {name!r}; there are {', '.join(FORMAT_NAMES)}"
         )
     if transform is not None:
         subject = moved(subject, transform)

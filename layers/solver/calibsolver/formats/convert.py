@@ -24,7 +24,7 @@ LOST = 0.01
 """Share of the image that one shape may leave out beyond what the others do."""
 FARTHEST = 0.05
 """Image widths: a conversion that is further off somewhere is none."""
-GRID = (33, 25)
+SAMPLE_GRID = (33, 25)
 """Columns and rows of the pixels at which two cameras are compared, those of the image's edge among them."""
 RIM = 1e-6
 """Share by which what is called the rim of a model's domain lies inside it."""
@@ -92,7 +92,7 @@ def compared(camera: Camera, other: Camera) -> Conversion:
     file has them is no promise. The rim of that counts too, where it crosses the image.
     """
     w, h = camera.img_size
-    x, y = np.meshgrid(np.linspace(0, w - 1, GRID[0]), np.linspace(0, h - 1, GRID[1]))
+    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
     q = np.stack([x.ravel(), y.ravel()], axis=1)
     rays = camera.unproject(q)
     seen = np.isfinite(rays).all(axis=1)
@@ -140,7 +140,7 @@ def nearest(camera: Camera, shape: Shape) -> Conversion:
     model = models.get(camera.model)
     free = _directions(model, shape)
     w, h = camera.img_size
-    x, y = np.meshgrid(np.linspace(0, w - 1, GRID[0]), np.linspace(0, h - 1, GRID[1]))
+    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
     q = np.stack([x.ravel(), y.ravel()])
     rays = model.unproject(camera.intrinsics, q)
     seen = np.isfinite(rays).all(axis=0)

@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
 from .base import Conversion, Shape, Subject
-from .convert import GRID, alike
+from .convert import SAMPLE_GRID, alike
 from .format import Format
 
 DIAGONAL = math.hypot(36, 24)
@@ -115,7 +115,7 @@ def polynomial(camera: Camera) -> Array:
 def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
     """Largest distance, px, of the polynomial from the camera over the image, and the share it reaches."""
     (w, h), k = camera.img_size, np.asarray(radial.matrix)
-    x, y = np.meshgrid(np.linspace(0, w - 1, GRID[0]), np.linspace(0, h - 1, GRID[1]))
+    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
     q = np.stack([x.ravel(), y.ravel()], axis=1)
     rays = camera.unproject(q)
     flat = np.hypot(rays[:, 0], rays[:, 1])

@@ -22,7 +22,7 @@ from .coefficients import make_camera, pad_coefficients
 from .format import Format
 
 SIZES = {"LENSMODEL_PINHOLE": 0, "LENSMODEL_OPENCV4": 4, "LENSMODEL_OPENCV5": 5, "LENSMODEL_OPENCV8": 8}
-LARGEST = 64_000_000
+MAX_UNZIPPED_BYTES = 64_000_000
 """Bytes that the measurements in a file may unpack to."""
 
 
@@ -149,7 +149,7 @@ def _views(packed: bytes, number: int) -> tuple[View, ...]:
     try:
         archive = io.BytesIO(base64.b85decode(packed))
         with zipfile.ZipFile(archive) as files:
-            if sum(info.file_size for info in files.infolist()) > LARGEST:
+            if sum(info.file_size for info in files.infolist()) > MAX_UNZIPPED_BYTES:
                 raise text.refuse("optimization_inputs unpack to too much")
         with np.load(archive, allow_pickle=False) as arrays:
             seen = arrays["observations_board"]

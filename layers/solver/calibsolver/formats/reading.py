@@ -19,7 +19,7 @@ def read(data: object) -> Read:
         return gyroflow.read(data)
     if "cameraIntrinsics" in data:
         return photonvision.read(data)
-    if data.get("distortion_model") in ros.NAMES.values():
+    if data.get("distortion_model") in ros.ROS_MODELS.values():
         return ros.read(data)
     if "img_size" in data:
         return native.read(data)

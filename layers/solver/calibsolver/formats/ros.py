@@ -7,7 +7,7 @@ from .base import Conversion, Read, Shape, Subject
 from .coefficients import camera_from_opencv, make_camera
 from .format import Format
 
-NAMES = {"rectilinear": "plumb_bob", "rational": "rational_polynomial", "fisheye": "equidistant"}
+ROS_MODELS = {"rectilinear": "plumb_bob", "rational": "rational_polynomial", "fisheye": "equidistant"}
 
 
 class Ros(Format):
@@ -30,7 +30,7 @@ class Ros(Format):
             f"image_height: {c.img_size[1]}",
             f"camera_name: {text.quoted(name)}",
             self._matrix("camera_matrix", 3, 3, k.ravel()),
-            f"distortion_model: {NAMES[c.model]}",
+            f"distortion_model: {ROS_MODELS[c.model]}",
             self._matrix("distortion_coefficients", 1, len(c.distortion), c.distortion),
             self._matrix("rectification_matrix", 3, 3, np.eye(3).ravel()),
             self._matrix("projection_matrix", 3, 4, p.ravel()),

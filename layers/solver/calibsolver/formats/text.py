@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import CalibrationError
 
-LARGEST = 1e12
+MAX_NUMBER = 1e12
 """Beyond which no number is a camera's."""
 
 
@@ -82,7 +82,7 @@ def floats(value: object, name: str, least: int = 0, most: int = 1_000_000) -> A
                 take(part, depth + 1)
         elif isinstance(item, bool) or not isinstance(item, int | float):
             raise refuse(f"{name} must be numbers, not {type(item).__name__}")
-        elif not -LARGEST < item < LARGEST:  # NaN is neither
+        elif not -MAX_NUMBER < item < MAX_NUMBER:  # NaN is neither
             raise refuse(f"{name} holds a number that is none of a camera's")
         else:
             flat.append(float(item))

@@ -144,7 +144,7 @@ def test_lensfun_maps_the_corrected_picture_to_ours(model: str) -> None:
     modifier.initialize(lens.min_focal, 8, 10, pixel_format=np.uint8, flags=lensfunpy.ModifyFlags.DISTORTION)
     source = modifier.apply_geometry_distortion().astype(np.float64)
     # The corrected picture is a pinhole's (a fisheye's: equidistant), of a focal length s times as large.
-    radial = formats.REGISTRY["lensfun"].convert(subject(model)).camera
+    radial = formats.FORMATS["lensfun"].convert(subject(model)).camera
     s, f = lensfun_format.polynomial(radial)[3], radial.matrix[0, 0]
     x, y = np.meshgrid(np.arange(0, W, 40), np.arange(0, H, 40))
     d = np.stack([(x - radial.matrix[0, 2]) / (s * f), (y - radial.matrix[1, 2]) / (s * f)], axis=-1)
@@ -199,8 +199,8 @@ def warped(content: bytes, q: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
 def test_dng_opcode_equals_opencvs_undistortion(model: str) -> None:
     mine = subject(model)
-    held = formats.REGISTRY["dng"].convert(mine)
-    content = formats.REGISTRY["dng"].write(mine, held)
+    held = formats.FORMATS["dng"].convert(mine)
+    content = formats.FORMATS["dng"].write(mine, held)
     k, d = np.array(held.camera.matrix), np.array(held.camera.distortion)
     assert k[0, 0] == k[1, 1]
     number, values, *_ = opcode(content)
@@ -223,7 +223,7 @@ def test_dng_fisheye_refits_four_terms_where_cutting_the_fifth_would_show() -> N
         "fisheye", [[700, 0, 640], [0, 700, 360], [0, 0, 1]], [-0.03, 0.02, -0.02, 0.006], IMG_SIZE
     )
     bare = formats.Subject(camera)
-    held = formats.REGISTRY["dng"].convert(bare)
+    held = formats.FORMATS["dng"].convert(bare)
     assert held.error < 0.01
     cut = Camera("fisheye", camera.matrix, [*camera.distortion[:3], 0.0], IMG_SIZE)
     angle = np.array([[np.sin(0.75), 0, np.cos(0.75)]])

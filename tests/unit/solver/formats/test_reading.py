@@ -36,7 +36,7 @@ READABLE = {
 def test_what_was_written_is_read(tmp_path: Path, name: str, model: str) -> None:
     mine, path = subject(model), tmp_path / f"camera{READABLE[name]}"
     path.write_bytes(formats.write(mine, name).content)
-    held = formats.REGISTRY[name].convert(mine).camera
+    held = formats.FORMATS[name].convert(mine).camera
     found = read_file(path)
     assert found.camera is not None
     assert found.camera.model == held.model

@@ -255,7 +255,7 @@ def test_warning_stands_in_every_text_that_is_off() -> None:
         file = formats.write(mine, name)
         assert file.error > 0.1
         assert f"{file.error:.2f} px off".encode() in file.content, name
-    for name in formats.NAMES:
+    for name in formats.FORMAT_NAMES:
         file = formats.write(subject("rectilinear"), name)
         assert (file.warning is not None) == (file.error > formats.VISIBLE)
 
@@ -271,7 +271,7 @@ def test_lensfuns_file_is_well_formed_whatever_the_camera_is_called(name: str) -
 def test_calibration_without_keypoints_is_converted_too() -> None:
     mine = subject("rectilinear")
     bare = Subject(mine.camera, name=mine.name)
-    for name in formats.NAMES:
+    for name in formats.FORMAT_NAMES:
         if name == "corners-vnl":
             with pytest.raises(CalibrationError, match="no keypoints"):
                 formats.write(bare, name)
