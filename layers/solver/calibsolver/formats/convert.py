@@ -236,7 +236,7 @@ def synthetic(camera: Camera, widest: float = math.pi) -> tuple[View, ...]:
 def _plane(rays: Array, q: Array, centre: Array, turn: Array) -> View | None:
     """Where the rays near `centre` meet a plane one unit away, tilted by `turn`."""
     near = rays @ centre > np.cos(0.6)
-    frame = _facing(centre) @ rotation.matrix(turn[None])[0]
+    frame = rotation.rotation_to_ray(centre) @ rotation.matrix(turn[None])[0]
     depth = rays[near] @ frame[:, 2]
     distance = float(centre @ frame[:, 2])
     ahead = depth > 0.1
@@ -246,10 +246,3 @@ def _plane(rays: Array, q: Array, centre: Array, turn: Array) -> View | None:
     plane = (p - centre) @ frame
     plane[:, 2] = 0.0
     return View(plane, q[near][ahead])
-
-
-def _facing(ray: Array) -> Array:
-    """Return a rotation (3, 3) whose third column is the unit vector `ray`."""
-    side = np.cross([0.0, 1.0, 0.0], ray)
-    side /= np.linalg.norm(side)
-    return np.stack([side, np.cross(ray, side), ray], axis=1)
