@@ -21,7 +21,7 @@ MAX_ERROR_RATIO = 3.0
 """Error of a consistent view / error of the others, at most."""
 MIN_ERROR_WIDTHS = 0.3 / 1280
 """px of error / image width below which no ratio counts: a webcam's corners are never better."""
-MIN_INLIER_SHARE = 0.75
+MIN_VIEW_INLIER_SHARE = 0.75
 """Share of a view's points that must be inliers: gross outliers are few, not a large part of a view."""
 MIN_IMPROVEMENT = 1.4
 """Error with a view / error without it, from which the difference is not one of chance."""
@@ -76,7 +76,7 @@ class Consistency:
         if after is None or (len(others) in after.cut_views):
             return False
         inliers = after.used[-1]
-        if inliers.mean() < MIN_INLIER_SHARE and after.view_errors[-1] > self.min_error:
+        if inliers.mean() < MIN_VIEW_INLIER_SHARE and after.view_errors[-1] > self.min_error:
             return False
         if not others:
             return bool(inlier_rms(after) <= 10 * self.min_error)
