@@ -1,4 +1,4 @@
-// The landing page: the figure, and a lookup of the visitor's own camera.
+// Landing page: the figure, and a lookup of the visitor's own camera.
 import { CameraError, open } from "./lib/camera.js";
 import { DEFAULT_BOARD } from "./lib/board.js";
 import { explain } from "./lib/faults.js";
@@ -44,7 +44,7 @@ async function lookUpMine() {
 }
 
 /** Here there is no other camera to choose, and no virtual one. @param {unknown} error */
-function complaint(error) {
+function errorText(error) {
   const made = paragraph();
   made.className = "problem";
   if (!(error instanceof CameraError)) made.append(explain(error));
@@ -94,7 +94,7 @@ if (button instanceof HTMLButtonElement && outcome) {
     try {
       tell(await lookUpMine());
     } catch (error) {
-      tell(() => [complaint(error)]);
+      tell(() => [errorText(error)]);
     } finally {
       button.disabled = false;
     }

@@ -1,4 +1,4 @@
-// Keeps the pages' files for the next visit, by what is in them. Nothing of the API is ever kept.
+// Service worker: caches the pages' files under the hashes of their contents. Nothing of the API is ever cached.
 //
 // `shell.json` names every file with the hash of its content; it is written by whoever serves the pages
 // (infra/web_build/precache_manifest.py). A visit is served from the files of one such list, all old or all new: the next list is taken up only once

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { misalignment } from "../../web/ar/misalignment.js";
 import { model } from "../../web/ar/model.js";
-import { placing, poseOf } from "../../web/ar/pose.js";
+import { rigidTransform, poseOf } from "../../web/ar/pose.js";
 import { stopAt } from "../../web/ar/tour.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { lensOf } from "../../web/sdk/projection.js";
@@ -26,7 +26,7 @@ const inside = ([u, v]) => u > 5 && v > 5 && u < SIZE[0] - 6 && v < SIZE[1] - 6;
 
 /** Points of the board that a lens sees: in the picture, and on the board. */
 function view(lens, pose) {
-  const place = placing(pose);
+  const place = rigidTransform(pose);
   const pixels = POINTS.map(([x, y]) => lens.project(place([x, y, 0])));
   const seen = POINTS.map((_, index) => index).filter((index) => pixels[index] && inside(pixels[index]));
   return { points: seen.map((index) => POINTS[index]), pixels: seen.map((index) => pixels[index]) };
@@ -39,8 +39,8 @@ test("the board's pose is found to a millionth of a square, through every model"
       const pose = stopAt(DEFAULT_BOARD, calibration, stop);
       const { points, pixels } = view(lens, pose);
       assert.ok(points.length >= 16, `${model}, stop ${stop}: ${points.length} corners`);
-      const found = placing(poseOf(lens, points, pixels));
-      const truth = placing(pose);
+      const found = rigidTransform(poseOf(lens, points, pixels));
+      const truth = rigidTransform(pose);
       for (const corner of [[0, 0, 0], [9, 0, 0], [9, 6, -2]]) {
         const [a, b] = [found(corner), truth(corner)];
         assert.ok(Math.hypot(...a.map((value, axis) => value - b[axis])) < 1e-6, `${model}, stop ${stop}`);

@@ -7,7 +7,7 @@ import { blackSquares } from "../../web/lib/target-preview.js";
 import { exposure, sharpness, frameMetrics, moire } from "../../web/lib/frame-metrics.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { transform } from "../../web/lib/pose.js";
+import { transformPoint } from "../../web/lib/pose.js";
 import { degrade, smear } from "../../web/lib/virtual/degrade.js";
 
 const SIZE = [1280, 720];
@@ -15,7 +15,7 @@ const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0
 const POSES = [{ rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] }, { rvec: [0, 0, 0], tvec: [-4, -3, 7] }, { rvec: [0.7, -0.45, 0.1], tvec: [-4, -3, 14] }];
 const painter = new Painter(DEFAULT_BOARD, LENS, SIZE);
 const foundAt = (pose) => {
-  const points = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transform(pose, [x, y, 0])));
+  const points = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transformPoint(pose, [x, y, 0])));
   return { ids: points.map((_, id) => id), points };
 };
 function seen(pose, spoilt = () => {}) {
@@ -127,7 +127,7 @@ test("arrows go from the board as seen to the target, about what is said", () =>
 test("the ghost is the board, its rim included", () => {
   const { ids, points } = foundAt({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] });
   const flat = { ...LENS, k1: 0 };
-  const exact = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(flat).project(transform({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] }, [x, y, 0])));
+  const exact = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(flat).project(transformPoint({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] }, [x, y, 0])));
   const squares = blackSquares(DEFAULT_BOARD, { ids, corners: exact });
   assert.equal(squares.length, 27);
   const [x, y] = projectionOf(flat).project([-4.5, -3, 12]);

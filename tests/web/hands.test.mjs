@@ -9,8 +9,8 @@ import { isEnough } from "../../web/calibrate/state.js";
 import { motion } from "../../web/calibrate/stillness.js";
 import { Hand } from "../../web/lib/virtual/hand.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { matched } from "../../web/lib/virtual/match.js";
-import { seeded, transform } from "../../web/lib/pose.js";
+import { matchPose } from "../../web/lib/virtual/match.js";
+import { seededRandom, transformPoint } from "../../web/lib/pose.js";
 
 const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
 const [WIDTH, HEIGHT] = [1280, 720];
@@ -26,7 +26,7 @@ function seen(pose, blur, random) {
   const points = [];
   if (blur === 0) {
     corners(DEFAULT_BOARD).forEach(([x, y], id) => {
-      const [u, v] = projectionOf(LENS).project(transform(pose, [x, y, 0]));
+      const [u, v] = projectionOf(LENS).project(transformPoint(pose, [x, y, 0]));
       if (u < 4 || v < 4 || u > WIDTH - 5 || v > HEIGHT - 5) return;
       ids.push(id);
       points.push([u + NOISE * (random() - 0.5), v + NOISE * (random() - 0.5)]);
@@ -37,7 +37,7 @@ function seen(pose, blur, random) {
 
 /** A whole capture by the page's own targets, frame by frame, as the capture loop runs it. */
 function capture(kind, seed) {
-  const random = seeded(seed);
+  const random = seededRandom(seed);
   const start = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
   const hand = new Hand(kind, { error: 1, seed, pivot: [4.5, 3, 0], focal: LENS.fx, start });
   let state = initial(DEFAULT_BOARD, { camera: null, img_size: null, distortion_model: "rectilinear" });
@@ -47,7 +47,7 @@ function capture(kind, seed) {
     const found = nextPlanned(PLAN, planned, DEFAULT_BOARD, KEY.img_size, null);
     planned = found.next;
     dispatch({ type: "pose", pose: found.pose, picture: null, time });
-    hand.follow(matched(DEFAULT_BOARD, LENS, found.pose), time);
+    hand.follow(matchPose(DEFAULT_BOARD, LENS, found.pose), time);
   };
   dispatch({ type: "open" });
   dispatch({ type: "opened", key: KEY, mirrored: false, cropped: false });

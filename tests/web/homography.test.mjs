@@ -4,11 +4,11 @@ import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
 import { foreshortening, observedOutline } from "../../web/lib/board-outline.js";
 import { apply, homography } from "../../web/lib/homography.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { transform } from "../../web/lib/pose.js";
+import { transformPoint } from "../../web/lib/pose.js";
 
 const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
 const POSE = { rvec: [0.5, -0.6, 0.2], tvec: [-4, -3, 11] };
-const see = (pose, points, lens = PINHOLE) => points.map(([x, y]) => projectionOf(lens).project(transform(pose, [x, y, 0])));
+const see = (pose, points, lens = PINHOLE) => points.map(([x, y]) => projectionOf(lens).project(transformPoint(pose, [x, y, 0])));
 
 test("a plane seen by a pinhole is a homography, to 1e-8 px", () => {
   const board = corners(DEFAULT_BOARD);

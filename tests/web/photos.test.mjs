@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { UnreadableError } from "../../web/photos/files.js";
 import { cameraName, readExif, unturned } from "../../web/photos/exif.js";
 import { groups } from "../../web/photos/group.js";
-import { byGain, ranked } from "../../web/lib/rank.js";
+import { sortByGain, rankByNovelty } from "../../web/lib/rank.js";
 import { calibrate } from "../../web/lib/series.js";
 
 /** A TIFF block with what a camera writes. */
@@ -95,7 +95,7 @@ test("the photograph that shows something new comes first, the copy last", () =>
   const square = (x, y, side, tilt = 0) => [[x, y], [x + side, y], [x + side - tilt, y + side], [x + tilt, y + side]];
   const at = (x, y, side, tilt) => ({ outline: square(x, y, side, tilt), points: square(x, y, side, tilt) });
   const [flat, tilted, corner, copy] = [at(200, 100, 200), at(200, 100, 220, 60), at(420, 260, 200, 20), at(201, 101, 200)];
-  const order = ranked([flat, copy, corner, tilted], [640, 480]);
+  const order = rankByNovelty([flat, copy, corner, tilted], [640, 480]);
   assert.equal(order[0], tilted);
   assert.equal(order[1], corner);
   assert.ok([flat, copy].includes(order[3]));
@@ -140,7 +140,7 @@ test("all views that help are used, and the error that they reach is what the se
 
 test("what was used is shown first, in the order in which the error fell", () => {
   const judgements = { a: undefined, b: { accepted: true, after: 0.3 }, c: { accepted: false, after: null }, d: { accepted: true, after: 2 }, e: { accepted: true, after: null } };
-  assert.deepEqual(byGain(["a", "b", "c", "d", "e"], (name) => judgements[name]), ["e", "d", "b", "a", "c"]);
+  assert.deepEqual(sortByGain(["a", "b", "c", "d", "e"], (name) => judgements[name]), ["e", "d", "b", "a", "c"]);
 });
 
 test("views that do not lead far enough are not stored; what would help is asked for", async () => {

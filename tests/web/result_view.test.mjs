@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { returnAddress, withResult } from "../../web/lib/result/return-address.js";
-import { viewIssue, covered, digitsFor, digitsOf, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
+import { viewIssue, coverage, digitsFor, digitsOf, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
 import { ticks } from "../../web/lib/svg.js";
 
 const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
@@ -40,8 +40,8 @@ test("the views to take again are named, and only those", () => {
 });
 
 test("coverage counts cells of the picture", () => {
-  assert.equal(covered([[10, 10], [12, 12]], [1200, 700]), 1 / 84);
-  assert.equal(covered([], [1200, 700]), 0);
+  assert.equal(coverage([[10, 10], [12, 12]], [1200, 700]), 1 / 84);
+  assert.equal(coverage([], [1200, 700]), 0);
   assert.deepEqual(extremes([[1, null], [2, 3]]), { max: 3, mean: 2 });
 });
 

@@ -7,7 +7,7 @@ import { isEnough, offlineGoal } from "../../web/calibrate/state.js";
 import { HEALTHY } from "../../web/calibrate/diagnosis.js";
 import { asMirrored } from "../../web/calibrate/instruction.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { transform } from "../../web/lib/pose.js";
+import { transformPoint } from "../../web/lib/pose.js";
 
 const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
 const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };
@@ -16,7 +16,7 @@ const THERE = { rvec: [0.4, -0.5, 0.1], tvec: [-4, -3, 12] };
 const ELSEWHERE = { rvec: [0.4, 0.6, 0], tvec: [-12, -6, 20] };
 const FACING = { rvec: [0, 0, 0], tvec: [-8, -5, 22] };
 
-const see = (pose, points) => points.map(([x, y]) => projectionOf(PINHOLE).project(transform(pose, [x, y, 0])));
+const see = (pose, points) => points.map(([x, y]) => projectionOf(PINHOLE).project(transformPoint(pose, [x, y, 0])));
 const target = (pose, index = 0) => ({
   index, rvec: pose.rvec, tvec: pose.tvec, ids: corners(DEFAULT_BOARD).map((_, id) => id),
   corners: see(pose, corners(DEFAULT_BOARD)), outline: see(pose, outline(DEFAULT_BOARD)),

@@ -4,7 +4,7 @@ import { refine, refineCorner, squareSizes } from "../../web/lib/subpixel.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { transform } from "../../web/lib/pose.js";
+import { transformPoint } from "../../web/lib/pose.js";
 
 const SIZE = [640, 360];
 const LENS = { fx: 500, fy: 505, cx: 327.3, cy: 172.8, k1: -0.25, k2: 0.05, p1: 0.001, p2: -0.002, k3: 0 };
@@ -14,7 +14,7 @@ function photograph(pose) {
   const rgba = new Uint8ClampedArray(4 * SIZE[0] * SIZE[1]);
   new Painter(DEFAULT_BOARD, LENS, SIZE).paint(pose, rgba);
   const data = Uint8Array.from({ length: SIZE[0] * SIZE[1] }, (_, index) => rgba[4 * index]);
-  const points = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transform(pose, [x, y, 0])));
+  const points = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transformPoint(pose, [x, y, 0])));
   return { image: { width: SIZE[0], height: SIZE[1], data }, points, ids: points.map((_, index) => index) };
 }
 

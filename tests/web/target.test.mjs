@@ -4,22 +4,22 @@ import { DEFAULT_BOARD, outline } from "../../web/lib/board.js";
 import { jaccard } from "../../web/calibrate/jaccard.js";
 import { advice, difference } from "../../web/calibrate/target.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { misplaced, seeded, transform } from "../../web/lib/pose.js";
+import { perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
 
 const LENS = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 };
 const CENTRE = [4.5, 3, 0];
-const see = (pose) => outline(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transform(pose, [x, y, 0])));
+const see = (pose) => outline(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transformPoint(pose, [x, y, 0])));
 /** The board turned so about its centre, which is there in the camera's frame. */
 function held(rvec, centre) {
-  const turned = transform({ rvec, tvec: [0, 0, 0] }, CENTRE);
+  const turned = transformPoint({ rvec, tvec: [0, 0, 0] }, CENTRE);
   return { rvec, tvec: centre.map((value, axis) => value - turned[axis]) };
 }
 const TILTED = held([0.5, 0.5, 0], [0.5, 0.5, 11]);
 
 test("a hand that follows a target lies as it does; a board facing the camera in its place does not", () => {
-  const random = seeded(3);
+  const random = seededRandom(3);
   for (let i = 0; i < 200; i++) {
-    assert.ok(difference(see(misplaced(TILTED, 1, random, CENTRE)), see(TILTED)) < 0.08);
+    assert.ok(difference(see(perturbPose(TILTED, 1, random, CENTRE)), see(TILTED)) < 0.08);
   }
   let inPlace = 0;
   for (let z = 9; z < 16; z += 0.25) {
@@ -54,7 +54,7 @@ test("the edge named is the one that is nearer in the target", () => {
   for (const [rvec, name] of [[[0, 0.5, 0], "right"], [[0, -0.5, 0], "left"], [[0.5, 0, 0], "top"], [[-0.5, 0, 0], "bottom"]]) {
     const target = held(rvec, [0, 0, 11]);
     const side = { right: [9, 3], left: [0, 3], top: [4.5, 0], bottom: [4.5, 6] }[name];
-    assert.ok(transform(target, [...side, 0])[2] < 11, `${name} is nearer`);
+    assert.ok(transformPoint(target, [...side, 0])[2] < 11, `${name} is nearer`);
     assert.equal(advice(facing, see(target)), `tilt_${name}`);
   }
 });

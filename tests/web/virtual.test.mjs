@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { between, misplaced, rotationMatrix, seeded, transform } from "../../web/lib/pose.js";
+import { interpolatePose, perturbPose, rotationMatrix, seededRandom, transformPoint } from "../../web/lib/pose.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/camera.js";
 
 const LENS = { fx: 1000, fy: 990, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0.002, p2: -0.001, k3: 0.01 };
@@ -34,23 +34,23 @@ test("rotations are rotations, and half way twice is the whole way", () => {
     assert.ok(Math.abs(dot - (i === j ? 1 : 0)) < 1e-12);
   }
   const [from, to] = [{ rvec: [0.1, 0.2, -0.1], tvec: [1, 2, 9] }, { rvec: [-0.5, 0.6, 0.4], tvec: [0, 1, 5] }];
-  const there = between(between(from, to, 0.5), to, 1);
+  const there = interpolatePose(interpolatePose(from, to, 0.5), to, 1);
   there.rvec.forEach((value, index) => assert.ok(Math.abs(value - to.rvec[index]) < 1e-12));
 });
 
 test("a hand misses by about 3° and 3 % of the distance, and the same seed by the same", () => {
   const target = { rvec: [0.5, -0.3, 0.1], tvec: [-4, -3, 10] };
-  const random = seeded(7);
+  const random = seededRandom(7);
   const pivot = [4.5, 3, 0];
-  const centre = transform(target, pivot);
+  const centre = transformPoint(target, pivot);
   const shifts = [];
   for (let i = 0; i < 400; i++) {
-    const moved = transform(misplaced(target, 1, random, pivot), pivot);
+    const moved = transformPoint(perturbPose(target, 1, random, pivot), pivot);
     shifts.push(Math.hypot(...moved.map((value, k) => value - centre[k])) / Math.hypot(...centre));
   }
   const rms = Math.sqrt(shifts.reduce((sum, shift) => sum + shift ** 2, 0) / shifts.length);
   assert.ok(rms > 0.025 && rms < 0.035, `rms ${rms}`);
-  assert.deepEqual(misplaced(target, 1, seeded(3), pivot), misplaced(target, 1, seeded(3), pivot));
+  assert.deepEqual(perturbPose(target, 1, seededRandom(3), pivot), perturbPose(target, 1, seededRandom(3), pivot));
 });
 
 test("an address sets the truth, and another truth is another camera", () => {

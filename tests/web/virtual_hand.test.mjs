@@ -3,14 +3,14 @@ import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { HANDS, Hand } from "../../web/lib/virtual/hand.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { matched } from "../../web/lib/virtual/match.js";
-import { transform } from "../../web/lib/pose.js";
+import { matchPose } from "../../web/lib/virtual/match.js";
+import { transformPoint } from "../../web/lib/pose.js";
 
 const LENS = { fx: 640, fy: 640, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0, p2: 0, k3: 0 };
 const PIVOT = [4.5, 3, 0];
 const START = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
 const TARGET = { rvec: [0.5, -0.4, 0.1], tvec: [-3, -2, 9] };
-const see = (lens, pose) => corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(lens).project(transform(pose, [x, y, 0])));
+const see = (lens, pose) => corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(lens).project(transformPoint(pose, [x, y, 0])));
 const ids = corners(DEFAULT_BOARD).map((_, id) => id);
 const rms = (a, b) => Math.sqrt(a.reduce((sum, [x, y], i) => sum + (x - b[i][0]) ** 2 + (y - b[i][1]) ** 2, 0) / a.length);
 const hand = (kind, error = 0) => new Hand(kind, { error, seed: 3, pivot: PIVOT, focal: LENS.fx, start: START });
@@ -19,9 +19,9 @@ test("the board covers its outline, also where it was drawn for another lens", (
   const drawn = { ...LENS, fx: 1000, fy: 1000, cx: 639.5, cy: 359.5, k1: 0, k2: 0 };
   const target = { ...TARGET, ids, corners: see(drawn, TARGET) };
   assert.ok(rms(see(LENS, TARGET), target.corners) > 60, "the numbers alone lead far away");
-  assert.ok(rms(see(LENS, matched(DEFAULT_BOARD, LENS, target)), target.corners) < 12);
-  assert.ok(rms(see(drawn, matched(DEFAULT_BOARD, drawn, target)), target.corners) < 1e-6);
-  assert.deepEqual(matched(DEFAULT_BOARD, LENS, TARGET), { rvec: TARGET.rvec, tvec: TARGET.tvec });
+  assert.ok(rms(see(LENS, matchPose(DEFAULT_BOARD, LENS, target)), target.corners) < 12);
+  assert.ok(rms(see(drawn, matchPose(DEFAULT_BOARD, drawn, target)), target.corners) < 1e-6);
+  assert.deepEqual(matchPose(DEFAULT_BOARD, LENS, TARGET), { rvec: TARGET.rvec, tvec: TARGET.tvec });
 });
 
 test("a hand arrives when it says, and trembles there as much as it is said to", () => {
@@ -41,8 +41,8 @@ test("a hand arrives when it says, and trembles there as much as it is said to",
 test("a hand that goes astray is on the other side first", () => {
   const one = hand("wrong");
   one.follow(TARGET, 0);
-  const side = (time) => transform(one.pose(time), PIVOT)[0];
-  const [goal] = transform(TARGET, PIVOT);
+  const side = (time) => transformPoint(one.pose(time), PIVOT)[0];
+  const [goal] = transformPoint(TARGET, PIVOT);
   assert.ok(Math.sign(side(3_000)) === -Math.sign(goal));
   assert.ok(Math.abs(side(6_000) - goal) < 0.05);
 });

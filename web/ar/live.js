@@ -1,4 +1,4 @@
-// One camera's pictures with what is drawn over them. A picture is shown together with what was seen in that very
+// Live pictures of a camera with a drawing over them. A picture is shown together with what was seen in that very
 // picture: what is left between the two is the calibration's, not the computer's being late.
 import { corners as boardCorners } from "../lib/board.js";
 import { grab } from "../lib/detector.js";
@@ -24,7 +24,7 @@ import { Scene } from "./scene.js";
  * @property {number} balance how much of the edge the straightened picture keeps, 0…1
  */
 
-const PATIENCE = 5000; // ms that a browser has to give back what it drew with: a driver that is started anew takes one or two
+const RESTORE_TIMEOUT_MS = 5000; // ms that a browser has to give back what it drew with: a driver that is started anew takes one or two
 
 export class Live {
   #setup;
@@ -72,7 +72,7 @@ export class Live {
       this.#last = { points: ids.map((id) => this.#places[id]), pixels };
       onShown(this.#show(), this.#mode);
       if (!this.#lost) drawn = performance.now();
-      else if (performance.now() - drawn > PATIENCE) throw new RectifierError("the GPU was lost", true);
+      else if (performance.now() - drawn > RESTORE_TIMEOUT_MS) throw new RectifierError("the GPU was lost", true);
     }
     return null;
   }

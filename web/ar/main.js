@@ -1,4 +1,4 @@
-// The page that shows what a calibration is for: the same drawing in three ways over the camera's picture.
+// Page /ar/, which shows what a calibration is for: the same drawing in three ways over the camera's picture.
 import { boardFrom, boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-problem.js";
 import { CameraError, cameras, open, play, propose } from "../lib/camera.js";
@@ -19,7 +19,7 @@ import { stopAt } from "./tour.js";
 /** @typedef {import("./live.js").Misalignment} Misalignment */
 
 const SHEETS = ["welcome", "opening", "unknown", "failed"];
-const EVERY = 250; // ms between two numbers: faster, nobody reads them
+const NUMBER_INTERVAL_MS = 250; // ms between two numbers: faster, nobody reads them
 /** @type {[number, number]} */
 const SIZE = [1280, 720];
 
@@ -64,7 +64,7 @@ function write() {
   const name = `${isVirtual(label) ? t("ar.virtual") : label}, ${size}`;
   html("opening-text").textContent = t(waiting === "lookup" ? "ar.looking_up" : `capture.opening_${waiting}`);
   html("unknown-text").textContent = phase === "unknown" ? t("ar.unknown_text", { camera: name }) : "";
-  html("failure").textContent = phase === "failed" ? complaint(error) : "";
+  html("failure").textContent = phase === "failed" ? errorText(error) : "";
   html("facts").textContent = phase === "live" ? `${name} · ${t(`ar.origin_${origin}`)}` : "";
   html("recalibrate").hidden = phase !== "live" || origin === "returned";
   writeOff();
@@ -79,7 +79,7 @@ function writeOff() {
 }
 
 /** @param {unknown} error */
-function complaint(error) {
+function errorText(error) {
   if (error instanceof CameraError) return t(`capture.fault_${error.code}`, { detail: error.detail });
   if (error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
   if (error instanceof RectifierError) return t(error.lost ? "ar.gpu_lost" : "ar.no_webgl");
@@ -90,7 +90,7 @@ function complaint(error) {
 function tell(off, shown) {
   stage.dataset.shown = shown;
   const now = performance.now();
-  if (now - told < EVERY && (off === null) === (said.off === null)) return;
+  if (now - told < NUMBER_INTERVAL_MS && (off === null) === (said.off === null)) return;
   told = now;
   said.off = off;
   writeOff();

@@ -1,5 +1,5 @@
-// How far what is drawn is from what is seen.
-import { placing } from "./pose.js";
+// Misalignment of the drawing: distance between drawn and detected corners.
+import { rigidTransform } from "./pose.js";
 
 /**
  * @param {Pick<import("./modes.js").Mode, "seen" | "drawn">} mode
@@ -10,7 +10,7 @@ import { placing } from "./pose.js";
  *   corner of the camera's picture
  */
 export function misalignment(mode, pose, points, pixels, [width, height]) {
-  const place = placing(pose);
+  const place = rigidTransform(pose);
   let [sum, count, outermost, nearest] = [0, 0, 0, Infinity];
   pixels.forEach((pixel, index) => {
     const [seen, drawn] = [mode.seen(pixel), mode.drawn(place([...points[index], 0]))];

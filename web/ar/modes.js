@@ -1,4 +1,4 @@
-// Three ways to draw over a camera's picture: with the camera matrix only, over the straightened picture, and over the
+// Modes of drawing over a camera's picture: with the camera matrix only, over the straightened picture, and over the
 // picture as it is with the drawing distorted. Each tells where it sees a pixel of the camera, and where it draws a point.
 import { axialMatrix } from "../sdk/pinhole.js";
 import { lensOf } from "../sdk/projection.js";

@@ -1,4 +1,4 @@
-// Where the board is, from its corners in a picture: by a homography through the lens, then by least squares in pixels.
+// Pose of the board from its corners in a picture: by a homography through the lens, then by least squares in pixels.
 import { homography } from "../lib/homography.js";
 import { minimize } from "../lib/least-squares.js";
 import { rotationMatrix, rotationVectorOf } from "../lib/pose.js";
@@ -8,9 +8,9 @@ import { rotationMatrix, rotationVectorOf } from "../lib/pose.js";
  * @typedef {import("../sdk/projection.js").Lens} Lens
  */
 
-const FEWEST = 6; // corners
-const NEAR = 0.05; // cosine of the largest angle from the axis that the homography is made from, 87°
-const LOST = 1e3; // px; how far off a corner counts that the lens would not see
+const MIN_CORNERS = 6; // corners
+const MIN_COSINE = 0.05; // cosine of the largest angle from the axis that the homography is made from, 87°
+const UNSEEN_RESIDUAL_PX = 1e3; // px; how far off a corner counts that the lens would not see
 
 /**
  * The pose in which this lens sees the points nearest to their pixels.
@@ -18,35 +18,35 @@ const LOST = 1e3; // px; how far off a corner counts that the lens would not see
  * @returns {Pose | null} board → camera, in the points' unit; null where there are too few to tell
  */
 export function poseOf(lens, points, pixels) {
-  if (points.length < FEWEST) return null;
+  if (points.length < MIN_CORNERS) return null;
   /** @type {number[][][]} */
   const pairs = pixels.flatMap((pixel, index) => {
     const ray = lens.unproject(pixel);
-    return ray && ray[2] > NEAR ? [[[...points[index]], [ray[0] / ray[2], ray[1] / ray[2]]]] : [];
+    return ray && ray[2] > MIN_COSINE ? [[[...points[index]], [ray[0] / ray[2], ray[1] / ray[2]]]] : [];
   });
   const h = homography(pairs.map(([from]) => from), pairs.map(([, to]) => to));
   if (!h) return null;
   /** @param {number[]} at */
   const residuals = ([a, b, c, ...tvec]) => {
-    const place = placing({ rvec: [a, b, c], tvec });
+    const place = rigidTransform({ rvec: [a, b, c], tvec });
     return points.flatMap(([x, y], index) => {
-      const [u, v] = lens.project(place([x, y, 0])) ?? [LOST, LOST];
+      const [u, v] = lens.project(place([x, y, 0])) ?? [UNSEEN_RESIDUAL_PX, UNSEEN_RESIDUAL_PX];
       return [u - pixels[index][0], v - pixels[index][1]];
     });
   };
-  const { rvec, tvec } = decomposed(h);
+  const { rvec, tvec } = decomposeHomography(h);
   const at = minimize(residuals, [...rvec, ...tvec]);
   return { rvec: at.slice(0, 3), tvec: at.slice(3) };
 }
 
 /** Board → camera, for many points. @param {Pose} pose @returns {(point: readonly number[]) => [number, number, number]} */
-export function placing({ rvec, tvec: [tx, ty, tz] }) {
+export function rigidTransform({ rvec, tvec: [tx, ty, tz] }) {
   const [a, b, c, d, e, f, g, h, i] = rotationMatrix(rvec);
   return ([x, y, z]) => [a * x + b * y + c * z + tx, d * x + e * y + f * z + ty, g * x + h * y + i * z + tz];
 }
 
 /** The pose whose [r1 r2 t] a homography onto the plane z = 1 is, nearly. @param {number[]} h row-major 3x3 @returns {Pose} */
-function decomposed([a, b, tx, d, e, ty, g, h, tz]) {
+function decomposeHomography([a, b, tx, d, e, ty, g, h, tz]) {
   const scale = (Math.sign(tz) * 2) / (Math.hypot(a, d, g) + Math.hypot(b, e, h));
   const x = unit([a, d, g].map((value) => value * scale));
   const along = [b, e, h].map((value) => value * scale);

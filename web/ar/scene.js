@@ -1,5 +1,5 @@
-// Draws triangles as a pinhole sees them. WebGL2, without dependencies.
-import { linked, whenRestored } from "../sdk/warp.js";
+// Scene of triangles, drawn as a pinhole sees them. WebGL2, without dependencies.
+import { createProgram, whenRestored } from "../sdk/warp.js";
 import { projectionMatrix } from "../sdk/pinhole.js";
 import { rotationMatrix } from "../lib/pose.js";
 
@@ -35,9 +35,9 @@ export class Scene {
   constructor(triangles) {
     const canvas = this.canvas = document.createElement("canvas");
     this.#count = triangles.length / NUMBERS;
-    this.#on = prepared(canvas, triangles);
+    this.#on = createRenderer(canvas, triangles);
     this.#forget = whenRestored(canvas, () => {
-      this.#on = prepared(canvas, triangles);
+      this.#on = createRenderer(canvas, triangles);
     });
   }
 
@@ -66,8 +66,8 @@ export class Scene {
 }
 
 /** @param {HTMLCanvasElement} canvas @param {Float32Array} triangles */
-function prepared(canvas, triangles) {
-  const { gl, program } = linked(canvas, { alpha: true, antialias: true }, VERTEX, FRAGMENT);
+function createRenderer(canvas, triangles) {
+  const { gl, program } = createProgram(canvas, { alpha: true, antialias: true }, VERTEX, FRAGMENT);
   const buffer = gl.createBuffer();
   gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
   gl.bufferData(gl.ARRAY_BUFFER, triangles, gl.STATIC_DRAW);

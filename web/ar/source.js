@@ -1,4 +1,4 @@
-// Where the calibration of the camera that is open comes from.
+// Source of the open camera's calibration: a capture just made, a lookup, or the virtual camera's truth.
 import { loadSettings } from "../lib/settings.js";
 import { LookupError, lookup, returned } from "../sdk/calibdb.js";
 import { isVirtual, setupFrom } from "../lib/virtual/camera.js";

@@ -1,8 +1,8 @@
 // Captures of this page and of earlier ones, by key: each can be resumed.
-import { Api, ApiError, PAUSES } from "../lib/api.js";
+import { Api, ApiError, RETRY_DELAYS_S } from "../lib/api.js";
 import { OfflineError } from "../lib/network.js";
 import { CaptureSession, isUnavailable } from "../lib/session.js";
-import { keptSettings, loadSettings } from "../lib/settings.js";
+import { storedSettings, loadSettings } from "../lib/settings.js";
 
 /**
  * @typedef {import("../lib/session.js").SessionRequest} Request
@@ -101,12 +101,12 @@ async function fetchSettings({ signal, onPatience }) {
       if (attempt > 0) onPatience(null);
       return found;
     } catch (error) {
-      const last = error instanceof OfflineError && keptSettings();
+      const last = error instanceof OfflineError && storedSettings();
       if (last) return last;
-      if (!(error instanceof OfflineError) || attempt === PAUSES.length) throw error;
+      if (!(error instanceof OfflineError) || attempt === RETRY_DELAYS_S.length) throw error;
     }
     onPatience({ attempt: attempt + 1 });
-    await new Promise((resolve) => setTimeout(resolve, 1000 * PAUSES[attempt]));
+    await new Promise((resolve) => setTimeout(resolve, 1000 * RETRY_DELAYS_S[attempt]));
     signal.throwIfAborted();
   }
 }

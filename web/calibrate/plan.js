@@ -3,7 +3,7 @@ import { corners, outline } from "../lib/board.js";
 import { reach } from "../lib/network.js";
 import { focalLengths } from "../sdk/pinhole.js";
 import { isKnownModel, lensOf } from "../sdk/projection.js";
-import { rotationMatrix, rotationVectorOf, transform } from "../lib/pose.js";
+import { rotationMatrix, rotationVectorOf, transformPoint } from "../lib/pose.js";
 
 /**
  * @typedef {import("../lib/board.js").Board} Board
@@ -66,12 +66,12 @@ export function plannedPose(step, board, size, known) {
   const upright = size[0] < size[1];
   const turned = upright ? quarterTurn(step) : step;
   // The board's middle stays where the plan has it, in the picture; its size there as well.
-  const centre = transform(turned, [MADE_FOR[0] / 2, MADE_FOR[1] / 2, 0])
+  const centre = transformPoint(turned, [MADE_FOR[0] / 2, MADE_FOR[1] / 2, 0])
     .map((value, axis) => value * larger * (axis < 2 ? (FOCAL * longer) / fx : 1));
-  const half = transform({ rvec: turned.rvec, tvec: [0, 0, 0] }, [board.squares[0] / 2, board.squares[1] / 2, 0]);
+  const half = transformPoint({ rvec: turned.rvec, tvec: [0, 0, 0] }, [board.squares[0] / 2, board.squares[1] / 2, 0]);
   const pose = { rvec: turned.rvec, tvec: centre.map((value, axis) => value - half[axis]) };
   const lens = lensOf(known ?? pinhole(size));
-  const project = (/** @type {number[]} */ [x, y]) => lens.project(transform(pose, [x, y, 0]));
+  const project = (/** @type {number[]} */ [x, y]) => lens.project(transformPoint(pose, [x, y, 0]));
   /** @type {number[]} */
   const ids = [];
   /** @type {[number, number][]} */

@@ -1,4 +1,4 @@
-// How far the calibrations of one camera agree, drawn: focal lengths one after the other, principal points in the plane.
+// Plots of the agreement among the calibrations of one camera: focal lengths one after the other, principal points in the plane.
 import { number, t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
 
@@ -16,7 +16,7 @@ import { make, short } from "../lib/svg.js";
  */
 
 const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [360, 230, 58, 12, 10, 40];
-const LEAST = 0.02; // of the value: smaller differences are not blown up to fill the plot
+const MIN_RELATIVE_SPAN = 0.02; // of the value: smaller differences are not blown up to fill the plot
 
 /**
  * The range of an axis, and round numbers in it.
@@ -67,7 +67,7 @@ const mark = (x, y, agrees) => (agrees
 export function focalPlot(members, agreed) {
   const sorted = [...members].sort((a, b) => a.time - b.time);
   const values = [...sorted.map(({ fx }) => fx), ...(agreed === null ? [] : [agreed])];
-  const up = axis(values, LEAST * values[0]);
+  const up = axis(values, MIN_RELATIVE_SPAN * values[0]);
   const across = { from: 0, to: sorted.length + 1, digits: 0, ticks: [] };
   const label = t("cameras.focal_label", { low: number(Math.min(...values), 0), high: number(Math.max(...values), 0) });
   const { svg, at } = frame(across, null, up, label, t("cameras.in_order"), "fx, px");

@@ -1,8 +1,8 @@
-// One camera: its modes, how far its calibrations agree, the numbers for any model, and how to ask for them.
+// View of one camera: its modes, the agreement of its calibrations, the numbers for any model, and the lookup request.
 import { el } from "../lib/dom.js";
 import { known, number, sized, t } from "../lib/i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
-import { files } from "../lib/result/download.js";
+import { downloadPart } from "../lib/result/download.js";
 import { tables } from "../lib/result/view.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { centrePlot, focalPlot } from "./agreement.js";
@@ -39,14 +39,14 @@ function modeView(page, mode, explain) {
     ...(mode.groups.length > 1 ? [t("cameras.groups", { count: mode.groups.length })] : []),
   ];
   return el("section", { class: "band", "aria-labelledby": id },
-    el("div", {}, el("h2", { id, class: "number" }, nameOf(mode)), el("p", { class: `standing ${reliable ? "known" : ""}` }, t(reliable ? "cameras.reliable" : standing(mode)))),
+    el("div", {}, el("h2", { id, class: "number" }, nameOf(mode)), el("p", { class: `standing ${reliable ? "known" : ""}` }, t(reliable ? "cameras.reliable" : reasonKey(mode)))),
     el("div", {}, el("p", { class: "number" }, facts.join(" · ")),
       ...(mode.members.length ? [agreement(mode, agreed)] : []),
       ...(agreed ? [modelView(page, mode, explain)] : [])));
 }
 
 /** Why it is not known. @param {Mode} mode */
-const standing = ({ reason }) => (reason && known(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
+const reasonKey = ({ reason }) => (reason && known(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
 
 /** @param {Mode} mode @param {Calibration | null} agreed */
 function agreement({ members }, agreed) {
@@ -71,7 +71,7 @@ function modelView(page, mode, explain) {
   /** @param {Calibration} calibration */
   const show = (calibration) => {
     status.textContent = "";
-    place.replaceChildren(tables(calibration, null), files({ calibration, explain }, `-${id}`));
+    place.replaceChildren(tables(calibration, null), downloadPart({ calibration, explain }, `-${id}`));
   };
   const choose = async () => {
     const stored = mode.consensus[select.value];

@@ -1,4 +1,4 @@
-// The database, to look through: /cameras/ searches, /cameras/?key=… shows one camera.
+// Page of the database: /cameras/ searches, /cameras/?key=… shows one camera.
 import { ApiError } from "../lib/api.js";
 import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
@@ -13,7 +13,7 @@ import { camera, search } from "./source.js";
 
 /** @typedef {import("./source.js").Found} Found */
 
-const PAUSE = 250; // ms after the last key
+const TYPING_PAUSE_MS = 250; // ms after the last key
 openPage({ cameras: words, result });
 const [searching, status, list, one] = ["searching", "status", "found", "one"].map((id) => part(id, HTMLElement));
 const [input, more] = [part("query", HTMLInputElement), part("more", HTMLButtonElement)];
@@ -99,7 +99,7 @@ async function show(key) {
 let timer;
 input.addEventListener("input", () => {
   clearTimeout(timer);
-  timer = setTimeout(look, PAUSE);
+  timer = setTimeout(look, TYPING_PAUSE_MS);
 });
 part("search", HTMLFormElement).addEventListener("submit", (event) => {
   event.preventDefault();

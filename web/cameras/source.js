@@ -1,4 +1,4 @@
-// What the database knows of cameras.
+// Requests for cameras of the database.
 import { Api } from "../lib/api.js";
 import { loadSettings } from "../lib/settings.js";
 

@@ -1,4 +1,4 @@
-// What the examples draw: a box on the board, and a mark on each of the board's outer corners.
+// Drawing of the examples: a box on the board, and a mark on each of the board's outer corners.
 import { DEFAULT_BOARD } from "../lib/board.js";
 
 /**

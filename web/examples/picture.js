@@ -1,4 +1,4 @@
-// The camera's picture for an example to draw over: opened, looked up, straightened.
+// Picture of a camera for an example to draw over: opened, looked up, rectified.
 import { CameraError, open, play } from "../lib/camera.js";
 import { DEFAULT_BOARD } from "../lib/board.js";
 import { el, part } from "../lib/dom.js";

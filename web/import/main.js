@@ -6,7 +6,7 @@ import { explain as fault } from "../lib/faults.js";
 import { sayChosen } from "../lib/file-input.js";
 import { number, onLanguage, sized, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
-import { ranked } from "../lib/rank.js";
+import { rankByNovelty } from "../lib/rank.js";
 import { calibrate } from "../lib/series.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
@@ -141,7 +141,7 @@ function ask(content, squares) {
 function accept(views, size) {
   const { board, views: numbered } = prepare(views, size);
   const candidates = numbered.map((each) => ({ ...each, outline: observedOutline(board, each) }));
-  measured = { board, size, views: ranked(candidates, size, MOST), count: views.length };
+  measured = { board, size, views: rankByNovelty(candidates, size, MOST), count: views.length };
   summarise();
 }
 

@@ -1,4 +1,4 @@
-// HTTP to the service: bearer credentials, problems as errors, patience when the network fails.
+// HTTP client of the service: bearer credentials, problems as errors, retries.
 
 import { isTransient, retry, retryAfter } from "../sdk/retry.js";
 import { OfflineError, reach, readable } from "./network.js";
@@ -15,10 +15,10 @@ export { OfflineError };
  */
 
 /** Seconds between attempts: a minute in all, about as long as a person would wait. */
-export const PAUSES = [0.5, 1, 2, 4, 8, 15, 30];
+export const RETRY_DELAYS_S = [0.5, 1, 2, 4, 8, 15, 30];
 /** Who can go on without an answer waits for two seconds. */
-const SHORT_PAUSES = 2;
-const MAX_RETRY_AFTER = 60_000; // ms; whoever asks for more is not waited for
+const BRIEF_RETRIES = 2;
+const MAX_RETRY_AFTER_MS = 60_000; // ms; whoever asks for more is not waited for
 
 /** The service's answer was no. */
 export class ApiError extends Error {
@@ -68,7 +68,7 @@ export class Api {
     if (body) headers["content-type"] = "application/json";
     const { signal, patience } = this.#transport;
     const request = { method, headers, body: body && JSON.stringify(body), signal, patience };
-    const delays = brief ? PAUSES.slice(0, SHORT_PAUSES) : PAUSES;
+    const delays = brief ? RETRY_DELAYS_S.slice(0, BRIEF_RETRIES) : RETRY_DELAYS_S;
     const outcome = await retry(() => this.#attempt(path, request), (result, retries) => {
       const response = result instanceof Response ? result : null;
       if (response && !isTransient(response)) {
@@ -79,7 +79,7 @@ export class Api {
       this.#vain = true;
       const asked = response ? retryAfter(response) : 0;
       // A used-up hour is not waited for: nobody stands there so long. Nor is silence, where there is better to do.
-      const hopeless = asked > MAX_RETRY_AFTER || (brief && result instanceof OfflineError && result.silent);
+      const hopeless = asked > MAX_RETRY_AFTER_MS || (brief && result instanceof OfflineError && result.silent);
       if (retries === delays.length || hopeless) return null;
       this.#transport.onPatience({ attempt: retries + 1 });
       return asked || 1000 * delays[retries];

@@ -1,4 +1,4 @@
-// Where a ChArUco board is black. Apart from its geometry: only who draws boards needs the tables of the markers.
+// Black areas of a ChArUco board. Apart from its geometry: only who draws boards needs the tables of the markers.
 import { TABLES } from "./dictionaries.js";
 import { dictionaryOf, isBlack, markers } from "./board.js";
 

@@ -1,4 +1,4 @@
-// The area of the image that the board covers, from the corners seen.
+// Outline of the board in the image, from the corners that were detected.
 import { corners as boardCorners, outline } from "./board.js";
 import { apply, homography } from "./homography.js";
 
@@ -8,11 +8,11 @@ import { apply, homography } from "./homography.js";
  */
 
 /** Two squares apart at least, or the outline is a guess. */
-const FEWEST = 6;
+const MIN_CORNERS = 6;
 
 /** @param {Board} board @param {Corners} seen @returns {[number, number][] | null} the board's outline, px */
 export function observedOutline(board, { ids, points }) {
-  if (ids.length < FEWEST) return null;
+  if (ids.length < MIN_CORNERS) return null;
   const places = boardCorners(board);
   const h = homography(ids.map((id) => places[id]), points);
   if (!h) return null;

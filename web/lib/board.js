@@ -1,4 +1,4 @@
-// Which ChArUco boards there are, and where their corners are. Frame: x right, y down, unit = one square.
+// ChArUco boards: valid layouts, and the positions of their corners. Frame: x right, y down, unit = one square.
 
 /** How many markers the dictionaries have, and of how many cells a side; which cells are white, dictionaries.js says. @type {Record<string, {side: number, count: number}>} */
 const SIZES = {

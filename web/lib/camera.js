@@ -1,4 +1,4 @@
-// The camera: which there are, opening one as it is built, and what can go wrong in words a person can act on.
+// Cameras of the device: the list, opening one at its native resolution, and errors that a person can act on.
 import { addMessages, say, t } from "./i18n.js";
 import { VirtualCamera, isVirtual, labelOf, setupFrom } from "./virtual/camera.js";
 import capture from "../messages/capture.js";
@@ -30,10 +30,10 @@ export class CameraError extends Error {
   }
 }
 
-const FIRST_PICTURE = 15_000; // ms: five times as long as a slow camera takes
+const FIRST_FRAME_TIMEOUT_MS = 15_000; // ms: five times as long as a slow camera takes
 
 /** What getUserMedia's refusals mean. @type {Record<string, string>} */
-const REFUSALS = {
+const ERROR_CODES = {
   NotAllowedError: "not_allowed",
   SecurityError: "not_allowed",
   NotFoundError: "not_found",
@@ -90,7 +90,7 @@ export async function open(id, { parameters, size: [width, height], place, board
     if (id && error instanceof OverconstrainedError && error.constraint === "deviceId") {
       throw new CameraError("gone");
     }
-    throw new CameraError(REFUSALS[error.name] ?? "not_opened", error.message);
+    throw new CameraError(ERROR_CODES[error.name] ?? "not_opened", error.message);
   }
 }
 
@@ -98,7 +98,7 @@ export async function open(id, { parameters, size: [width, height], place, board
  * Shows what the camera sees.
  * @param {HTMLVideoElement} video @param {MediaStream} stream @param {number} [patience] ms until its first picture
  */
-export async function play(video, stream, patience = FIRST_PICTURE) {
+export async function play(video, stream, patience = FIRST_FRAME_TIMEOUT_MS) {
   video.srcObject = stream;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let timer;

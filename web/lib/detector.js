@@ -15,9 +15,9 @@ import { reach } from "./network.js";
  * @property {number} memory bytes that OpenCV holds
  */
 
-const SILENCE = 20_000; // ms; a worker that a content policy stops never answers and never fails
-const FRAME = 4_000; // ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
-const LAST = 1_000; // ms for the frames that are still there when it is closed
+const START_TIMEOUT_MS = 20_000; // ms; a worker that a content policy stops never answers and never fails
+const FRAME_TIMEOUT_MS = 4_000; // ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
+const CLOSE_TIMEOUT_MS = 1_000; // ms for the frames that are still there when it is closed
 const OPENCV = new URL("../vendor/opencv/", import.meta.url);
 
 /** Codes name texts: `capture.fault_<code>`. */
@@ -70,7 +70,7 @@ export class Detector {
    *   second pass, for a view that is kept; probe: what else to look for where no corner is seen; patience: ms
    * @returns {Promise<Detection>}
    */
-  detect(frame, { full = false, probe = null, patience = FRAME } = {}) {
+  detect(frame, { full = false, probe = null, patience = FRAME_TIMEOUT_MS } = {}) {
     if (this.closed) {
       frame.close();
       return Promise.reject(new DetectorError("The board detector was closed."));
@@ -92,7 +92,7 @@ export class Detector {
     this.closed = true;
     this.#fail("The board detector was closed.");
     const end = () => this.#worker.terminate();
-    const timer = setTimeout(end, LAST);
+    const timer = setTimeout(end, CLOSE_TIMEOUT_MS);
     this.#worker.onmessage = ({ data }) => {
       if (!data.closed) return;
       clearTimeout(timer);
@@ -102,7 +102,7 @@ export class Detector {
   }
 
   /** @param {object} message @param {Transferable[]} transfer @param {number} patience ms @returns {Promise<any>} */
-  #ask(message, transfer, patience = SILENCE) {
+  #ask(message, transfer, patience = START_TIMEOUT_MS) {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       const timer = setTimeout(() => this.#silent(id), patience);
@@ -122,7 +122,7 @@ export class Detector {
     if (progress !== undefined) {
       for (const [each, waiting] of this.#waiting) {
         clearTimeout(waiting.timer);
-        waiting.timer = setTimeout(() => this.#silent(each), SILENCE);
+        waiting.timer = setTimeout(() => this.#silent(each), START_TIMEOUT_MS);
       }
       this.#onProgress(progress);
       return;

@@ -1,4 +1,4 @@
-// Elements in one line.
+// DOM elements: making them and finding them.
 
 /**
  * @template {keyof HTMLElementTagNameMap} K

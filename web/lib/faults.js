@@ -1,4 +1,4 @@
-// What went wrong, in words a person can act on and in the language of the page.
+// Messages for errors, in the language of the page, which a person can act on.
 import { ApiError } from "./api.js";
 import { known, addMessages, t } from "./i18n.js";
 import { OfflineError } from "./network.js";

@@ -1,4 +1,4 @@
-// A grid through a lens, drawn with the lens models that the rest of calibDB uses.
+// Figure of a grid seen through a lens, by the SDK's lens models.
 import { axialMatrix } from "../sdk/pinhole.js";
 import { lensOf } from "../sdk/projection.js";
 

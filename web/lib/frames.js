@@ -1,7 +1,7 @@
 // The frames of a video: the next one, and how long each of them takes.
 
-const REMEMBERED = 24; // frames
-const SLOW = 60; // ms for a frame, median of the last ones: with more, a hand cannot be followed
+const PACE_FRAMES = 24; // frames
+const SLOW_FRAME_MS = 60; // ms for a frame, median of the last ones: with more, a hand cannot be followed
 
 export class Pace {
   /** @type {number[]} ms, of the last frames */
@@ -9,8 +9,8 @@ export class Pace {
 
   /** @param {number} taken ms, for one more frame */
   isSlow(taken) {
-    this.#taken = [...this.#taken, taken].slice(-REMEMBERED);
-    return this.#taken.length === REMEMBERED && [...this.#taken].sort((a, b) => a - b)[REMEMBERED / 2] > SLOW;
+    this.#taken = [...this.#taken, taken].slice(-PACE_FRAMES);
+    return this.#taken.length === PACE_FRAMES && [...this.#taken].sort((a, b) => a - b)[PACE_FRAMES / 2] > SLOW_FRAME_MS;
   }
 }
 

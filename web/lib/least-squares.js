@@ -1,7 +1,7 @@
 // Nonlinear least squares of a few parameters.
 
 const ITERATIONS = 12;
-const STEP = 1e-6; // of forward differences
+const DIFFERENCE_STEP = 1e-6; // of forward differences
 
 /**
  * Minimizes a sum of squares by Levenberg–Marquardt, with derivatives by forward differences.
@@ -14,8 +14,8 @@ export function minimize(residuals, start) {
   let damping = 1e-3;
   for (let iteration = 0; iteration < ITERATIONS; iteration++) {
     const columns = at.map((_, k) => {
-      const shifted = residuals(at.map((value, index) => (index === k ? value + STEP : value)));
-      return shifted.map((value, index) => (value - r[index]) / STEP);
+      const shifted = residuals(at.map((value, index) => (index === k ? value + DIFFERENCE_STEP : value)));
+      return shifted.map((value, index) => (value - r[index]) / DIFFERENCE_STEP);
     });
     const normal = columns.map((a, i) => [
       ...columns.map((b, j) => dot(a, b) * (i === j ? 1 + damping : 1)), -dot(a, r),

@@ -1,7 +1,7 @@
-// The network as people meet it: there, or not.
+// Network requests with a timeout, and one error for a network that is away.
 
 /** ms: longer than the service may take to compute, so what has not answered by then will not. */
-const LONGEST = 30_000;
+const TIMEOUT_MS = 30_000;
 
 /** The service could not be reached. */
 export class OfflineError extends Error {
@@ -18,7 +18,7 @@ export class OfflineError extends Error {
  * @param {RequestInfo | URL} address @param {RequestInit & {patience?: number}} [request] patience: ms for the whole answer
  * @returns {Promise<Response>} rejects with OfflineError; reading the body rejects as `readable` understands
  */
-export async function reach(address, { patience = LONGEST, signal, ...request } = {}) {
+export async function reach(address, { patience = TIMEOUT_MS, signal, ...request } = {}) {
   const limit = AbortSignal.timeout(patience);
   return readable(globalThis.fetch(address, { ...request, signal: signal ? AbortSignal.any([signal, limit]) : limit }));
 }

@@ -1,4 +1,4 @@
-// Rigid motions as rotation vector and translation, board → camera, and the hand that follows them imperfectly.
+// Rigid motions as rotation vector and translation, board → camera: conversion, interpolation, perturbation.
 
 /** @typedef {{rvec: number[], tvec: number[]}} Pose */
 
@@ -57,7 +57,7 @@ function times([a, b, c, d], [e, f, g, h]) {
 }
 
 /** On the way from one pose to another. @param {Pose} from @param {Pose} to @param {number} part 0…1 @returns {Pose} */
-export function between(from, to, part) {
+export function interpolatePose(from, to, part) {
   const [start, end] = [quaternion(from.rvec), quaternion(to.rvec)];
   const turn = rotationVector(times(end, [start[0], -start[1], -start[2], -start[3]]));
   return {
@@ -72,27 +72,27 @@ export function between(from, to, part) {
  * @param {number[]} pivot centre of the board, board frame: the hand turns the board about it
  * @returns {Pose}
  */
-export function misplaced(target, amount, random, pivot) {
+export function perturbPose(target, amount, random, pivot) {
   // Two uniforms make a triangular distribution, near enough to a hand; its standard deviation is 1 / √6.
   const wobble = () => (random() + random() - 1) * Math.sqrt(6);
   const angle = (amount * 3 * Math.PI) / 180 / Math.sqrt(3);
   const turn = [wobble(), wobble(), wobble()].map((value) => value * angle);
-  const distance = Math.hypot(...transform(target, pivot));
+  const distance = Math.hypot(...transformPoint(target, pivot));
   const shift = [wobble(), wobble(), wobble()].map((value) => (value * amount * 0.03 * distance) / Math.sqrt(3));
   const rvec = rotationVector(times(quaternion(turn), quaternion(target.rvec)));
-  const before = transform(target, pivot);
-  const turned = transform({ rvec, tvec: [0, 0, 0] }, pivot);
+  const before = transformPoint(target, pivot);
+  const turned = transformPoint({ rvec, tvec: [0, 0, 0] }, pivot);
   return { rvec, tvec: before.map((value, index) => value - turned[index] + shift[index]) };
 }
 
 /** @param {Pose} pose @param {number[]} point board frame @returns {number[]} camera frame */
-export function transform({ rvec, tvec }, [x, y, z]) {
+export function transformPoint({ rvec, tvec }, [x, y, z]) {
   const r = rotationMatrix(rvec);
   return [0, 1, 2].map((row) => r[3 * row] * x + r[3 * row + 1] * y + r[3 * row + 2] * z + tvec[row]);
 }
 
 /** A small seeded generator (mulberry32): the same seed, the same hand. @param {number} seed @returns {() => number} */
-export function seeded(seed) {
+export function seededRandom(seed) {
   let state = seed >>> 0;
   return () => {
     state = (state + 0x6d2b79f5) >>> 0;

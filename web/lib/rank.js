@@ -1,4 +1,4 @@
-// In which order photographs are worth sending: what shows the board somewhere new, or in a new way, comes first. Pure.
+// Order of photographs: those that show the board in a new place or a new attitude come first. Pure.
 import { foreshortening } from "./board-outline.js";
 
 /**
@@ -7,23 +7,23 @@ import { foreshortening } from "./board-outline.js";
  * @property {[number, number][] | null} outline of the board, px; null where too little of it is seen to tell
  */
 
-const COLUMNS = 12; // cells of the picture, across
-const SHAPE = 1.5; // how much a new shape is worth beside new places
-const ENOUGH = 0.4; // of the width: outlines so different do not get more so
+const GRID_COLUMNS = 12; // cells of the picture, across
+const SHAPE_WEIGHT = 1.5; // how much a new shape is worth beside new places
+const MAX_OUTLINE_DISTANCE = 0.4; // of the width: outlines so different do not get more so
 
 /**
  * @template {Candidate} C
  * @param {C[]} candidates @param {[number, number]} size px @param {number} [most] of them
  * @returns {C[]} best first; each is the one that adds most to those before it
  */
-export function ranked(candidates, size, most = Infinity) {
+export function rankByNovelty(candidates, size, most = Infinity) {
   const left = candidates.map((candidate) => ({ candidate, cells: cells(candidate.points, size) }));
   /** @type {C[]} */
   const chosen = [];
   const seen = new Set();
   while (left.length && chosen.length < most) {
     const scores = left.map(({ candidate, cells: its }) =>
-      [...its].filter((cell) => !seen.has(cell)).length / COLUMNS + SHAPE * novelty(candidate, chosen, size[0]));
+      [...its].filter((cell) => !seen.has(cell)).length / GRID_COLUMNS + SHAPE_WEIGHT * novelty(candidate, chosen, size[0]));
     const best = scores.indexOf(Math.max(...scores));
     const [{ candidate, cells: its }] = left.splice(best, 1);
     chosen.push(candidate);
@@ -34,21 +34,21 @@ export function ranked(candidates, size, most = Infinity) {
 
 /** Cells of the picture that have seen corners. @param {number[][]} points @param {[number, number]} size */
 function cells(points, [width, height]) {
-  const side = width / COLUMNS;
+  const side = width / GRID_COLUMNS;
   const rows = Math.ceil(height / side);
-  return new Set(points.map(([x, y]) => Math.min(rows - 1, Math.floor((y + 0.5) / side)) * COLUMNS + Math.floor((x + 0.5) / side)));
+  return new Set(points.map(([x, y]) => Math.min(rows - 1, Math.floor((y + 0.5) / side)) * GRID_COLUMNS + Math.floor((x + 0.5) / side)));
 }
 
 /** How different a board lies from all chosen, 0…1; the first is to be a tilted one. @param {Candidate} candidate @param {Candidate[]} chosen @param {number} width */
 function novelty({ outline }, chosen, width) {
   if (!outline) return 0;
   if (chosen.length === 0) return Math.min(1, foreshortening(outline));
-  const distances = chosen.map((other) => (other.outline ? apart(outline, other.outline) / width : ENOUGH));
-  return Math.min(ENOUGH, ...distances) / ENOUGH;
+  const distances = chosen.map((other) => (other.outline ? distance(outline, other.outline) / width : MAX_OUTLINE_DISTANCE));
+  return Math.min(MAX_OUTLINE_DISTANCE, ...distances) / MAX_OUTLINE_DISTANCE;
 }
 
 /** Root mean squared distance of the vertices, px. @param {number[][]} a @param {number[][]} b */
-function apart(a, b) {
+function distance(a, b) {
   return Math.sqrt(a.reduce((sum, [x, y], index) => sum + (x - b[index][0]) ** 2 + (y - b[index][1]) ** 2, 0) / a.length);
 }
 
@@ -56,7 +56,7 @@ function apart(a, b) {
  * Those first that were taken, in the order in which the error fell with them, best first; then the others as they came.
  * @template P @param {P[]} pictures @param {(picture: P) => {accepted: boolean, after: number | null} | undefined} judgementOf
  */
-export function byGain(pictures, judgementOf) {
+export function sortByGain(pictures, judgementOf) {
   const place = (/** @type {P} */ picture) => {
     const judgement = judgementOf(picture);
     return judgement?.accepted ? -(judgement.after ?? Infinity) : 1;

@@ -20,8 +20,8 @@
 
 /** Error up to which a calibration is worth storing, px at 1280 px width: beyond it the service's verdict is that it is poor. */
 export const WORTHWHILE = 2;
-const UNREACHABLE = 0.01; // so that every view enters that helps
-const LEAST = 1e-3; // px that the service takes
+const UNREACHABLE_ERROR_PX = 0.01; // so that every view enters that helps
+const MIN_TARGET_ERROR_PX = 1e-3; // px that the service takes
 const MARGIN = 1.001; // the same views come to the same error but for the last digits
 
 /**
@@ -32,7 +32,7 @@ const MARGIN = 1.001; // the same views come to the same error but for the last 
  */
 export async function calibrate(api, token, request, views, onJudgement) {
   const scale = request.img_size[0] / 1280;
-  const first = await offer(api, token, { ...request, target_error: Math.max(LEAST, UNREACHABLE * scale) }, views, onJudgement);
+  const first = await offer(api, token, { ...request, target_error: Math.max(MIN_TARGET_ERROR_PX, UNREACHABLE_ERROR_PX * scale) }, views, onJudgement);
   if (first.state.status === "converged") return { state: first.state, wanted: null, numbers: first.taken };
   const reached = first.state.uncertainty?.rms ?? Infinity;
   if (first.taken.size === 0 || reached > WORTHWHILE * scale) {

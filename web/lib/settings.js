@@ -1,9 +1,9 @@
-// Where the API is, and the token of these pages: written by whoever serves them.
+// Settings of the pages, `/config.json`: address of the API and the pages' token.
 import { reach } from "./network.js";
 
 /** @typedef {{api: string, token: string, return_origins?: string[]}} Settings return_origins: to which results may be handed */
 
-const KEPT = "calibdb.settings";
+const STORAGE_KEY = "calibdb.settings";
 
 /** The page is there and what belongs to it is not. */
 export class SettingsError extends Error {}
@@ -13,14 +13,14 @@ export async function loadSettings(options) {
   const response = await reach(new URL("../config.json", import.meta.url), options);
   if (!response.ok) throw new SettingsError(`The page's settings are missing (${response.status}). Try again later.`);
   const settings = await response.json();
-  keep(settings);
+  storeSettings(settings);
   return settings;
 }
 
 /** Those of the last visit, for who goes on without a network. @returns {Settings | null} */
-export function keptSettings() {
+export function storedSettings() {
   try {
-    return JSON.parse(localStorage.getItem(KEPT) ?? "null");
+    return JSON.parse(localStorage.getItem(STORAGE_KEY) ?? "null");
   } catch (error) {
     if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;
     return null;
@@ -28,9 +28,9 @@ export function keptSettings() {
 }
 
 /** @param {Settings} settings */
-function keep(settings) {
+function storeSettings(settings) {
   try {
-    localStorage.setItem(KEPT, JSON.stringify(settings));
+    localStorage.setItem(STORAGE_KEY, JSON.stringify(settings));
   } catch (error) {
     if (!(error instanceof DOMException)) throw error; // not kept, then
   }

@@ -1,10 +1,10 @@
 // A second pass of corner refinement. OpenCV.js does not bind cornerSubPix, and the window that its ChArUco detector
 // uses is not fitted to the squares: too wide a window takes in the marker's edges and makes hard frames worse.
 
-const ITERATIONS = 20;
+const MAX_REFINEMENTS = 20;
 const TOLERANCE = 0.005; // px
-const SMALLEST_SQUARE = 16; // px; below that the window would hold the neighbouring marker
-const LARGEST_MOVE = 1; // px; a corner that wants to go further was not where the detector thought
+const MIN_SQUARE_PX = 16; // px; below that the window would hold the neighbouring marker
+const MAX_SHIFT_PX = 1; // px; a corner that wants to go further was not where the detector thought
 
 /**
  * @typedef {{width: number, height: number, data: Uint8Array}} Grey one byte a pixel
@@ -24,7 +24,7 @@ export function refineCorner({ width, height, data }, x, y, half) {
   const size = 2 * half + 3; // the window and one more pixel all around for the central differences
   const patch = new Float64Array(size * size);
   let [cx, cy] = [x, y];
-  for (let iteration = 0; iteration < ITERATIONS; iteration++) {
+  for (let iteration = 0; iteration < MAX_REFINEMENTS; iteration++) {
     const [left, top] = [Math.floor(cx), Math.floor(cy)];
     const [fx, fy] = [cx - left, cy - top];
     const reach = half + 1;
@@ -97,11 +97,11 @@ export function refine(image, { ids, points }, columns) {
   /** @type {{ids: number[], points: number[][]}} */
   const kept = { ids: [], points: [] };
   ids.forEach((id, index) => {
-    if (sizes[index] < SMALLEST_SQUARE) return;
+    if (sizes[index] < MIN_SQUARE_PX) return;
     const half = Math.min(6, Math.max(2, Math.round(sizes[index] / 8)));
     const [x, y] = points[index];
     const better = refineCorner(image, x, y, half);
-    if (!better || Math.hypot(better[0] - x, better[1] - y) > LARGEST_MOVE) return;
+    if (!better || Math.hypot(better[0] - x, better[1] - y) > MAX_SHIFT_PX) return;
     kept.ids.push(id);
     kept.points.push(better);
   });

@@ -2,9 +2,9 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const WIDTH = 440; // units; pages show it at about that many CSS pixels, so that its letters are as large as they say
-const LEFT = 52;
-const BOTTOM = 34;
-const EDGE = 8; // half a label
+const LEFT_MARGIN = 52;
+const BOTTOM_MARGIN = 34;
+const EDGE_MARGIN = 8; // half a label
 
 /**
  * @param {string} name @param {Record<string, string | number>} [attributes] @param {(Node | string)[]} [content]
@@ -37,15 +37,15 @@ export function ticks(length, most) {
  *   area: clipped to the picture; x, y: px → plot; unit: plot units a pixel
  */
 export function imagePlot([width, height], label, { plain = false, name = "" } = {}) {
-  const left = plain ? 1 : LEFT;
-  const unit = (WIDTH - left - (plain ? 1 : EDGE)) / width;
+  const left = plain ? 1 : LEFT_MARGIN;
+  const unit = (WIDTH - left - (plain ? 1 : EDGE_MARGIN)) / width;
   const x = (/** @type {number} */ u) => left + (u + 0.5) * unit;
-  const y = (/** @type {number} */ v) => EDGE + (v + 0.5) * unit;
+  const y = (/** @type {number} */ v) => EDGE_MARGIN + (v + 0.5) * unit;
   const [right, bottom] = [x(width - 0.5), y(height - 0.5)];
   const svg = make("svg", {
-    viewBox: `0 0 ${WIDTH} ${short(bottom + (plain ? 1 : BOTTOM))}`, role: "img", "aria-label": label, class: `plot ${name}`,
+    viewBox: `0 0 ${WIDTH} ${short(bottom + (plain ? 1 : BOTTOM_MARGIN))}`, role: "img", "aria-label": label, class: `plot ${name}`,
   });
-  const frame = { x: short(left), y: EDGE, width: short(right - left), height: short(bottom - EDGE) };
+  const frame = { x: short(left), y: EDGE_MARGIN, width: short(right - left), height: short(bottom - EDGE_MARGIN) };
   // One level of nesting clips what leaves the picture, without ids that several plots would share.
   const area = make("svg", { ...frame, viewBox: `${frame.x} ${frame.y} ${frame.width} ${frame.height}`, overflow: "hidden" });
   svg.append(make("rect", { ...frame, class: "ground" }), area, make("rect", { ...frame, class: "edge" }));
@@ -59,7 +59,7 @@ export function imagePlot([width, height], label, { plain = false, name = "" } =
       svg.append(make("path", { d: `M${left} ${short(y(v - 0.5))}h-5`, class: "tick" }), text(left - 8, y(v - 0.5) + 4, "end", String(v)));
     }
     svg.append(text(left + (right - left) / 2, bottom + 31, "middle", "x, px"));
-    const middle = EDGE + (bottom - EDGE) / 2;
+    const middle = EDGE_MARGIN + (bottom - EDGE_MARGIN) / 2;
     svg.append(make("text", { x: 12, y: short(middle), "text-anchor": "middle", transform: `rotate(-90 12 ${short(middle)})` }, ["y, px"]));
   }
   return { svg, area, x, y, unit };

@@ -22,7 +22,7 @@ import result from "../messages/result.js";
 import { card, thumbnail } from "./card.js";
 import { UnreadableError, shots } from "./files.js";
 import { groups } from "./group.js";
-import { byGain, ranked } from "../lib/rank.js";
+import { sortByGain, rankByNovelty } from "../lib/rank.js";
 import { calibrate } from "../lib/series.js";
 
 /**
@@ -88,7 +88,7 @@ const chosen = () => groups(pictures).find(({ id }) => id === parts.series.value
 /** Those first that were used, by what they added; while they are judged each stays where it is. */
 function showPictures() {
   const members = new Set((chosen()?.members ?? []).map((index) => pictures[index]));
-  const shown = judged ? byGain(pictures, (picture) => judgements.get(picture)) : pictures;
+  const shown = judged ? sortByGain(pictures, (picture) => judgements.get(picture)) : pictures;
   parts.pictures.replaceChildren(...shown.map((picture) => card(picture, members.has(picture), judgements.get(picture))));
 }
 
@@ -175,7 +175,7 @@ async function start(without = new Set()) {
   try {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
     if (mine !== turn) return;
-    const views = ranked(group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture)), group.size, MOST);
+    const views = rankByNovelty(group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture)), group.size, MOST);
     const request = {
       camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,

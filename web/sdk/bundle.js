@@ -1,4 +1,4 @@
-// Calibrations that come with an application: looked up as the service does it, without asking anybody.
+// Bundle of calibrations that comes with an application: lookups without a network, by the rules of the service.
 //
 //     import { Bundle } from "https://<host>/sdk/bundle.js";
 //     const bundle = new Bundle(await (await fetch("cameras.json")).json());
@@ -59,10 +59,10 @@ export class Bundle {
     const { rows, ...whose } = cameras[number];
     /** @type {Record<string, any>[]} */
     const known = rows.map((row) => Object.fromEntries(row.map((value, index) => [columns[index], value])));
-    const here = known.filter((row) => row.zoom === zoom).sort((a, b) => further(a.img_size, b.img_size, asked));
+    const here = known.filter((row) => row.zoom === zoom).sort((a, b) => compareSizes(a.img_size, b.img_size, asked));
     // A model that the closest size lacks may be computed by the service.
     const found = here.find((row) => same(row.img_size, here[0].img_size) && row.distortion_model === model);
-    return found ? told(found, whose, asked) : null;
+    return found ? answerOf(found, whose, asked) : null;
   }
 }
 
@@ -71,7 +71,7 @@ export class Bundle {
  * @param {Record<string, any>} row @param {{camera: string, platform: string}} whose @param {readonly [number, number]} asked
  * @returns {CalibrationData}
  */
-function told({ intrinsics, uncertainty: [rms, max], at, ...row }, whose, asked) {
+function answerOf({ intrinsics, uncertainty: [rms, max], at, ...row }, whose, asked) {
   const { zoom, distortion_coefficients } = /** @type {Record<string, any>} */ (row);
   const matrix = (/** @type {number[]} */ [fx, fy, cx, cy]) => [[fx, 0, cx], [0, fy, cy], [0, 0, 1]];
   const [relation, ...carried] = own(at, asked.join("x")) ?? [row.relation];
@@ -89,7 +89,7 @@ const own = (table, name) => (Object.hasOwn(table, name) ? table[name] : undefin
 const same = (a, b) => a[0] === b[0] && a[1] === b[1];
 
 /** Which of two sizes is further from the one asked for: by aspect, then by area. @param {number[]} a @param {number[]} b @param {readonly number[]} asked */
-function further(a, b, [w, h]) {
+function compareSizes(a, b, [w, h]) {
   const [x, y] = [a, b].map((size) => {
     const aspect = Math.abs(Math.log((size[0] * h) / (size[1] * w)));
     return [same(size, [w, h]) ? 0 : 1, aspect < SAME_ASPECT ? 0 : aspect, Math.abs(Math.log((size[0] * size[1]) / (w * h)))];

@@ -1,4 +1,4 @@
-// Distorts a rendered scene so that it lies on the camera's own picture. WebGL2, without dependencies.
+// Distorter of a rendered scene, so that it lies on the camera's own picture, on the GPU. WebGL2, without dependencies.
 //
 //     import { Distorter } from "https://<host>/sdk/distorter.js";
 //     const distorter = new Distorter(calibration);
@@ -10,7 +10,7 @@
 //     distorter.dispose();
 import { projectionMatrix } from "./pinhole.js";
 import { distortingMap, widePinhole } from "./rectification.js";
-import { Warp, made } from "./warp.js";
+import { Warp, createCanvas } from "./warp.js";
 
 /**
  * @template {AnyCanvas} [Canvas=HTMLCanvasElement]
@@ -26,12 +26,12 @@ export class Distorter {
   #pinhole;
 
   /** @param {import("./rectification.js").Calibration} calibration @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2 */
-  constructor(calibration, { largest = 2, canvas = made() } = {}) {
+  constructor(calibration, { largest = 2, canvas = createCanvas() } = {}) {
     this.canvas = canvas;
     this.#pinhole = widePinhole(calibration, largest);
     this.#warp = new Warp(canvas, { alpha: true });
     const { camera_matrix: matrix, img_size: extent } = this.#pinhole;
-    this.#warp.chart(() => ({ map: distortingMap(calibration, matrix), size: calibration.img_size, extent }));
+    this.#warp.setMap(() => ({ map: distortingMap(calibration, matrix), size: calibration.img_size, extent }));
   }
 
   /** Of the scene's picture, px. */

@@ -1,11 +1,11 @@
-// To the page where a camera is calibrated, and back with the result.
+// Navigation to the guidance page, and return with its result.
 import { Calibration } from "./calibration.js";
 import { keyOf } from "./key.js";
 import { guidanceUrl } from "./lookup.js";
 import { ask, calibrationIn } from "./request.js";
 
 /** What asking again changes nothing about: the address is cleaned then, too. */
-const GONE = [404, 410];
+const GONE_STATUSES = [404, 410];
 
 /**
  * @typedef {import("./calibration.js").CalibrationData} CalibrationData
@@ -50,7 +50,7 @@ export async function returned({ location = globalThis.location, history = globa
   const id = fragment.get("calibration");
   if (!id) return null;
   const answer = await ask(`calibrations/${encodeURIComponent(id)}`, {}, manner);
-  if (answer.response.ok || GONE.includes(answer.response.status)) {
+  if (answer.response.ok || GONE_STATUSES.includes(answer.response.status)) {
     fragment.delete("calibration");
     url.hash = fragment.toString();
     history.replaceState(history.state, "", url.href);

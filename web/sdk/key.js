@@ -1,4 +1,4 @@
-// What identifies the camera that a page has open.
+// Camera key: identifies the camera that a page has open.
 /// <reference path="./dom.d.ts" preserve="true" />
 
 /**

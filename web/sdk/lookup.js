@@ -1,4 +1,4 @@
-// The calibration of an open camera, kept as long as the tab.
+// Lookup of an open camera's calibration, cached as long as the tab.
 import { Calibration } from "./calibration.js";
 import { keyOf } from "./key.js";
 import { address, ask, calibrationIn } from "./request.js";

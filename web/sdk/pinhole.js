@@ -78,7 +78,7 @@ function scales(size, viewport, fit) {
  * @param {Pinhole} pinhole @param {number} scale
  * @returns {Pinhole}
  */
-export function scaled({ img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] }, scale) {
+export function scalePinhole({ img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] }, scale) {
   const size = /** @type {[number, number]} */ ([width, height].map((side) => Math.max(1, Math.round(side * scale))));
   const [sx, sy] = [size[0] / width, size[1] / height];
   return { img_size: size, camera_matrix: [[fx * sx, 0, (cx + 0.5) * sx - 0.5], [0, fy * sy, (cy + 0.5) * sy - 0.5], [0, 0, 1]] };

@@ -1,4 +1,4 @@
-// From rays to pixels and back, for every camera model that calibDB hands out. One file without dependencies.
+// Projection of rays to pixels and back, for every camera model that calibDB hands out. One file without dependencies.
 //
 //     import { lensOf } from "https://<host>/sdk/projection.js";
 //     const lens = lensOf(calibration);
@@ -33,11 +33,11 @@ export const COEFFICIENTS = {
   omnidirectional: ["xi", "k1", "k2", "p1", "p2"],
 };
 
-const FAR = 50; // tan of the largest angle, 88.9°, at which a pinhole's models are used
-const STEPS = 512;
-const ENOUGH = 1e-13;
+const MAX_TANGENT = 50; // tan of the largest angle, 88.9°, at which a pinhole's models are used
+const INVERSE_STEPS = 512;
+const TOLERANCE = 1e-13;
 /** Newton's method settles in four or five; where it has not in these, there is no such ray. */
-const ITERATIONS = 30;
+const MAX_ITERATIONS = 30;
 
 /** A calibration is of a camera model that is newer than this SDK. */
 export class UnknownModelError extends RangeError {
@@ -81,7 +81,7 @@ function plane(model, d) {
 
 /** Rectilinear and rational; the former has no denominator. @param {number[]} d */
 function pinhole(d) {
-  const brown = brownConrady(d, FAR);
+  const brown = brownConrady(d, MAX_TANGENT);
   return {
     limit: Math.atan(brown.end),
     /** @param {number} x @param {number} y @param {number} z */
@@ -190,7 +190,7 @@ function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], end) {
       const first = inverse.find(length) ?? (length < 1.05 * inverse.reach ? inverse.end : null);
       if (first === null) return null;
       let [x, y] = length > 0 ? [(u * first) / length, (v * first) / length] : [0, 0];
-      for (let iteration = 0; iteration < ITERATIONS; iteration++) {
+      for (let iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const s = x * x + y * y;
         const [radial, slope] = [above(s) / below(s), 2 * growth(s)];
         const [a, b] = bend(x, y);
@@ -203,7 +203,7 @@ function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], end) {
         const [dx, dy] = [(yy * ex - xy * ey) / determinant, (xx * ey - xy * ex) / determinant];
         x -= dx;
         y -= dy;
-        if (Math.abs(dx) + Math.abs(dy) < ENOUGH * (1 + length)) return Math.hypot(x, y) < inverse.end ? [x, y] : null;
+        if (Math.abs(dx) + Math.abs(dy) < TOLERANCE * (1 + length)) return Math.hypot(x, y) < inverse.end ? [x, y] : null;
       }
       return null;
     },
@@ -218,7 +218,7 @@ function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], end) {
 function invert({ at, slope, end: last }) {
   // Dense near the axis, where the picture is, and still out to the end.
   const widest = Math.atan(last);
-  const places = Array.from({ length: STEPS + 1 }, (_, step) => Math.min(last, Math.tan((widest * step) / STEPS)));
+  const places = Array.from({ length: INVERSE_STEPS + 1 }, (_, step) => Math.min(last, Math.tan((widest * step) / INVERSE_STEPS)));
   const turn = places.findIndex((t) => slope(t) <= 0);
   const end = turn < 0 ? last : bisect((t) => slope(t) > 0, places[turn - 1], places[turn]);
   const grid = turn < 0 ? places : [...places.slice(0, turn), end];
@@ -237,12 +237,12 @@ function invert({ at, slope, end: last }) {
       }
       const part = (value - values[low]) / (values[high] - values[low]);
       let t = grid[low] + part * (grid[high] - grid[low]);
-      for (let iteration = 0; iteration < ITERATIONS; iteration++) {
+      for (let iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         // Kept where the table says it is: near the turn the slope vanishes and the step runs away.
         const next = Math.min(grid[high], Math.max(grid[low], t - (at(t) - value) / slope(t)));
         const step = Math.abs(next - t);
         t = next;
-        if (step < ENOUGH * (1 + t)) break;
+        if (step < TOLERANCE * (1 + t)) break;
       }
       return t;
     },

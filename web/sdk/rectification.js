@@ -1,4 +1,4 @@
-// Between a camera's picture and that of a pinhole: matrices and maps.
+// Rectification: matrices of pinholes that see what a camera sees, and maps between the two pictures.
 import { focalLengths } from "./pinhole.js";
 import { lensOf } from "./projection.js";
 
@@ -8,8 +8,8 @@ import { lensOf } from "./projection.js";
  */
 
 /** tan of the largest angle shown, 78.7°: beyond it a plane picture is all edge. */
-const WIDEST = 5;
-const BORDER = 33; // places along each side of the picture whose rays decide what there is to show
+const MAX_TANGENT_SHOWN = 5;
+const BORDER_SAMPLES = 33; // places along each side of the picture whose rays decide what there is to show
 
 /**
  * The camera matrix of the straightened picture, of the same size.
@@ -19,7 +19,7 @@ const BORDER = 33; // places along each side of the picture whose rays decide wh
  */
 export function rectifiedMatrix(calibration, balance = 0, zoom = 1) {
   const [width, height] = calibration.img_size;
-  const { inner, outer } = seen(calibration);
+  const { inner, outer } = rayBounds(calibration);
   // Between the two rectangles, each with the shape of the picture.
   const [narrow, wide] = [focal(inner, width, height, Math.max), focal(outer, width, height, Math.min)];
   const f = zoom * (narrow + balance * (wide - narrow));
@@ -36,7 +36,7 @@ function focal([left, top, right, bottom], width, height, choose) {
 }
 
 /** The largest rectangle of rays that are all in the picture, and the smallest that holds all. @param {Calibration} calibration */
-function seen(calibration) {
+function rayBounds(calibration) {
   const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
   const lens = lensOf(calibration);
   /** Where a pixel's ray meets the plane z = 1, pulled in where that is far out or nowhere. @param {number} u @param {number} v @returns {[number, number]} */
@@ -45,15 +45,15 @@ function seen(calibration) {
     const [x, y] = ray ?? [(u - cx) / fx, (v - cy) / fy];
     const r = Math.hypot(x, y);
     const tangent = ray ? (ray[2] > 0 ? r / ray[2] : Infinity) : Math.tan(Math.min(lens.limit, 1.5));
-    const length = Math.min(tangent, WIDEST);
+    const length = Math.min(tangent, MAX_TANGENT_SHOWN);
     return r > 0 ? [(x * length) / r, (y * length) / r] : [0, 0];
   };
   /** @type {Rectangle} */
   const inner = [-Infinity, -Infinity, Infinity, Infinity];
   /** @type {Rectangle} */
   const outer = [Infinity, Infinity, -Infinity, -Infinity];
-  for (let step = 0; step < BORDER; step++) {
-    const [u, v] = [width, height].map((side) => (step * (side - 1)) / (BORDER - 1));
+  for (let step = 0; step < BORDER_SAMPLES; step++) {
+    const [u, v] = [width, height].map((side) => (step * (side - 1)) / (BORDER_SAMPLES - 1));
     const [left, right, top, bottom] = [meet(0, v), meet(width - 1, v), meet(u, 0), meet(u, height - 1)];
     inner[0] = Math.max(inner[0], left[0]);
     inner[1] = Math.max(inner[1], top[1]);
@@ -76,7 +76,7 @@ function seen(calibration) {
  */
 export function widePinhole(calibration, largest = 2) {
   const { img_size: [width, height] } = calibration;
-  const { outer: [left, top, right, bottom] } = seen(calibration);
+  const { outer: [left, top, right, bottom] } = rayBounds(calibration);
   const f = Math.min(Math.max(...focalLengths(calibration)), (largest * width) / (right - left), (largest * height) / (bottom - top));
   // A pixel more on each side: what lies between the outermost and the edge is interpolated.
   return {

@@ -1,4 +1,4 @@
-// Straightens a camera's picture on the GPU. WebGL2, without dependencies.
+// Rectifier of a camera's picture on the GPU. WebGL2, without dependencies.
 //
 //     import { Rectifier } from "https://<host>/sdk/rectifier.js";
 //     const rectifier = new Rectifier(calibration, { balance: 0 });
@@ -6,9 +6,9 @@
 //     rectifier.draw(video); // once a frame
 //     rectifier.camera_matrix; // of the picture it draws, which has no distortion
 //     rectifier.dispose();
-import { projectionMatrix, scaled } from "./pinhole.js";
+import { projectionMatrix, scalePinhole } from "./pinhole.js";
 import { rectifiedMatrix, rectifyingMap } from "./rectification.js";
-import { Warp, made } from "./warp.js";
+import { Warp, createCanvas } from "./warp.js";
 
 export { rectifiedMatrix, rectifyingMap } from "./rectification.js";
 export { RectifierError } from "./warp.js";
@@ -32,7 +32,7 @@ export class Rectifier {
   #pinhole;
 
   /** @param {Calibration} calibration @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2 */
-  constructor(calibration, { balance = 0, zoom = 1, scale = 1, canvas = made() } = {}) {
+  constructor(calibration, { balance = 0, zoom = 1, scale = 1, canvas = createCanvas() } = {}) {
     this.canvas = canvas;
     this.#calibration = calibration;
     this.#scale = scale;
@@ -74,9 +74,9 @@ export class Rectifier {
   #straighten(balance, zoom) {
     const { img_size: extent } = this.#calibration;
     const whole = { img_size: extent, camera_matrix: rectifiedMatrix(this.#calibration, balance, zoom) };
-    const pinhole = scaled(whole, this.#scale);
+    const pinhole = scalePinhole(whole, this.#scale);
     const { camera_matrix: matrix, img_size: size } = pinhole;
-    this.#warp.chart(() => ({ map: rectifyingMap(this.#calibration, matrix, size), size, extent }));
+    this.#warp.setMap(() => ({ map: rectifyingMap(this.#calibration, matrix, size), size, extent }));
     return pinhole;
   }
 }

@@ -24,8 +24,8 @@ export class LookupError extends Error {
  * @property {(milliseconds: number, signal?: AbortSignal) => Promise<void>} [pause]
  */
 
-const FIRST_DELAY = 500; // ms, then twice as long each time
-const MAX_DELAY = 8000; // ms; a service that asks for more is not waited for
+const FIRST_DELAY_MS = 500; // ms, then twice as long each time
+const MAX_DELAY_MS = 8000; // ms; a service that asks for more is not waited for
 
 /** Where this file came from. By itself: `new URL(…, import.meta.url)` is what bundlers take for a file to be packed. */
 const HERE = import.meta.url ?? "file:///";
@@ -54,7 +54,7 @@ export async function ask(path, request, { token, api, signal, retries = 3, fetc
       const response = "response" in result ? result.response : null;
       if (count >= retries || (response && !isTransient(response))) return null;
       const wait = Math.max(response ? retryAfter(response) : 0, backoff(count));
-      return wait <= MAX_DELAY ? wait : null;
+      return wait <= MAX_DELAY_MS ? wait : null;
     },
     (wait) => pause(wait, signal),
   );
@@ -87,7 +87,7 @@ async function reach(fetch, url, request) {
 }
 
 /** Milliseconds to wait after so many retries, with jitter: many may have been refused at once. @param {number} retries */
-const backoff = (retries) => FIRST_DELAY * 2 ** retries * (0.5 + 0.5 * Math.random());
+const backoff = (retries) => FIRST_DELAY_MS * 2 ** retries * (0.5 + 0.5 * Math.random());
 
 /** @param {number} milliseconds @param {AbortSignal} [signal] @returns {Promise<void>} */
 function sleep(milliseconds, signal) {

@@ -1,10 +1,10 @@
-// Draws a picture as a map says, on the GPU: one pair of shaders for straightening and for distorting. WebGL2.
+// Warping of a picture by a map of pixels, on the GPU: rectifier and distorter share its shaders. WebGL2.
 /// <reference path="./dom.d.ts" preserve="true" />
 
 /**
  * @typedef {HTMLCanvasElement | OffscreenCanvas} AnyCanvas
  *
- * @typedef {object} Chart where each pixel drawn is found
+ * @typedef {object} PixelMap source coordinates of each pixel that is drawn
  * @property {Float32Array} map x and y in px of the source, row by row
  * @property {[number, number]} size of what is drawn, px
  * @property {[number, number]} extent of the source, in the map's px
@@ -45,24 +45,24 @@ export class Warp {
   #alpha;
   #on;
   #forget;
-  /** @type {() => Chart} */
-  #chart = () => ({ map: new Float32Array(2), size: [1, 1], extent: [1, 1] });
+  /** @type {() => PixelMap} */
+  #createMap = () => ({ map: new Float32Array(2), size: [1, 1], extent: [1, 1] });
 
   /** @param {AnyCanvas} canvas @param {{alpha: boolean}} options alpha: transparent where there is nothing, else black */
   constructor(canvas, { alpha }) {
     this.canvas = canvas;
     this.#alpha = alpha;
-    this.#on = prepared(canvas, alpha);
+    this.#on = createRenderer(canvas, alpha);
     this.#forget = whenRestored(canvas, () => {
-      this.#on = prepared(canvas, alpha);
-      this.chart(this.#chart);
+      this.#on = createRenderer(canvas, alpha);
+      this.setMap(this.#createMap);
     });
   }
 
-  /** @param {() => Chart} chart made anew where the GPU forgot it */
-  chart(chart) {
-    this.#chart = chart;
-    const { map, size: [width, height], extent } = chart();
+  /** Sets the map. @param {() => PixelMap} create called again when the GPU lost it */
+  setMap(create) {
+    this.#createMap = create;
+    const { map, size: [width, height], extent } = create();
     const { gl, program } = this.#on;
     if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
     gl.uniform2f(gl.getUniformLocation(program, "extent"), ...extent);
@@ -71,7 +71,7 @@ export class Warp {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, width, height, 0, gl.RG, gl.FLOAT, map);
   }
 
-  /** @param {TexImageSource} picture as large as the chart's extent, or of its shape */
+  /** @param {TexImageSource} picture as large as the map's extent, or of its shape */
   draw(picture) {
     const { gl } = this.#on;
     gl.activeTexture(gl.TEXTURE0);
@@ -93,7 +93,7 @@ export class Warp {
 }
 
 /** A canvas of the page, unless another is told. */
-export const made = () => /** @type {any} */ (document.createElement("canvas"));
+export const createCanvas = () => /** @type {any} */ (document.createElement("canvas"));
 
 /**
  * Drivers fail, and take what is on the GPU with them: what was there is made again.
@@ -109,8 +109,8 @@ export function whenRestored(canvas, again) {
 }
 
 /** @param {AnyCanvas} canvas @param {boolean} alpha */
-function prepared(canvas, alpha) {
-  const { gl, program } = linked(canvas, { alpha, antialias: false }, VERTEX, FRAGMENT);
+function createRenderer(canvas, alpha) {
+  const { gl, program } = createProgram(canvas, { alpha, antialias: false }, VERTEX, FRAGMENT);
   const textures = ["picture", "map"].map((name, unit) => {
     gl.uniform1i(gl.getUniformLocation(program, name), unit);
     return texture(gl, unit, name === "map" ? gl.NEAREST : gl.LINEAR);
@@ -125,7 +125,7 @@ function prepared(canvas, alpha) {
  * @param {string} vertex @param {string} fragment sources
  * @returns {{gl: WebGL2RenderingContext, program: WebGLProgram}} throws RectifierError where there is no WebGL2
  */
-export function linked(canvas, attributes, vertex, fragment) {
+export function createProgram(canvas, attributes, vertex, fragment) {
   const gl = /** @type {WebGL2RenderingContext | null} */ (canvas.getContext("webgl2", attributes));
   if (!gl) throw new RectifierError("this browser has no WebGL2");
   const program = gl.createProgram();

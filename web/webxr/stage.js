@@ -1,4 +1,4 @@
-// Where an immersive session is shown: the camera's picture, what is drawn over it and the page's own words, on all of the window.
+// Stage of an immersive session: the camera's picture, the scene and the page's own text, over the whole window.
 
 const FULL = { position: "fixed", inset: "0", width: "100%", height: "100%", margin: "0" };
 const PICTURE = { ...FULL, objectFit: "cover" };

@@ -1,4 +1,4 @@
-// What of WebXR the browser has by itself.
+// Support for WebXR that the browser has by itself.
 
 /** Is there nothing that can show augmented reality? */
 export async function isNeeded() {

@@ -1,16 +1,16 @@
-// Before and after: a picture as the camera took it, and straightened, with a line between them that can be moved.
+// Comparison of a picture before and after rectification, with a slider between them.
 import { el } from "../dom.js";
 import { t } from "../i18n.js";
 import { Rectifier, RectifierError } from "../../sdk/rectifier.js";
 
 /** @typedef {import("./numbers.js").Calibration} Calibration */
 
-const WIDEST = 1600; // px; nobody sees more here, and maps of large photographs would fill the GPU
+const MAX_WIDTH_PX = 1600; // px; nobody sees more here, and maps of large photographs would fill the GPU
 
 /** The calibration of the same picture made smaller: lengths scale, pixel centres stay at whole numbers. @param {Calibration} calibration @returns {Calibration} */
-export function reduced(calibration) {
+export function shrinkCalibration(calibration) {
   const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
-  const s = Math.min(1, WIDEST / width);
+  const s = Math.min(1, MAX_WIDTH_PX / width);
   const centre = (/** @type {number} */ c) => (c + 0.5) * s - 0.5;
   return {
     ...calibration, img_size: [Math.round(width * s), Math.round(height * s)],
@@ -24,7 +24,7 @@ export function reduced(calibration) {
  * @returns {{element: HTMLElement, dispose: () => void}}
  */
 export function comparison(whole, picture) {
-  const calibration = reduced(whole);
+  const calibration = shrinkCalibration(whole);
   const [width, height] = calibration.img_size;
   const before = el("canvas", { width, height, role: "img", "aria-label": t("result.before") });
   before.getContext("2d")?.drawImage(picture, 0, 0, width, height);

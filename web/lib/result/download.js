@@ -1,4 +1,4 @@
-// The files that a calibration is to be had as, and what becomes of it in them.
+// Download of a calibration in any format, with the error of the conversion.
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
 import { addMessages, number, t } from "../i18n.js";
@@ -11,9 +11,9 @@ import { save } from "./source.js";
  * @typedef {import("./source.js").Saved} Saved
  */
 
-const VISIBLE = 0.1; // px; what no camera shows need not be spoken of
-const WHOLE = 0.995; // share of the picture
-const PERHAPS_EXACT = 1e-3; // px; a file may be written with fewer digits
+const VISIBLE_ERROR_PX = 0.1; // px; what no camera shows need not be spoken of
+const FULL_COVERAGE = 0.995; // share of the picture
+const EXACT_ERROR_PX = 1e-3; // px; a file may be written with fewer digits
 const CORNERS = new Set(["corners-vnl"]); // what was measured, and no lens
 
 addMessages({ formats: words }); // wherever these are offered, their names are known
@@ -23,7 +23,7 @@ addMessages({ formats: words }); // wherever these are offered, their names are 
  *   it is stored, and which of its views are left out
  * @param {string} [suffix] of the ids, where a page offers several
  */
-export function files({ calibration, explain, of = calibration }, suffix = "") {
+export function downloadPart({ calibration, explain, of = calibration }, suffix = "") {
   const [id, about] = [`format${suffix}`, `format-about${suffix}`];
   const select = el("select", { id, "aria-describedby": about }, ...FORMATS.map((format) => new Option(t(`formats.name_${format}`), format)));
   const purpose = el("p", { id: about, class: "muted" }, t(`formats.for_${select.value}`));
@@ -43,7 +43,7 @@ export function files({ calibration, explain, of = calibration }, suffix = "") {
     say(t("formats.writing"), false);
     try {
       const saved = await save(calibration, select.value, of);
-      say(CORNERS.has(select.value) ? t("formats.saved", { name: saved.name }) : became(saved), false);
+      say(CORNERS.has(select.value) ? t("formats.saved", { name: saved.name }) : conversionText(saved), false);
     } catch (error) {
       // 422: no camera that the format knows comes near this one, or it holds what this calibration has not.
       const impossible = error instanceof ApiError && error.status === 422;
@@ -70,10 +70,10 @@ function reason(format, { message }) {
 }
 
 /** What the file says beside what the calibration says. @param {Saved} saved */
-export function became({ name, error, coverage }) {
-  const parts = error > VISIBLE ? [t("formats.near", { name, error: number(error, error < 1 ? 2 : error < 100 ? 1 : 0) })]
-    : [t(error < PERHAPS_EXACT ? "formats.exact" : "formats.close", { name })];
-  if (coverage < WHOLE) parts.push(t("formats.partly", { share: Math.floor(100 * coverage) }));
+export function conversionText({ name, error, coverage }) {
+  const parts = error > VISIBLE_ERROR_PX ? [t("formats.near", { name, error: number(error, error < 1 ? 2 : error < 100 ? 1 : 0) })]
+    : [t(error < EXACT_ERROR_PX ? "formats.exact" : "formats.close", { name })];
+  if (coverage < FULL_COVERAGE) parts.push(t("formats.partly", { share: Math.floor(100 * coverage) }));
   return parts.join(" ");
 }
 

@@ -1,4 +1,4 @@
-// A calibration in numbers that people read. Pure.
+// Numbers of a calibration as people read them. Pure.
 import { axialMatrix } from "../../sdk/pinhole.js";
 import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
 
@@ -28,9 +28,9 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  * @property {"px" | ""} unit
  */
 
-const STANDS_OUT = 2.5; // times the median rms of the views
+const MAX_RMS_RATIO = 2.5; // times the median rms of the views
 const MIN_COSINE = 0.2; // of the angle to the axis: beyond 78° a plane picture is all edge
-const NOTICED = 0.3; // px; below this nobody looks for a reason
+const MIN_NOTABLE_RMS_PX = 0.3; // px; below this nobody looks for a reason
 
 /** How good it is in one word, where no report says so. @param {Calibration} calibration @returns {"good" | "fair" | "poor"} */
 export function levelOf({ uncertainty: { rms }, img_size: [width] }) {
@@ -43,10 +43,10 @@ export function digitsFor(std) {
   return std > 0 ? Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(std)))) : 2;
 }
 
-const USUAL = 5; // digits of a coefficient
+const COEFFICIENT_DIGITS = 5; // digits of a coefficient
 
 /** Digits after the point of a coefficient of which nobody says how sure it is: two of its own at least. @param {number} value */
-export const digitsOf = (value) => (value === 0 ? USUAL : Math.min(8, Math.max(USUAL, 1 - Math.floor(Math.log10(Math.abs(value))))));
+export const digitsOf = (value) => (value === 0 ? COEFFICIENT_DIGITS : Math.min(8, Math.max(COEFFICIENT_DIGITS, 1 - Math.floor(Math.log10(Math.abs(value))))));
 
 /** Focal lengths, centre, coefficients. @param {Calibration} calibration @param {Report | null} report @returns {Row[]} */
 export function intrinsics({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion_coefficients, distortion_model }, report) {
@@ -102,7 +102,7 @@ export function displacements(calibration, [columns, rows]) {
 }
 
 /** Share of the picture, in cells of a 12th of its width, that has seen corners. @param {number[][]} points @param {[number, number]} size */
-export function covered(points, [width, height]) {
+export function coverage(points, [width, height]) {
   const columns = 12;
   const rows = Math.max(1, Math.round((columns * height) / width));
   const cell = (/** @type {number} */ value, /** @type {number} */ side, /** @type {number} */ count) =>
@@ -119,7 +119,7 @@ export function viewIssue(view, views) {
   if (view.reason) return "left_out";
   const sorted = views.map(({ rms }) => rms).sort((a, b) => a - b);
   const median = sorted[Math.floor(sorted.length / 2)];
-  if (views.length > 2 && view.rms > STANDS_OUT * median && view.rms > NOTICED) return "stands_out";
+  if (views.length > 2 && view.rms > MAX_RMS_RATIO * median && view.rms > MIN_NOTABLE_RMS_PX) return "stands_out";
   return view.cut.length > 0.1 * view.points.length ? "some_cut" : null;
 }
 

@@ -1,6 +1,6 @@
-// The pictures of a result: predicted error, distortion, coverage, residuals. Numbers in, SVG out.
+// Plots of a result: predicted error, distortion, coverage, residuals. Numbers in, SVG out.
 import { number, rough, t } from "../i18n.js";
-import { covered, displacements, extremes, viewIssue } from "./numbers.js";
+import { coverage, displacements, extremes, viewIssue } from "./numbers.js";
 import { arrow, imagePlot, make, short } from "../svg.js";
 
 /**
@@ -9,10 +9,10 @@ import { arrow, imagePlot, make, short } from "../svg.js";
  * @typedef {import("./numbers.js").ReportView} ReportView
  */
 
-const STEPS = 8; // of the colour scale, see style.css
-const ROUNDING = 1e-6; // px; what is moved by less is not moved
-const GRID = /** @type {[number, number]} */ ([17, 11]); // arrows of the distortion
-const NOTABLE = 0.02; // of the width; smaller distortions are drawn larger than they are
+const HEAT_LEVELS = 8; // of the colour scale, see style.css
+const ROUNDOFF_PX = 1e-6; // px; what is moved by less is not moved
+const ARROW_GRID = /** @type {[number, number]} */ ([17, 11]); // arrows of the distortion
+const NOTABLE_DISTORTION = 0.02; // of the width; smaller distortions are drawn larger than they are
 
 /** A round number not below. @param {number} value */
 function roundUp(value) {
@@ -30,7 +30,7 @@ export function errorPlot({ img_size: [width, height] }, { grid: [columns, rows]
   const { svg, area, x, y, unit } = imagePlot([width, height], label, { name: "heat" });
   // Each value is that of its cell's centre.
   const [dx, dy] = [width / columns, height / rows];
-  const level = (/** @type {number} */ value) => Math.min(STEPS - 1, Math.floor((value / top) * STEPS));
+  const level = (/** @type {number} */ value) => Math.min(HEAT_LEVELS - 1, Math.floor((value / top) * HEAT_LEVELS));
   px.forEach((line, row) => line.forEach((value, column) => {
     const cell = { x: short(x(column * dx - 0.5)), y: short(y(row * dy - 0.5)), width: short(dx * unit + 0.3), height: short(dy * unit + 0.3) };
     area.append(make("rect", { ...cell, class: value === null ? "blind" : `heat-${level(value)}` }));
@@ -40,7 +40,7 @@ export function errorPlot({ img_size: [width, height] }, { grid: [columns, rows]
       const value = px[row][column];
       if (value === null) continue;
       const place = { x: short(x((column + 0.5) * dx - 0.5)), y: short(y((row + 0.5) * dy - 0.5) + 4), "text-anchor": "middle" };
-      area.append(make("text", { ...place, class: level(value) < STEPS / 2 ? "on-little" : "on-much" }, [rough(value)]));
+      area.append(make("text", { ...place, class: level(value) < HEAT_LEVELS / 2 ? "on-little" : "on-much" }, [rough(value)]));
     }
   }
   return { svg, scale: scaleOf(top, digits), caption: t("result.error_caption", found) };
@@ -52,13 +52,13 @@ const spread = (count, wanted) => Array.from({ length: wanted }, (_, index) => M
 /** The colour scale with its numbers. @param {number} top px @param {number} digits */
 function scaleOf(top, digits) {
   const svg = make("svg", { viewBox: "0 0 440 36", class: "plot heat", "aria-hidden": "true" });
-  const width = (440 - 60) / STEPS;
-  for (let step = 0; step < STEPS; step++) {
+  const width = (440 - 60) / HEAT_LEVELS;
+  for (let step = 0; step < HEAT_LEVELS; step++) {
     svg.append(make("rect", { x: short(52 + step * width), y: 1, width: short(width + 0.3), height: 12, class: `heat-${step}` }));
   }
-  for (let step = 0; step <= STEPS; step += 2) {
-    const words = `${number((top * step) / STEPS, digits)}${step === STEPS ? " px" : ""}`;
-    svg.append(make("text", { x: short(52 + step * width), y: 30, "text-anchor": step === STEPS ? "end" : step === 0 ? "start" : "middle" }, [words]));
+  for (let step = 0; step <= HEAT_LEVELS; step += 2) {
+    const words = `${number((top * step) / HEAT_LEVELS, digits)}${step === HEAT_LEVELS ? " px" : ""}`;
+    svg.append(make("text", { x: short(52 + step * width), y: 30, "text-anchor": step === HEAT_LEVELS ? "end" : step === 0 ? "start" : "middle" }, [words]));
   }
   return svg;
 }
@@ -69,9 +69,9 @@ function scaleOf(top, digits) {
  */
 export function distortionPlot(calibration) {
   const { img_size: [width, height], camera_matrix: [[, , cx], [, , cy]] } = calibration;
-  const moves = displacements(calibration, GRID);
+  const moves = displacements(calibration, ARROW_GRID);
   const largest = Math.max(0, ...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
-  const scale = largest > NOTABLE * width || largest < ROUNDING ? 1 : 10 ** Math.ceil(Math.log10((NOTABLE * width) / largest));
+  const scale = largest > NOTABLE_DISTORTION * width || largest < ROUNDOFF_PX ? 1 : 10 ** Math.ceil(Math.log10((NOTABLE_DISTORTION * width) / largest));
   const label = t("result.distortion_label", { max: number(largest, 1) });
   const { svg, area, x, y } = imagePlot([width, height], label, { name: "distortion" });
   const path = moves.map(({ from: [u, v], to: [p, q] }) => arrow(x(p + (u - p) * scale), y(q + (v - q) * scale), x(p), y(q))).join("");
@@ -84,7 +84,7 @@ export function distortionPlot(calibration) {
 /** All corners measured. @param {Calibration} calibration @param {Report} report */
 export function coveragePlot({ img_size }, { views }) {
   const points = views.flatMap((view) => /** @type {number[][]} */ (view.points));
-  const share = number(100 * covered(points, img_size), 0);
+  const share = number(100 * coverage(points, img_size), 0);
   const { svg, area, x, y } = imagePlot(img_size, t("result.coverage_label", { share }), { name: "coverage" });
   area.append(make("path", { d: dots(points.map(([u, v]) => [x(u), y(v)])), class: "dot" }));
   return { svg, caption: t("result.coverage_caption", { share, count: points.length }) };

@@ -1,4 +1,4 @@
-// The way back to the application that sent somebody here to calibrate a camera.
+// Return address: the application that sent somebody here to calibrate a camera.
 
 /**
  * Where a result may be handed to: the address that was asked for, if its origin is this site's own or one that whoever

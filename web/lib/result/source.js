@@ -12,7 +12,7 @@ import { fileName } from "./numbers.js";
 const ENDINGS = [[/yaml/, "yaml"], [/xml/, "xml"], [/json/, "json"], [/text\/plain/, "txt"]];
 
 /** @param {number[]} without indices of views @returns {Record<string, string>} */
-const leaving = (without) => (without.length ? { without: without.join() } : {});
+const withoutQuery = (without) => (without.length ? { without: without.join() } : {});
 
 /** @param {string} id @param {Record<string, string>} [query] */
 const path = (id, query = {}) => `/calibrations/${encodeURIComponent(id)}${Object.keys(query).length ? `?${new URLSearchParams(query)}` : ""}`;
@@ -24,7 +24,7 @@ const path = (id, query = {}) => `/calibrations/${encodeURIComponent(id)}${Objec
  */
 export async function load(id, without = [], transport = {}) {
   const { api, token } = await loadSettings();
-  const { report = null, ...calibration } = await new Api(api, transport).json("GET", path(id, leaving(without)), token);
+  const { report = null, ...calibration } = await new Api(api, transport).json("GET", path(id, withoutQuery(without)), token);
   return { calibration, report };
 }
 
@@ -43,7 +43,7 @@ export async function load(id, without = [], transport = {}) {
  */
 export async function save(calibration, format, { id, without = [] } = calibration) {
   const { api, token } = await loadSettings();
-  const response = await new Api(api).send("GET", path(id ?? "", { format, ...leaving(without) }), token, { accept: "*/*" });
+  const response = await new Api(api).send("GET", path(id ?? "", { format, ...withoutQuery(without) }), token, { accept: "*/*" });
   const { headers } = response;
   const [, named] = /filename="?([^";]+)"?/.exec(headers.get("content-disposition") ?? "") ?? [];
   // Whole before it is offered: what breaks off is an error here, not half a file there.

@@ -1,4 +1,4 @@
-// A result: what it is worth in plain words, the numbers, the pictures behind them, and what to do with it.
+// View of a result: verdict, numbers, plots, downloads.
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
 import { known, number, onLanguage, sized, t } from "../i18n.js";
@@ -9,8 +9,8 @@ import { comparison } from "./compare.js";
 import { fieldOfView, intrinsics, levelOf } from "./numbers.js";
 import { coveragePlot, distortionPlot, errorPlot } from "./plots.js";
 import { load } from "./source.js";
-import { files } from "./download.js";
-import { button, named, viewsPart } from "./views.js";
+import { downloadPart } from "./download.js";
+import { button, listViews, viewsPart } from "./views.js";
 
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration
@@ -77,8 +77,8 @@ export class ResultView {
       report && section("coverage", plot(coveragePlot(calibration, report))),
       result.report && section("views", viewsPart({ ...result, report: result.report }, trial, this.#choices(result))),
       straight && section("straight", straight.element),
-      section("take", files({ calibration, explain: result.explain, of: { id: result.calibration.id, without: trial?.without ?? [] } })),
-      section("help", el("p", { id: "summary" }, helped(result))),
+      section("take", downloadPart({ calibration, explain: result.explain, of: { id: result.calibration.id, without: trial?.without ?? [] } })),
+      section("help", el("p", { id: "summary" }, contributionText(result))),
     ].filter((element) => element !== null));
     if (focused) document.getElementById(focused)?.focus();
   }
@@ -106,7 +106,7 @@ export class ResultView {
       this.#inPlace(() => this.#draw());
     } catch (error) {
       if (own !== this.#tried || !result || !status) return;
-      status.textContent = error instanceof ApiError && error.status === 422 ? t("result.without_impossible", { views: named(without) }) : result.explain(error);
+      status.textContent = error instanceof ApiError && error.status === 422 ? t("result.without_impossible", { views: listViews(without) }) : result.explain(error);
     }
   }
 
@@ -140,7 +140,7 @@ export class ResultView {
 }
 
 /** What was given to others, as it really was. @param {Result} result */
-function helped({ origin, calibration: { camera, platform, calibrations } }) {
+function contributionText({ origin, calibration: { camera, platform, calibrations } }) {
   if (origin === "practice" || isVirtual(camera)) return t("result.help_practice");
   const kind = origin !== "stored" && ["photographs", "video"].includes(platform) ? "photographs" : origin;
   return t(`result.help_${kind}`, { count: calibrations });
@@ -157,7 +157,7 @@ function opening({ calibration, report, origin, again, notes = [] }, trial) {
     // Where it was captured the page itself has said so.
     ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
     el("p", { class: "label" }, [calibration.camera, sized(img_size), calibration.distortion_model].join(" · ")),
-    ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: named(trial.without) }))] : []),
+    ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: listViews(trial.without) }))] : []),
     el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
     el("p", { class: "lead" }, ...(practice ? [] : [t(`result.means_${level}`), " "]), t("result.sentence", values)),
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map(({ code, text }) =>

@@ -1,4 +1,4 @@
-// The views one by one: which of them to take again, and which to leave out to see what changes.
+// List of a result's views, with advice which to retake, and a trial fit without some.
 import { el } from "../dom.js";
 import { language, number, rough, t } from "../i18n.js";
 import { viewIssue } from "./numbers.js";
@@ -17,11 +17,11 @@ import { magnification, residualPlot } from "./plots.js";
  */
 
 /** "5 and 6", counted as people do. @param {number[]} indices */
-export const named = (indices) =>
+export const listViews = (indices) =>
   new Intl.ListFormat(language(), { type: "conjunction" }).format([...indices].sort((a, b) => a - b).map((index) => String(index + 1)));
 
 /** Views that are worth taking again. @param {Report} report @returns {number[]} indices */
-export const wanting = ({ views }) =>
+export const viewsToRetake = ({ views }) =>
   views.filter((view) => ["left_out", "stands_out"].includes(viewIssue(view, views) ?? "")).map(({ index }) => index);
 
 /**
@@ -31,7 +31,7 @@ export const wanting = ({ views }) =>
 export function viewsPart({ calibration, report }, trial, choices) {
   const factor = magnification(calibration, report);
   const left = trial?.without ?? [];
-  const bad = wanting(report).filter((index) => !left.includes(index));
+  const bad = viewsToRetake(report).filter((index) => !left.includes(index));
   return el("div", {}, el("p", { class: "muted" }, t("result.views_text", { factor })),
     ...(bad.length ? [advice(bad, left, choices)] : []),
     el("ol", { class: "views" }, ...report.views.map((original) => {
@@ -46,12 +46,12 @@ export function viewsPart({ calibration, report }, trial, choices) {
           ...(choices ? [toggle(view.index, left, choices)] : [])),
         ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []));
     })),
-    ...(choices ? [standing(calibration, trial, choices)] : []));
+    ...(choices ? [trialStatus(calibration, trial, choices)] : []));
 }
 
 /** @param {number[]} bad @param {number[]} left @param {Choices | null} choices */
 function advice(bad, left, choices) {
-  const words = el("p", {}, t("result.worth", { count: bad.length, views: named(bad) }));
+  const words = el("p", {}, t("result.worth", { count: bad.length, views: listViews(bad) }));
   return choices
     ? el("div", { class: "advice" }, words, button(t("result.leave_these", { count: bad.length }), () => choices.choose([...left, ...bad]), { id: "leave-these" }))
     : words;
@@ -67,11 +67,11 @@ function toggle(index, left, choices) {
 }
 
 /** What changes, and what to do next. @param {Calibration} calibration @param {Trial | null} trial @param {Choices} choices */
-function standing(calibration, trial, choices) {
+function trialStatus(calibration, trial, choices) {
   const status = el("p", { id: "without-status", role: "status" });
   if (!trial) return el("div", { class: "without" }, status);
   const { without, calibration: less } = trial;
-  const values = { count: without.length, views: named(without) };
+  const values = { count: without.length, views: listViews(without) };
   status.textContent = t("result.without_now", {
     ...values, before: rough(calibration.uncertainty.rms), after: rough(less.uncertainty.rms),
     fx: number(less.camera_matrix[0][0], 2), was: number(calibration.camera_matrix[0][0], 2),

@@ -1,7 +1,7 @@
-// A camera made of numbers: a MediaStream that shows the board through a known lens, and follows the targets.
+// Virtual camera: a MediaStream that shows the board through a known lens, and follows the targets.
 import { DEFAULT_BOARD } from "../board.js";
 import { HANDS, Hand } from "./hand.js";
-import { matched } from "./match.js";
+import { matchPose } from "./match.js";
 import { NAME, isVirtual } from "./name.js";
 import { FAULTS } from "./degrade.js";
 
@@ -23,7 +23,7 @@ export { isVirtual };
  *   distance: how many times as far away as asked for
  */
 
-const FRAME = 50; // ms; a canvas that nobody paints on delivers no frames
+const FRAME_INTERVAL_MS = 50; // ms; a canvas that nobody paints on delivers no frames
 
 /**
  * The camera that an address asks for: `img_size=1280x720`, `fx fy cx cy` in px, `k1 k2 p1 p2 k3`; the hand, `error seed
@@ -138,7 +138,7 @@ export class VirtualCamera {
     track.addEventListener("ended", () => this.close());
     this.#stream = stream;
     this.#ask();
-    this.#timer = setInterval(() => this.#refresh(), FRAME);
+    this.#timer = setInterval(() => this.#refresh(), FRAME_INTERVAL_MS);
     return stream;
   }
 
@@ -147,7 +147,7 @@ export class VirtualCamera {
    * @param {Pose & {ids?: readonly number[], corners?: readonly (readonly number[])[]}} target board → camera, squares
    */
   follow(target) {
-    const { rvec, tvec } = matched(this.#board, this.#setup.lens, target);
+    const { rvec, tvec } = matchPose(this.#board, this.#setup.lens, target);
     const distance = this.#setup.shown.distance ?? 1;
     this.#hand.follow({ rvec, tvec: [tvec[0], tvec[1], tvec[2] * distance] }, performance.now());
     this.#settled = false;

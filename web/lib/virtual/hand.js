@@ -1,5 +1,5 @@
-// The hand that holds the board: how it gets to a target, and how still it is there. Pure: the time comes in.
-import { between, misplaced, seeded, transform } from "../pose.js";
+// Simulated hand: the board's motion to a target, and its tremor there. Pure: the time is an argument.
+import { interpolatePose, perturbPose, seededRandom, transformPoint } from "../pose.js";
 
 /**
  * @typedef {import("../pose.js").Pose} Pose
@@ -21,8 +21,8 @@ export const HANDS = {
   wrong: { travel: 1_200, tremor: 0.5, sway: 1, astray: 4_000, blurred: 0.1 },
 };
 
-const TREMOR = 8.3; // Hz: physiological tremor has 8 to 12
-const SWAY = 0.7; // Hz
+const TREMOR_HZ = 8.3; // Hz: physiological tremor has 8 to 12
+const SWAY_HZ = 0.7; // Hz
 
 export class Hand {
   #kind;
@@ -46,7 +46,7 @@ export class Hand {
   constructor(kind, { error, seed, pivot, focal, start }) {
     this.#kind = HANDS[kind] ?? HANDS.still;
     this.#error = error;
-    this.#random = seeded(seed);
+    this.#random = seededRandom(seed);
     this.#pivot = pivot;
     this.#focal = focal;
     this.#from = this.#to = start;
@@ -56,7 +56,7 @@ export class Hand {
   /** @param {Pose} target board → camera, squares @param {number} time ms */
   follow(target, time) {
     this.#from = this.#way(time);
-    const goal = this.#error > 0 ? misplaced(target, this.#error, this.#random, this.#pivot) : target;
+    const goal = this.#error > 0 ? perturbPose(target, this.#error, this.#random, this.#pivot) : target;
     const astray = this.#kind.astray > 0;
     this.#to = astray ? mirrored(goal, this.#pivot) : goal;
     this.#then = astray ? goal : null;
@@ -88,7 +88,7 @@ export class Hand {
     }
     const part = Math.min(1, (time - this.#started) / travel);
     // Slow at both ends, as hands are.
-    return between(this.#from, this.#to, part * part * (3 - 2 * part));
+    return interpolatePose(this.#from, this.#to, part * part * (3 - 2 * part));
   }
 
   /** @param {Pose} pose @param {number} time */
@@ -98,17 +98,17 @@ export class Hand {
     const wave = (/** @type {number} */ index, /** @type {number} */ hertz) =>
       Math.sin((2 * Math.PI * hertz * time) / 1000 + this.#phases[index]);
     // One pixel at the board's distance, in squares.
-    const pixel = transform({ rvec, tvec }, this.#pivot)[2] / this.#focal;
-    const shift = [0, 1].map((axis) => pixel * (tremor * wave(axis, TREMOR + axis) + sway * wave(2 + axis, SWAY + 0.2 * axis)));
-    const turn = (tremor * wave(4, TREMOR - 1) + sway * wave(5, SWAY)) / this.#focal;
+    const pixel = transformPoint({ rvec, tvec }, this.#pivot)[2] / this.#focal;
+    const shift = [0, 1].map((axis) => pixel * (tremor * wave(axis, TREMOR_HZ + axis) + sway * wave(2 + axis, SWAY_HZ + 0.2 * axis)));
+    const turn = (tremor * wave(4, TREMOR_HZ - 1) + sway * wave(5, SWAY_HZ)) / this.#focal;
     return { rvec: [rvec[0] + turn, rvec[1] - turn, rvec[2]], tvec: [tvec[0] + shift[0], tvec[1] + shift[1], tvec[2]] };
   }
 }
 
 /** Where a target would be in a mirror: on the other side, tilted the other way. @param {Pose} pose @param {number[]} pivot @returns {Pose} */
 function mirrored(pose, pivot) {
-  const [x, y, z] = transform(pose, pivot);
+  const [x, y, z] = transformPoint(pose, pivot);
   const rvec = [pose.rvec[0], -pose.rvec[1], -pose.rvec[2]];
-  const turned = transform({ rvec, tvec: [0, 0, 0] }, pivot);
+  const turned = transformPoint({ rvec, tvec: [0, 0, 0] }, pivot);
   return { rvec, tvec: [-x - turned[0], y - turned[1], z - turned[2]] };
 }

@@ -1,16 +1,17 @@
-// A person does not read numbers: the board is held so that it covers its outline, whatever lens the target was drawn for.
+// Pose of a board that is held so that it covers a drawn target. A person matches outlines, not numbers: the target may
+// have been drawn for another lens.
 import { corners as boardCorners } from "../board.js";
 import { projectionOf } from "./lens.js";
 import { minimize } from "../least-squares.js";
-import { transform } from "../pose.js";
+import { transformPoint } from "../pose.js";
 
 /**
  * @typedef {import("../pose.js").Pose} Pose
  * @typedef {import("./lens.js").LensParameters} LensParameters
  */
 
-const UNSEEN = 1e3; // px, residual of a corner that the lens does not see
-const ENOUGH = 12; // corners; more would say the same, slower
+const UNSEEN_RESIDUAL_PX = 1e3; // px, residual of a corner that the lens does not see
+const MAX_CORNERS = 12; // corners; more would say the same, slower
 
 /**
  * The pose in which this lens sees the board's corners nearest to where they are asked for.
@@ -18,11 +19,11 @@ const ENOUGH = 12; // corners; more would say the same, slower
  * @param {Pose & {ids?: readonly number[], corners?: readonly (readonly number[])[]}} target
  * @returns {Pose} the target's own where it shows too little of the board
  */
-export function matched(board, lens, { rvec, tvec, ids = [], corners = [] }) {
+export function matchPose(board, lens, { rvec, tvec, ids = [], corners = [] }) {
   if (ids.length < 6) return { rvec, tvec };
   const { project } = projectionOf(lens);
   const places = boardCorners(board);
-  const every = Math.max(1, Math.floor(ids.length / ENOUGH));
+  const every = Math.max(1, Math.floor(ids.length / MAX_CORNERS));
   const used = ids.map((_, index) => index).filter((index) => index % every === 0 || index === ids.length - 1);
   const points = used.map((index) => [...places[ids[index]], 0]);
   /** @param {number[]} parameters */
@@ -30,9 +31,9 @@ export function matched(board, lens, { rvec, tvec, ids = [], corners = [] }) {
     const pose = { rvec: parameters.slice(0, 3), tvec: parameters.slice(3) };
     return points.flatMap((point, n) => {
       const index = used[n];
-      const p = transform(pose, point);
+      const p = transformPoint(pose, point);
       const pixel = p[2] < 0.1 ? null : project(p);
-      return pixel ? [pixel[0] - corners[index][0], pixel[1] - corners[index][1]] : [UNSEEN, UNSEEN];
+      return pixel ? [pixel[0] - corners[index][0], pixel[1] - corners[index][1]] : [UNSEEN_RESIDUAL_PX, UNSEEN_RESIDUAL_PX];
     });
   };
   const at = minimize(residuals, [...rvec, ...tvec]);

@@ -1,4 +1,4 @@
-// What the virtual camera calls itself: whoever sees its calibrations can tell that no real camera stands behind them.
+// Name of the virtual camera: whoever sees its calibrations can tell that no real camera stands behind them.
 
 export const NAME = "calibDB virtual camera";
 

@@ -1,4 +1,5 @@
-// The virtual camera's painter in a Worker: a hundred milliseconds a picture would stop the page.
+// Worker of the virtual camera's painter: a hundred milliseconds a picture would stop the page. Not named `.worker.js`,
+// whose content security policy allows `eval`: this worker needs none.
 import { Painter } from "./painter.js";
 import { degrade, smear } from "./degrade.js";
 

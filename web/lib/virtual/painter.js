@@ -1,4 +1,4 @@
-// Paints the board as a camera with a known lens sees it. Pure: numbers in, pixels out.
+// Painter of the board as a camera with a known lens sees it. Pure: numbers in, pixels out.
 import { raster } from "../board-drawing.js";
 import { rotationMatrix } from "../pose.js";
 import { projectionOf } from "./lens.js";
@@ -9,11 +9,11 @@ import { projectionOf } from "./lens.js";
  * @typedef {import("../pose.js").Pose} Pose
  */
 
-const TEXELS = 64; // a square
-const BORDER = 32; // texels of white paper around the board
+const TEXELS_PER_SQUARE = 64; // a square
+const BORDER_TEXELS = 32; // texels of white paper around the board
 const BACKGROUND = 112;
-const SAMPLES = 3; // a pixel, each way: corners come out 0.05 px right
-const AROUND = 3; // texels: where all so near are alike, one look tells what nine samples would
+const SAMPLES_PER_AXIS = 3; // a pixel, each way: corners come out 0.05 px right
+const EVEN_RADIUS = 3; // texels: where all so near are alike, one look tells what nine samples would
 
 export class Painter {
   /** Rays at the corners of the pixels, x and y at z = 1; NaN where the lens sees nothing. */
@@ -30,7 +30,7 @@ export class Painter {
     const [width, height] = size;
     const { unproject } = projectionOf(lens);
     this.#size = size;
-    this.#texture = raster(board, TEXELS, BORDER);
+    this.#texture = raster(board, TEXELS_PER_SQUARE, BORDER_TEXELS);
     this.#even = evenness(this.#texture);
     this.#rows = new Float32Array(4 * (width + 1));
     this.#rays = new Float32Array(2 * (width + 1) * (height + 1));
@@ -68,8 +68,8 @@ export class Painter {
       const [u, v] = [rays[ray], rays[ray + 1]];
       const depth = g * u + h * v + i;
       // Behind the camera, or past the horizon of the plane: not on the board.
-      out[at] = depth > 0 ? ((a * u + b * v + c) / depth) * TEXELS + BORDER - 0.5 : NaN;
-      out[at + 1] = depth > 0 ? ((d * u + e * v + f) / depth) * TEXELS + BORDER - 0.5 : NaN;
+      out[at] = depth > 0 ? ((a * u + b * v + c) / depth) * TEXELS_PER_SQUARE + BORDER_TEXELS - 0.5 : NaN;
+      out[at + 1] = depth > 0 ? ((d * u + e * v + f) / depth) * TEXELS_PER_SQUARE + BORDER_TEXELS - 0.5 : NaN;
     }
   }
 
@@ -84,19 +84,19 @@ export class Painter {
       // Comparisons with NaN are false: a ray that meets nothing must be asked for by name.
       if (away || Number.isNaN(x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3)) continue;
       const [mu, mv] = [(x0 + x1 + x2 + x3) / 4, (y0 + y1 + y2 + y3) / 4];
-      const near = Math.abs(x0 - x3) + Math.abs(x1 - x2) < 2 * (AROUND - 1) && Math.abs(y0 - y3) + Math.abs(y1 - y2) < 2 * (AROUND - 1);
+      const near = Math.abs(x0 - x3) + Math.abs(x1 - x2) < 2 * (EVEN_RADIUS - 1) && Math.abs(y0 - y3) + Math.abs(y1 - y2) < 2 * (EVEN_RADIUS - 1);
       const middle = Math.round(mv) * width + Math.round(mu);
       if (near && this.#even[middle] === 1) {
         pixels[x] = grey(Math.round(24 + 0.84 * data[middle]));
         continue;
       }
       let sum = 0;
-      for (let j = 0; j < SAMPLES; j++) {
-        const t = (j + 0.5) / SAMPLES;
+      for (let j = 0; j < SAMPLES_PER_AXIS; j++) {
+        const t = (j + 0.5) / SAMPLES_PER_AXIS;
         const [xl, yl] = [x0 + t * (x2 - x0), y0 + t * (y2 - y0)];
         const [xr, yr] = [x1 + t * (x3 - x1), y1 + t * (y3 - y1)];
-        for (let i = 0; i < SAMPLES; i++) {
-          const s = (i + 0.5) / SAMPLES;
+        for (let i = 0; i < SAMPLES_PER_AXIS; i++) {
+          const s = (i + 0.5) / SAMPLES_PER_AXIS;
           const [u, v] = [xl + s * (xr - xl), yl + s * (yr - yl)];
           if (u < 0 || v < 0 || u >= width - 1 || v >= height - 1) {
             sum += BACKGROUND;
@@ -111,24 +111,24 @@ export class Painter {
           sum += 24 + 0.84 * (top + fv * (bottom - top));
         }
       }
-      pixels[x] = grey(Math.round(sum / (SAMPLES * SAMPLES)));
+      pixels[x] = grey(Math.round(sum / (SAMPLES_PER_AXIS * SAMPLES_PER_AXIS)));
     }
   }
 }
 
 /**
- * Where all texels within `AROUND` are alike: rows first, then columns.
+ * Where all texels within `EVEN_RADIUS` are alike: rows first, then columns.
  * @param {{width: number, height: number, data: Uint8Array}} texture
  */
 function evenness({ width, height, data }) {
   /** @param {Uint8Array} from 1: alike so far @param {number} step from one texel to the next @param {(at: number) => boolean} within */
   const alike = (from, step, within) => Uint8Array.from(from, (_, at) => {
     if (!within(at)) return 0;
-    for (let k = -AROUND; k <= AROUND; k++) if (!from[at + k * step] || data[at + k * step] !== data[at]) return 0;
+    for (let k = -EVEN_RADIUS; k <= EVEN_RADIUS; k++) if (!from[at + k * step] || data[at + k * step] !== data[at]) return 0;
     return 1;
   });
-  const rows = alike(new Uint8Array(data.length).fill(1), 1, (at) => at % width >= AROUND && at % width < width - AROUND);
-  return alike(rows, width, (at) => at >= AROUND * width && at < (height - AROUND) * width);
+  const rows = alike(new Uint8Array(data.length).fill(1), 1, (at) => at % width >= EVEN_RADIUS && at % width < width - EVEN_RADIUS);
+  return alike(rows, width, (at) => at >= EVEN_RADIUS * width && at < (height - EVEN_RADIUS) * width);
 }
 
 /** @param {number} value */
