@@ -80,7 +80,7 @@ def file(found: ReportedCalibration, document: CalibrationDocument | None, asked
     if document is not None:
         board = Board.from_record(document.board.model_dump())
         views = tuple(board.views([view.model_dump() for view in document.views]))
-    subject = formats.Subject(
+    subject = formats.ExportSource(
         camera=Camera.from_record(found.model_dump()),
         views=views,
         board=board,

@@ -10,7 +10,7 @@ from yaml.events import AliasEvent
 from yaml.nodes import MappingNode, Node
 
 from calibsolver import CalibrationError
-from calibsolver.formats import Read
+from calibsolver.formats import ImportedFile
 from calibsolver.formats.reading import read, read_text
 from infra.ops.errors import OpsError
 
@@ -23,7 +23,7 @@ class _FormError(ValueError):
     """The text is not of the form that it should be."""
 
 
-def read_file(path: Path, squares: tuple[int, int] | None = None) -> Read:
+def read_file(path: Path, squares: tuple[int, int] | None = None) -> ImportedFile:
     """Read a calibration file: PhotonVision, Gyroflow, OpenCV or calibDB JSON, OpenCV, ROS or Kalibr YAML,
     mrcal's .cameramodel, or a table of corners of a board of so many `squares`.
 

@@ -12,7 +12,7 @@ import calibsolver
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument, Track, ViewDocument
 from calibsolver import CalibrationError, Camera, View, fit, models
-from calibsolver.formats import Read
+from calibsolver.formats import ImportedFile
 from calibsolver.formats.grid import grid
 from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
@@ -145,7 +145,7 @@ def _document(
         raise OpsError(f"{path}: {'.'.join(map(str, what['loc']))}: {what['msg']}") from error
 
 
-def _guess(context: OpsContext, path: Path, reported: ReportedCamera, read: Read) -> str:
+def _guess(context: OpsContext, path: Path, reported: ReportedCamera, read: ImportedFile) -> str:
     camera = read.camera
     if camera is None:
         raise OpsError(f"{path} holds neither a camera nor keypoints")

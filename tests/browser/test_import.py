@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Request, expect
 
 from calibsolver import fit
-from calibsolver.formats import Subject, write
+from calibsolver.formats import ExportSource, write
 from tests.helpers.browser.pictures import picture
 from tests.helpers.solver import specimens, synthetic
 from tests.helpers.solver.formats import subject
@@ -22,12 +22,12 @@ SENT = {
 }  # fmt: skip
 
 
-def captured() -> tuple[Subject, tuple[int, int]]:
+def captured() -> tuple[ExportSource, tuple[int, int]]:
     """Keypoints of 16 synthetic views, and the camera that a fit of all of them gives."""
     camera = synthetic.rectilinear_cameras()[5]
     views = specimens.views(camera, np.random.default_rng(0), count=16)
     fitted = fit(views, camera.img_size)
-    return Subject(
+    return ExportSource(
         fitted.camera, tuple(views), specimens.BOARD, NAME, rms=fitted.avg_reprojection_error
     ), camera.img_size
 

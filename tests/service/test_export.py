@@ -34,7 +34,7 @@ def test_every_format_is_a_file_with_its_name_and_error(client: Client, calibrat
         assert f'filename="test-camera-1280x720-{name}{suffix}"' in answer.headers["content-disposition"]
         assert answer.headers["content-type"] == formats.FORMATS[name].media_type
     warned = "x-conversion-warning" in answer.headers
-    assert warned == (float(answer.headers["x-conversion-error"]) > formats.VISIBLE)
+    assert warned == (float(answer.headers["x-conversion-error"]) > formats.MAX_INVISIBLE_PX)
 
 
 def test_a_cut_scaled_and_turned_picture_has_its_own_camera(client: Client, calibration: str) -> None:

@@ -37,7 +37,9 @@ def test_keypoints_become_a_calibration_like_any_other(
     views = real_views()
     calibration = fit(views, SIZE)
     file = formats.write(
-        formats.Subject(calibration.camera, views, name="LifeCam", rms=calibration.avg_reprojection_error),
+        formats.ExportSource(
+            calibration.camera, views, name="LifeCam", rms=calibration.avg_reprojection_error
+        ),
         "photonvision",
     )
     path = tmp_path / "lifecam.json"
@@ -91,7 +93,7 @@ def test_a_file_that_makes_no_sense_stores_nothing(
         said = capsys.readouterr().err
         assert path.name in said
         assert reason in said
-    few = formats.Subject(subject("rectilinear").camera, subject("rectilinear").views[:2])
+    few = formats.ExportSource(subject("rectilinear").camera, subject("rectilinear").views[:2])
     path.write_bytes(formats.write(few, "photonvision").content)
     assert main(["import", str(path), *WHOSE]) == 1
     assert "a calibration needs 4" in capsys.readouterr().err

@@ -6,7 +6,7 @@ import numpy as np
 
 from calibsolver import Board, Camera, View, fit, rotation
 from calibsolver.arrays import Array
-from calibsolver.formats import Subject
+from calibsolver.formats import ExportSource
 
 IMG_SIZE = (1280, 720)
 TRUTH = {
@@ -23,11 +23,11 @@ def truth(model: str) -> Camera:
 
 
 @lru_cache
-def subject(model: str) -> Subject:
+def subject(model: str) -> ExportSource:
     board = Board()
     views = captured(truth(model), board)
     calibration = fit(views, IMG_SIZE, model=model)
-    return Subject(
+    return ExportSource(
         camera=calibration.camera,
         views=views,
         board=board,

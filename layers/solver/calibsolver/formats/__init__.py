@@ -21,7 +21,7 @@ from . import (
     ros,
     web,
 )
-from .base import VISIBLE, Conversion, Read, Shape, Subject, Written
+from .base import MAX_INVISIBLE_PX, Conversion, ExportedFile, ExportSource, ImportedFile, ModelConstraint
 from .format import Format
 
 FORMATS: dict[str, Format] = {
@@ -50,18 +50,18 @@ FORMAT_NAMES = tuple(FORMATS)
 __all__ = [
     "FORMATS",
     "FORMAT_NAMES",
-    "VISIBLE",
+    "MAX_INVISIBLE_PX",
     "Conversion",
+    "ExportSource",
+    "ExportedFile",
     "Format",
-    "Read",
-    "Shape",
-    "Subject",
-    "Written",
+    "ImportedFile",
+    "ModelConstraint",
     "write",
 ]
 
 
-def write(subject: Subject, name: str, transform: transforms.Transform | None = None) -> Written:
+def write(source: ExportSource, name: str, transform: transforms.Transform | None = None) -> ExportedFile:
     """Write a calibration as the file called `name`, of the transformed picture where one is given.
 
     Raises CalibrationError ``unknown_format``, or ``not_representable`` where the format cannot hold it.
@@ -72,31 +72,31 @@ def write(subject: Subject, name: str, transform: transforms.Transform | None = 
             "unknown_format", f"no format is called {name!r}; there are {', '.join(FORMAT_NAMES)}"
         )
     if transform is not None:
-        subject = moved(subject, transform)
-    held = form.convert(subject)
-    width, height = subject.camera.img_size
+        source = transformed(source, transform)
+    conversion = form.convert(source)
+    width, height = source.camera.img_size
     # Several formats are YAML: files of one camera are to lie side by side.
     kind = "" if name == native.NativeJson.name else f"-{name}"
-    return Written(
-        content=form.write(subject, held),
+    return ExportedFile(
+        content=form.write(source, conversion),
         media_type=form.media_type,
-        filename=f"{slug(subject.name)}-{width}x{height}{kind}{form.suffix}",
-        error=held.error,
-        coverage=held.coverage,
-        warning=held.warning,
+        filename=f"{slug(source.name)}-{width}x{height}{kind}{form.suffix}",
+        error=conversion.error,
+        coverage=conversion.coverage,
+        warning=conversion.warning,
     )
 
 
-def moved(subject: Subject, transform: transforms.Transform) -> Subject:
+def transformed(source: ExportSource, transform: transforms.Transform) -> ExportSource:
     """Carry camera and measurements along.
 
     A mirrored board has its corners at the places of the board's own: the rightmost become the leftmost.
     """
-    camera, views = transforms.apply(transform, subject.camera, subject.views)
-    if transform.mirrored and subject.board is not None:
-        shift = (float(subject.board.squares[0]), 0.0, 0.0)
+    camera, views = transforms.apply(transform, source.camera, source.views)
+    if transform.mirrored and source.board is not None:
+        shift = (float(source.board.squares[0]), 0.0, 0.0)
         views = tuple(View(view.object_points + shift, view.image_points) for view in views)
-    return replace(subject, camera=camera, views=views)
+    return replace(source, camera=camera, views=views)
 
 
 def slug(name: str) -> str:

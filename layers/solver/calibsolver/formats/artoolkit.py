@@ -4,7 +4,7 @@ import struct
 
 import numpy as np
 
-from .base import Conversion, Shape, Subject
+from .base import Conversion, ExportSource, ModelConstraint
 from .format import Format
 
 
@@ -18,12 +18,12 @@ class ArToolKit(Format):
     name = "artoolkit"
     suffix = ".dat"
     media_type = "application/octet-stream"
-    shapes = (Shape("rectilinear", zero=("k3",)),)
+    constraints = (ModelConstraint("rectilinear", zero=("k3",)),)
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:  # noqa: ARG002 - every format has both
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:  # noqa: ARG002 - every format has both
         """Write the file."""
-        c = held.camera
+        c = conversion.camera
         k = np.asarray(c.matrix)
         p = np.concatenate([k, np.zeros((3, 1))], axis=1)
-        law = [*c.distortion[:4], k[0, 0], k[1, 1], k[0, 2], k[1, 2], 1.0]
-        return struct.pack(">2i12d9d", *c.img_size, *p.ravel(), *law)
+        parameters = [*c.distortion[:4], k[0, 0], k[1, 1], k[0, 2], k[1, 2], 1.0]
+        return struct.pack(">2i12d9d", *c.img_size, *p.ravel(), *parameters)

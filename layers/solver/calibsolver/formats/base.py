@@ -8,13 +8,13 @@ from ..board import Board
 from ..camera import Camera
 from ..view import View
 
-VISIBLE = 0.1
+MAX_INVISIBLE_PX = 0.1
 """px: a conversion that is further off says so in the file."""
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
-    """Subject of an export.
+class ExportSource:
+    """ExportSource of an export.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Conversion:
     error
         px, largest distance between where the two project the same ray, over what is covered.
     coverage
-        Share of the image whose rays the file's camera holds (`convert.compared`).
+        Share of the image whose rays the file's camera holds (`convert.compare`).
     """
 
     camera: Camera
@@ -70,22 +70,22 @@ class Conversion:
                 f"Approximation: this format holds {100 * self.coverage:.0f} % of the image; "
                 f"there it is up to {self.error:.2f} px off."
             )
-        if self.error > VISIBLE:
+        if self.error > MAX_INVISIBLE_PX:
             return f"Approximation: up to {self.error:.2f} px off somewhere in the image."
         return None
 
 
 @dataclass(frozen=True)
-class Shape:
+class ModelConstraint:
     """Cameras that a format can hold: those of a model, perhaps with some coefficients zero, or fx = fy."""
 
     model: str
     zero: tuple[str, ...] = ()
-    square: bool = False
+    equal_focal: bool = False
 
 
 @dataclass(frozen=True)
-class Written:
+class ExportedFile:
     """A file.
 
     Attributes
@@ -105,7 +105,7 @@ class Written:
 
 
 @dataclass(frozen=True, eq=False)
-class Read:
+class ImportedFile:
     """Content of a file.
 
     Attributes

@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import text
-from .base import Conversion, Shape, Subject
+from .base import Conversion, ExportSource, ModelConstraint
 from .format import Format
 
 HALF = 0.5
@@ -14,11 +14,11 @@ class Colmap(Format):
 
     name = "colmap"
     suffix = ".txt"
-    shapes = (Shape("rectilinear"), Shape("rational"), Shape("fisheye"))
+    constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"), ModelConstraint("fisheye"))
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
-        """Write the file; `subject`'s name is a comment."""
-        c = held.camera
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
+        """Write the file; `source`'s name is a comment."""
+        c = conversion.camera
         k, d = np.asarray(c.matrix), np.asarray(c.distortion)
         model = "OPENCV_FISHEYE" if c.model == "fisheye" else "FULL_OPENCV"
         if c.model == "rectilinear":
@@ -30,6 +30,6 @@ class Colmap(Format):
         return text.lines(
             "# Camera list with one line of data per camera:",
             "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]",
-            self.comment(subject, held),
+            self.comment(source, conversion),
             f"1 {model} {c.img_size[0]} {c.img_size[1]} {' '.join(text.number(p) for p in params)}",
         )

@@ -15,60 +15,60 @@ from ..fitting.observations import Observations
 from ..models import Model
 from ..phrasing import format_px_error
 from ..view import View
-from .base import Conversion, Shape, Subject
+from .base import Conversion, ExportSource, ModelConstraint
 
 LEAST_SQUARES = Options(with_prior=False, tolerance=1e-17, damping=1e-6)
-WORSE, UNSEEN = 1.05, 1e-3
-"""Ratio and px by which one shape's rms may exceed another's before they count as different."""
-LOST = 0.01
-"""Share of the image that one shape may leave out beyond what the others do."""
-FARTHEST = 0.05
+MAX_EQUAL_RMS_RATIO, MAX_EQUAL_RMS_PX = 1.05, 1e-3
+"""Ratio and px by which one constraint's rms may exceed another's before they count as different."""
+MAX_LOST_COVERAGE = 0.01
+"""Share of the image that one constraint may leave out beyond what the others do."""
+MAX_ERROR_WIDTHS = 0.05
 """Image widths: a conversion that is further off somewhere is none."""
 SAMPLE_GRID = (33, 25)
 """Columns and rows of the pixels at which two cameras are compared, those of the image's edge among them."""
-RIM = 1e-6
+RIM_MARGIN = 1e-6
 """Share by which what is called the rim of a model's domain lies inside it."""
 
 
-def convert(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
-    """Return the camera closest to the subject's that one of `shapes` can hold.
+def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> Conversion:
+    """Return the camera closest to the source's that one of `constraints` can hold.
 
-    The subject's own, where it can be held. Otherwise each shape is fitted to the subject's views (without
+    The source's own, where it can be written. Otherwise each constraint is fitted to the views (without
     any, to noise-free views that its camera would have had), and the first wins that explains them about as
-    well as the best: what a tool is used to comes first among its shapes.
+    well as the best: what a tool is used to comes first among its constraints.
 
     Raises CalibrationError ``not_representable`` where none comes near.
     """
-    for shape in shapes:
-        same = widened(subject.camera, shape.model)
-        if same is not None and holds(same, shape):
+    for constraint in constraints:
+        same = embed(source.camera, constraint.model)
+        if same is not None and satisfies(same, constraint):
             return Conversion(same)
     found: list[tuple[float, Conversion]] = []
     reasons = []
-    # Of what none can hold no shape is to be chosen.
-    views = subject.views or synthetic(subject.camera, max(models.get(s.model).max_angle for s in shapes))
-    for shape in shapes:
+    # Of what none can hold no constraint is to be chosen.
+    views = source.views or synthetic(source.camera, max(models.get(s.model).max_angle for s in constraints))
+    for constraint in constraints:
         try:
-            camera = fitted(subject, shape)
-            found.append((resection.reprojection_score(camera, views).rms, compared(subject.camera, camera)))
+            camera = fitted(source, constraint)
+            found.append((resection.reprojection_score(camera, views).rms, compare(source.camera, camera)))
         except CalibrationError as error:
             reasons.append(str(error))
     if not found:
         raise CalibrationError("not_representable", f"this format cannot hold the camera: {reasons[0]}")
-    enough = WORSE * min(rms for rms, _ in found) + UNSEEN
+    enough = MAX_EQUAL_RMS_RATIO * min(rms for rms, _ in found) + MAX_EQUAL_RMS_PX
     near = [conversion for rms, conversion in found if rms <= enough]
     widest = max(conversion.coverage for conversion in near)
-    held = next(conversion for conversion in near if conversion.coverage > widest - LOST)
-    width = subject.camera.img_size[0]
-    if held.error > FARTHEST * width:
-        away = format_px_error(held.error, width, 0)
+    conversion = next(each for each in near if each.coverage > widest - MAX_LOST_COVERAGE)
+    width = source.camera.img_size[0]
+    if conversion.error > MAX_ERROR_WIDTHS * width:
+        away = format_px_error(conversion.error, width, 0)
         raise CalibrationError(
             "not_representable", f"the closest camera this format can hold is {away} somewhere in the image"
         )
-    return held
+    return conversion
 
 
-def widened(camera: Camera, model: str) -> Camera | None:
+def embed(camera: Camera, model: str) -> Camera | None:
     """Return the same camera under a model of which its own is a special case; None where it is not."""
     if camera.model == model:
         return camera
@@ -77,14 +77,14 @@ def widened(camera: Camera, model: str) -> Camera | None:
     return None
 
 
-def holds(camera: Camera, shape: Shape) -> bool:
-    """Tell whether a camera of the shape's model is of that shape."""
+def satisfies(camera: Camera, constraint: ModelConstraint) -> bool:
+    """Whether a camera of the constraint's model satisfies it."""
     names = models.get(camera.model).coefficients
-    bent = any(camera.distortion[names.index(name)] != 0 for name in shape.zero)
-    return not bent and not (shape.square and camera.matrix[0, 0] != camera.matrix[1, 1])
+    violated = any(camera.distortion[names.index(name)] != 0 for name in constraint.zero)
+    return not violated and not (constraint.equal_focal and camera.matrix[0, 0] != camera.matrix[1, 1])
 
 
-def compared(camera: Camera, other: Camera) -> Conversion:
+def compare(camera: Camera, other: Camera) -> Conversion:
     """Projection differences of `other` from `camera`, over the rays of the image of `camera`.
 
     Where `other` holds them: where it is one-to-one and, if `camera` is of a model that sees farther to the
@@ -97,18 +97,18 @@ def compared(camera: Camera, other: Camera) -> Conversion:
     rays = camera.unproject(q)
     seen = np.isfinite(rays).all(axis=1)
     q, rays = q[seen], rays[seen]
-    law = models.get(other.model)
-    angle = law.domain_half_angle(np.asarray(other.distortion))
-    if models.get(camera.model).max_angle > law.max_angle:
-        angle = min(angle, law.max_angle)
+    model = models.get(other.model)
+    angle = model.domain_half_angle(np.asarray(other.distortion))
+    if models.get(camera.model).max_angle > model.max_angle:
+        angle = min(angle, model.max_angle)
     inside = rays[:, 2] > np.cos(angle)
     if not inside.any():
         raise CalibrationError("not_representable", "nothing of the image is left")
-    rim = _cone(angle * (1 - RIM))
+    rim = _cone(angle * (1 - RIM_MARGIN))
     there = camera.project(rim)
     met = ((there >= 0) & (there <= (w - 1, h - 1))).all(axis=1)
-    held, at = np.concatenate([rays[inside], rim[met]]), np.concatenate([q[inside], there[met]])
-    away = np.linalg.norm(other.project(held) - at, axis=1)
+    covered, at = np.concatenate([rays[inside], rim[met]]), np.concatenate([q[inside], there[met]])
+    away = np.linalg.norm(other.project(covered) - at, axis=1)
     return Conversion(other, float(away.max()), float(inside.mean()))
 
 
@@ -118,27 +118,27 @@ def _cone(angle: float) -> Array:
     return np.hstack([np.sin(angle) * np.cos(a), np.sin(angle) * np.sin(a), np.cos(angle) + 0 * a])
 
 
-def alike(subject: Subject, shapes: tuple[Shape, ...]) -> Conversion:
-    """Return the camera of one of `shapes` that draws the picture most alike (see `nearest`).
+def convert_in_image(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> Conversion:
+    """Return the camera of one of `constraints` that draws the picture most alike (see `fit_in_image`).
 
-    Another model is fitted to the subject's views first. Raises CalibrationError ``not_representable``.
+    Another model is fitted to the source's views first. Raises CalibrationError ``not_representable``.
     """
-    whole = convert(subject, tuple(Shape(shape.model) for shape in shapes)).camera
-    shape = next(shape for shape in shapes if shape.model == whole.model)
-    held = nearest(whole, shape).camera
-    return Conversion(held) if held is subject.camera else compared(subject.camera, held)
+    whole = convert(source, tuple(ModelConstraint(constraint.model) for constraint in constraints)).camera
+    constraint = next(constraint for constraint in constraints if constraint.model == whole.model)
+    camera = fit_in_image(whole, constraint).camera
+    return Conversion(camera) if camera is source.camera else compare(source.camera, camera)
 
 
-def nearest(camera: Camera, shape: Shape) -> Conversion:
-    """Return the camera of one shape, of the camera's own model, that draws the picture most alike.
+def fit_in_image(camera: Camera, constraint: ModelConstraint) -> Conversion:
+    """Fit the camera of a constraint on the camera's own model that draws the picture most alike.
 
     For files that correct pictures: there a turn of the camera, which a fit to keypoints is free to make, is
     a shift of what is seen. Least squares of the distance over the image, Gauss-Newton.
     """
-    if holds(camera, shape):
+    if satisfies(camera, constraint):
         return Conversion(camera)
     model = models.get(camera.model)
-    free = _directions(model, shape)
+    free = _directions(model, constraint)
     w, h = camera.img_size
     x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
     q = np.stack([x.ravel(), y.ravel()])
@@ -149,28 +149,28 @@ def nearest(camera: Camera, shape: Shape) -> Conversion:
         there, by_k, _ = model.jacobian(free @ a, rays[:, seen])
         rows = np.tensordot(by_k, free, axes=(0, 0)).transpose(2, 0, 1).reshape(free.shape[1], -1)
         a = a - np.linalg.lstsq(rows.T, (there - q[:, seen]).ravel(), rcond=None)[0]
-    return compared(camera, Camera.from_intrinsics(model.name, free @ a, camera.img_size))
+    return compare(camera, Camera.from_intrinsics(model.name, free @ a, camera.img_size))
 
 
-def fitted(subject: Subject, shape: Shape) -> Camera:
-    """Fit a camera of some shape to the subject's views.
+def fitted(source: ExportSource, constraint: ModelConstraint) -> Camera:
+    """Fit a camera of some constraint to the source's views.
 
     Raises CalibrationError where no believable one fits.
     """
-    measured = bool(subject.views)
-    views = subject.views or synthetic(subject.camera, models.get(shape.model).max_angle)
-    first = widened(subject.camera, shape.model)
+    measured = bool(source.views)
+    views = source.views or synthetic(source.camera, models.get(constraint.model).max_angle)
+    first = embed(source.camera, constraint.model)
     used: tuple[Mask, ...] = tuple(np.ones(len(view), dtype=bool) for view in views)
     if first is None:
-        calibration = fit(views, subject.camera.img_size, model=shape.model, robust=measured)
+        calibration = fit(views, source.camera.img_size, model=constraint.model, robust=measured)
         first, used = calibration.camera, calibration.used
-        if not (shape.zero or shape.square):
+        if not (constraint.zero or constraint.equal_focal):
             return first
-    return fit_constrained(first, shape, views, used)
+    return fit_constrained(first, constraint, views, used)
 
 
 def fit_constrained(
-    camera: Camera, constraint: Shape, views: tuple[View, ...], used: tuple[Mask, ...]
+    camera: Camera, constraint: ModelConstraint, views: tuple[View, ...], used: tuple[Mask, ...]
 ) -> Camera:
     """Least squares over the cameras that satisfy a constraint, from a camera of its model.
 
@@ -194,13 +194,15 @@ def fit_constrained(
     return Camera.from_intrinsics(model.name, state.k, camera.img_size)
 
 
-def _directions(model: Model, shape: Shape) -> Array:
-    """T (p, a): fx fy cx cy and the coefficients that a shape leaves free."""
+def _directions(model: Model, constraint: ModelConstraint) -> Array:
+    """T (p, a): fx fy cx cy and the coefficients that a constraint leaves free."""
     kept = [
-        i for i, name in enumerate(("fx", "fy", "cx", "cy", *model.coefficients)) if name not in shape.zero
+        i
+        for i, name in enumerate(("fx", "fy", "cx", "cy", *model.coefficients))
+        if name not in constraint.zero
     ]
     free = np.eye(model.size)[:, kept]
-    if shape.square:
+    if constraint.equal_focal:
         free = np.delete(free, 1, axis=1)
         free[1, 0] = 1
     return free

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..camera import Camera
-from .base import Conversion, Shape, Subject
-from .convert import alike, compared
+from .base import Conversion, ExportSource, ModelConstraint
+from .convert import compare, convert_in_image
 from .format import Format
 
 WARP_RECTILINEAR, WARP_FISHEYE = 1, 2
@@ -35,20 +35,23 @@ class Dng(Format):
     name = "dng"
     suffix = ".opcodelist3"
     media_type = "application/octet-stream"
-    shapes = (Shape("rectilinear", square=True), Shape("fisheye", square=True))
+    constraints = (
+        ModelConstraint("rectilinear", equal_focal=True),
+        ModelConstraint("fisheye", equal_focal=True),
+    )
 
-    def convert(self, subject: Subject) -> Conversion:
+    def convert(self, source: ExportSource) -> Conversion:
         """Take fx = fy, then as a fisheye four terms over the angles that the opcode reaches."""
-        held = alike(subject, self.shapes)
-        if held.camera.model != "fisheye":
-            return held
-        four = shortened(held.camera)
-        whole = compared(subject.camera, four)
-        return Conversion(four, _within(subject.camera, four), whole.coverage)
+        conversion = convert_in_image(source, self.constraints)
+        if conversion.camera.model != "fisheye":
+            return conversion
+        four = shortened(conversion.camera)
+        whole = compare(source.camera, four)
+        return Conversion(four, _within(source.camera, four), whole.coverage)
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:  # noqa: ARG002 - every format has both
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:  # noqa: ARG002 - every format has both
         """Write a list of one opcode."""
-        c = held.camera
+        c = conversion.camera
         (w, h), k = c.img_size, np.asarray(c.matrix)
         f, m = float(k[0, 0]), farthest(c)
         g, d = m / f, c.distortion

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 
-from .base import Conversion, Shape, Subject
+from .base import Conversion, ExportSource, ModelConstraint
 from .convert import convert
 
 
@@ -12,18 +12,18 @@ class Format(ABC):
     name: str
     suffix: str
     media_type: str = "text/plain; charset=utf-8"
-    shapes: tuple[Shape, ...]
+    constraints: tuple[ModelConstraint, ...]
 
-    def convert(self, subject: Subject) -> Conversion:
+    def convert(self, source: ExportSource) -> Conversion:
         """Return the closest camera that the file can hold; CalibrationError ``not_representable``."""
-        return convert(subject, self.shapes)
+        return convert(source, self.constraints)
 
     @abstractmethod
-    def write(self, subject: Subject, held: Conversion) -> bytes:
-        """Return the file's content; `held.camera` is what it says, the rest is `subject`'s."""
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
+        """Return the file's content; `conversion.camera` is what it says, the rest is `source`'s."""
 
-    def comment(self, subject: Subject, held: Conversion) -> list[str]:
+    def comment(self, source: ExportSource, conversion: Conversion) -> list[str]:
         """Say whose calibration this is, and the warning, where comments begin with a hash."""
-        name = " ".join("".join(c if c.isprintable() else " " for c in subject.name).split())
-        whose = f"# {name} {subject.identifier}".rstrip()
-        return [whose, f"# {held.warning}"] if held.warning else [whose]
+        name = " ".join("".join(c if c.isprintable() else " " for c in source.name).split())
+        whose = f"# {name} {source.identifier}".rstrip()
+        return [whose, f"# {conversion.warning}"] if conversion.warning else [whose]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import text
-from .base import Conversion, Read, Shape, Subject
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import make_camera, pad_coefficients
 from .format import Format
 
@@ -14,46 +14,50 @@ class Kalibr(Format):
     name = "kalibr"
     suffix = ".yaml"
     media_type = "application/yaml"
-    shapes = (Shape("rectilinear", zero=("k3",)), Shape("fisheye"), Shape("omnidirectional"))
+    constraints = (
+        ModelConstraint("rectilinear", zero=("k3",)),
+        ModelConstraint("fisheye"),
+        ModelConstraint("omnidirectional"),
+    )
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the chain."""
-        c = held.camera
+        c = conversion.camera
         k, d = np.asarray(c.matrix), np.asarray(c.distortion)
         intrinsics = [k[0, 0], k[1, 1], k[0, 2], k[1, 2]]
-        law = "equidistant" if c.model == "fisheye" else "radtan"
+        model = "equidistant" if c.model == "fisheye" else "radtan"
         if c.model == "omnidirectional":
             intrinsics, d = [d[0], *intrinsics], d[1:]
         return text.lines(
-            self.comment(subject, held),
+            self.comment(source, conversion),
             "cam0:",
             f"  camera_model: {'omni' if c.model == 'omnidirectional' else 'pinhole'}",
             f"  intrinsics: [{text.numbers(intrinsics)}]",
-            f"  distortion_model: {law}",
+            f"  distortion_model: {model}",
             f"  distortion_coeffs: [{text.numbers(d[:4])}]",
             f"  resolution: [{c.img_size[0]}, {c.img_size[1]}]",
             "  rostopic: /cam0/image_raw",
         )
 
 
-def read(data: object) -> Read:
+def read(data: object) -> ImportedFile:
     """Read the first camera of a parsed camchain; CalibrationError ``malformed``."""
     cam = text.member(data, "cam0")
     w, h = text.floats(text.member(cam, "resolution"), "resolution", 2, 2)
-    kind, law = text.member(cam, "camera_model"), text.member(cam, "distortion_model")
+    kind, model = text.member(cam, "camera_model"), text.member(cam, "distortion_model")
     values = text.floats(text.member(cam, "intrinsics"), "intrinsics", 4, 5)
     d = text.floats(text.member(cam, "distortion_coeffs"), "distortion_coeffs", 0, 5)
     fx, fy, cx, cy = values[-4:]
     matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
     size = (int(w), int(h))
-    wanted = {"radtan": 4, "equidistant": 4, "none": 0}.get(str(law))
+    wanted = {"radtan": 4, "equidistant": 4, "none": 0}.get(str(model))
     if wanted is None or len(d) != wanted or (kind == "omni") != (len(values) == 5):
-        raise text.refuse(f"{kind} with {law} and {len(d)} coefficients is no model of Kalibr's")
-    if kind == "pinhole" and law == "equidistant":
-        return Read(make_camera("fisheye", matrix, d, size))
+        raise text.refuse(f"{kind} with {model} and {len(d)} coefficients is no model of Kalibr's")
+    if kind == "pinhole" and model == "equidistant":
+        return ImportedFile(make_camera("fisheye", matrix, d, size))
     if kind == "pinhole":
-        return Read(make_camera("rectilinear", matrix, pad_coefficients(d, 5), size))
-    if kind == "omni" and law in ("radtan", "none"):
+        return ImportedFile(make_camera("rectilinear", matrix, pad_coefficients(d, 5), size))
+    if kind == "omni" and model in ("radtan", "none"):
         full = np.concatenate([values[:1], pad_coefficients(d, 4)])
-        return Read(make_camera("omnidirectional", matrix, full, size))
-    raise text.refuse(f"Kalibr's {kind} with {law} is not supported")
+        return ImportedFile(make_camera("omnidirectional", matrix, full, size))
+    raise text.refuse(f"Kalibr's {kind} with {model} is not supported")

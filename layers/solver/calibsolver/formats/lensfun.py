@@ -9,8 +9,8 @@ import numpy as np
 from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
-from .base import Conversion, Shape, Subject
-from .convert import SAMPLE_GRID, alike
+from .base import Conversion, ExportSource, ModelConstraint
+from .convert import SAMPLE_GRID, convert_in_image
 from .format import Format
 
 DIAGONAL = math.hypot(36, 24)
@@ -31,25 +31,28 @@ class Lensfun(Format):
     name = "lensfun"
     suffix = ".xml"
     media_type = "application/xml"
-    shapes = (Shape("rectilinear", zero=RADIAL, square=True), Shape("fisheye", square=True))
+    constraints = (
+        ModelConstraint("rectilinear", zero=RADIAL, equal_focal=True),
+        ModelConstraint("fisheye", equal_focal=True),
+    )
 
-    def convert(self, subject: Subject) -> Conversion:
+    def convert(self, source: ExportSource) -> Conversion:
         """Take the closest radial camera; the error is that of the polynomial."""
-        held = alike(subject, self.shapes)
-        return Conversion(held.camera, *_away(subject.camera, held.camera))
+        conversion = convert_in_image(source, self.constraints)
+        return Conversion(conversion.camera, *_away(source.camera, conversion.camera))
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write a database of one camera and one lens."""
-        c = held.camera
+        c = conversion.camera
         (w, h), k = c.img_size, np.asarray(c.matrix)
         unit = half(c)
         a, b, c2 = polynomial(c)[:3]
         focal = k[0, 0] * DIAGONAL / math.hypot(w, h)
-        name = escape(NO_XML.sub("", subject.name).strip() or "camera", {'"': "&quot;"})
+        name = escape(NO_XML.sub("", source.name).strip() or "camera", {'"': "&quot;"})
         kind = "\n        <type>fisheye</type>" if c.model == "fisheye" else ""
         center = f'x="{float(k[0, 2] - (w - 1) / 2) / unit!r}" y="{float(k[1, 2] - (h - 1) / 2) / unit!r}"'
-        note = f"\n<!-- {held.warning} -->" if held.warning else ""
-        law = f'model="ptlens" focal="{float(focal)!r}" a="{float(a)!r}" b="{float(b)!r}" c="{float(c2)!r}"'
+        note = f"\n<!-- {conversion.warning} -->" if conversion.warning else ""
+        model = f'model="ptlens" focal="{float(focal)!r}" a="{float(a)!r}" b="{float(b)!r}" c="{float(c2)!r}"'
         return f"""<?xml version="1.0" encoding="utf-8"?>{note}
 <lensdatabase version="1">
     <mount>
@@ -69,7 +72,7 @@ class Lensfun(Format):
         <aspect-ratio>{(max(w, h) - 1) / (min(w, h) - 1)!r}</aspect-ratio>
         <center {center}/>
         <calibration>
-            <distortion {law}/>
+            <distortion {model}/>
         </calibration>
     </lens>
 </lensdatabase>

@@ -17,7 +17,7 @@ from ..errors import CalibrationError
 from ..fitting import resection
 from ..view import View
 from . import text
-from .base import Conversion, Read, Shape, Subject
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import make_camera, pad_coefficients
 from .format import Format
 
@@ -35,15 +35,15 @@ class Mrcal(Format):
 
     name = "mrcal"
     suffix = ".cameramodel"
-    shapes = (Shape("rectilinear"), Shape("rational"))
+    constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"))
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the model."""
-        c = held.camera
-        law = f"LENSMODEL_OPENCV{len(c.distortion)}"
+        c = conversion.camera
+        lens_model = f"LENSMODEL_OPENCV{len(c.distortion)}"
         body = [
             "{",
-            f"    'lensmodel':  '{law}',",
+            f"    'lensmodel':  '{lens_model}',",
             "    # fx,fy,cx,cy,distortion0,distortion1,...",
             f"    'intrinsics': [ {text.numbers(c.intrinsics)}],",
             # the name that 2.5 and later write, and the one that every reader knows
@@ -51,26 +51,26 @@ class Mrcal(Format):
             "    'extrinsics': [ 0, 0, 0, 0, 0, 0,],",
             f"    'imagersize': [ {c.img_size[0]}, {c.img_size[1]},],",
         ]
-        if subject.views and subject.board:
-            packed = self._inputs(subject, held, subject.board, law)
+        if source.views and source.board:
+            packed = self._inputs(source, conversion, source.board, lens_model)
             body += ["    'icam_intrinsics': 0,", f"    'optimization_inputs': {packed!r},"]
-        return text.lines(self.comment(subject, held), body, "}")
+        return text.lines(self.comment(source, conversion), body, "}")
 
     @staticmethod
-    def _inputs(subject: Subject, held: Conversion, board: Board, law: str) -> bytes:
+    def _inputs(source: ExportSource, conversion: Conversion, board: Board, lens_model: str) -> bytes:
         """Pack the arguments of mrcal.optimize() at the optimum."""
         across, down = board.squares[0] - 1, board.squares[1] - 1
         # Corners that were not seen have a negative weight: mrcal's mark of a point to be left out.
-        seen = np.full((len(subject.views), down, across, 3), (0.0, 0.0, -1.0))
-        for grid, view in zip(seen, subject.views, strict=True):
+        seen = np.full((len(source.views), down, across, 3), (0.0, 0.0, -1.0))
+        for grid, view in zip(seen, source.views, strict=True):
             column, row = (view.object_points[:, :2].round().astype(int) - 1).T
             grid[row, column, :2], grid[row, column, 2] = view.image_points, 1.0
-        poses = resection.reprojection_score(held.camera, subject.views).poses.copy()
+        poses = resection.reprojection_score(conversion.camera, source.views).poses.copy()
         poses[:, 3:] += rotation.matrix(poses[:, :3]) @ np.array([1.0, 1.0, 0.0])
-        n = len(subject.views)
+        n = len(source.views)
         indices = np.stack([np.arange(n), np.zeros(n), np.full(n, -1)], axis=1).astype(np.int32)
         inputs: dict[str, Any] = {
-            "intrinsics": np.asarray(held.camera.intrinsics)[None],
+            "intrinsics": np.asarray(conversion.camera.intrinsics)[None],
             "extrinsics_rt_fromref": np.zeros((0, 6)),
             "frames_rt_toref": poses,
             "points": "",
@@ -78,8 +78,8 @@ class Mrcal(Format):
             "indices_frame_camintrinsics_camextrinsics": indices,
             "observations_point": "",
             "indices_point_camintrinsics_camextrinsics": "",
-            "lensmodel": law,
-            "imagersizes": np.array([held.camera.img_size], dtype=np.int32),
+            "lensmodel": lens_model,
+            "imagersizes": np.array([conversion.camera.img_size], dtype=np.int32),
             "calobject_warp": "",
             "do_optimize_intrinsics_core": True,
             "do_optimize_intrinsics_distortions": True,
@@ -101,28 +101,28 @@ class CornersVnl(Format):
 
     name = "corners-vnl"
     suffix = ".vnl"
-    shapes = tuple(Shape(model) for model in models.NAMES)
+    constraints = tuple(ModelConstraint(model) for model in models.NAMES)
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the keypoints; `-` where a corner was not seen."""
-        board = subject.board
-        if board is None or not subject.views:
+        board = source.board
+        if board is None or not source.views:
             raise CalibrationError("not_representable", "there are no keypoints of one board to write")
         body = [
             f"# {board.squares[0] - 1} x {board.squares[1] - 1} corners, one square apart",
             "# filename x y level",
         ]
-        for i, view in enumerate(subject.views):
+        for i, view in enumerate(source.views):
             column, row = (view.object_points[:, :2].round().astype(int) - 1).T
             seen = dict(zip((row * (board.squares[0] - 1) + column).tolist(), view.image_points, strict=True))
             for corner in range(board.corner_count):
                 at = seen.get(corner)
                 place = "- - -" if at is None else f"{text.number(at[0])} {text.number(at[1])} 0"
                 body.append(f"view{i:03d}.png {place}")
-        return text.lines(self.comment(subject, held), body)
+        return text.lines(self.comment(source, conversion), body)
 
 
-def read(content: str) -> Read:
+def read(content: str) -> ImportedFile:
     """Read a .cameramodel, with its keypoints where it has them; CalibrationError ``malformed``."""
     try:
         data = ast.literal_eval(
@@ -130,18 +130,20 @@ def read(content: str) -> Read:
         )
     except (ValueError, SyntaxError, MemoryError, RecursionError) as error:
         raise text.refuse(f"the file is no Python dictionary: {type(error).__name__}") from None
-    law = text.member(data, "lensmodel")
-    if law not in SIZES:
-        raise text.refuse(f"lensmodel {law!r} is none of {', '.join(SIZES)}")
-    k = text.floats(text.member(data, "intrinsics"), "intrinsics", 4 + SIZES[law], 4 + SIZES[law])
+    lens_model = text.member(data, "lensmodel")
+    if lens_model not in SIZES:
+        raise text.refuse(f"lensmodel {lens_model!r} is none of {', '.join(SIZES)}")
+    k = text.floats(
+        text.member(data, "intrinsics"), "intrinsics", 4 + SIZES[lens_model], 4 + SIZES[lens_model]
+    )
     w, h = text.floats(text.member(data, "imagersize"), "imagersize", 2, 2)
     matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1.0]])
-    model = "rational" if SIZES[law] == 8 else "rectilinear"
-    d = k[4:] if SIZES[law] == 8 else pad_coefficients(k[4:], 5)
+    model = "rational" if SIZES[lens_model] == 8 else "rectilinear"
+    d = k[4:] if SIZES[lens_model] == 8 else pad_coefficients(k[4:], 5)
     packed = data.get("optimization_inputs")
     number = data.get("icam_intrinsics", 0)
     views = _views(packed, number if isinstance(number, int) else 0) if isinstance(packed, bytes) else ()
-    return Read(make_camera(model, matrix, d, (int(w), int(h))), views)
+    return ImportedFile(make_camera(model, matrix, d, (int(w), int(h))), views)
 
 
 def _views(packed: bytes, number: int) -> tuple[View, ...]:
@@ -170,7 +172,7 @@ def _views(packed: bytes, number: int) -> tuple[View, ...]:
     return tuple(views)
 
 
-def read_corners(content: str, squares: tuple[int, int]) -> Read:
+def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
     """Read a corners.vnl of a board of so many squares; CalibrationError ``malformed``."""
     found: defaultdict[str, list[tuple[int, Array]]] = defaultdict(list)
     counted: defaultdict[str, int] = defaultdict(int)
@@ -198,4 +200,4 @@ def read_corners(content: str, squares: tuple[int, int]) -> Read:
     views = [
         board.view([i for i, _ in seen], np.array([q for _, q in seen])) for seen in found.values() if seen
     ]
-    return Read(None, tuple(views))
+    return ImportedFile(None, tuple(views))

@@ -2,7 +2,7 @@
 
 from .. import models
 from . import text
-from .base import Conversion, Read, Shape, Subject
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import make_camera
 from .format import Format
 
@@ -13,26 +13,26 @@ class NativeJson(Format):
     name = "calibdb"
     suffix = ".json"
     media_type = "application/json"
-    shapes = tuple(Shape(model) for model in models.NAMES)
+    constraints = tuple(ModelConstraint(model) for model in models.NAMES)
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
-        """Write all that the service answers, with the camera that is held."""
-        c = held.camera
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
+        """Write all that the service answers, with the camera that is conversion."""
+        c = conversion.camera
         return text.dump(
             {
-                **subject.record,
-                "camera": subject.name,
+                **source.record,
+                "camera": source.name,
                 "img_size": list(c.img_size),
                 "camera_matrix": c.matrix.tolist(),
                 "distortion_coefficients": c.distortion.tolist(),
                 "distortion_model": c.model,
-                "avg_reprojection_error": subject.rms,
+                "avg_reprojection_error": source.rms,
             },
-            held.warning,
+            conversion.warning,
         )
 
 
-def read(data: object) -> Read:
+def read(data: object) -> ImportedFile:
     """Read parsed JSON; CalibrationError ``malformed``."""
     model = (
         text.member(data, "distortion_model") if text.has_member(data, "distortion_model") else "rectilinear"
@@ -41,4 +41,4 @@ def read(data: object) -> Read:
     matrix = text.floats(text.member(data, "camera_matrix"), "camera_matrix", 9, 9).reshape(3, 3)
     d = text.floats(text.member(data, "distortion_coefficients"), "distortion_coefficients", 0, 14)
     found = data["camera"] if isinstance(data, dict) and isinstance(data.get("camera"), str) else ""
-    return Read(make_camera(str(model), matrix, d, (int(size[0]), int(size[1]))), name=found)
+    return ImportedFile(make_camera(str(model), matrix, d, (int(size[0]), int(size[1]))), name=found)

@@ -5,7 +5,7 @@ import numpy as np
 from .. import models
 from ..arrays import Array
 from . import text
-from .base import Conversion, Read, Shape, Subject
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv, make_camera
 from .format import Format
 
@@ -16,12 +16,12 @@ class OpenCvYaml(Format):
     name = "opencv-yaml"
     suffix = ".yml"
     media_type = "application/yaml"
-    shapes = tuple(Shape(model) for model in models.NAMES)
+    constraints = tuple(ModelConstraint(model) for model in models.NAMES)
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write plain members, then the matrices; omnidirectional cameras have `xi` and four coefficients."""
-        body = [f"{key}: {_scalar(value)}" for key, value in members(subject, held).items()]
-        for key, value in matrices(held).items():
+        body = [f"{key}: {_scalar(value)}" for key, value in members(source, conversion).items()]
+        for key, value in matrices(conversion).items():
             rows, columns = value.shape
             body += [
                 f"{key}: !!opencv-matrix",
@@ -30,7 +30,7 @@ class OpenCvYaml(Format):
                 "   dt: d",
                 f"   data: [ {text.numbers(value.ravel())} ]",
             ]
-        return text.lines("%YAML:1.0", "---", self.comment(subject, held), body)
+        return text.lines("%YAML:1.0", "---", self.comment(source, conversion), body)
 
 
 class OpenCvJson(Format):
@@ -39,12 +39,12 @@ class OpenCvJson(Format):
     name = "opencv-json"
     suffix = ".json"
     media_type = "application/json"
-    shapes = OpenCvYaml.shapes
+    constraints = OpenCvYaml.constraints
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write plain members, then the matrices."""
-        value: dict[str, object] = dict(members(subject, held))
-        for key, matrix in matrices(held).items():
+        value: dict[str, object] = dict(members(source, conversion))
+        for key, matrix in matrices(conversion).items():
             rows, columns = matrix.shape
             value[key] = {
                 "type_id": "opencv-matrix",
@@ -53,15 +53,15 @@ class OpenCvJson(Format):
                 "dt": "d",
                 "data": matrix.ravel().tolist(),
             }
-        return text.dump(value, held.warning)
+        return text.dump(value, conversion.warning)
 
 
-def members(subject: Subject, held: Conversion) -> dict[str, str | int | float]:
+def members(source: ExportSource, conversion: Conversion) -> dict[str, str | int | float]:
     """Return the plain members of the file."""
-    c, board = held.camera, subject.board
+    c, board = conversion.camera, source.board
     return {
-        "calibration_time": f"{np.datetime64(subject.time, 's')}Z",
-        "nr_of_frames": len(subject.views),
+        "calibration_time": f"{np.datetime64(source.time, 's')}Z",
+        "nr_of_frames": len(source.views),
         "image_width": c.img_size[0],
         "image_height": c.img_size[1],
         "board_width": board.squares[0] if board else 0,
@@ -70,14 +70,14 @@ def members(subject: Subject, held: Conversion) -> dict[str, str | int | float]:
         "flags": 0,
         "fisheye_model": int(c.model == "fisheye"),
         "distortion_model": c.model,
-        "camera_name": subject.name,
-        "avg_reprojection_error": subject.rms,
+        "camera_name": source.name,
+        "avg_reprojection_error": source.rms,
     }
 
 
-def matrices(held: Conversion) -> dict[str, Array]:
+def matrices(conversion: Conversion) -> dict[str, Array]:
     """Return the matrices of the file."""
-    c = held.camera
+    c = conversion.camera
     found = {"camera_matrix": np.asarray(c.matrix)}
     d = np.asarray(c.distortion)
     if c.model == "omnidirectional":
@@ -93,7 +93,7 @@ def _scalar(value: str | int | float) -> str:
     return str(value) if isinstance(value, int) else text.number(value)
 
 
-def read(data: object) -> Read:
+def read(data: object) -> ImportedFile:
     """Read the parsed file, YAML or JSON; CalibrationError ``malformed``."""
     matrix = _matrix(data, "camera_matrix", 9, 9).reshape(3, 3)
     d = _matrix(data, "distortion_coefficients", 0, 14)
@@ -105,8 +105,10 @@ def read(data: object) -> Read:
     name = text.member(data, "camera_name") if text.has_member(data, "camera_name") else ""
     if text.has_member(data, "xi"):
         xi = _matrix(data, "xi", 1, 1)
-        return Read(make_camera("omnidirectional", matrix, np.concatenate([xi, d]), size), name=str(name))
-    return Read(camera_from_opencv(matrix, d, size, fisheye), name=str(name))
+        return ImportedFile(
+            make_camera("omnidirectional", matrix, np.concatenate([xi, d]), size), name=str(name)
+        )
+    return ImportedFile(camera_from_opencv(matrix, d, size, fisheye), name=str(name))
 
 
 def _matrix(data: object, key: str, least: int, most: int) -> Array:

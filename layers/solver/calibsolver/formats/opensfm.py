@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import text
-from .base import Conversion, Shape, Subject
+from .base import Conversion, ExportSource, ModelConstraint
 from .format import Format
 
 
@@ -13,11 +13,11 @@ class OpenSfm(Format):
     name = "opensfm"
     suffix = ".json"
     media_type = "application/json"
-    shapes = (Shape("rectilinear"), Shape("fisheye"))
+    constraints = (ModelConstraint("rectilinear"), ModelConstraint("fisheye"))
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
-        """Write one camera under the subject's name."""
-        c = held.camera
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
+        """Write one camera under the source's name."""
+        c = conversion.camera
         (w, h), k = c.img_size, np.asarray(c.matrix)
         side = max(w, h)
         names = ("k1", "k2", "p1", "p2", "k3") if c.model == "rectilinear" else ("k1", "k2", "k3", "k4")
@@ -31,6 +31,6 @@ class OpenSfm(Format):
             "c_y": (k[1, 2] - (h - 1) / 2) / side,
             **dict(zip(names, c.distortion.tolist(), strict=True)),
         }
-        if held.warning:
-            value["warning"] = held.warning
-        return text.dump({subject.name or "camera": value})
+        if conversion.warning:
+            value["warning"] = conversion.warning
+        return text.dump({source.name or "camera": value})

@@ -10,7 +10,7 @@ from ..errors import CalibrationError
 from ..fitting import resection
 from ..view import View
 from . import text
-from .base import Conversion, Read, Shape, Subject
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv
 from .format import Format
 
@@ -24,37 +24,39 @@ class PhotonVision(Format):
     name = "photonvision"
     suffix = ".json"
     media_type = "application/json"
-    shapes = (Shape("rectilinear"), Shape("rational"))
+    constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"))
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the camera and the keypoints."""
-        c = held.camera
-        board = subject.board.squares if subject.board else (0, 0)
+        c = conversion.camera
+        board = source.board.squares if source.board else (0, 0)
         return text.dump(
             {
                 "resolution": {"width": float(c.img_size[0]), "height": float(c.img_size[1])},
                 "cameraIntrinsics": _matrix(np.asarray(c.matrix)),
                 "distCoeffs": _matrix(np.asarray(c.distortion)[None]),
                 "calobjectWarp": [0.0, 0.0],
-                "observations": self._observations(subject, held),
+                "observations": self._observations(source, conversion),
                 "calobjectSize": {"width": float(board[0]), "height": float(board[1])},
                 "calobjectSpacing": 1.0,
                 "lensmodel": "LENSMODEL_OPENCV",
             },
-            held.warning,
+            conversion.warning,
         )
 
     @staticmethod
-    def _observations(subject: Subject, held: Conversion) -> list[dict[str, Any]]:
-        if not subject.views:
+    def _observations(source: ExportSource, conversion: Conversion) -> list[dict[str, Any]]:
+        if not source.views:
             return []
-        found, law = [], models.get(held.camera.model)
+        found, model = [], models.get(conversion.camera.model)
         for i, (view, rt) in enumerate(
-            zip(subject.views, resection.reprojection_score(held.camera, subject.views).poses, strict=True)
+            zip(
+                source.views, resection.reprojection_score(conversion.camera, source.views).poses, strict=True
+            )
         ):
             r = rotation.matrix(rt[None, :3])[0]
             # the bare formula: a corner may lie just beyond where the model is one-to-one
-            seen = law.project(held.camera.intrinsics, r @ view.object_points.T + rt[3:, None]).T
+            seen = model.project(conversion.camera.intrinsics, r @ view.object_points.T + rt[3:, None]).T
             residuals = seen - view.image_points
             found.append(
                 {
@@ -88,20 +90,20 @@ def _quaternion(rvec: Array) -> dict[str, float]:
     return {"W": float(np.cos(angle / 2)), "X": x, "Y": y, "Z": z}
 
 
-def read(data: object) -> Read:
+def read(data: object) -> ImportedFile:
     """Read a parsed file; CalibrationError ``malformed``."""
     size = (
         text.count(text.member(data, "resolution", "width"), "resolution.width"),
         text.count(text.member(data, "resolution", "height"), "resolution.height"),
     )
     k = text.floats(text.member(data, "cameraIntrinsics", "data"), "cameraIntrinsics", 9, 9).reshape(3, 3)
-    law = "distCoeffs" if isinstance(data, dict) and "distCoeffs" in data else "cameraExtrinsics"
-    d = text.floats(text.member(data, law, "data"), law, 0, 14)
+    key = "distCoeffs" if isinstance(data, dict) and "distCoeffs" in data else "cameraExtrinsics"
+    d = text.floats(text.member(data, key, "data"), key, 0, 14)
     seen = data.get("observations", []) if isinstance(data, dict) else []
     if not isinstance(seen, list) or len(seen) > VIEWS:
         raise text.refuse(f"observations must be a list of at most {VIEWS}")
     views = [view for view in (_view(item) for item in seen) if len(view)]
-    return Read(camera_from_opencv(k, d, size, fisheye=False), tuple(views))
+    return ImportedFile(camera_from_opencv(k, d, size, fisheye=False), tuple(views))
 
 
 def _view(item: object) -> View:

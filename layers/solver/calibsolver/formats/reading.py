@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 
 from . import gyroflow, kalibr, mrcal, native, opencv, photonvision, ros, text
-from .base import Read
+from .base import ImportedFile
 
 
-def read(data: object) -> Read:
+def read(data: object) -> ImportedFile:
     """Read a parsed JSON or YAML file, whichever of the known kinds it is.
 
     Raises CalibrationError ``malformed``, which says what is missing or wrong.
@@ -28,7 +28,7 @@ def read(data: object) -> Read:
     raise text.refuse("the file is of no kind that is known here")
 
 
-def read_text(content: str, squares: tuple[int, int] | None = None) -> Read:
+def read_text(content: str, squares: tuple[int, int] | None = None) -> ImportedFile:
     """Read a .cameramodel, or a table of corners of a board of so many squares.
 
     Raises CalibrationError ``malformed``.

@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import text
-from .base import Conversion, Read, Shape, Subject
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv, make_camera
 from .format import Format
 
@@ -16,16 +16,16 @@ class Ros(Format):
     name = "ros"
     suffix = ".yaml"
     media_type = "application/yaml"
-    shapes = (Shape("rectilinear"), Shape("rational"), Shape("fisheye"))
+    constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"), ModelConstraint("fisheye"))
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the members in the order that ROS writes them."""
-        c = held.camera
+        c = conversion.camera
         k = np.asarray(c.matrix)
         p = np.concatenate([k, np.zeros((3, 1))], axis=1)
-        name = "".join(ch if ch.isascii() and ch.isalnum() else "_" for ch in subject.name) or "camera"
+        name = "".join(ch if ch.isascii() and ch.isalnum() else "_" for ch in source.name) or "camera"
         return text.lines(
-            self.comment(subject, held),
+            self.comment(source, conversion),
             f"image_width: {c.img_size[0]}",
             f"image_height: {c.img_size[1]}",
             f"camera_name: {text.quoted(name)}",
@@ -41,7 +41,7 @@ class Ros(Format):
         return [f"{name}:", f"  rows: {rows}", f"  cols: {columns}", f"  data: [{text.numbers(data)}]"]
 
 
-def read(data: object) -> Read:
+def read(data: object) -> ImportedFile:
     """Read the parsed YAML; CalibrationError ``malformed``."""
     size = (
         text.count(text.member(data, "image_width"), "image_width"),
@@ -49,10 +49,12 @@ def read(data: object) -> Read:
     )
     matrix = text.floats(text.member(data, "camera_matrix", "data"), "camera_matrix", 9, 9).reshape(3, 3)
     d = text.floats(text.member(data, "distortion_coefficients", "data"), "distortion_coefficients", 0, 14)
-    law = text.member(data, "distortion_model")
+    model = text.member(data, "distortion_model")
     name = str(text.member(data, "camera_name")) if text.has_member(data, "camera_name") else ""
-    if law == "equidistant":
-        return Read(make_camera("fisheye", matrix, d, size), name=name)
-    if law not in ("plumb_bob", "rational_polynomial"):
-        raise text.refuse(f"distortion_model {law!r} is none of plumb_bob, rational_polynomial, equidistant")
-    return Read(camera_from_opencv(matrix, d, size, fisheye=False), name=name)
+    if model == "equidistant":
+        return ImportedFile(make_camera("fisheye", matrix, d, size), name=name)
+    if model not in ("plumb_bob", "rational_polynomial"):
+        raise text.refuse(
+            f"distortion_model {model!r} is none of plumb_bob, rational_polynomial, equidistant"
+        )
+    return ImportedFile(camera_from_opencv(matrix, d, size, fisheye=False), name=name)

@@ -8,8 +8,8 @@ from .. import models
 from ..arrays import Array
 from ..camera import Camera
 from . import text
-from .base import Conversion, Shape, Subject
-from .convert import compared
+from .base import Conversion, ExportSource, ModelConstraint
+from .convert import compare
 from .format import Format
 
 NEAR, FAR = 0.1, 1000.0
@@ -35,14 +35,14 @@ class WebXr(Format):
     name = "webxr"
     suffix = ".json"
     media_type = "application/json"
-    shapes = tuple(Shape(model) for model in models.NAMES)
+    constraints = tuple(ModelConstraint(model) for model in models.NAMES)
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the attributes, and the projection matrix that goes with them."""
-        c = held.camera
+        c = conversion.camera
         return text.dump(
             {
-                "camera": subject.name,
+                "camera": source.name,
                 "viewport": {"x": 0, "y": 0, "width": c.img_size[0], "height": c.img_size[1]},
                 "cameraMatrix": np.asarray(c.matrix).ravel(order="F").tolist(),
                 "distortionModel": c.model,
@@ -51,7 +51,7 @@ class WebXr(Format):
                 "depthFar": FAR,
                 "projectionMatrix": projection_matrix(c).ravel(order="F").tolist(),
             },
-            held.warning,
+            conversion.warning,
         )
 
 
@@ -61,21 +61,21 @@ class Gltf(Format):
     name = "gltf"
     suffix = ".gltf"
     media_type = "model/gltf+json"
-    shapes = WebXr.shapes
+    constraints = WebXr.constraints
 
-    def convert(self, subject: Subject) -> Conversion:
+    def convert(self, source: ExportSource) -> Conversion:
         """Return the pinhole with its axis in the middle that readers of the two numbers see."""
-        c = subject.camera
+        c = source.camera
         (w, h), matrix = c.img_size, np.array(c.matrix)
         matrix[:2, 2] = (w - 1) / 2, (h - 1) / 2
-        return compared(c, Camera("rectilinear", matrix, np.zeros(5), c.img_size))
+        return compare(c, Camera("rectilinear", matrix, np.zeros(5), c.img_size))
 
-    def write(self, subject: Subject, held: Conversion) -> bytes:
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the scene."""
-        c = subject.camera
+        c = source.camera
         (w, h), k = c.img_size, np.asarray(c.matrix)
         camera = {
-            "name": subject.name,
+            "name": source.name,
             "type": "perspective",
             "perspective": {
                 "yfov": 2 * math.atan(h / (2 * float(k[1, 1]))),
@@ -88,7 +88,7 @@ class Gltf(Format):
                 "camera_matrix": k.tolist(),
                 "distortion_model": c.model,
                 "distortion_coefficients": c.distortion.tolist(),
-                "warning": held.warning,
+                "warning": conversion.warning,
             },
         }
         return text.dump(
@@ -96,7 +96,7 @@ class Gltf(Format):
                 "asset": {"version": "2.0", "generator": "calibDB"},
                 "scene": 0,
                 "scenes": [{"nodes": [0]}],
-                "nodes": [{"name": subject.name, "camera": 0}],
+                "nodes": [{"name": source.name, "camera": 0}],
                 "cameras": [camera],
             }
         )

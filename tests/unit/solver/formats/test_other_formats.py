@@ -222,7 +222,7 @@ def test_dng_fisheye_refits_four_terms_where_cutting_the_fifth_would_show() -> N
     camera = Camera(
         "fisheye", [[700, 0, 640], [0, 700, 360], [0, 0, 1]], [-0.03, 0.02, -0.02, 0.006], IMG_SIZE
     )
-    bare = formats.Subject(camera)
+    bare = formats.ExportSource(camera)
     held = formats.FORMATS["dng"].convert(bare)
     assert held.error < 0.01
     cut = Camera("fisheye", camera.matrix, [*camera.distortion[:3], 0.0], IMG_SIZE)

@@ -14,18 +14,18 @@ import yaml
 from calibsolver import CalibrationError, Camera, formats, models
 from calibsolver.arrays import Array
 from calibsolver.fitting.resection import reprojection_score
-from calibsolver.formats import Subject, Written
+from calibsolver.formats import ExportedFile, ExportSource
 from tests.helpers.solver.formats import IMG_SIZE, image_rays, subject
 
 ROUGH = 0.01
 """px: how far a tool's projection may be from ours beyond what the file says of itself."""
 
 
-def written(model: str, name: str) -> Written:
+def written(model: str, name: str) -> ExportedFile:
     return formats.write(subject(model), name)
 
 
-def off(model: str, file: Written, project: Callable[[Array], Array]) -> None:
+def off(model: str, file: ExportedFile, project: Callable[[Array], Array]) -> None:
     """Assert that a tool projects the rays of the image where we saw them, or as far off as the file says.
 
     Only rays ahead of the camera: most tools divide by the depth, whatever the model.
@@ -237,7 +237,7 @@ def test_photonvision_holds_the_keypoints(model: str) -> None:
 def test_a_lens_wider_than_a_plane_is_held_to_80_degrees_as_well_as_said(model: str, keypoints: bool) -> None:
     """All the rays of the image within, far denser than the conversion looks; of what is beyond no word."""
     mine = subject(model)
-    file = formats.write(mine if keypoints else Subject(mine.camera), "photonvision")
+    file = formats.write(mine if keypoints else ExportSource(mine.camera), "photonvision")
     data = json.loads(file.content)
     k, d = np.array(data["cameraIntrinsics"]["data"]).reshape(3, 3), np.array(data["distCoeffs"]["data"])
     assert file.coverage == (image_rays(mine.camera, 33, 25)[0][:, 2] > np.cos(1.4)).mean() > 0.8
@@ -257,20 +257,20 @@ def test_warning_stands_in_every_text_that_is_off() -> None:
         assert f"{file.error:.2f} px off".encode() in file.content, name
     for name in formats.FORMAT_NAMES:
         file = formats.write(subject("rectilinear"), name)
-        assert (file.warning is not None) == (file.error > formats.VISIBLE)
+        assert (file.warning is not None) == (file.error > formats.MAX_INVISIBLE_PX)
 
 
 @pytest.mark.parametrize("name", ["a\x1b[31m & <b>\x00", "\ud800\ufffe", "]]>--", "\x07", "後置 \U0001f4f7"])
 def test_lensfuns_file_is_well_formed_whatever_the_camera_is_called(name: str) -> None:
     mine = subject("rectilinear")
-    file = formats.write(Subject(mine.camera, name=name), "lensfun")
+    file = formats.write(ExportSource(mine.camera, name=name), "lensfun")
     models = [e.text for e in ET.fromstring(file.content).iter("model")]
     assert models == ["".join(c for c in name if c.isprintable() and c != "\ufffe") or "camera"] * 2
 
 
 def test_calibration_without_keypoints_is_converted_too() -> None:
     mine = subject("rectilinear")
-    bare = Subject(mine.camera, name=mine.name)
+    bare = ExportSource(mine.camera, name=mine.name)
     for name in formats.FORMAT_NAMES:
         if name == "corners-vnl":
             with pytest.raises(CalibrationError, match="no keypoints"):
