@@ -18,9 +18,9 @@ from calibsolver.consensus import Member, pool
 from tests.bench import document
 from tests.helpers.solver import attacks, specimens, synthetic
 
-DRAWS = 60
+MAX_DRAWS = 60
 """Of one mode at most; of the smaller ones all there are."""
-ACROSS = 500
+LENS_DRAWS = 500
 HEADER = [
     "spread of specimens",
     "cameras",
@@ -43,7 +43,7 @@ def main() -> int:
     for name, written in parts.items():
         if not only or name in only:
             document.replace(name, written())
-    print(f"50 calibrations x 8 views: {fifty():.2f} s")
+    print(f"50 calibrations x 8 views: {time_fifty():.2f} s")
     return 0
 
 
@@ -51,13 +51,13 @@ def poisoning(cameras: int) -> str:
     """Table of rates: what was answered where 40 % of a camera's calibrations are lies."""
     rows = []
     for variation, share in ((0.0, 1.0), (0.001, 0.2), (0.003, 0.2)):
-        rows.append(row(variation, [tried(i, variation) for i in range(int(cameras * share))]))
+        rows.append(row(variation, [run_trial(i, variation) for i in range(int(cameras * share))]))
         print(*rows[-1], flush=True)
     return document.table(HEADER, rows)
 
 
 @dataclass(frozen=True)
-class Tried:
+class Outcome:
     """Consensus of one camera; `moved` px and the `spread` that the answer states, px.
 
     `by_honest`: px that honest ones in the liars' place moved it by, None where no answer was reliable.
@@ -70,16 +70,16 @@ class Tried:
     by_honest: float | None
 
 
-def tried(number: int, variation: float) -> Tried:
-    """The camera of this number: the same one whenever it is asked for."""
+def run_trial(number: int, variation: float) -> Outcome:
+    """Run the trial of this number, the same one every time."""
     rng, others = np.random.default_rng((7, number)), np.random.default_rng((8, number))
     trial = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)), variation, others=others)
     clean = trial.clean.total < 5 or trial.clean.reliable
     spread = trial.attacked.spread if trial.attacked else 0.0
-    return Tried(clean, trial.reliable, trial.moved, spread, trial.by_honest)
+    return Outcome(clean, trial.reliable, trial.moved, spread, trial.by_honest)
 
 
-def row(variation: float, trials: Sequence[Tried]) -> list[str]:
+def row(variation: float, trials: Sequence[Outcome]) -> list[str]:
     answered = [t for t in trials if t.reliable]
     moved = [t.moved for t in answered]
     scatter = [t.by_honest for t in trials if t.by_honest is not None]
@@ -115,11 +115,11 @@ def profiles() -> str:
         mean = np.mean([rates[mode] for mode in chosen], axis=0)
         rows.append([what, str(len(chosen)), f"{mean[0]:.1%}", f"{mean[1]:.1%}"])
         print(*rows[-1], flush=True)
-    whole = np.mean([agreed(seen[mode], found[0][0].img_size) for mode, found in modes.items()])
+    whole = np.mean([is_reliable(seen[mode], found[0][0].img_size) for mode, found in modes.items()])
     rows.append(["all profiles of a mode at once", str(len(modes)), f"{whole:.1%}", ""])
     print(*rows[-1], flush=True)
-    wrong = across(rng)
-    rows.append([f"five lenses, one camera ({ACROSS} draws)", "", f"{wrong:.1%}", ""])
+    wrong = reliable_across_lenses(rng)
+    rows.append([f"five lenses, one camera ({LENS_DRAWS} draws)", "", f"{wrong:.1%}", ""])
     print(*rows[-1], flush=True)
     return document.table(["draws of five from", "modes", "reliable", "fx, fy, cx, cy agree"], rows)
 
@@ -129,28 +129,28 @@ def rate(
 ) -> Sequence[float]:
     """Share of the draws of five that are reliable, and of those that could be by their intrinsics alone."""
     draws = list(itertools.combinations(range(len(members)), 5))
-    if len(draws) > DRAWS:
-        draws = [draws[i] for i in rng.choice(len(draws), DRAWS, replace=False)]
-    reliable = [agreed([members[i] for i in draw], found[0][0].img_size) for draw in draws]
-    possible = [close([found[i][0] for i in draw]) for draw in draws]
+    if len(draws) > MAX_DRAWS:
+        draws = [draws[i] for i in rng.choice(len(draws), MAX_DRAWS, replace=False)]
+    reliable = [is_reliable([members[i] for i in draw], found[0][0].img_size) for draw in draws]
+    possible = [is_within_rule([found[i][0] for i in draw]) for draw in draws]
     return float(np.mean(reliable)), float(np.mean(possible))
 
 
-def agreed(members: Sequence[Member], img_size: tuple[int, int]) -> bool:
+def is_reliable(members: Sequence[Member], img_size: tuple[int, int]) -> bool:
     try:
         return pool(members, img_size, "fisheye").reliable
     except CalibrationError:
         return False
 
 
-def close(cameras: Sequence[Camera]) -> bool:
+def is_within_rule(cameras: Sequence[Camera]) -> bool:
     """Whether focal lengths and centres spread by less than the rule's 5 % and 2 %: no draw can do better."""
     k = np.stack([camera.intrinsics[:4] for camera in cameras])
     focal = k[:, :2].std(axis=0) / k[:, :2].mean(axis=0)
     return bool((focal < 0.05).all() and (k[:, 2:].std(axis=0) / cameras[0].img_size < 0.02).all())
 
 
-def across(rng: np.random.Generator) -> float:
+def reliable_across_lenses(rng: np.random.Generator) -> float:
     """Share of the draws of five different lenses of one camera, at one size, that are called reliable."""
     cameras: dict[tuple[str, ...], dict[str, list[tuple[Camera, float]]]] = {}
     for (brand, model, lens, _, w, h), found in specimens.profiles().items():
@@ -158,15 +158,15 @@ def across(rng: np.random.Generator) -> float:
             cameras.setdefault((brand, model, w, h), {}).setdefault(lens.lower(), []).extend(found)
     many = [lenses for lenses in cameras.values() if len(lenses) >= 5]
     wrong = 0
-    for _ in range(ACROSS):
+    for _ in range(LENS_DRAWS):
         lenses = many[int(rng.integers(len(many)))]
         names = rng.choice(sorted(lenses), 5, replace=False)
         drawn = [lenses[name][int(rng.integers(len(lenses[name])))] for name in names]
-        wrong += agreed(specimens.members(drawn, rng), drawn[0][0].img_size)
-    return wrong / ACROSS
+        wrong += is_reliable(specimens.members(drawn, rng), drawn[0][0].img_size)
+    return wrong / LENS_DRAWS
 
 
-def fifty() -> float:
+def time_fifty() -> float:
     """Seconds of one consensus of 50 calibrations of 8 views."""
     truth = synthetic.rectilinear_cameras()[6]
     rng = np.random.default_rng(0)

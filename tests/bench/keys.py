@@ -23,8 +23,8 @@ from tests.bench import document
 from tests.helpers.data import ROOT, data_dir
 
 DOCUMENT = ROOT / "docs" / "camera-keys.md"
-SAME_LENS = 0.01  # of the width, rms over the image: what may pass for one lens
-MOST = 12  # calibrations of one camera that are compared
+SAME_LENS_WIDTHS = 0.01  # of the width, rms over the image: what may pass for one lens
+MAX_COMPARED = 12  # calibrations of one camera that are compared
 
 
 @dataclass(frozen=True)
@@ -119,12 +119,12 @@ def lenses() -> list[list[str]]:
         groups: dict[tuple[str, ...], dict[str, Camera]] = defaultdict(dict)
         for row in rows:
             key = tuple(row[f].strip().casefold() for f in (*fields, "w", "h"))
-            if len(groups[key]) < MOST:
+            if len(groups[key]) < MAX_COMPARED:
                 groups[key][row["contributor"]] = camera(row)
         shares = []
         for group in groups.values():
             if len(group) > 1:
-                limit = SAME_LENS * next(iter(group.values())).img_size[0]
+                limit = SAME_LENS_WIDTHS * next(iter(group.values())).img_size[0]
                 differences = compare([SimpleNamespace(camera=c) for c in group.values()])
                 shares.append(float(np.mean(differences[np.triu_indices(len(group), 1)] < limit)))
         # Each camera counts the same, however popular.

@@ -18,7 +18,7 @@ from calibsolver.guidance.overlap import estimate_outline, jaccard_index
 from calibsolver.guidance.search import fisher_information
 from tests.helpers.solver.synthetic import Session, User, match_picture, seen
 
-PATIENCE = 8
+MAX_ATTEMPTS = 8
 COMFORTABLE = PoseLimits(width=(0.30, 0.75), max_tilt_deg=45.0, min_visible=0.9)
 
 
@@ -48,7 +48,7 @@ def published(
 ) -> Session:
     """The published method as it is: its poses, plain least squares, its overlap rule, its own end.
 
-    Drawn with a wrong focal length some targets cannot be reached: the best of PATIENCE attempts is taken.
+    Drawn with a wrong focal length some targets cannot be reached: the best of MAX_ATTEMPTS is taken.
     """
     board, user = Board(), user or User()
     guide = PoseSelection(board, camera.img_size, camera.model)
@@ -60,7 +60,7 @@ def published(
         view = seen(board, camera, *user.hold(board, asked, rng), rng, noise, wild)
         tried.append((jaccard_index(target.outline, estimate_outline(board, view), camera.img_size), view))
         if not guide.is_reached(target, view):
-            if len(tried) < PATIENCE:
+            if len(tried) < MAX_ATTEMPTS:
                 continue
             view = max(tried, key=lambda one: one[0])[1]
         tried = []
