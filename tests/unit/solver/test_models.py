@@ -1,9 +1,13 @@
 """Every model: derivatives, round trips, OpenCV's own projection, and the edge of the domain."""
 
+import re
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
 
+import calibsolver
 from calibsolver import CalibrationError, Camera, models
 from calibsolver.arrays import Array
 
@@ -63,7 +67,7 @@ def test_focal_length_is_in_pixels_per_radian_at_the_axis(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", models.NAMES)
-def test_axis_is_no_exception(name: str) -> None:
+def test_jacobian_is_finite_on_the_optical_axis(name: str) -> None:
     model, k = models.get(name), INTRINSICS[name]
     q, by_k, by_p = model.jacobian(k, np.array([[0.0], [0.0], [2.0]]))
     np.testing.assert_allclose(q[:, 0], k[2:4], atol=1e-12)
@@ -165,3 +169,16 @@ def test_camera_survives_its_record() -> None:
     np.testing.assert_array_equal(again.intrinsics, INTRINSICS["fisheye"])
     with pytest.raises(CalibrationError):
         Camera("rectilinear", camera.matrix, camera.distortion, (1280, 720))
+
+
+def test_generalised_focal_lengths_stay_with_models_and_formats() -> None:
+    """Elements of the camera matrix are generalised focal lengths: elsewhere `Camera.focal` is meant."""
+    root = Path(calibsolver.__file__).parent
+    element = re.compile(r"matrix\[0, ?0\]|matrix\[1, ?1\]|np\.diagonal\([\w.]*\bmatrix\)|matrix\[:2, :2\]")
+    users = {
+        str(module.relative_to(root))
+        for module in root.rglob("*.py")
+        if module.parent.name not in ("models", "formats") and element.search(module.read_text())
+    }
+    assert users <= {"camera.py", "image_transform.py"}
+    assert "image_transform.py" in users
