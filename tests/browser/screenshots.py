@@ -182,7 +182,7 @@ def test_a_device_that_is_turned(page: Page) -> None:
     page.goto(HELD)
     page.locator("#undo:enabled").wait_for()
     page.evaluate(TURN)
-    page.locator("#notice", has_text="a calibration of its own").wait_for()
+    page.locator("#notice", has_text="a separate calibration").wait_for()
     picture(page, "shot-capture-resized", SIZES)
 
 
@@ -211,7 +211,7 @@ def test_without_the_network(context: BrowserContext) -> None:
     page.goto(HELD)
     page.locator("#undo:enabled").wait_for()
     no_network(page)
-    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] kept here")).wait_for()
+    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] saved here")).wait_for()
     picture(page, "shot-capture-away", SIZES)
 
 

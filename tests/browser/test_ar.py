@@ -156,7 +156,7 @@ def test_a_practice_needs_no_database(page: Page, sent: list[Request]) -> None:
     picture(page, "ar-before")
     page.locator("#welcome .virtually").click()
     page.locator("#rms:not(:empty)").wait_for()
-    expect(page.locator("#facts")).to_contain_text("exact, the camera is made up")
+    expect(page.locator("#facts")).to_contain_text("exact, because the camera is simulated")
     for key, name in (("1", "matrix"), ("2", "rectified"), ("3", "distorted")):
         page.keyboard.press(key)
         page.locator(f"#stage[data-shown={name}]").wait_for()

@@ -54,7 +54,7 @@ def test_it_is_found_again_as_the_page_says(known: Page) -> None:
     known.locator("#start").click()
     known.locator("#instruction:not(:empty)").wait_for()
     known.evaluate(PULL)
-    known.locator("#failure", has_text="this page goes on by itself").wait_for()
+    known.locator("#failure", has_text="this page continues by itself").wait_for()
     known.evaluate(PLUG)
     known.locator("#instruction:not(:empty)").wait_for()
     assert known.evaluate("window.asked.deviceId") == {"exact": "c920"}
@@ -78,7 +78,7 @@ def test_without_a_picture_it_is_said_to_send_none(page: Page, address: str, whe
 
     def said() -> bool:
         page.clock.run_for(5_000)
-        return "The camera is open and sends no picture." in (page.locator(where).text_content() or "")
+        return "The camera is open but sends no picture." in (page.locator(where).text_content() or "")
 
     until(page, said)
 

@@ -40,7 +40,7 @@ def test_a_calibrated_camera_is_found_and_fitted_with_any_model(page: Page, api:
     capture(api, Truth(), KEY, seed=6)
     listed(api, "shelf test")
     page.goto("/cameras/?query=nobody+has+this")
-    page.locator("#status", has_text="No camera of that name is known").wait_for()
+    page.locator("#status", has_text="calibDB knows no camera of that name").wait_for()
     page.locator("#query").fill("shelf test")
     page.locator("#found a", has_text="Shelf Test Camera").click()
     page.locator("#camera-name", has_text="Shelf Test Camera").wait_for()
@@ -61,7 +61,7 @@ def test_of_a_consensus_there_are_no_corners_and_the_page_says_so(
     capture(api, Truth(), KEY | {"camera": "Desk Test Camera (1234:0003)"}, seed=8)
     listed(api, "desk test")
     page.goto("/cameras/?query=nobody+has+this")
-    page.locator("#status", has_text="No camera of that name is known").wait_for()
+    page.locator("#status", has_text="calibDB knows no camera of that name").wait_for()
     page.locator("#query").fill("desk test")
     page.locator("#search button").click()
     page.locator("#found a", has_text="Desk Test Camera").click()
@@ -75,4 +75,4 @@ def test_of_a_consensus_there_are_no_corners_and_the_page_says_so(
 
 def test_what_is_not_there_is_said(page: Page) -> None:
     page.goto("/cameras/?query=nobody+has+this")
-    page.locator("#status", has_text="No camera of that name is known").wait_for()
+    page.locator("#status", has_text="calibDB knows no camera of that name").wait_for()

@@ -87,7 +87,7 @@ def test_language_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> No
 
     assert views(page) >= 1
     page.keyboard.press("u")
-    hear(page, "notice", "^The last view was taken back.$")
+    hear(page, "notice", "^The last view was undone.$")
 
 
 def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: Page) -> None:
@@ -134,14 +134,14 @@ def test_a_camera_without_a_picture_is_said_to_be_one(page: Page) -> None:
     page.locator("#start").click()
     page.locator("#opening:not([hidden])").wait_for()
     page.clock.run_for(16_000)
-    page.locator("#failure", has_text="The camera is open and sends no picture.").wait_for()
+    page.locator("#failure", has_text="The camera is open but sends no picture.").wait_for()
     expect(page.locator("#again")).to_be_visible()
 
 
 @pytest.mark.parametrize(
     ("refusal", "said"),
     [
-        ("NotAllowedError", "The camera was not allowed. Allow it in the address bar, or in"),
+        ("NotAllowedError", "The browser was not allowed to use the camera. Allow it in the address bar"),
         ("NotReadableError", "Another program is using the camera. Close it, then try again."),
         ("NotFoundError", "No camera was found. Plug one in, or try the virtual camera."),
     ],
@@ -160,7 +160,7 @@ def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page, refus
 def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> None:
     page = context.new_page()
     page.goto("/calibrate/")
-    page.locator("#wanted", has_text="No camera was found. Plug one in, or try the virtual one").wait_for()
+    page.locator("#wanted", has_text="No camera was found. Plug one in, or practise").wait_for()
     expect(page.locator("#start-virtual.primary")).to_be_visible()
     picture(page, "capture-no-camera")
     expect(page.locator("#resolutions")).to_be_visible()

@@ -56,7 +56,7 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     content = write(kept, form)
     give(page, tmp_path, content.filename, content.content)
     if form == "corners-vnl":
-        page.locator("#status", has_text="which board was it").wait_for()
+        page.locator("#status", has_text="squares of the board").wait_for()
         assert [page.locator(f"#{side}").input_value() for side in ("columns", "rows")] == ["9", "6"]
         page.locator("#width").fill(str(size[0]))
         page.locator("#height").fill(str(size[1]))
@@ -92,7 +92,7 @@ def test_a_file_without_keypoints_is_explained(page: Page, tmp_path: Path) -> No
     for form, shown in (("opencv-json", True), ("ros", False), ("kalibr", False), ("mrcal", False)):
         file = write(held, form)
         give(page, tmp_path, file.filename, file.content)
-        wanted = "packed too deep" if form == "mrcal" else "no corners"
+        wanted = "cannot unpack" if form == "mrcal" else "no corners"
         page.locator("#guess h2", has_text=wanted).wait_for()
         expect(page.locator("#guess code")).to_contain_text(f"import {file.filename} --camera")
         assert page.locator("#matrix").count() == int(shown), form
@@ -112,8 +112,8 @@ def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> N
     for name, content, said in (
         ("cut.json", whole[:2000], "damaged"),
         ("odd.json", whole.replace(b'"x": ', b'"x": "a", "q": ', 1), "locationInObjectSpace"),
-        ("picture.jpg", b"\xff\xd8\xff\xe0" + bytes(range(256)) * 20, "no calibration file"),
-        ("empty.json", b"", "no calibration file"),
+        ("picture.jpg", b"\xff\xd8\xff\xe0" + bytes(range(256)) * 20, "as a calibration file"),
+        ("empty.json", b"", "as a calibration file"),
     ):
         give(page, tmp_path, name, content)
         page.locator("#problem", has_text=said).wait_for()

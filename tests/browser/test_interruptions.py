@@ -41,7 +41,7 @@ def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
     page.evaluate(TURN)
-    hear(page, "notice", "a calibration of its own")
+    hear(page, "notice", "a separate calibration")
     assert [json.loads(request.post_data or "")["img_size"] for request in begun] == [
         [1280, 720],
         [720, 1280],
@@ -59,7 +59,7 @@ def test_a_lost_camera_loses_no_views(page: Page) -> None:
     page.locator("#failed:not([hidden])").wait_for()
     expect(page.locator("#failure")).to_contain_text("The camera was unplugged")
     assert re.fullmatch(
-        r"(1 view is|\d views are) kept. Try again with the same camera to go on.",
+        r"(1 view is|\d views are) saved. Try again with the same camera to continue.",
         page.locator("#kept").text_content() or "",
     )
     picture(page, "capture-kept")
@@ -77,7 +77,7 @@ def test_a_stop_that_would_lose_views_is_asked_for_twice(page: Page) -> None:
     page.locator("#undo:enabled").wait_for()
     page.locator("#stop").dblclick()  # in haste, which counts once
     page.locator("#stop", has_text="Stop?").wait_for()
-    hear(page, "notice", r"^Press once more to stop: \d views? will be lost\.$")
+    hear(page, "notice", r"^Press again to stop and lose \d views?\.$")
     expect(page.locator("#controls")).to_be_visible()
     picture(page, "capture-stop")
     page.locator("#stop", has_text=re.compile("^Stop$")).wait_for()
@@ -92,7 +92,7 @@ def test_waiting_for_the_service_is_said_and_can_be_ended(context: BrowserContex
     page.goto(VIRTUAL)
     hear(page, "opening-text", "connection to calibDB is lost. Trying again")
     # It is not waited for: the page has targets of its own.
-    page.locator("#away", has_text="Without connection").wait_for()
+    page.locator("#away", has_text="No connection").wait_for()
     page.locator("#undo:enabled").wait_for()
     stop(page)
     assert requests_within(page, 2.5) == []
@@ -107,10 +107,10 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     page.locator("#undo:enabled").wait_for()
     there = views(page)
     page.route("**/v1/**", lambda route: route.abort())
-    page.locator("#away", has_text="Without connection").wait_for()
+    page.locator("#away", has_text="No connection").wait_for()
     target = page.locator("#target[points*=',']")  # until there are enough views
     assert len((target.get_attribute("points") or "").split()) == 4
-    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] kept here")).wait_for()
+    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] saved here")).wait_for()
     picture(page, "capture-away")
     page.unroute("**/v1/**")
     page.locator("#away").wait_for(state="hidden")
@@ -120,7 +120,7 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     wait_for_views(page, there + 1)
     said += heard(page, "instruction")[earlier:]
     assert not [text for text in said if "onnection" in text], said
-    expect(page.locator("#counts")).not_to_contain_text("kept here")
+    expect(page.locator("#counts")).not_to_contain_text("saved here")
 
     taken = views(page)
     page.reload()
@@ -128,7 +128,7 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     assert views(page) >= taken
     assert len(begun) == 1
     page.goto("/calibrate/")
-    page.locator("#interrupted-text", has_text="is kept" if taken == 1 else "are kept").wait_for()
+    page.locator("#interrupted-text", has_text="is saved" if taken == 1 else "are saved").wait_for()
     picture(page, "capture-interrupted")
     page.locator("#forget").click()
     page.locator("#interrupted").wait_for(state="hidden")
@@ -145,17 +145,17 @@ def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_
     page.route("**/v1/**", lambda route: route.abort())
     page.route("**/config.json", lambda route: route.abort())
     page.goto(VIRTUAL)
-    expect(page.locator("#away")).to_contain_text("Without connection: go on, views are kept here")
-    page.locator("#counts", has_text=re.compile("[2-7] of 8 kept here")).wait_for()
+    expect(page.locator("#away")).to_contain_text("No connection. Continue: views are saved on this device")
+    page.locator("#counts", has_text=re.compile("[2-7] of 8 saved here")).wait_for()
 
     page.goto("/calibrate/")
-    page.locator("#interrupted-text", has_text="are kept on this device").wait_for()
+    page.locator("#interrupted-text", has_text="are saved on this device").wait_for()
     page.locator("#go-on").click()
-    expect(page.locator("#away")).to_contain_text("Without connection")
+    expect(page.locator("#away")).to_contain_text("No connection")
     page.locator("#instruction", has_text="Enough views. Waiting for calibDB").wait_for()
-    assert (page.locator("#counts").text_content() or "").endswith("8 of 8 kept here")
+    assert (page.locator("#counts").text_content() or "").endswith("8 of 8 saved here")
     page.locator("#undo").click()
-    hear(page, "notice", "The last view was taken back")
+    hear(page, "notice", "The last view was undone")
     page.locator("#instruction", has_text="Enough views").wait_for()
     picture(page, "capture-enough")
     page.unroute("**/v1/**")
@@ -169,14 +169,14 @@ def test_a_view_that_the_service_has_is_not_taken_back_without_it(context: Brows
     page.locator("#undo:enabled").wait_for()
     page.route("**/v1/**", lambda route: route.abort())
     page.reload()
-    expect(page.locator("#away")).to_contain_text("Without connection: go on")
+    expect(page.locator("#away")).to_contain_text("No connection. Continue")
 
     def is_refused() -> bool:  # what was taken meanwhile is taken back, before
         page.locator("#undo:enabled").click()
-        return any("cannot be taken back until calibDB is there" in said for said in heard(page, "notice"))
+        return any("only once calibDB is back" in said for said in heard(page, "notice"))
 
     until(page, is_refused)
-    page.locator("#counts", has_text="of 8 kept here").wait_for()
+    page.locator("#counts", has_text="of 8 saved here").wait_for()
 
 
 def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> None:
@@ -251,7 +251,7 @@ def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: Browser
         lambda request: request.method == "POST" and request.url.endswith("/v1/session")
     ):
         page.locator("#skip").click()
-    hear(page, "notice", "The session had run out: a new one has your views")
+    hear(page, "notice", "The session had expired. A new session has your views")
     wait_for_views(page, before)
     assert len(begun) == 3
     assert json.loads(begun[-1].post_data or "")["track"]["focusDistance"] == 0.4
@@ -267,12 +267,12 @@ def test_a_killed_detector_is_started_again(context: BrowserContext) -> None:
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
     page.evaluate(KILL)
-    hear(page, "instruction", "Starting the detector again")
+    hear(page, "instruction", "Restarting the board detector")
     wait_for_views(page, views(page) + 1)
 
 
 def test_a_full_storage_is_said_and_ends_nothing(page: Page) -> None:
     page.add_init_script(FULL)
     page.goto(VIRTUAL)
-    page.locator("#away", has_text="no room to keep views").wait_for()
+    page.locator("#away", has_text="This browser cannot save views").wait_for()
     page.locator("#done:not([hidden])").wait_for()

@@ -128,6 +128,6 @@ def test_overlays_go_on_with_the_gpu(overlays: Page) -> None:
 
 def test_overlays_without_a_gpu_say_so(overlays: Page) -> None:
     overlays.evaluate(FOR_EVER)
-    overlays.locator("#failure", has_text="The graphics processor stopped answering.").wait_for()
+    overlays.locator("#failure", has_text="The graphics processor stopped responding.").wait_for()
     overlays.locator("#again").click()
     overlays.locator("#rms:not(:empty)").wait_for()

@@ -41,7 +41,7 @@ def test_two_seconds_of_patience_whatever_the_outage(context: BrowserContext, ou
 
     page.route("**/v1/session**", answer)
     there = views(page)
-    page.locator("#away", has_text="Without connection: go on, views are kept here.").wait_for()
+    page.locator("#away", has_text="No connection. Continue: views are saved on this device.").wait_for()
     asked = min(met)
     stood = until(page, lambda: [said for time, said in page.evaluate("window.stood") if time == asked])
     assert stood == [True], "said within three seconds"
@@ -51,7 +51,7 @@ def test_two_seconds_of_patience_whatever_the_outage(context: BrowserContext, ou
     assert not [each for each in waiting if each[2]], "no full ring while nothing comes back"
     assert {"One moment", "Connection lost. Trying again"} & {text for _, text, _, _ in waiting}
 
-    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] kept here")).wait_for()
+    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] saved here")).wait_for()
     kept = page.evaluate(KEPT)
     back.append(outage)
     for route in held:
@@ -98,7 +98,7 @@ def test_views_captured_during_an_outage_are_sent_on_return(context: BrowserCont
     page.locator("#undo:enabled").wait_for()
     there = views(page)
     page.route("**/v1/**", lambda route: route.abort())
-    page.locator("#away", has_text="Without connection: go on").wait_for()
+    page.locator("#away", has_text="No connection. Continue").wait_for()
     until(page, lambda: len(page.evaluate(KEPT)) >= there + 3)  # the capture goes on meanwhile
     kept = page.evaluate(KEPT)
     before = len(sent)

@@ -62,7 +62,7 @@ def test_too_little_is_not_stored_but_what_would_help_is_drawn(page: Page) -> No
     page.locator("#camera").fill(NAME)
     page.locator("#start").click()
     page.locator("#wanted figure").wait_for()
-    expect(page.locator("#status")).to_contain_text("Not enough yet")
+    expect(page.locator("#status")).to_contain_text("not enough yet")
     picture(page, "photos-more", ["hand"], full=True)
 
     held: list[Route] = []
@@ -82,7 +82,7 @@ def test_another_board_is_not_taken_for_this_one(context: BrowserContext) -> Non
     page = context.new_page()
     page.goto("/photos/")
     page.locator("#files").set_input_files(photographs("640x480")[:2])
-    page.locator("#status", has_text="Is it the board named above?").wait_for()
+    page.locator("#status", has_text="Do they show the board named above?").wait_for()
     expect(page.locator("#pictures .what", has_text="no board")).to_have_count(2)
 
 

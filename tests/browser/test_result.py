@@ -72,7 +72,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(page: Page, api: httpx.Cli
     page.goto(f"/result/?id={state['calibration_id']}")
     page.locator("#view-0-out").click()
     page.locator(".trial", has_text="without view 1").wait_for()
-    expect(page.locator("#view-0-out:focus")).to_have_text("Take back in")
+    expect(page.locator("#view-0-out:focus")).to_have_text("Put back")
     assert json.loads(page.locator("#json").text_content() or "")["camera_matrix"] == less["camera_matrix"]
     before, after = (each["uncertainty"]["rms"] for each in (state["calibration"], less))
     assert after > before
@@ -87,7 +87,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(page: Page, api: httpx.Cli
     assert saved == api.get(path, params={"without": "0", "format": "ros"}).content
     for index in range(1, len(state["views"]) - 1):
         page.locator(f"#view-{index}-out").click()
-        page.locator(f"#view-{index}-out", has_text="Take back in").wait_for()
+        page.locator(f"#view-{index}-out", has_text="Put back").wait_for()
     page.locator("#all-again").click()
     page.locator(".trial").wait_for(state="detached")
     assert json.loads(page.locator("#json").text_content() or "")["id"] == state["calibration_id"]

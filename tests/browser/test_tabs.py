@@ -63,5 +63,5 @@ def test_a_hidden_tab_waits(page: Page, seconds: int) -> None:
     before = views(page)
     assert requests_within(page, seconds) == []
     page.evaluate(HIDE, False)
-    hear(page, "notice", "Nothing was taken while this page was hidden")
+    hear(page, "notice", "No views were taken while this page was hidden")
     wait_for_views(page, before + 1)

@@ -32,10 +32,10 @@ test("the camera asked for is proposed, and the virtual one never in its place",
 });
 
 test("a camera that is not there is said not to be, as soon as names are known", () => {
-  assert.equal(statusText.wanted(state), "Asked for: C920 at 1280\u00a0×\u00a0720. It is not among the cameras found here.");
-  assert.equal(statusText.wanted(having({ ui: { cameras: [C920, VIRTUAL] } })), "Asked for: C920 at 1280\u00a0×\u00a0720.");
+  assert.equal(statusText.wanted(state), "Requested: C920 at 1280\u00a0×\u00a0720. It is not among the cameras found here.");
+  assert.equal(statusText.wanted(having({ ui: { cameras: [C920, VIRTUAL] } })), "Requested: C920 at 1280\u00a0×\u00a0720.");
   const nameless = { id: "", label: "Camera 1", named: false };
-  assert.equal(statusText.wanted(having({ ui: { cameras: [nameless, VIRTUAL] } })), "Asked for: C920 at 1280\u00a0×\u00a0720.");
+  assert.equal(statusText.wanted(having({ ui: { cameras: [nameless, VIRTUAL] } })), "Requested: C920 at 1280\u00a0×\u00a0720.");
   assert.match(statusText.wanted(having({ ui: { cameras: [VIRTUAL] } })), /No camera was found here/);
 });
 
@@ -80,6 +80,6 @@ test("a model that would fit better is offered, unless it is the one", () => {
 test("what is waited for is named", () => {
   assert.match(statusText.opening(having({ ui: { waiting: "camera" } })), /If your browser asks, allow it/);
   assert.match(statusText.opening(having({ ui: { waiting: "detector" }, detector: { loading: 0.5 } })), /Loading the board detector/);
-  assert.match(statusText.opening(having({ ui: { waiting: "service" } })), /Asking calibDB/);
+  assert.match(statusText.opening(having({ ui: { waiting: "service" } })), /Opening a session at calibDB/);
   assert.match(statusText.opening(having({ ui: { waiting: "service" }, link: { attempts: 2 } })), /lost. Trying again/);
 });

@@ -5,7 +5,8 @@
 //     addMessages({ board });
 //     t("board.full_screen"); t("board.views", { count: 3 });
 //
-// A catalog is { en: {key: text}, de: {…}, uk: {…} } with the same keys in each. A message has its values in braces,
+// A catalog is { en: {key: text}, de: {…}, uk: {…} } with the same keys in each: one module, or a module for each language
+// ("capture.de.js") where it would have more than 350 lines. A message has its values in braces,
 // "{count} views"; one that depends on a number is an object of plural forms, chosen by the value `count`.
 // In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title. Where the element has
 // children of its own, "<0>…</0>" in the text is the first of them, "<1>…</1>" the second.

@@ -1,28 +1,34 @@
-// What a calibration is for, on one's own camera.
+// AR demo.
 
 /** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
     title: "Overlays that fit · calibDB",
-    description: "See on your own camera what its calibration is for: the same drawing with the camera matrix only, and with the lens distortion.",
+    description:
+      "See what a calibration does for your own camera: the same drawing with the camera matrix only, and with "
+        + "the lens distortion.",
     viewfinder: "Viewfinder",
     layers: "The camera's picture with a drawing over the board",
     heading: "Overlays that fit",
-    lead: "A grid and a house are drawn on the board in front of your camera, in three ways. With the camera matrix only they drift off towards the picture's edge. With the lens distortion they stay where they belong.",
+    lead:
+      "A grid and a house are drawn on the board in front of your camera, in three ways. With the camera matrix "
+        + "only they drift off towards the picture's edge. With the lens distortion they stay where they belong.",
     need_board: "You need the <0>calibration board</0> on a second screen, on a tablet or on paper.",
-    privacy: "<0>Pictures never leave this device.</0> What is sent to look your camera up: the name your browser gives it, its resolution and zoom, and the system your browser names.",
+    privacy:
+      "<0>Pictures never leave this device.</0> To look your camera up, this page sends the name that your "
+        + "browser gives it, its resolution and zoom, and the operating system that your browser reports.",
     looking_up: "Asking calibDB about this camera.",
     virtual: "Virtual camera",
-    origin_truth: "calibration: exact, the camera is made up",
+    origin_truth: "calibration: exact, because the camera is simulated",
     origin_returned: "calibration: measured just now",
     origin_known: "calibration: from calibDB",
     measure: "Measure it yourself",
-    unknown: "This camera is not known yet",
-    unknown_text: "calibDB knows no reliable calibration of {camera}.",
-    unknown_next: "It is calibrated in a minute, with the same board; you come back here with the result.",
+    unknown: "calibDB does not know this camera yet",
+    unknown_text: "calibDB has no reliable calibration of {camera}.",
+    unknown_next: "You can calibrate it in a minute with the same board, and then return here with the result.",
     calibrate: "Calibrate it",
-    no_webgl: "This browser cannot draw the overlays: it has no WebGL 2, or has it switched off.",
-    gpu_lost: "The graphics processor stopped answering. Try again; if that does not help, load this page anew.",
+    no_webgl: "This browser cannot draw the overlays because WebGL 2 is missing or switched off.",
+    gpu_lost: "The graphics processor stopped responding. Try again; if that does not help, reload this page.",
     rms: "{px} px off",
     outermost: "rms; {px} px at the outermost corner",
     modes: "How it is drawn",
@@ -35,25 +41,35 @@ export default {
   },
   de: {
     title: "Überlagerungen, die passen · calibDB",
-    description: "Sehen Sie an der eigenen Kamera, wozu ihre Kalibrierung dient: dieselbe Zeichnung nur mit der Kameramatrix und mit der Verzeichnung.",
+    description:
+      "Sehen Sie an Ihrer eigenen Kamera, was eine Kalibrierung bewirkt: dieselbe Zeichnung nur mit der "
+        + "Kameramatrix und mit der Verzeichnung.",
     viewfinder: "Sucher",
     layers: "Das Kamerabild mit einer Zeichnung über der Tafel",
     heading: "Überlagerungen, die passen",
-    lead: "Auf die Tafel vor Ihrer Kamera werden ein Gitter und ein Haus gezeichnet, auf drei Arten. Nur mit der Kameramatrix driften sie zum Bildrand hin ab. Mit der Verzeichnung bleiben sie, wo sie hingehören.",
-    need_board: "Sie brauchen die <0>Kalibriertafel</0> auf einem zweiten Bildschirm, auf einem Tablet oder auf Papier.",
-    privacy: "<0>Bilder verlassen dieses Gerät nie.</0> Gesendet wird, um Ihre Kamera nachzuschlagen: der Name, den der Browser ihr gibt, ihre Auflösung und ihr Zoom und das System, das der Browser nennt.",
+    lead:
+      "Auf die Tafel vor Ihrer Kamera werden ein Gitter und ein Haus gezeichnet, auf drei Arten. Nur mit der "
+        + "Kameramatrix driften sie zum Bildrand hin ab. Mit der Verzeichnung bleiben sie, wo sie hingehören.",
+    need_board:
+      "Sie brauchen die <0>Kalibriertafel</0> auf einem zweiten Bildschirm, auf einem Tablet oder auf Papier.",
+    privacy:
+      "<0>Bilder verlassen dieses Gerät nie.</0> Um Ihre Kamera nachzuschlagen, sendet diese Seite den Namen, "
+        + "den Ihr Browser ihr gibt, ihre Auflösung und ihren Zoom und das Betriebssystem, das Ihr Browser meldet.",
     looking_up: "calibDB wird nach dieser Kamera gefragt.",
     virtual: "Virtuelle Kamera",
-    origin_truth: "Kalibrierung: exakt, die Kamera ist erfunden",
+    origin_truth: "Kalibrierung: exakt, weil die Kamera simuliert ist",
     origin_returned: "Kalibrierung: eben gemessen",
     origin_known: "Kalibrierung: aus calibDB",
     measure: "Selbst messen",
-    unknown: "Diese Kamera ist noch nicht bekannt",
-    unknown_text: "calibDB kennt keine verlässliche Kalibrierung von {camera}.",
-    unknown_next: "Sie ist in einer Minute kalibriert, mit derselben Tafel; mit dem Ergebnis kommen Sie hierher zurück.",
+    unknown: "calibDB kennt diese Kamera noch nicht",
+    unknown_text: "calibDB hat keine verlässliche Kalibrierung von {camera}.",
+    unknown_next:
+      "Sie können sie mit derselben Tafel in einer Minute kalibrieren und kommen mit dem Ergebnis hierher zurück.",
     calibrate: "Kalibrieren",
-    no_webgl: "Dieser Browser kann die Überlagerungen nicht zeichnen: WebGL 2 fehlt oder ist abgeschaltet.",
-    gpu_lost: "Der Grafikprozessor antwortet nicht mehr. Versuchen Sie es noch einmal; hilft das nicht, laden Sie diese Seite neu.",
+    no_webgl: "Dieser Browser kann die Überlagerungen nicht zeichnen, weil WebGL 2 fehlt oder ausgeschaltet ist.",
+    gpu_lost:
+      "Der Grafikprozessor antwortet nicht mehr. Versuchen Sie es noch einmal; hilft das nicht, laden Sie diese "
+        + "Seite neu.",
     rms: "{px} px daneben",
     outermost: "rms; {px} px an der äußersten Ecke",
     modes: "Wie gezeichnet wird",
@@ -66,25 +82,31 @@ export default {
   },
   uk: {
     title: "Накладання, що збігаються · calibDB",
-    description: "Побачте на власній камері, навіщо її калібрування: той самий рисунок лише з матрицею камери та з дисторсією об’єктива.",
+    description:
+      "Побачте на власній камері, що дає калібрування: той самий рисунок лише з матрицею камери та з дисторсією "
+        + "об’єктива.",
     viewfinder: "Видошукач",
     layers: "Зображення камери з рисунком поверх дошки",
     heading: "Накладання, що збігаються",
-    lead: "На дошці перед вашою камерою рисуються сітка й будиночок, трьома способами. Лише з матрицею камери вони відходять від свого місця ближче до краю кадру. З дисторсією об’єктива вони лишаються там, де мають бути.",
+    lead:
+      "На дошці перед вашою камерою рисуються сітка й будиночок, трьома способами. Лише з матрицею камери вони "
+        + "відходять від свого місця ближче до краю кадру. З дисторсією об’єктива вони лишаються там, де мають бути.",
     need_board: "Потрібна <0>калібрувальна дошка</0> на другому екрані, на планшеті або на папері.",
-    privacy: "<0>Зображення ніколи не полишають цього пристрою.</0> Щоб знайти вашу камеру, надсилаються: назва, яку дає їй браузер, її роздільність і масштаб та система, яку називає браузер.",
+    privacy:
+      "<0>Зображення ніколи не полишають цього пристрою.</0> Щоб знайти вашу камеру, сторінка надсилає назву, "
+        + "яку дає їй браузер, її роздільність і масштаб та операційну систему, про яку повідомляє браузер.",
     looking_up: "Питаємо calibDB про цю камеру.",
     virtual: "Віртуальна камера",
-    origin_truth: "калібрування: точне, бо камера вигадана",
+    origin_truth: "калібрування: точне, бо камера імітована",
     origin_returned: "калібрування: щойно виміряне",
     origin_known: "калібрування: з calibDB",
     measure: "Виміряти самому",
-    unknown: "Ця камера ще не відома",
-    unknown_text: "calibDB не має надійного калібрування для {camera}.",
-    unknown_next: "Її можна відкалібрувати за хвилину, з тією самою дошкою; з результатом ви повернетеся сюди.",
+    unknown: "calibDB ще не знає цієї камери",
+    unknown_text: "calibDB не має надійного калібрування {camera}.",
+    unknown_next: "Її можна за хвилину відкалібрувати з тією самою дошкою, а потім повернутися сюди з результатом.",
     calibrate: "Калібрувати",
-    no_webgl: "Цей браузер не може рисувати накладання: WebGL 2 немає або вимкнено.",
-    gpu_lost: "Графічний процесор перестав відповідати. Спробуйте ще раз; якщо це не допоможе, перезавантажте цю сторінку.",
+    no_webgl: "Цей браузер не може намалювати накладання, бо WebGL 2 відсутній або вимкнений.",
+    gpu_lost: "Графічний процесор перестав відповідати. Спробуйте ще раз; якщо не допоможе, перезавантажте сторінку.",
     rms: "похибка {px} px",
     outermost: "rms; {px} px на крайньому куті",
     modes: "Як рисується",

@@ -1,4 +1,4 @@
-// The guided capture, three languages a file each: there is much to say.
+// Guided capture: a file for each language.
 import de from "./capture.de.js";
 import en from "./capture.en.js";
 import uk from "./capture.uk.js";

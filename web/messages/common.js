@@ -1,4 +1,4 @@
-// What several pages say.
+// Messages that several pages share.
 
 /** @type {import("../lib/i18n.js").Catalog} */
 export default {
@@ -41,7 +41,12 @@ export default {
     choose_files: "Вибрати файли",
     choose_file: "Вибрати файл",
     no_file: "ще нічого не вибрано",
-    files_chosen: { one: "вибрано {count} файл", few: "вибрано {count} файли", many: "вибрано {count} файлів", other: "вибрано {count} файлу" },
+    files_chosen: {
+      one: "вибрано {count} файл",
+      few: "вибрано {count} файли",
+      many: "вибрано {count} файлів",
+      other: "вибрано {count} файлу",
+    },
     went_wrong: "На цій сторінці щось пішло не так ({message}).",
   },
 };

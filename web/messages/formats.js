@@ -1,4 +1,4 @@
-// The files that a calibration is to be had as: what people call them, and what each is for.
+// Download formats: their names, and what each is for.
 
 /** @type {import("../lib/i18n.js").Catalog} */
 export default {
@@ -82,11 +82,14 @@ export default {
     saved: "Als {name} gespeichert.",
     exact: "Als {name} gespeichert: die Datei sagt genau, was diese Kalibrierung sagt.",
     close: "Als {name} gespeichert: der Unterschied zu dieser Kalibrierung ist kleiner, als eine Kamera zeigt.",
-    near: "Als {name} gespeichert. Dieses Format kann das Objektiv nicht genau fassen: Punkte liegen darin bis zu {error} px daneben.",
+    near:
+      "Als {name} gespeichert. Dieses Format kann das Objektiv nicht genau fassen: Punkte liegen darin bis zu "
+        + "{error} px daneben.",
     partly: "Sie beschreibt {share} % des Bildes; der Rest ist diesem Format nicht möglich.",
     impossible_corners: "Diese Datei gibt es nicht: diese Kalibrierung steht für mehrere und hat keine eigenen Ecken.",
     impossible_lens: "Diese Datei gibt es nicht: kein Objektiv, das dieses Format kennt, kommt diesem nahe.",
-    impossible_far: "Diese Datei gibt es nicht: das nächste Objektiv, das dieses Format kennt, liegt {error} px daneben.",
+    impossible_far:
+      "Diese Datei gibt es nicht: das nächste Objektiv, das dieses Format kennt, liegt {error} px daneben.",
   },
   uk: {
     name_calibdb: "calibDB, WPIcal (JSON)",
@@ -125,7 +128,9 @@ export default {
     saved: "Збережено як {name}.",
     exact: "Збережено як {name}: файл точно відповідає цьому калібруванню.",
     close: "Збережено як {name}: різниця з цим калібруванням менша, ніж видно на будь-якій камері.",
-    near: "Збережено як {name}. Цей формат не може точно описати об’єктив: точки в ньому зміщені щонайбільше на {error} px.",
+    near:
+      "Збережено як {name}. Цей формат не може точно описати об’єктив: точки в ньому зміщені щонайбільше на "
+        + "{error} px.",
     partly: "Він описує {share} % кадру; решта для цього формату недосяжна.",
     impossible_corners: "Такого файлу немає: це калібрування узагальнює кілька й не має власних кутів.",
     impossible_lens: "Такого файлу немає: жоден об’єктив, відомий цьому формату, не близький до цього.",
