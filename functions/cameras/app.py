@@ -15,8 +15,8 @@ from calibdb.schema.cameras import CameraDetail, CameraList, CameraMode, Cameras
 from calibdb.store import StreamMode
 from calibdb.store.cameras import is_place
 
-_MOST_MEMBERS = 200
-_MOST_MODES = 60  # sizes and zooms of a camera that are shown; anybody can add one
+_MAX_MEMBERS = 200
+_MAX_MODES = 60  # sizes and zooms of a camera that are shown; anybody can add one
 _READERS = 8  # cameras, or modes of one, read at a time
 _PRIVATE_CACHE = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
 
@@ -25,7 +25,7 @@ def search(call: application.Call) -> Response:
     """Answer with the cameras of whose names a word begins with every word asked for."""
     call.api_token()
     request = call.query(CamerasRequest)
-    wanted = camera_search.asked(request.query)
+    wanted = camera_search.query_words(request.query)
     least = call.service.settings.thresholds.min_contributors
     word = wanted[0] if wanted else ""
     if request.after is not None and not is_place(word, request.after):
@@ -35,9 +35,10 @@ def search(call: application.Call) -> Response:
     with ThreadPoolExecutor(_READERS) as readers:
         known = list(readers.map(lambda camera: store.known(camera[0]).consensuses, found))
     entries = (
-        camera_search.entry(key, name, consensuses)
+        camera_search.camera_entry(key, name, consensuses)
         for (key, name), consensuses in zip(found, known, strict=True)
-        if camera_search.listed(consensuses, least) and camera_search.matches(wanted[1:], name, consensuses)
+        if camera_search.is_listed(consensuses, least)
+        and camera_search.has_words(wanted[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
     return application.json_response(answer, headers=_PRIVATE_CACHE)
@@ -56,8 +57,8 @@ def show(call: application.Call) -> Response:
     if name is None:
         raise NotFoundError("There is no camera with this key.")
     known = store.known(key).consensuses
-    camera, platform = camera_search.shown(name, known)
-    shown = camera_search.best_known(known, _MOST_MODES)
+    camera, platform = camera_search.display_name(name, known)
+    shown = camera_search.best_modes(known, _MAX_MODES)
     with ThreadPoolExecutor(_READERS) as readers:
         modes = tuple(readers.map(lambda found: _mode(call, StreamMode(key, *found[0]), found[1]), shown))
     return application.json_response(
@@ -67,7 +68,7 @@ def show(call: application.Call) -> Response:
 
 def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocument]) -> CameraMode:
     store = call.service.store
-    best = camera_search.leading(known)
+    best = camera_search.best_consensus(known)
     behind = store.consensuses.groups(best)
     groups = behind.groups if behind else ()
     return CameraMode(
@@ -78,7 +79,7 @@ def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocumen
         reason=None if best.reliable else best.reason,
         groups=groups,
         consensus={c.distortion_model: c.calibration for c in known if c.calibration},
-        members=tuple(store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MOST_MEMBERS)),
+        members=tuple(store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MAX_MEMBERS)),
     )
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+HOUR_S = 3600  # period of all plans
+
 Kind = Literal["sessions", "views", "poses", "lookups"]
 
 

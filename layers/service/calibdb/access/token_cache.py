@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from calibdb.access.plans import Kind, plan
+from calibdb.access.plans import HOUR_S, Kind, plan
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
 
@@ -22,7 +22,6 @@ from calibdb.errors import TooManyError, UnavailableError
 TOKEN_TTL_S = 30.0
 LOOKUPS_PER_FLUSH = 250
 FLUSH_INTERVAL_S = 600.0  # after which fewer lookups are flushed, too
-HOUR_S = 3600
 _MAX_TOKENS = 1024
 _MAX_SOURCES = 4096  # of one token and hour
 

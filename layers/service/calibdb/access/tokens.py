@@ -18,10 +18,10 @@ from itsdangerous import BadData, TimestampSigner, URLSafeTimedSerializer
 
 from calibdb.errors import ForbiddenError
 
-SESSION_LIFETIME = 30 * 60  # seconds; a capture takes two minutes, a distracted one ten
+SESSION_LIFETIME_S = 30 * 60  # seconds; a capture takes two minutes, a distracted one ten
 TOKEN_PATTERN = re.compile(r"cdb_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
-_SKEW = 300  # s by which the clock of who signed may be ahead of the clock of who verifies
-_LONGEST_SESSION_ID = 1024
+_MAX_SKEW_S = 300  # s by which the clock of who signed may be ahead of the clock of who verifies
+_MAX_SESSION_ID_LENGTH = 1024
 _SALT = "calibdb.session"
 
 
@@ -105,7 +105,7 @@ class SessionIds:
     """
 
     def __init__(
-        self, secrets: Sequence[str], clock: Callable[[], float], lifetime: int = SESSION_LIFETIME
+        self, secrets: Sequence[str], clock: Callable[[], float], lifetime: int = SESSION_LIFETIME_S
     ) -> None:
         self._clock = clock
         self._lifetime = lifetime
@@ -126,13 +126,13 @@ class SessionIds:
 
     def verify(self, session_id: str, origin: str | None) -> Ticket:
         """Verify `session_id` and return its claims; ForbiddenError when it is forged, expired, foreign."""
-        if len(session_id) > _LONGEST_SESSION_ID:
+        if len(session_id) > _MAX_SESSION_ID_LENGTH:
             raise ForbiddenError("The session id is not valid.")
         try:
             content, signed = self._serializer.loads(session_id, return_timestamp=True)
         except BadData as error:
             raise ForbiddenError("The session id is not valid.") from error
-        if not -_SKEW <= int(self._clock()) - signed.timestamp() <= self._lifetime:
+        if not -_MAX_SKEW_S <= int(self._clock()) - signed.timestamp() <= self._lifetime:
             raise ForbiddenError("The session id has expired.", kind="session-expired")
         ticket = Ticket(content["s"], content["t"], content.get("o"))
         if ticket.origin is not None and origin is not None and origin != ticket.origin:

@@ -26,6 +26,7 @@ from calibdb.errors import (
 )
 from calibdb.http.content_negotiation import negotiate
 from calibdb.schema.fields import MAX_INDEX
+from calibdb.schema.lookup import QUERY_FLAGS
 from calibdb.service import Service
 
 MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
@@ -79,9 +80,9 @@ class Call:
         text = self.request.query_params.get(name)
         if text is None:
             return default
-        if text.lower() not in _FLAGS:
+        if text.lower() not in QUERY_FLAGS:
             raise InvalidError.field(name, "must be 0 or 1")
-        return _FLAGS[text.lower()]
+        return QUERY_FLAGS[text.lower()]
 
     def index(self, name: str) -> int:
         """Return a parameter of the path that is the index of a view."""

@@ -15,7 +15,7 @@ _MAX_QUERY_WORDS = 8
 _LISTED = 2  # contributors
 
 
-def asked(query: str) -> list[str]:
+def query_words(query: str) -> list[str]:
     """Return the words of a query, the one that says most first.
 
     A maker's name is left out where there are other words: not every system says it.
@@ -26,7 +26,7 @@ def asked(query: str) -> list[str]:
     return sorted(named, key=len, reverse=True)
 
 
-def matches(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocument]) -> bool:
+def has_words(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocument]) -> bool:
     """Tell whether every word that is wanted begins a word of the camera's name or labels."""
     labels = {c.calibration.camera for c in known if c.calibration}
     text = unicodedata.normalize("NFKC", " ".join((name, *labels))).casefold()
@@ -34,7 +34,7 @@ def matches(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocument]
     return all(any(word.startswith(w) for word in there) for w in wanted)
 
 
-def listed(known: Sequence[ConsensusDocument], min_contributors: int) -> bool:
+def is_listed(known: Sequence[ConsensusDocument], min_contributors: int) -> bool:
     """Tell whether a camera is shown to who does not ask for it by its key.
 
     A label is whatever its sender wrote. So it is, once the database vouches for the camera, or calibrations
@@ -46,7 +46,9 @@ def listed(known: Sequence[ConsensusDocument], min_contributors: int) -> bool:
     )
 
 
-def by_mode(known: Sequence[ConsensusDocument]) -> Iterator[tuple[Mode, list[ConsensusDocument]]]:
+def group_by_mode(
+    known: Sequence[ConsensusDocument],
+) -> Iterator[tuple[SizeAndZoom, list[ConsensusDocument]]]:
     """Yield the consensuses of every size and zoom, the largest picture first."""
 
     def order(c: ConsensusDocument) -> tuple[int, tuple[int, int], float]:
@@ -57,25 +59,27 @@ def by_mode(known: Sequence[ConsensusDocument]) -> Iterator[tuple[Mode, list[Con
         yield (here[0].img_size, here[0].zoom), here
 
 
-def best_known(known: Sequence[ConsensusDocument], most: int) -> list[tuple[Mode, list[ConsensusDocument]]]:
-    """Select from `by_mode` at most `most` sizes and zooms: the reliable, then the most calibrated."""
-    found = list(by_mode(known))
+def best_modes(
+    known: Sequence[ConsensusDocument], most: int
+) -> list[tuple[SizeAndZoom, list[ConsensusDocument]]]:
+    """Select from `group_by_mode` at most `most` sizes and zooms: the reliable, then the most calibrated."""
+    found = list(group_by_mode(known))
     weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in found]
     ranked = sorted(range(len(found)), key=lambda i: weights[i], reverse=True)
     return [found[i] for i in sorted(ranked[:most])]
 
 
-def leading(known: Sequence[ConsensusDocument]) -> ConsensusDocument:
+def best_consensus(known: Sequence[ConsensusDocument]) -> ConsensusDocument:
     """Return the consensus that speaks for a size: a reliable one, of those the one of most calibrations."""
     return max(known, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
 
 
-def entry(key: str, name: str, known: Sequence[ConsensusDocument]) -> CameraEntry:
+def camera_entry(key: str, name: str, known: Sequence[ConsensusDocument]) -> CameraEntry:
     """Return a camera as a search shows it; `name`: its normalised label."""
-    camera, platform = shown(name, known)
+    camera, platform = display_name(name, known)
     sizes = []
-    for (img_size, zoom), here in by_mode(known):
-        best = leading(here)
+    for (img_size, zoom), here in group_by_mode(known):
+        best = best_consensus(here)
         sizes.append(
             CameraSize(
                 img_size=img_size,
@@ -89,7 +93,7 @@ def entry(key: str, name: str, known: Sequence[ConsensusDocument]) -> CameraEntr
     return CameraEntry(key=key, camera=camera, platform=platform, sizes=tuple(sizes))
 
 
-def shown(name: str, known: Sequence[ConsensusDocument]) -> tuple[str, str]:
+def display_name(name: str, known: Sequence[ConsensusDocument]) -> tuple[str, str]:
     """Return label and platform of the newest calibration, or else the normalised label."""
     found: list[Calibration] = [c.calibration for c in known if c.calibration]
     if not found:

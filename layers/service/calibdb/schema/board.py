@@ -19,7 +19,7 @@ Dictionary = Literal[
 ]
 # fmt: on
 DICTIONARIES: tuple[str, ...] = get_args(Dictionary)
-FEWEST_CORNERS = 6  # of a view that can be judged at all
+MIN_CORNERS = 6  # of a view that can be judged at all
 _MARKERS = {  # of those whose name does not say it
     "DICT_ARUCO_ORIGINAL": 1024,
     "DICT_APRILTAG_16h5": 30,
@@ -46,9 +46,9 @@ class Board(Strict):
     @field_validator("squares")
     @classmethod
     def _has_corners_enough(cls, value: tuple[int, int]) -> tuple[int, int]:
-        if (value[0] - 1) * (value[1] - 1) < FEWEST_CORNERS:
+        if (value[0] - 1) * (value[1] - 1) < MIN_CORNERS:
             raise PydanticCustomError(
-                "too_few_corners", "a board has at least {least} inner corners", {"least": FEWEST_CORNERS}
+                "too_few_corners", "a board has at least {least} inner corners", {"least": MIN_CORNERS}
             )
         return value
 

@@ -10,7 +10,7 @@ from calibdb.schema.calibration import Calibration
 from calibdb.schema.fields import DistortionModel, ImgSize, Open
 from calibdb.schema.lookup import Reason
 
-MOST_CAMERAS = 50
+MAX_CAMERAS = 50
 
 
 def _whole(value: object) -> object:
@@ -23,7 +23,7 @@ class CamerasRequest(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
 
     query: str = Field("", max_length=128, description="Words; none: all cameras.")
-    limit: Annotated[int, Field(ge=1, le=MOST_CAMERAS), BeforeValidator(_whole)] = Field(
+    limit: Annotated[int, Field(ge=1, le=MAX_CAMERAS), BeforeValidator(_whole)] = Field(
         20, description="A page."
     )
     after: str | None = Field(None, max_length=256, description="`next` of an answer to the same query.")

@@ -20,7 +20,7 @@ from calibdb.schema.fields import (
 from calibdb.schema.lookup import ResizeMode
 from calibdb.schema.seen import Seen
 
-MOST_VIEWS = 5
+MAX_VIEWS = 5
 
 
 class CheckView(Seen):
@@ -40,7 +40,7 @@ class CheckRequest(Strict):
     )
     board: Board = Board()
     views: tuple[CheckView, ...] = Field(
-        min_length=1, max_length=MOST_VIEWS, description="Tilted differently; one alone tells little."
+        min_length=1, max_length=MAX_VIEWS, description="Tilted differently; one alone tells little."
     )
 
 

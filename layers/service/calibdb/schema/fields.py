@@ -20,7 +20,7 @@ from calibdb.camera_key.visible import visible
 
 MAX_CORNERS = 49 * 49  # of the largest board
 SMALLEST_SIDE, LARGEST_SIDE = 16, 16384  # px
-MOST_PIXELS = 2**26  # an overlay is drawn at the size of the image
+MAX_PIXELS = 2**26  # an overlay is drawn at the size of the image
 LONGEST = 8  # sides of an image: no camera's is a strip
 MAX_INDEX = 100_000
 
@@ -84,8 +84,8 @@ Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE), Who
 
 
 def _camera_like(size: tuple[int, int]) -> tuple[int, int]:
-    if size[0] * size[1] > MOST_PIXELS:
-        raise PydanticCustomError("too_many_pixels", "an image may have {most} pixels", {"most": MOST_PIXELS})
+    if size[0] * size[1] > MAX_PIXELS:
+        raise PydanticCustomError("too_many_pixels", "an image may have {most} pixels", {"most": MAX_PIXELS})
     if max(size) > LONGEST * min(size):
         raise PydanticCustomError("strip", "one side may be {longest} times the other", {"longest": LONGEST})
     return size

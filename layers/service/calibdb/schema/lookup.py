@@ -15,7 +15,7 @@ ResizeMode = Annotated[str, Field(max_length=64)]
 
 _SIZE = re.compile(r"([0-9]{1,6})[x×,]([0-9]{1,6})")
 _NUMBER = re.compile(r"[+-]?[0-9]{1,20}(\.[0-9]{0,20})?([eE][+-]?[0-9]{1,3})?")
-_FLAGS = {"true": True, "1": True, "false": False, "0": False}
+QUERY_FLAGS = {"true": True, "1": True, "false": False, "0": False}
 
 
 # A query holds text where a body holds numbers. What cannot be read is left for the type to refuse.
@@ -35,7 +35,7 @@ def _number(value: object) -> object:
 
 
 def _flag(value: object) -> object:
-    return _FLAGS.get(value, value) if isinstance(value, str) else value
+    return QUERY_FLAGS.get(value, value) if isinstance(value, str) else value
 
 
 class LookupRequest(BaseModel):

@@ -27,7 +27,7 @@ from calibdb.store.keys import (
     tombstone_object,
 )
 from calibdb.store.names import Names, with_current_key
-from calibdb.store.objects import Objects
+from calibdb.store.objects import READERS, Objects
 from calibdb.store.table import Condition, Item, Table
 
 MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
@@ -154,7 +154,7 @@ class Calibrations:
     def _read(self, ids: Sequence[str]) -> list[CalibrationDocument | None]:
         if len(ids) < 2:
             return [self.get(calibration_id) for calibration_id in ids]
-        with ThreadPoolExecutor(min(_READERS, len(ids))) as readers:
+        with ThreadPoolExecutor(min(READERS, len(ids))) as readers:
             return list(readers.map(self.get, ids))
 
 

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 # 409: another write of the same name is under way. It may yet fail: nobody knows whether the name is taken.
 _UNDECIDED = "ConditionalRequestConflict"
-_ATTEMPTS = 5
+_MAX_WRITES = 5
+READERS = 8  # threads that read objects at a time
 _MAX_OBJECTS_PER_DELETE = 1000  # objects that S3 removes in one request
 
 
@@ -41,7 +42,7 @@ class Objects:
 
     def create(self, name: str, content: bytes) -> bool:
         """Write a new object; False, and nothing written, when the name is taken."""
-        for _ in range(_ATTEMPTS):
+        for _ in range(_MAX_WRITES):
             with available():
                 try:
                     self._client().put_object(

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import time
 
-from calibdb.access.plans import Kind
+from calibdb.access.plans import HOUR_S, Kind
 from calibdb.store.table import Table
 
-HOUR = 3600  # seconds
-_KEPT = 2 * HOUR  # after the hour's end; DynamoDB removes what expired within a day or two
+_EXPIRY_S = 2 * HOUR_S  # after the hour's end; DynamoDB removes what expired within a day or two
 
 
 class Quotas:
@@ -41,5 +40,5 @@ class Quotas:
             kind,
             amount,
             limit=limit,
-            ttl=now - now % HOUR + HOUR + _KEPT,
+            ttl=now - now % HOUR_S + HOUR_S + _EXPIRY_S,
         )

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from calibdb.camera_key import current_key
 from calibdb.schema import VoteDocument
 from calibdb.store.keys import StreamMode, vote_object
-from calibdb.store.objects import Objects
+from calibdb.store.objects import READERS, Objects
 from calibdb.store.table import Item, Table
 
 MAX_VOTES = 50  # the newest; more could only repeat them
@@ -66,7 +66,7 @@ class Votes:
         """Return these votes, those that there are, in their order."""
         if not cast:
             return []
-        with ThreadPoolExecutor(min(_READERS, len(cast))) as readers:
+        with ThreadPoolExecutor(min(READERS, len(cast))) as readers:
             contents = list(readers.map(self._objects.get, [vote.object for vote in cast]))
         return [VoteDocument.model_validate_json(content) for content in contents if content is not None]
 
