@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 from calibdb.camera_key import Identity
 from calibdb.lookup.selection import Choice, choose
 from calibdb.schema import ConsensusDocument
+from calibdb.schema.lookup import CROPPED
 from calibdb.store import Known
-
-CROPPED = "crop-and-scale"
 
 VIRTUAL = "This is a program that poses as a camera: it has no lens of its own."
 AMBIGUOUS = (

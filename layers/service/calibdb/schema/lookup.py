@@ -11,6 +11,7 @@ from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors"]
 ResizeMode = Annotated[str, Field(max_length=64)]
+CROPPED = "crop-and-scale"  # the one of them that cuts the picture
 
 
 _SIZE = re.compile(r"([0-9]{1,6})[x×,]([0-9]{1,6})")

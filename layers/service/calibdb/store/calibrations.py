@@ -17,6 +17,7 @@ from pydantic import ValidationError
 
 from calibdb.rules.quality_gates import is_precise
 from calibdb.schema import CalibrationDocument
+from calibdb.schema.lookup import CROPPED
 from calibdb.store.keys import (
     WITHDRAWN,
     StreamMode,
@@ -206,7 +207,7 @@ def _item(document: CalibrationDocument) -> Item:
         "contributor": document.contributor,
         "fit": shown,
         "model": document.distortion_model,
-        "native": int(document.track.resizeMode != _CROPPED),
+        "native": int(document.track.resizeMode != CROPPED),
         "precise": int(is_precise(document)),
         "source": document.counted_as,
         "time": document.time,
