@@ -10,7 +10,7 @@ from calibdb.camera_key.names import is_maker, words
 from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.cameras import CameraEntry, CameraSize
 
-Mode = tuple[tuple[int, int], float]
+SizeAndZoom = tuple[tuple[int, int], float]
 _MAX_QUERY_WORDS = 8
 _LISTED = 2  # contributors
 

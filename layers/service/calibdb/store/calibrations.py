@@ -34,7 +34,6 @@ from calibdb.store.table import Condition, Item, Table
 MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
 Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
 WITHDRAWALS: tuple[Withdrawal, ...] = get_args(Withdrawal)
-_READERS = 8  # objects read at a time
 _MAX_CALIBRATIONS = 2_000  # of a mode that are looked through for those that count
 _CROPPED = "crop-and-scale"
 _NOT_WITHDRAWN = Condition("attribute_not_exists(withdrawn)")

@@ -55,7 +55,7 @@ class Sessions:
         self, sid: str, now: int, make: Callable[[int], SessionDocument]
     ) -> tuple[SessionDocument, bool]:
         """Return the running session and False; or store `make(first version)`, and return it and True."""
-        for _ in range(_MAX_CHANGES):
+        for _ in range(_ATTEMPTS):
             head = self._head(sid)
             if head is not None and not head.forgotten:
                 found = self._find(sid)
@@ -79,7 +79,7 @@ class Sessions:
         called again, with what another request made of the session meanwhile; what it raises leaves
         everything as it is.
         """
-        for _ in range(_MAX_CHANGES):
+        for _ in range(_ATTEMPTS):
             found = self._find(sid)
             if found is None:
                 raise NotFoundError("No session was started under this session id.", kind="no-session")
@@ -91,7 +91,7 @@ class Sessions:
 
     def forget(self, sid: str, now: int) -> bool:
         """Forget the session's views; False when there was nothing to forget."""
-        for _ in range(_MAX_CHANGES):
+        for _ in range(_ATTEMPTS):
             head = self._head(sid)
             if head is None or head.forgotten:
                 return head is not None
@@ -141,7 +141,7 @@ class Sessions:
         return highest
 
     def _find(self, sid: str) -> tuple[SessionDocument, int] | None:
-        for _ in range(_MAX_CHANGES):
+        for _ in range(_ATTEMPTS):
             head = self._head(sid)
             if head is None or head.forgotten:
                 return None

@@ -14,7 +14,6 @@ from calibdb.store.table import Item, Table
 
 MAX_VOTES = 50  # the newest; more could only repeat them
 _MAX_VOTES = 1_000  # of a mode that are looked through for them
-_READERS = 8  # objects read at a time
 
 
 @dataclass(frozen=True)
