@@ -32,7 +32,6 @@ from calibdb.service import Service
 MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
 
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
-_FLAGS = {"true": True, "1": True, "false": False, "0": False}
 
 Model = TypeVar("Model", bound=BaseModel)
 

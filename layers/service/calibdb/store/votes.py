@@ -13,7 +13,7 @@ from calibdb.store.objects import READERS, Objects
 from calibdb.store.table import Item, Table
 
 MAX_VOTES = 50  # the newest; more could only repeat them
-_MAX_VOTES = 1_000  # of a mode that are looked through for them
+_MAX_VOTES_READ = 1_000  # of a mode that are looked through for them
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Votes:
 
         `one_per_source`: the newest of each source alone, so that daily voters crowd nobody out.
         """
-        most = _MAX_VOTES if one_per_source else MAX_VOTES
+        most = _MAX_VOTES_READ if one_per_source else MAX_VOTES
         items = self._table.query(
             mode.pk, f"VOTE#{mode.text}#", newest_first=True, limit=most, consistent=True
         )
