@@ -55,7 +55,7 @@ def vector(r: Array) -> Array:
 
 
 def nearest(m: Array) -> Array:
-    """Closest rotation matrices to (..., 3, 3) in the Frobenius norm (orthogonal Procrustes)."""
+    """Closest rotation matrices to (..., 3, 3) in the Frobenius norm (orthogonal Procrustes, Kabsch)."""
     u, _, vt = np.linalg.svd(m)
     sign = np.linalg.det(u @ vt)
     u = u.copy()

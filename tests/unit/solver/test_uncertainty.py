@@ -5,7 +5,7 @@ import pytest
 
 from calibsolver import Calibration, fit, models
 from calibsolver.camera import pixel_grid
-from calibsolver.fitting.uncertainty import sensitivity
+from calibsolver.fitting.uncertainty import projection_jacobian_rotation_free
 from tests.helpers.solver import intervals, specimens, synthetic
 
 
@@ -36,7 +36,7 @@ def test_noise_is_estimated(model: str) -> None:
 def test_a_turn_of_the_camera_is_no_error() -> None:
     """Moving the principal point of a long lens is nearly a rotation: little is left of it."""
     model = models.get("rectilinear")
-    d = sensitivity(model, model.start(20_000, (1280, 720)), (1280, 720), (20, 15))
+    d = projection_jacobian_rotation_free(model, model.start(20_000, (1280, 720)), (1280, 720), (20, 15))
     assert np.abs(d[:, 0, 2]).max() < 0.01
     assert np.abs(d[:, 1, 3]).max() < 0.01
     x = pixel_grid((1280, 720), (20, 15))[0].reshape(-1) - 639.5

@@ -9,7 +9,7 @@ import numpy as np
 from .. import models
 from ..arrays import Array, Mask
 from ..camera import Camera
-from .uncertainty import Uncertainty, sensitivity, variance
+from .uncertainty import Uncertainty, projection_jacobian_rotation_free, variance
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class Calibration:
         removed. NaN outside the model's one-to-one domain.
         """
         model = models.get(self.camera.model)
-        d = sensitivity(model, self.camera.intrinsics, self.camera.img_size, grid)
+        d = projection_jacobian_rotation_free(model, self.camera.intrinsics, self.camera.img_size, grid)
         with np.errstate(invalid="ignore"):
             std: Array = np.sqrt(np.maximum(variance(d, self.covariance), 0)).reshape(grid[1], grid[0])
         return std

@@ -1,4 +1,4 @@
-"""Homographies from a board to the rays on which it is seen (DLT), and the poses that they stand for."""
+"""Homography from a board to the rays on which it is seen (DLT), many at once, and the pose it stands for."""
 
 from dataclasses import dataclass
 

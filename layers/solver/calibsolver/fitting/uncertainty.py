@@ -22,7 +22,9 @@ class Uncertainty:
     max: float
 
 
-def sensitivity(model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int]) -> Array:
+def projection_jacobian_rotation_free(
+    model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int]
+) -> Array:
     """Compute the derivative (n, 2, p) of projection by intrinsics over a grid, best rotation removed.
 
     Rows are NaN where the pixel has no ray (outside the model's one-to-one domain). n = columns * rows.
@@ -44,10 +46,10 @@ def sensitivity(model: Model, k: Array, img_size: tuple[int, int], grid: tuple[i
     return out
 
 
-def weight(d: Array) -> Array:
+def image_error_metric(d: Array) -> Array:
     """Matrix W (p, p) such that trace(covariance @ W) is the mean square projection error, px^2.
 
-    `d` is (n, 2, p) as from `sensitivity`.
+    `d` is (n, 2, p) as from `projection_jacobian_rotation_free`.
     """
     seen = d[np.isfinite(d[:, 0, 0])]
     flat = seen.reshape(-1, d.shape[2])

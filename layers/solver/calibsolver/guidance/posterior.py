@@ -81,8 +81,10 @@ class IntrinsicsPosterior:
 
     @cached_property
     def error_metric(self) -> Array:
-        """W (p, p): trace(covariance W) is the mean square projection error, px^2; `uncertainty.weight`."""
-        return uncertainty.weight(uncertainty.sensitivity(self.model, self.k, self.img_size, ERROR_GRID))
+        """W (p, p): trace(covariance W) is the mean square projection error, px^2."""
+        return uncertainty.image_error_metric(
+            uncertainty.projection_jacobian_rotation_free(self.model, self.k, self.img_size, ERROR_GRID)
+        )
 
     def gain(self, information: Array) -> float:
         """Decrease of the mean square error, px^2, by views of Fisher `information` (p, p) at unit noise."""

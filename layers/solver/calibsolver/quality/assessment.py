@@ -1,4 +1,4 @@
-"""Whether a calibration can be trusted, and why not, in plain words."""
+"""Assessment of a calibration: whether it can be trusted, and why not, in plain words."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,27 +28,27 @@ Code = Literal[
     "views_left_out",
 ]
 
-REFERENCE = 1280.0
+REFERENCE_WIDTH_PX = 1280.0
 """Image width at which the lengths below are meant, px; they scale with it."""
-REACH = 0.12
+COVERAGE_RADIUS_DIAGONALS = 0.12
 """Of the image's diagonal: how far a corner speaks for its surroundings."""
-NOTICED = 0.1
+MIN_NOTICEABLE_PX = 0.1
 """px, differences below which nobody feels."""
 # The first of two makes a calibration fair, the second poor.
-FEW_VIEWS = (4, 2)
-TILT = (15.0, 5.0)
+MIN_FITTED_VIEWS = (4, 2)
+MIN_TILT_DEG = (15.0, 5.0)
 """Degrees between sight line and board normal: below it focal length and distance trade places."""
-COVERED = (0.6, 0.2)
+MIN_RIM_COVERAGE = (0.6, 0.2)
 """Share of the rim of the image that has seen corners."""
-UNCERTAIN = (0.6, 2.0)
+MAX_UNCERTAINTY_PX = (0.6, 2.0)
 """px, predicted rms projection error."""
-OVER_FITTED = (1.4, 2.5)
+MAX_HELD_OUT_RATIO = (1.4, 2.5)
 """Error on views left out / error on those fitted."""
-SYSTEMATIC = 0.3
+MAX_FIXED_PATTERN_SHARE = 0.3
 """Share of the residuals' length that is the same in all views."""
-NOISY = (0.5, 1.5)
+MAX_NOISE_PX = (0.5, 1.5)
 """px, noise of one coordinate."""
-OUTLIERS = (0.05, 0.2)
+MAX_OUTLIER_SHARE = (0.05, 0.2)
 """Share of the points left out."""
 
 
@@ -84,44 +84,44 @@ def assess(calibration: Calibration, views: Sequence[View], held_out: float | No
         if level != "good":
             found.append((level, Reason(code, text)))
 
-    scale = calibration.camera.img_size[0] / REFERENCE
+    scale = calibration.camera.img_size[0] / REFERENCE_WIDTH_PX
     left_out = len(calibration.cut_views)
     count = len(views) - left_out
-    note(_below(count, FEW_VIEWS), "too_few_views", f"{count} views can agree by chance; 4 hardly do")
+    note(_below(count, MIN_FITTED_VIEWS), "too_few_views", f"{count} views can agree by chance; 4 hardly do")
 
     # Views that were cut took no part: what they show says nothing of the fit.
     taken = [i for i in range(len(views)) if i not in calibration.cut_views]
     tilt = float(np.degrees(tilts(calibration, views)[taken].max()))
     text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
-    note(_below(tilt, TILT), "no_tilt", text)
+    note(_below(tilt, MIN_TILT_DEG), "no_tilt", text)
 
     seen = rim_covered([views[i] for i in taken], calibration.camera.img_size)
     text = f"the board came near {seen:.0%} of the rim of the image"
-    note(_below(seen, COVERED), "edges_not_covered", text)
+    note(_below(seen, MIN_RIM_COVERAGE), "edges_not_covered", text)
 
     error = calibration.uncertainty().rms
     width = calibration.camera.img_size[0]
     text = f"projections are expected to be {format_px_error(error, width)}: more views would help"
-    note(_above(error / scale, UNCERTAIN), "uncertain", text)
+    note(_above(error / scale, MAX_UNCERTAINTY_PX), "uncertain", text)
 
     train = calibration.avg_reprojection_error
-    if held_out is not None and held_out - train > NOTICED * scale:
+    if held_out is not None and held_out - train > MIN_NOTICEABLE_PX * scale:
         text = f"views left out of the fit are {format_px_error(held_out, width, 2)}"
         text += f", those in it {format_px_error(train, width, 2)}"
-        note(_above(held_out / max(train, 1e-12), OVER_FITTED), "over_fitted", text)
+        note(_above(held_out / max(train, 1e-12), MAX_HELD_OUT_RATIO), "over_fitted", text)
 
-    share, common = systematic(calibration, views)
-    if common > NOTICED * scale:
+    share, common = fixed_pattern_residual(calibration, views)
+    if common > MIN_NOTICEABLE_PX * scale:
         text = f"all views err in the same way by {common:.1f} px: the model {calibration.camera.model}"
         text += " cannot follow this lens, or the board is not flat"
-        note(_above(share, (SYSTEMATIC, np.inf)), "model_too_simple", text)
+        note(_above(share, (MAX_FIXED_PATTERN_SHARE, np.inf)), "model_too_simple", text)
 
     text = f"corners were found to {calibration.noise:.1f} px only: blur, motion, or a board that is not flat"
-    note(_above(calibration.noise / scale, NOISY), "noisy", text)
+    note(_above(calibration.noise / scale, MAX_NOISE_PX), "noisy", text)
 
     cut = 1 - sum(int(u.sum()) for u in calibration.used) / sum(len(view) for view in views)
     text = f"{cut:.0%} of the corners contradict the others and were left out"
-    note(_above(cut, OUTLIERS), "outliers", text)
+    note(_above(cut, MAX_OUTLIER_SHARE), "outliers", text)
     text = f"{left_out} of {len(views)} views contradict the others and were left out"
     note(_above(left_out, (0, len(views) / 2)), "views_left_out", text)
 
@@ -167,10 +167,10 @@ def rim_covered(views: Sequence[View], img_size: tuple[int, int], grid: tuple[in
     centers = cells[:, rim].T
     points = np.concatenate([view.image_points for view in views])
     distance = np.linalg.norm(centers[:, None] - points[None], axis=2).min(axis=1)
-    return float(np.mean(distance < REACH * np.hypot(*img_size)))
+    return float(np.mean(distance < COVERAGE_RADIUS_DIAGONALS * np.hypot(*img_size)))
 
 
-def systematic(
+def fixed_pattern_residual(
     calibration: Calibration, views: Sequence[View], grid: tuple[int, int] = (8, 6)
 ) -> tuple[float, float]:
     """Part of the residuals that depends on the place in the image alone: share of their rms, and px rms.
