@@ -2,9 +2,9 @@
 
 A view adds its Fisher information S to that of the intrinsics; the mean square projection error over the
 image is trace(covariance W) (`uncertainty.image_error_metric`). Of some hundred poses that a person can
-hold, the one is chosen after which that error is least. The idea of choosing views by expected error is AprilCal's
-(Richardson, Strom, Olson, IROS 2013) and Calibration Wizard's (Peng, Sturm, ICCV 2019); the measure, the
-error over the image up to a rotation, is mrcal's.
+hold, the one is chosen after which that error is least. The idea of choosing views by expected error is
+AprilCal's (Richardson, Strom, Olson, IROS 2013) and Calibration Wizard's (Peng, Sturm, ICCV 2019); the
+measure, the error over the image up to a rotation, is mrcal's.
 """
 
 from collections.abc import Sequence
