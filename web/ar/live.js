@@ -36,7 +36,10 @@ export class Live {
   #scene;
   /** Made when first used. @type {Map<string, ReturnType<typeof MODES.matrix>>} */
   #made = new Map();
-  /** The last detection, for showing the same picture in another way. @type {{points: number[][], pixels: number[][]}} */
+  /**
+   * The last detection, for showing the same picture in another way.
+   * @type {{points: number[][], pixels: number[][]}}
+   */
   #last = { points: [], pixels: [] };
 
   /** @param {Setup} setup throws RectifierError where there is no WebGL2 */

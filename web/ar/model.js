@@ -41,7 +41,14 @@ function marks(columns, rows) {
   return corners.flatMap((corner) => [...across(corner, MARK, LINE / 2, -0.002, MARKS), ...across(corner, LINE / 2, MARK, -0.002, MARKS)]);
 }
 
-/** A rectangle about a middle. @param {number[]} middle @param {number} right half its width @param {number} down half its height @param {number} z @param {Colour} colour */
+/**
+ * A rectangle about a middle.
+ * @param {number[]} middle
+ * @param {number} right half its width
+ * @param {number} down half its height
+ * @param {number} z
+ * @param {Colour} colour
+ */
 const across = ([x, y], right, down, z, colour) =>
   quadrilateral([[x - right, y - down, z], [x + right, y - down, z], [x + right, y + down, z], [x - right, y + down, z]], colour);
 
@@ -61,7 +68,12 @@ function house(columns, rows) {
   });
 }
 
-/** Lambert's law. @param {Colour} colour @param {Point[]} face counterclockwise as seen from outside @returns {Colour} */
+/**
+ * Lambert's law.
+ * @param {Colour} colour
+ * @param {Point[]} face counterclockwise as seen from outside
+ * @returns {Colour}
+ */
 function shaded(colour, [a, b, c]) {
   const [u, v] = [b.map((value, axis) => value - a[axis]), c.map((value, axis) => value - a[axis])];
   const normal = unit([u[2] * v[1] - u[1] * v[2], u[0] * v[2] - u[2] * v[0], u[1] * v[0] - u[0] * v[1]]);

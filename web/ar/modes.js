@@ -20,7 +20,10 @@ import { Rectifier } from "../sdk/rectifier.js";
  * @property {() => void} dispose
  */
 
-/** By their names, in the order of the keys 1, 2, 3. @type {Record<string, (calibration: Calibration) => Mode & {balance?: (value: number) => void}>} */
+/**
+ * By their names, in the order of the keys 1, 2, 3.
+ * @type {Record<string, (calibration: Calibration) => Mode & {balance?: (value: number) => void}>}
+ */
 export const MODES = { matrix, rectified, distorted };
 
 /** @param {number[][]} camera_matrix */
@@ -36,7 +39,10 @@ function matrix(calibration) {
   };
 }
 
-/** @param {Calibration} calibration @returns {Mode & {balance: (value: number) => void}} balance: how much of the edge is kept, 0…1 */
+/**
+ * @param {Calibration} calibration
+ * @returns {Mode & {balance: (value: number) => void}} balance: how much of the edge is kept, 0…1
+ */
 function rectified(calibration) {
   const lens = lensOf(calibration);
   const canvas = document.createElement("canvas");

@@ -39,13 +39,21 @@ export function poseOf(lens, points, pixels) {
   return { rvec: at.slice(0, 3), tvec: at.slice(3) };
 }
 
-/** Board → camera, for many points. @param {Pose} pose @returns {(point: readonly number[]) => [number, number, number]} */
+/**
+ * Board → camera, for many points.
+ * @param {Pose} pose
+ * @returns {(point: readonly number[]) => [number, number, number]}
+ */
 export function rigidTransform({ rvec, tvec: [tx, ty, tz] }) {
   const [a, b, c, d, e, f, g, h, i] = rotationMatrix(rvec);
   return ([x, y, z]) => [a * x + b * y + c * z + tx, d * x + e * y + f * z + ty, g * x + h * y + i * z + tz];
 }
 
-/** The pose whose [r1 r2 t] a homography onto the plane z = 1 is, nearly. @param {number[]} h row-major 3x3 @returns {Pose} */
+/**
+ * The pose whose [r1 r2 t] a homography onto the plane z = 1 is, nearly.
+ * @param {number[]} h row-major 3x3
+ * @returns {Pose}
+ */
 function decomposeHomography([a, b, tx, d, e, ty, g, h, tz]) {
   const scale = (Math.sign(tz) * 2) / (Math.hypot(a, d, g) + Math.hypot(b, e, h));
   const x = unit([a, d, g].map((value) => value * scale));

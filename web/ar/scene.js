@@ -41,7 +41,10 @@ export class Scene {
     });
   }
 
-  /** @param {Pinhole} pinhole whose picture it becomes @param {import("../lib/pose.js").Pose | null} pose null: nothing is there */
+  /**
+   * @param {Pinhole} pinhole whose picture it becomes
+   * @param {import("../lib/pose.js").Pose | null} pose null: nothing is there
+   */
   draw(pinhole, pose) {
     const { gl, program } = this.#on;
     const [width, height] = pinhole.img_size;
@@ -80,7 +83,11 @@ function createRenderer(canvas, triangles) {
   return { gl, program, buffer };
 }
 
-/** OpenGL's cameras look along −z with y up. @param {import("../lib/pose.js").Pose} pose @returns {number[]} column-major */
+/**
+ * OpenGL's cameras look along −z with y up.
+ * @param {import("../lib/pose.js").Pose} pose
+ * @returns {number[]} column-major
+ */
 function viewMatrix({ rvec, tvec: [x, y, z] }) {
   const [a, b, c, d, e, f, g, h, i] = rotationMatrix(rvec);
   return [a, -d, -g, 0, b, -e, -h, 0, c, -f, -i, 0, x, -y, -z, 1];

@@ -27,7 +27,11 @@ export async function calibrationOf(key, parameters) {
   return { calibration, origin: calibration ? "known" : "", guidance };
 }
 
-/** What the capture page sent along in this page's address, which keeps it for a reload. @param {CameraKey} key @param {URLSearchParams} parameters */
+/**
+ * What the capture page sent along in this page's address, which keeps it for a reload.
+ * @param {CameraKey} key
+ * @param {URLSearchParams} parameters
+ */
 async function result(key, parameters) {
   const asked = parameters.get("camera");
   if (!location.hash.includes("calibration=") || (asked !== null && asked !== key.camera)) return null;

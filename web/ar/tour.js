@@ -2,7 +2,10 @@
 import { rotationMatrix } from "../lib/pose.js";
 import { focalLengths } from "../sdk/pinhole.js";
 
-/** Turned by degrees; its middle at so many times the distance from the axis; so far away, in squares for a lens of 0.8 widths. */
+/**
+ * Turned by degrees; its middle at so many times the distance from the axis; so far away, in squares for a lens of 0.8
+ * widths.
+ */
 const STOPS = [
   { turn: [-25, 12, 3], aside: [0.02, -0.01], distance: 6.8 },
   { turn: [-35, -20, 0], aside: [-0.25, -0.1], distance: 6 },

@@ -28,7 +28,6 @@ import * as statusText from "./status-text.js";
 
 /**
  * @typedef {import("./state.js").State} State
- * @typedef {import("./state.js").Event} Event
  * @typedef {import("./state.js").Notice} Notice
  * @typedef {import("../lib/camera.js").OpenCamera} OpenCamera
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
@@ -58,7 +57,7 @@ let session = null;
 let chosen = "";
 let size = state.wanted.img_size ?? Sizes.USUAL;
 
-/** @param {Event} event */
+/** @param {import("./state.js").Event} event */
 function dispatch(event) {
   state = reduce(state, event);
   // Before the page shows the result sheet, which takes the focus: the outcome needs the camera's last frame.
@@ -73,7 +72,7 @@ function dispatch(event) {
   shown = state;
 }
 
-/** Sounds, vibration, speech and the live region. @param {Event} event */
+/** Sounds, vibration, speech and the live region. @param {import("./state.js").Event} event */
 function giveFeedback(event) {
   if (state.phase === "done" && shown?.phase !== "done") feedback.give("done");
   else if (event.type === "stored" || (event.type === "answer" && event.answer.accepted)) feedback.give("taken");

@@ -36,7 +36,14 @@ export function axis(values, least) {
 
 /** @typedef {ReturnType<typeof axis>} Axis */
 
-/** @param {Axis} across @param {Axis | null} names no numbers where null @param {Axis} up @param {string} label @param {string} x @param {string} y */
+/**
+ * @param {Axis} across
+ * @param {Axis | null} names no numbers where null
+ * @param {Axis} up
+ * @param {string} label
+ * @param {string} x
+ * @param {string} y
+ */
 function frame(across, names, up, label, x, y) {
   const at = {
     x: (/** @type {number} */ value) => LEFT + ((value - across.from) / (across.to - across.from)) * (WIDTH - LEFT - RIGHT),

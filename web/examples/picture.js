@@ -54,7 +54,11 @@ export function whenOpen(draw) {
   if (parameters.has("virtual") && document.getElementById("virtually")) void go("virtual");
 }
 
-/** @param {string} id of a camera @param {URLSearchParams} parameters @returns {Promise<Picture | null>} null: it is not calibrated yet */
+/**
+ * @param {string} id of a camera
+ * @param {URLSearchParams} parameters
+ * @returns {Promise<Picture | null>} null: it is not calibrated yet
+ */
 async function begin(id, parameters) {
   const camera = await open(id, { parameters, size: WANTED, place: part("virtual", HTMLElement), board: DEFAULT_BOARD });
   /** @type {Picture | null} */

@@ -22,7 +22,10 @@ const MAX_RETRY_AFTER_MS = 60_000; // ms; whoever asks for more is not waited fo
 
 /** The service's answer was no. */
 export class ApiError extends Error {
-  /** @param {number} status @param {{type?: string, title?: string, detail?: string, errors?: {field: string, detail: string}[]}} problem */
+  /**
+   * @param {number} status
+   * @param {{type?: string, title?: string, detail?: string, errors?: {field: string, detail: string}[]}} problem
+   */
   constructor(status, problem) {
     const fields = (problem.errors ?? []).map(({ field, detail }) => `${field}: ${detail}`).join("; ");
     super([problem.detail ?? problem.title ?? `The service answered ${status}.`, fields].filter(Boolean).join(" "));

@@ -14,7 +14,7 @@ import { dictionaryOf, isBlack, markers } from "./board.js";
  * @param {number} id
  * @returns {boolean[][]} rows of cells, true = white
  */
-export function markerBits(dictionary, id) {
+function markerBits(dictionary, id) {
   const { size, side, count } = dictionaryOf(dictionary);
   if (id >= count) throw new RangeError(`${dictionary} has ${count} markers, and the board needs number ${id}`);
   const packed = unpack(TABLES[size].bits);

@@ -9,7 +9,11 @@ addMessages({ impossible: words });
 /** @param {Problem} problem */
 export const reason = ({ code, values }) => t(`impossible.because_${code}`, values);
 
-/** Says on a page that the board its address asks for cannot be. @param {HTMLElement} place @param {Problem | null} problem */
+/**
+ * Says on a page that the board its address asks for cannot be.
+ * @param {HTMLElement} place
+ * @param {Problem | null} problem
+ */
 export function showProblem(place, problem) {
   const say = () => {
     place.textContent = problem ? t("impossible.default_instead", { reason: reason(problem) }) : "";

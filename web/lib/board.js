@@ -1,6 +1,9 @@
 // ChArUco boards: valid layouts, and the positions of their corners. Frame: x right, y down, unit = one square.
 
-/** How many markers the dictionaries have, and of how many cells a side; which cells are white, dictionaries.js says. @type {Record<string, {side: number, count: number}>} */
+/**
+ * How many markers the dictionaries have, and of how many cells a side; which cells are white, dictionaries.js says.
+ * @type {Record<string, {side: number, count: number}>}
+ */
 const SIZES = {
   "4X4": { side: 4, count: 1000 }, "5X5": { side: 5, count: 1000 }, "6X6": { side: 6, count: 1000 }, "7X7": { side: 7, count: 1000 },
   ARUCO_ORIGINAL: { side: 5, count: 1024 },
@@ -48,7 +51,11 @@ export function boardFrom(query) {
   return { board: problem ? DEFAULT_BOARD : /** @type {typeof DEFAULT_BOARD} */ (asked), problem };
 }
 
-/** The parameters that lead to this board. @param {Board} board @returns {URLSearchParams} without those of the default */
+/**
+ * The parameters that lead to this board.
+ * @param {Board} board
+ * @returns {URLSearchParams} without those of the default
+ */
 export function boardQuery({ squares, marker_ratio, dictionary, legacy }) {
   const query = new URLSearchParams();
   if (squares.join("x") !== DEFAULT_BOARD.squares.join("x")) query.set("squares", squares.join("x"));
@@ -58,7 +65,11 @@ export function boardQuery({ squares, marker_ratio, dictionary, legacy }) {
   return query;
 }
 
-/** Why there is no such board, by the limits of the service; null where there may be. @param {Board} board @returns {Problem | null} */
+/**
+ * Why there is no such board, by the limits of the service; null where there may be.
+ * @param {Board} board
+ * @returns {Problem | null}
+ */
 function impossible(board) {
   const { squares, marker_ratio, dictionary } = board;
   if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= FEWEST_SQUARES && count <= MOST_SQUARES)) {

@@ -30,7 +30,9 @@ export class DetectorError extends Error {
 }
 
 export class Detector {
-  /** @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void, timer: ReturnType<typeof setTimeout>}>} */
+  /**
+   * @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void, timer: ReturnType<typeof setTimeout>}>}
+   */
   #waiting = new Map();
   #next = 0;
   #worker;
@@ -86,7 +88,10 @@ export class Detector {
   /** Has it been closed? */
   closed = false;
 
-  /** The worker ends when it has let go of its frames, or does not answer: a frame that dies with it keeps the camera's memory. */
+  /**
+   * The worker ends when it has let go of its frames, or does not answer: a frame that dies with it keeps the camera's
+   * memory.
+   */
   close() {
     if (this.closed) return;
     this.closed = true;

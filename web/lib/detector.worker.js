@@ -43,7 +43,10 @@ async function loadOpenCV(address, bytes) {
   const wasm = new Response(counted, { headers: { "content-type": "application/wasm" } });
   const compiled = await WebAssembly.compileStreaming(wasm).catch(lost);
   return createOpenCV({
-    /** @param {WebAssembly.Imports} imports @param {(instance: WebAssembly.Instance, module: WebAssembly.Module) => void} done */
+    /**
+     * @param {WebAssembly.Imports} imports
+     * @param {(instance: WebAssembly.Instance, module: WebAssembly.Module) => void} done
+     */
     instantiateWasm(imports, done) {
       WebAssembly.instantiate(compiled, imports).then((instance) => done(instance, compiled));
       return {};
@@ -132,7 +135,11 @@ function createFinder(board) {
       const seen = full ? refine(image, { ids, points }, columns - 1) : { ids, points };
       return { ...seen, markers, metrics: frameMetrics(image, board, seen, side) };
     },
-    /** Looks for something else than the board. @param {Grey} image @param {string} kind "mirrored", "legacy", a dictionary */
+    /**
+     * Looks for something else than the board.
+     * @param {Grey} image
+     * @param {string} kind "mirrored", "legacy", a dictionary
+     */
     probe(image, kind) {
       const { ids, markers } = detect(other(kind), kind === "mirrored" ? flipped(image) : image);
       return { kind, markers, corners: ids.length };
@@ -147,7 +154,10 @@ function createFinder(board) {
   };
 }
 
-/** Median length of the markers' first sides, px; 0 where there are none. @param {any} corners vector of 1 x 4 points */
+/**
+ * Median length of the markers' first sides, px; 0 where there are none.
+ * @param {any} corners vector of 1 x 4 points
+ */
 function markerSide(corners) {
   /** @type {number[]} */
   const sides = [];

@@ -15,7 +15,12 @@ export function el(name, attributes = {}, ...content) {
   return made;
 }
 
-/** @template {Element} E @param {string} id @param {new () => E} type @returns {E} of the page; a page that lacks it says so */
+/**
+ * @template {Element} E
+ * @param {string} id
+ * @param {new () => E} type
+ * @returns {E} of the page; a page that lacks it says so
+ */
 export function part(id, type) {
   const found = document.getElementById(id);
   if (!(found instanceof type)) throw new TypeError(`the page has no ${type.name} #${id}`);

@@ -21,7 +21,12 @@ export function explain(error) {
   return t("faults.unforeseen", { message: String(error) });
 }
 
-/** Its own words only where the page has none: they are English. @param {number} status @param {string} kind @param {string} detail */
+/**
+ * Its own words only where the page has none: they are English.
+ * @param {number} status
+ * @param {string} kind
+ * @param {string} detail
+ */
 function service(status, kind, detail) {
   const keys = [`faults.kind_${kind.replaceAll("-", "_")}`, `faults.status_${status}`, status >= 500 ? "faults.status_500" : ""];
   return t(keys.find(known) ?? "faults.refused", { detail });

@@ -92,7 +92,11 @@ export function known(key) {
   return say(key, {}, "en") !== key;
 }
 
-/** A measured number as it is written in the language spoken now, not grouped. @param {number} value @param {number} digits after the point */
+/**
+ * A measured number as it is written in the language spoken now, not grouped.
+ * @param {number} value
+ * @param {number} digits after the point
+ */
 export function number(value, digits) {
   const rounded = Number(value.toFixed(digits)) || 0; // nought has no sign
   const written = rounded.toLocaleString(language(), { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });

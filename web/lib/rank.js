@@ -39,7 +39,12 @@ function cells(points, [width, height]) {
   return new Set(points.map(([x, y]) => Math.min(rows - 1, Math.floor((y + 0.5) / side)) * GRID_COLUMNS + Math.floor((x + 0.5) / side)));
 }
 
-/** How different a board lies from all chosen, 0…1; the first is to be a tilted one. @param {Candidate} candidate @param {Candidate[]} chosen @param {number} width */
+/**
+ * How different a board lies from all chosen, 0…1; the first is to be a tilted one.
+ * @param {Candidate} candidate
+ * @param {Candidate[]} chosen
+ * @param {number} width
+ */
 function novelty({ outline }, chosen, width) {
   if (!outline) return 0;
   if (chosen.length === 0) return Math.min(1, foreshortening(outline));

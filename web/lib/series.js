@@ -18,8 +18,11 @@
  * @property {Map<number, number>} numbers of the views, by the indices that the session gave them
  */
 
-/** Error up to which a calibration is worth storing, px at 1280 px width: beyond it the service's verdict is that it is poor. */
-export const WORTHWHILE = 2;
+/**
+ * Error up to which a calibration is worth storing, px at 1280 px width: beyond it the service's verdict is that it is
+ * poor.
+ */
+const WORTHWHILE = 2;
 const UNREACHABLE_ERROR_PX = 0.01; // so that every view enters that helps
 const MIN_TARGET_ERROR_PX = 1e-3; // px that the service takes
 const MARGIN = 1.001; // the same views come to the same error but for the last digits

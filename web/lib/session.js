@@ -106,7 +106,11 @@ export class CaptureSession {
     this.#request = { ...this.#request, track };
   }
 
-  /** The capture as if nothing of it had been sent. @param {number[]} [without] indices of views to leave out @returns {SavedCapture} */
+  /**
+   * The capture as if nothing of it had been sent.
+   * @param {number[]} [without] indices of views to leave out
+   * @returns {SavedCapture}
+   */
   unsent(without = []) {
     const left = this.#views.filter(({ index }) => index === null || !without.includes(index));
     const views = left.map((view) => ({ ...view, index: null, taken: false }));

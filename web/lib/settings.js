@@ -1,14 +1,20 @@
 // Settings of the pages, `/config.json`: address of the API and the pages' token.
 import { reach } from "./network.js";
 
-/** @typedef {{api: string, token: string, return_origins?: string[]}} Settings return_origins: to which results may be handed */
+/**
+ * @typedef {{api: string, token: string, return_origins?: string[]}} Settings return_origins: to which results may be
+ *    handed
+ */
 
 const STORAGE_KEY = "calibdb.settings";
 
 /** The page is there and what belongs to it is not. */
 export class SettingsError extends Error {}
 
-/** @param {{patience?: number}} [options] patience: ms @returns {Promise<Settings>} rejects with OfflineError or SettingsError */
+/**
+ * @param {{patience?: number}} [options] patience: ms
+ * @returns {Promise<Settings>} rejects with OfflineError or SettingsError
+ */
 export async function loadSettings(options) {
   const response = await reach(new URL("../config.json", import.meta.url), options);
   if (!response.ok) throw new SettingsError(`The page's settings are missing (${response.status}). Try again later.`);

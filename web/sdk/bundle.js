@@ -26,7 +26,10 @@
 
 const CROPPED = "crop-and-scale";
 const SAME_ASPECT = 0.01; // log of the ratio
-/** What computers say of themselves; whatever says anything else is none that is known here. @type {[string, RegExp][]} */
+/**
+ * What computers say of themselves; whatever says anything else is none that is known here.
+ * @type {[string, RegExp][]}
+ */
 const COMPUTERS = [
   ["linux", /^(?:X11|Wayland); (?:Ubuntu; |Fedora; )?Linux \w+(?:; rv:[\d.]+)?$/],
   ["windows", /^Windows NT [\d.]+(?:; (?:Win64|WOW64|x64|ARM64|rv:[\d.]+))*$/],
@@ -88,7 +91,12 @@ const own = (table, name) => (Object.hasOwn(table, name) ? table[name] : undefin
 /** @param {readonly number[]} a @param {readonly number[]} b */
 const same = (a, b) => a[0] === b[0] && a[1] === b[1];
 
-/** Which of two sizes is further from the one asked for: by aspect, then by area. @param {number[]} a @param {number[]} b @param {readonly number[]} asked */
+/**
+ * Which of two sizes is further from the one asked for: by aspect, then by area.
+ * @param {number[]} a
+ * @param {number[]} b
+ * @param {readonly number[]} asked
+ */
 function compareSizes(a, b, [w, h]) {
   const [x, y] = [a, b].map((size) => {
     const aspect = Math.abs(Math.log((size[0] * h) / (size[1] * w)));

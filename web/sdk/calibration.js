@@ -69,7 +69,10 @@ export class Calibration extends Data {
     return this.#model.unproject(pixel);
   }
 
-  /** For a scene over the picture, which must be rectified or nearly without distortion. @param {import("./pinhole.js").Frustum} [frustum] */
+  /**
+   * For a scene over the picture, which must be rectified or nearly without distortion.
+   * @param {import("./pinhole.js").Frustum} [frustum]
+   */
   projectionMatrix(frustum) {
     return projectionMatrix(this, frustum);
   }

@@ -25,7 +25,10 @@ export class Distorter {
   #warp;
   #pinhole;
 
-  /** @param {import("./rectification.js").Calibration} calibration @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2 */
+  /**
+   * @param {import("./rectification.js").Calibration} calibration
+   * @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2
+   */
   constructor(calibration, { largest = 2, canvas = createCanvas() } = {}) {
     this.canvas = canvas;
     this.#pinhole = widePinhole(calibration, largest);
@@ -44,7 +47,11 @@ export class Distorter {
     return this.#pinhole.camera_matrix;
   }
 
-  /** What the scene's camera projects with. @param {{near?: number, far?: number}} [frustum] @returns {number[]} column-major */
+  /**
+   * What the scene's camera projects with.
+   * @param {{near?: number, far?: number}} [frustum]
+   * @returns {number[]} column-major
+   */
   projectionMatrix({ near, far } = {}) {
     return projectionMatrix(this.#pinhole, { near, far });
   }

@@ -183,7 +183,12 @@ function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], end) {
     end: inverse.end,
     /** @param {number} x @param {number} y */
     distort: (x, y) => (Math.hypot(x, y) < inverse.end ? bend(x, y) : null),
-    /** Newton's method from the inverse of the radial part. @param {number} u @param {number} v @returns {[number, number] | null} */
+    /**
+     * Newton's method from the inverse of the radial part.
+     * @param {number} u
+     * @param {number} v
+     * @returns {[number, number] | null}
+     */
     undistort(u, v) {
       const length = Math.hypot(u, v);
       // A little beyond the end is tried too: the tangential part moves the edge.
@@ -249,7 +254,12 @@ function invert({ at, slope, end: last }) {
   };
 }
 
-/** Where a predicate that holds at `low` ceases to. @param {(t: number) => boolean} holds @param {number} low @param {number} high */
+/**
+ * Where a predicate that holds at `low` ceases to.
+ * @param {(t: number) => boolean} holds
+ * @param {number} low
+ * @param {number} high
+ */
 function bisect(holds, low, high) {
   for (let iteration = 0; iteration < 60; iteration++) {
     const middle = (low + high) / 2;

@@ -30,16 +30,30 @@ export function rectifiedMatrix(calibration, balance = 0, zoom = 1) {
   return [[f, 0, (width - 1) / 2 - f * x], [0, f, (height - 1) / 2 - f * y], [0, 0, 1]];
 }
 
-/** Pixels a unit with which a rectangle fills the picture, or fits into it. @param {Rectangle} rectangle @param {number} width @param {number} height @param {typeof Math.max} choose */
+/**
+ * Pixels a unit with which a rectangle fills the picture, or fits into it.
+ * @param {Rectangle} rectangle
+ * @param {number} width
+ * @param {number} height
+ * @param {typeof Math.max} choose
+ */
 function focal([left, top, right, bottom], width, height, choose) {
   return choose(width / (right - left), height / (bottom - top));
 }
 
-/** The largest rectangle of rays that are all in the picture, and the smallest that holds all. @param {Calibration} calibration */
+/**
+ * The largest rectangle of rays that are all in the picture, and the smallest that holds all.
+ * @param {Calibration} calibration
+ */
 function rayBounds(calibration) {
   const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
   const lens = lensOf(calibration);
-  /** Where a pixel's ray meets the plane z = 1, pulled in where that is far out or nowhere. @param {number} u @param {number} v @returns {[number, number]} */
+  /**
+   * Where a pixel's ray meets the plane z = 1, pulled in where that is far out or nowhere.
+   * @param {number} u
+   * @param {number} v
+   * @returns {[number, number]}
+   */
   const meet = (u, v) => {
     const ray = lens.unproject([u, v]);
     const [x, y] = ray ?? [(u - cx) / fx, (v - cy) / fy];

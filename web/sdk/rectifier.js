@@ -31,7 +31,10 @@ export class Rectifier {
   #warp;
   #pinhole;
 
-  /** @param {Calibration} calibration @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2 */
+  /**
+   * @param {Calibration} calibration
+   * @param {Options<Canvas>} [options] throws RectifierError where there is no WebGL2
+   */
   constructor(calibration, { balance = 0, zoom = 1, scale = 1, canvas = createCanvas() } = {}) {
     this.canvas = canvas;
     this.#calibration = calibration;
@@ -50,7 +53,11 @@ export class Rectifier {
     return this.#pinhole.img_size;
   }
 
-  /** For a scene over the picture drawn. @param {import("./pinhole.js").Frustum} [frustum] @returns {number[]} column-major */
+  /**
+   * For a scene over the picture drawn.
+   * @param {import("./pinhole.js").Frustum} [frustum]
+   * @returns {number[]} column-major
+   */
   projectionMatrix(frustum) {
     return projectionMatrix(this.#pinhole, frustum);
   }

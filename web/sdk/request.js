@@ -27,7 +27,9 @@ export class LookupError extends Error {
 const FIRST_DELAY_MS = 500; // ms, then twice as long each time
 const MAX_DELAY_MS = 8000; // ms; a service that asks for more is not waited for
 
-/** Where this file came from. By itself: `new URL(…, import.meta.url)` is what bundlers take for a file to be packed. */
+/**
+ * Where this file came from. By itself: `new URL(…, import.meta.url)` is what bundlers take for a file to be packed.
+ */
 const HERE = import.meta.url ?? "file:///";
 
 /** @param {string | URL} [api] @returns {URL} ending in a slash; an address without a host is this page's */
@@ -62,7 +64,10 @@ export async function ask(path, request, { token, api, signal, retries = 3, fetc
   throw new LookupError("calibDB cannot be reached", 0, { cause: outcome });
 }
 
-/** @param {JsonResponse} answer @returns {CalibrationData} throws a LookupError, in the service's words, for whatever is none */
+/**
+ * @param {JsonResponse} answer
+ * @returns {CalibrationData} throws a LookupError, in the service's words, for whatever is none
+ */
 export function calibrationIn({ response, body }) {
   if (response.ok && body.camera_matrix) return body;
   throw refusal(response, body);
@@ -73,7 +78,12 @@ export function refusal({ ok, status, url }, body) {
   return new LookupError(body.detail ?? (ok ? `what answers at ${url} is not calibDB` : `calibDB answered ${status}`), status);
 }
 
-/** @param {typeof globalThis.fetch} fetch @param {URL} url @param {RequestInit} request @returns {Promise<JsonResponse | Error>} */
+/**
+ * @param {typeof globalThis.fetch} fetch
+ * @param {URL} url
+ * @param {RequestInit} request
+ * @returns {Promise<JsonResponse | Error>}
+ */
 async function reach(fetch, url, request) {
   try {
     const response = await fetch(url, request);
@@ -86,7 +96,10 @@ async function reach(fetch, url, request) {
   }
 }
 
-/** Milliseconds to wait after so many retries, with jitter: many may have been refused at once. @param {number} retries */
+/**
+ * Milliseconds to wait after so many retries, with jitter: many may have been refused at once.
+ * @param {number} retries
+ */
 const backoff = (retries) => FIRST_DELAY_MS * 2 ** retries * (0.5 + 0.5 * Math.random());
 
 /** @param {number} milliseconds @param {AbortSignal} [signal] @returns {Promise<void>} */

@@ -1,6 +1,9 @@
 // Retries: which failures of a service may pass, and the loop that tries again.
 
-/** A service that is asked too often (429) or that failed for now; its own errors (500) pass too, for all calls are idempotent. */
+/**
+ * A service that is asked too often (429) or that failed for now; its own errors (500) pass too, for all calls are
+ * idempotent.
+ */
 const TRANSIENT_STATUSES = [429, 500, 502, 503, 504];
 
 /** @param {{status: number}} response */

@@ -48,7 +48,10 @@ export class Warp {
   /** @type {() => PixelMap} */
   #createMap = () => ({ map: new Float32Array(2), size: [1, 1], extent: [1, 1] });
 
-  /** @param {AnyCanvas} canvas @param {{alpha: boolean}} options alpha: transparent where there is nothing, else black */
+  /**
+   * @param {AnyCanvas} canvas
+   * @param {{alpha: boolean}} options alpha: transparent where there is nothing, else black
+   */
   constructor(canvas, { alpha }) {
     this.canvas = canvas;
     this.#alpha = alpha;

@@ -112,7 +112,10 @@ export class WebcamDevice extends XRDevice {
     session.stage = session.immersive ? new Stage(place, video, layer.context.canvas, session.overlay) : null;
   }
 
-  /** @param {number} id @param {{depthNear: number, depthFar: number, inlineVerticalFieldOfView: number | null}} state */
+  /**
+   * @param {number} id
+   * @param {{depthNear: number, depthFar: number, inlineVerticalFieldOfView: number | null}} state
+   */
   onFrameStart(id, { depthNear: near, depthFar: far, inlineVerticalFieldOfView: angle }) {
     const session = this.#sessions.get(id);
     if (!session?.layer) return;
@@ -135,7 +138,12 @@ export class WebcamDevice extends XRDevice {
     if (session.immersive) this.dispatchEvent("@@webxr-polyfill/vr-present-end", id);
   }
 
-  /** @param {number} id @param {string} eye @param {any} layer @param {{x: number, y: number, width: number, height: number}} target */
+  /**
+   * @param {number} id
+   * @param {string} eye
+   * @param {any} layer
+   * @param {{x: number, y: number, width: number, height: number}} target
+   */
   getViewport(id, eye, layer, target) {
     if (eye === "right") return false; // a camera has one
     const { drawingBufferWidth: width, drawingBufferHeight: height } = layer.context;
@@ -166,7 +174,11 @@ export class WebcamDevice extends XRDevice {
 
   onWindowResize() {}
 
-  /** What the picture behind the layer is of, which is drawn where it must be. @param {Stage} stage @returns {Pinhole} */
+  /**
+   * What the picture behind the layer is of, which is drawn where it must be.
+   * @param {Stage} stage
+   * @returns {Pinhole}
+   */
   #shown(stage) {
     const { video, pinhole, straight } = this.#setup;
     const straightened = straight?.();

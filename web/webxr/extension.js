@@ -144,7 +144,10 @@ export function matrixOf(p, width, height) {
   return [(p[0] * width) / 2, 0, 0, 0, (p[5] * height) / 2, 0, ((1 - p[8]) * width - 1) / 2, ((1 + p[9]) * height - 1) / 2, 1];
 }
 
-/** What the provider knows comes first, but not of another picture; then what the browser does, which says nothing of distortion. */
+/**
+ * What the provider knows comes first, but not of another picture; then what the browser does, which says nothing of
+ * distortion.
+ */
 function attributesOf(/** @type {any} */ view, /** @type {Intrinsics | null} */ known) {
   const { camera } = view;
   if (known && (!camera || !known.img_size || sameSize(known.img_size, camera))) return attributes(known);
@@ -152,7 +155,11 @@ function attributesOf(/** @type {any} */ view, /** @type {Intrinsics | null} */ 
   return { ...UNKNOWN, cameraMatrix: Float32Array.from(matrixOf(view.projectionMatrix, camera.width, camera.height)) };
 }
 
-/** Arrays of its own: who writes into them spoils no other view. @param {Intrinsics} intrinsics @returns {Attributes} */
+/**
+ * Arrays of its own: who writes into them spoils no other view.
+ * @param {Intrinsics} intrinsics
+ * @returns {Attributes}
+ */
 function attributes({ camera_matrix: k, distortion_coefficients, distortion_model }) {
   return {
     cameraMatrix: Float32Array.from([0, 1, 2].flatMap((column) => k.map((row) => row[column]))),

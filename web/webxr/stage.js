@@ -34,7 +34,10 @@ export class Stage {
     return [this.#element.clientWidth, this.#element.clientHeight];
   }
 
-  /** Shows another picture in the video's place. @param {HTMLCanvasElement | OffscreenCanvas} [canvas] undefined: the video's again */
+  /**
+   * Shows another picture in the video's place.
+   * @param {HTMLCanvasElement | OffscreenCanvas} [canvas] undefined: the video's again
+   */
   cover(canvas) {
     if (canvas === this.#cover) return;
     this.#cover?.remove();

@@ -7,7 +7,11 @@ import { Rectifier, RectifierError } from "../../sdk/rectifier.js";
 
 const MAX_WIDTH_PX = 1600; // px; nobody sees more here, and maps of large photographs would fill the GPU
 
-/** The calibration of the same picture made smaller: lengths scale, pixel centres stay at whole numbers. @param {Calibration} calibration @returns {Calibration} */
+/**
+ * The calibration of the same picture made smaller: lengths scale, pixel centres stay at whole numbers.
+ * @param {Calibration} calibration
+ * @returns {Calibration}
+ */
 export function shrinkCalibration(calibration) {
   const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
   const s = Math.min(1, MAX_WIDTH_PX / width);

@@ -62,7 +62,11 @@ export function downloadPart({ calibration, explain, of = calibration }, suffix 
       el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: `json${suffix}` }, json))));
 }
 
-/** Why there is no such file; of the service's own words, which are English, only the number. @param {string} format @param {ApiError} error */
+/**
+ * Why there is no such file; of the service's own words, which are English, only the number.
+ * @param {string} format
+ * @param {ApiError} error
+ */
 function reason(format, { message }) {
   if (CORNERS.has(format)) return t("formats.impossible_corners");
   const [, far] = /([\d.]+) px/.exec(message) ?? [];

@@ -32,7 +32,11 @@ const MAX_RMS_RATIO = 2.5; // times the median rms of the views
 const MIN_COSINE = 0.2; // of the angle to the axis: beyond 78° a plane picture is all edge
 const MIN_NOTABLE_RMS_PX = 0.3; // px; below this nobody looks for a reason
 
-/** How good it is in one word, where no report says so. @param {Calibration} calibration @returns {"good" | "fair" | "poor"} */
+/**
+ * How good it is in one word, where no report says so.
+ * @param {Calibration} calibration
+ * @returns {"good" | "fair" | "poor"}
+ */
 export function levelOf({ uncertainty: { rms }, img_size: [width] }) {
   const relative = (rms * 1280) / width;
   return relative <= 0.6 ? "good" : relative <= 2 ? "fair" : "poor";
@@ -45,13 +49,28 @@ export function digitsFor(std) {
 
 const COEFFICIENT_DIGITS = 5; // digits of a coefficient
 
-/** Digits after the point of a coefficient of which nobody says how sure it is: two of its own at least. @param {number} value */
+/**
+ * Digits after the point of a coefficient of which nobody says how sure it is: two of its own at least.
+ * @param {number} value
+ */
 export const digitsOf = (value) => (value === 0 ? COEFFICIENT_DIGITS : Math.min(8, Math.max(COEFFICIENT_DIGITS, 1 - Math.floor(Math.log10(Math.abs(value))))));
 
-/** Focal lengths, centre, coefficients. @param {Calibration} calibration @param {Report | null} report @returns {Row[]} */
+/**
+ * Focal lengths, centre, coefficients.
+ * @param {Calibration} calibration
+ * @param {Report | null} report
+ * @returns {Row[]}
+ */
 export function intrinsics({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion_coefficients, distortion_model }, report) {
   const names = COEFFICIENTS[distortion_model] ?? [];
-  /** @param {string} name @param {number} value @param {number | null | undefined} std @param {number} digits @param {"px" | ""} unit @returns {Row} */
+  /**
+   * @param {string} name
+   * @param {number} value
+   * @param {number | null | undefined} std
+   * @param {number} digits
+   * @param {"px" | ""} unit
+   * @returns {Row}
+   */
   const row = (name, value, std, digits, unit) => ({ name, value, std: std ?? null, digits: std ? digitsFor(std) : digits, unit });
   const std = report?.std;
   return [
@@ -101,7 +120,11 @@ export function displacements(calibration, [columns, rows]) {
     : [{ to, from: [(fx * ray[0]) / ray[2] + cx, (fy * ray[1]) / ray[2] + cy] }]));
 }
 
-/** Share of the picture, in cells of a 12th of its width, that has seen corners. @param {number[][]} points @param {[number, number]} size */
+/**
+ * Share of the picture, in cells of a 12th of its width, that has seen corners.
+ * @param {number[][]} points
+ * @param {[number, number]} size
+ */
 export function coverage(points, [width, height]) {
   const columns = 12;
   const rows = Math.max(1, Math.round((columns * height) / width));

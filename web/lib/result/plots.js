@@ -20,7 +20,11 @@ function roundUp(value) {
   return ([1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10].find((factor) => factor * power >= value * 0.999) ?? 10) * power;
 }
 
-/** Predicted error over the picture, by lightness and in numbers. @param {Calibration} calibration @param {Report["error_map"]} map */
+/**
+ * Predicted error over the picture, by lightness and in numbers.
+ * @param {Calibration} calibration
+ * @param {Report["error_map"]} map
+ */
 export function errorPlot({ img_size: [width, height] }, { grid: [columns, rows], px }) {
   const { max, mean } = extremes(px);
   const top = roundUp(max);
@@ -114,7 +118,11 @@ export function residualPlot({ img_size }, view, views, factor) {
   return svg;
 }
 
-/** How much larger residuals are drawn, the same for all views: a typical one is a 40th of the width. @param {Calibration} calibration @param {Report} report */
+/**
+ * How much larger residuals are drawn, the same for all views: a typical one is a 40th of the width.
+ * @param {Calibration} calibration
+ * @param {Report} report
+ */
 export function magnification({ img_size: [width] }, { views }) {
   const sorted = views.map(({ rms }) => rms).sort((a, b) => a - b);
   const typical = Math.max(sorted[Math.floor(sorted.length / 2)] ?? 0, 1e-3);

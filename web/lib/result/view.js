@@ -177,7 +177,10 @@ function returning({ calibration, returnTo, returnOrigins = [] }) {
     el("p", { class: "muted" }, t("result.back_text", { host })));
 }
 
-/** @param {"numbers" | "error" | "distortion" | "coverage" | "views" | "straight" | "take" | "help"} name @param {Node} content */
+/**
+ * @param {"numbers" | "error" | "distortion" | "coverage" | "views" | "straight" | "take" | "help"} name
+ * @param {Node} content
+ */
 function section(name, content) {
   const id = `result-${name}`;
   return el("section", { class: "band", "aria-labelledby": id }, el("h2", { id }, t(`result.part_${name}`)), el("div", {}, content));

@@ -66,7 +66,12 @@ function toggle(index, left, choices) {
   });
 }
 
-/** What changes, and what to do next. @param {Calibration} calibration @param {Trial | null} trial @param {Choices} choices */
+/**
+ * What changes, and what to do next.
+ * @param {Calibration} calibration
+ * @param {Trial | null} trial
+ * @param {Choices} choices
+ */
 function trialStatus(calibration, trial, choices) {
   const status = el("p", { id: "without-status", role: "status" });
   if (!trial) return el("div", { class: "without" }, status);

@@ -94,7 +94,11 @@ export class VirtualCamera {
   /** @type {MediaStream | null} */
   #stream = null;
 
-  /** @param {Setup} setup @param {HTMLElement} place a canvas must be in the document to deliver frames @param {Board} [board] */
+  /**
+   * @param {Setup} setup
+   * @param {HTMLElement} place a canvas must be in the document to deliver frames
+   * @param {Board} [board]
+   */
   constructor(setup, place, board = DEFAULT_BOARD) {
     this.#setup = setup;
     this.#board = board;

@@ -105,7 +105,12 @@ export class Hand {
   }
 }
 
-/** Where a target would be in a mirror: on the other side, tilted the other way. @param {Pose} pose @param {number[]} pivot @returns {Pose} */
+/**
+ * Where a target would be in a mirror: on the other side, tilted the other way.
+ * @param {Pose} pose
+ * @param {number[]} pivot
+ * @returns {Pose}
+ */
 function mirrored(pose, pivot) {
   const [x, y, z] = transformPoint(pose, pivot);
   const rvec = [pose.rvec[0], -pose.rvec[1], -pose.rvec[2]];

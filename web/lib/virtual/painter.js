@@ -60,7 +60,12 @@ export class Painter {
     }
   }
 
-  /** Where a row of rays meets the board's plane. @param {number[]} plane @param {number} y @param {Float32Array} out texels */
+  /**
+   * Where a row of rays meets the board's plane.
+   * @param {number[]} plane
+   * @param {number} y
+   * @param {Float32Array} out texels
+   */
   #meet(plane, y, out) {
     const [a, b, c, d, e, f, g, h, i] = plane;
     const rays = this.#rays;
@@ -121,7 +126,11 @@ export class Painter {
  * @param {{width: number, height: number, data: Uint8Array}} texture
  */
 function evenness({ width, height, data }) {
-  /** @param {Uint8Array} from 1: alike so far @param {number} step from one texel to the next @param {(at: number) => boolean} within */
+  /**
+   * @param {Uint8Array} from 1: alike so far
+   * @param {number} step from one texel to the next
+   * @param {(at: number) => boolean} within
+   */
   const alike = (from, step, within) => Uint8Array.from(from, (_, at) => {
     if (!within(at)) return 0;
     for (let k = -EVEN_RADIUS; k <= EVEN_RADIUS; k++) if (!from[at + k * step] || data[at + k * step] !== data[at]) return 0;
