@@ -1,4 +1,4 @@
-"""`python -m infra.ci.audit`: whether anything that the lock files name is known to be vulnerable.
+"""Vulnerability audit of the lock files: `python -m infra.ci.audit`.
 
 pip-audit and npm ask services that are not to be had everywhere. Where they do not answer, that is said, and
 nothing else depends on it; what they do say has to be heeded.
@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PIP_AUDIT = ROOT / ".build" / "audit" / "bin" / "pip-audit"
 LOCKS = ("requirements.lock", "layers/service/requirements.lock", "layers/solver/requirements.lock")
 _AUDIT_TIMEOUT_S = 60.0  # s
-_SHORT = 10.0  # s: does the service answer at all?
+_PROBE_TIMEOUT_S = 10.0  # for the first package: does the service answer at all?
 _PIN = re.compile(r"(?m)^([A-Za-z0-9][\w.-]*==[^\s;\\]+)")
 
 
@@ -56,20 +56,20 @@ class Audit:
 
 
 def pins(*locks: Path) -> list[str]:
-    """Return `name==version` of everything the lock files name."""
+    """Collect `name==version` of everything the lock files name."""
     return sorted({pin for lock in locks for pin in _PIN.findall(lock.read_text(encoding="utf-8"))})
 
 
 def python(packages: list[str]) -> Audit:
     """Ask about Python's packages; about one first, for each that is not answered takes its time."""
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as asked:
-        for part, patience in ((packages[:1], _SHORT), (packages, _AUDIT_TIMEOUT_S)):
+        for part, timeout_s in ((packages[:1], _PROBE_TIMEOUT_S), (packages, _AUDIT_TIMEOUT_S)):
             asked.seek(0)
             asked.truncate()
             asked.write("\n".join(part))
             asked.flush()
             command = [str(PIP_AUDIT), "--no-deps", "--disable-pip", "--progress-spinner=off", "-f", "json"]
-            audit = Audit.of_pip(_answer([*command, "--timeout", "5", "-r", asked.name], patience))
+            audit = Audit.of_pip(_answer([*command, "--timeout", "5", "-r", asked.name], timeout_s))
             if not audit.judged:
                 break
     return audit
@@ -80,10 +80,10 @@ def npm() -> Audit:
     return Audit.of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"], _AUDIT_TIMEOUT_S))
 
 
-def _answer(command: list[str], patience: float) -> Any:
+def _answer(command: list[str], timeout_s: float) -> Any:
     try:
         done = subprocess.run(  # noqa: S603 - our own commands
-            command, cwd=ROOT, capture_output=True, text=True, timeout=patience, check=False
+            command, cwd=ROOT, capture_output=True, text=True, timeout=timeout_s, check=False
         )
         return json.loads(done.stdout)
     except (OSError, subprocess.TimeoutExpired, ValueError):
@@ -91,7 +91,7 @@ def _answer(command: list[str], patience: float) -> Any:
 
 
 def report(name: str, audit: Audit) -> str:
-    """Return the line that says what came of it."""
+    """Describe the findings in a line."""
     if not audit.judged:
         return f"{name}: not audited, the service that knows of vulnerabilities does not answer here"
     return "\n".join([f"{name}: {audit.judged} packages audited", *audit.vulnerable])

@@ -1,4 +1,4 @@
-"""`python -m infra.ci.conformance`: the storage tests against an independent implementation of AWS.
+"""Storage tests against an independent implementation of AWS: `python -m infra.ci.conformance`.
 
 moto stands in for AWS wherever tests run. Where moto is more lenient than AWS, tests would not notice;
 ministack is another program by other people.

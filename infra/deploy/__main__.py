@@ -1,4 +1,4 @@
-"""`python -m infra.deploy`: deploys, says what it would do (`--plan`), or rotates the session keys.
+"""Deployment, its plan (`--plan`), or rotation of the session keys (`--rotate`): `python -m infra.deploy`.
 
 AWS credentials are the operator's own, from the environment; a plan needs none.
 """
@@ -31,8 +31,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m infra.deploy")
     parser.add_argument("--stack", default=os.environ.get("STACK", "calibdb"))
     parser.add_argument("--region", default=os.environ.get("AWS_REGION", "us-east-1"))
-    parser.add_argument("--plan", action="store_true", help="say what would be done; needs no credentials")
-    parser.add_argument("--rotate", action="store_true", help="rotate the keys of session ids, nothing else")
+    parser.add_argument("--plan", action="store_true", help="print the steps; needs no credentials")
+    parser.add_argument("--rotate", action="store_true", help="only rotate the keys that sign session ids")
     parser.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of the template")
     asked = parser.parse_args(arguments)
     pairs = [parameter.partition("=") for parameter in asked.parameters]
@@ -123,7 +123,7 @@ def _do(step: Step, target: Target) -> None:
 
 
 def _filled(command: tuple[str, ...], target: Target) -> list[str]:
-    """Return the command with the outputs that it names."""
+    """Fill the stack's outputs into a command."""
     if not any("{SiteUrl}" in word for word in command):
         return list(command)
     made = aws.outputs(boto3.client("cloudformation", target.region), target.stack)
@@ -138,7 +138,7 @@ def _run(command: list[str]) -> None:
 
 
 def _page_token(made: dict[str, str], region: str) -> str:
-    """Return a new token for the site's own pages."""
+    """Issue a token for the site's own pages."""
     command = [
         sys.executable,
         "-m",

@@ -12,7 +12,7 @@ from infra.deploy.site import Upload
 SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRET")
 # CloudFormation reads this one for CloudFront's header, and of secure ones it can read none there.
 _READ_BY_CLOUDFORMATION = ("EDGE_SECRET",)
-_KEPT_KEYS = 3  # of SESSION_SECRETS: the one that signs, the next, the one before
+_MAX_SESSION_KEYS = 3  # of SESSION_SECRETS: the one that signs, the next, the one before
 
 
 def missing_secrets(ssm: Any, stack: str) -> list[str]:
@@ -49,13 +49,13 @@ def rotate(ssm: Any, stack: str) -> None:
 
 
 def rotated(keys: list[str], new: str) -> list[str]:
-    """Return the keys after a rotation: of `current, next, before` it makes `next, new, current`."""
+    """Rotate the keys: of `current, next, before` it makes `next, new, current`."""
     current, following = keys[0], keys[1] if len(keys) > 1 else None
-    return ([following, new, current] if following else [current, new])[:_KEPT_KEYS]
+    return ([following, new, current] if following else [current, new])[:_MAX_SESSION_KEYS]
 
 
 def outputs(cloudformation: Any, stack: str) -> dict[str, str]:
-    """Return the stack's outputs by name."""
+    """Read the stack's outputs by name."""
     (found,) = cloudformation.describe_stacks(StackName=stack)["Stacks"]
     return {output["OutputKey"]: output["OutputValue"] for output in found.get("Outputs", ())}
 

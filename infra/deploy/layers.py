@@ -1,6 +1,6 @@
-"""Whether the built layers are what Lambda can take, and no larger than they must be.
+"""Check of the built layers against Lambda's limits and size budgets.
 
-`python -m infra.deploy.layers` says so of `.build/layers`.
+`python -m infra.deploy.layers` checks `.build/layers`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 BUILT = ROOT / ".build" / "layers"
 # MB unzipped, 10^6 bytes. Lambda takes 250 for a function with all its layers.
-MOST = {"functions with the solver": 200.0, "lookup": 30.0}
+MAX_MB = {"functions with the solver": 200.0, "lookup": 30.0}
 # What must not be in a layer: another machine's code, and what only building needs.
 _FOREIGN = ("x86_64", "win32", "darwin")
 
@@ -54,14 +54,14 @@ class Built:
 
 
 def problems(service: Built, solver: Built, functions: float) -> Iterator[str]:
-    """Yield what keeps the layers from being deployed; `functions`: MB of the functions' own code."""
+    """Find what prevents a deployment of the layers; `functions`: MB of the functions' own code."""
     sizes = {
         "functions with the solver": service.megabytes + solver.megabytes + functions,
         "lookup": service.megabytes + functions,
     }
     for name, size in sizes.items():
-        if size > MOST[name]:
-            yield f"{name}: {size:.1f} MB, more than {MOST[name]:.0f}"
+        if size > MAX_MB[name]:
+            yield f"{name}: {size:.1f} MB, more than {MAX_MB[name]:.0f}"
     for name, layer in (("service", service), ("solver", solver)):
         if layer.foreign:
             yield f"{name}: of another machine: {', '.join(layer.foreign)}"

@@ -1,4 +1,4 @@
-"""`python -m infra.deploy.rehearsal`: the deployment into another program's AWS on this machine.
+"""Rehearsal of the deployment against ministack: `python -m infra.deploy.rehearsal`.
 
 Everything is done by what does it on AWS: SAM's command line packs and uploads functions and layers, a stack
 is made of the template and changed, the site is uploaded, the pages get their token, the keys are rotated.
@@ -21,7 +21,7 @@ from infra.deploy.steps import ROOT, Target
 
 REHEARSAL = Target("rehearsal", "us-east-1", {"AlarmEmail": "operator@example.org"})
 # Of the template, what ministack cannot make: budgets, rules of sampling, and alarms on a sum.
-_UNKNOWN = ("Budget", "TraceSampling", "ThrottleAlarm")
+_UNSUPPORTED = ("Budget", "TraceSampling", "ThrottleAlarm")
 # Nobody delivers the site there, and its functions run on AWS's processors.
 _ONLY_ON_AWS = ("smoke",)
 
@@ -49,21 +49,21 @@ def main() -> int:
         found = list(problems())
         if _settings() != settings:
             found.append("the second deployment gave the pages another token")
-    print(f"left out: {', '.join((*_UNKNOWN, *_ONLY_ON_AWS))}")
+    print(f"left out: {', '.join((*_UNSUPPORTED, *_ONLY_ON_AWS))}")
     for problem in found:
         print(f"calibDB: {problem}", file=sys.stderr)
     return 1 if found else 0
 
 
 def known(template: str) -> str:
-    """Return the template without what ministack does not know."""
-    for name in _UNKNOWN:
+    """Remove the resources that ministack does not support."""
+    for name in _UNSUPPORTED:
         template = re.sub(rf"(?m)^  {name}:\n(?:    .*\n|\n)+", "", template)
     return template
 
 
 def problems() -> Iterator[str]:
-    """Yield what is not as the template has it, by what AWS's interface says."""
+    """Find the differences between the template and the deployed resources."""
     cloudformation = boto3.client("cloudformation")
     (stack,) = cloudformation.describe_stacks(StackName=REHEARSAL.stack)["Stacks"]
     if stack["StackStatus"] != "UPDATE_COMPLETE":

@@ -16,11 +16,11 @@ from infra.local.pages import media_type
 # keeps until the upload says otherwise, and browsers ask the edge whether it changed.
 FOREVER = "public, max-age=31536000, immutable"
 FRESH = "public, max-age=0, s-maxage=31536000, must-revalidate"
-_UNSAID = "no-store"  # of the settings, which hold the page's token
-_LARGEST_COMPRESSED_AT_THE_EDGE = 10_000_000  # bytes, CloudFront developer guide, "Serving compressed files"
+_NO_STORE = "no-store"  # of the settings, which hold the page's token
+_MAX_EDGE_COMPRESSED_BYTES = 10_000_000  # CloudFront developer guide, "Serving compressed files"
 _VENDOR = "vendor/"
-_NAMED = (".html", ".css", ".js", ".webmanifest")  # files that may name others
-_LEFT_OUT = (".d.ts", "tsconfig.json", ".made")
+_REFERENCING_SUFFIXES = (".html", ".css", ".js", ".webmanifest")  # files that may name others
+_EXCLUDED_SUFFIXES = (".d.ts", "tsconfig.json", ".made")
 
 
 @dataclass(frozen=True)
@@ -47,21 +47,21 @@ def uploads(web: Path, settings: Mapping[str, str]) -> Iterator[Upload]:
     files = {
         path.relative_to(web).as_posix(): path.read_bytes()
         for path in sorted(web.rglob("*"))
-        if path.is_file() and not path.name.endswith(_LEFT_OUT)
+        if path.is_file() and not path.name.endswith(_EXCLUDED_SUFFIXES)
     }
     vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})}/"
     for key in sorted(files, key=lambda key: (key.endswith(".html"), key)):
         yield _upload(key, files[key], vendor)
-    yield Upload("config.json", json.dumps(dict(settings)).encode(), "application/json", _UNSAID)
+    yield Upload("config.json", json.dumps(dict(settings)).encode(), "application/json", _NO_STORE)
 
 
 def _upload(key: str, content: bytes, vendor: str) -> Upload:
     kept = key.startswith(_VENDOR)
     if kept:
         key = vendor + key.removeprefix(_VENDOR)
-    elif key.endswith(_NAMED):
+    elif key.endswith(_REFERENCING_SUFFIXES):
         content = renamed(content, vendor)
-    large = len(content) > _LARGEST_COMPRESSED_AT_THE_EDGE
+    large = len(content) > _MAX_EDGE_COMPRESSED_BYTES
     return Upload(
         key=key,
         content=gzip.compress(content, mtime=0) if large else content,
@@ -72,7 +72,7 @@ def _upload(key: str, content: bytes, vendor: str) -> Upload:
 
 
 def renamed(content: bytes, vendor: str) -> bytes:
-    """Return a file of ours with the folder `vendor/` under its other name, wherever it is named."""
+    """Replace the name of the folder `vendor/` in a file of ours."""
     return re.sub(rb"(?<=[\"'/(])vendor/", vendor.encode(), content)
 
 

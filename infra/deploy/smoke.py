@@ -1,4 +1,4 @@
-"""Does a deployment answer? A handful of requests that change nothing."""
+"""Smoke test of a deployment: a few requests that change nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SMOKE_TIMEOUT_S = 20.0  # s: the first request of all starts a function
 
 @dataclass(frozen=True)
 class Heard:
-    """One answer; names of headers in lower case."""
+    """An HTTP response; names of headers in lower case."""
 
     status: int
     headers: dict[str, str]
@@ -42,7 +42,7 @@ def asking(url: str) -> Ask:
 
 
 def problems(ask: Ask) -> Iterator[str]:
-    """Yield what is wrong with the deployment."""
+    """Find the problems of the deployment."""
     for method, path, status in (
         ("GET", "/healthz", 200),
         ("GET", "/", 200),

@@ -1,4 +1,4 @@
-"""`python -m infra.local`: calibDB on this machine, until it is told to stop."""
+"""calibDB on this machine until a signal stops it: `python -m infra.local`."""
 
 from __future__ import annotations
 

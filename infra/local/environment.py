@@ -30,7 +30,7 @@ _EMBEDDED = {
 
 
 def storage_is_elsewhere(environment: Mapping[str, str]) -> bool:
-    """Say whether the environment points at other storage than this process's own."""
+    """Tell whether the environment points at other storage than this process's own."""
     return environment.get("CALIBDB_STORAGE") == "aws" or "AWS_ENDPOINT_URL" in environment
 
 

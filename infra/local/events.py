@@ -75,7 +75,7 @@ def message(status: int, text: str) -> Response:
 def to_event(
     request: Request, route_key: str, path_parameters: Mapping[str, str], request_id: str, now: float
 ) -> dict[str, Any]:
-    """Return the event a function behind an HTTP API gets for this request.
+    """Make the event that a function behind an HTTP API gets for this request.
 
     `rawPath` is decoded, as HTTP APIs deliver it (REST APIs and function URLs do not); `rawQueryString` is
     not. Absent parts are absent, not empty.
@@ -137,7 +137,7 @@ def to_event(
 
 
 def to_response(answer: Any) -> Response:
-    """Return the HTTP response for what a handler answered.
+    """Convert a handler's result to an HTTP response.
 
     An answer without `statusCode` is itself the body of a 200.
 

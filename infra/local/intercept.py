@@ -1,4 +1,4 @@
-"""The one place where boto3 meets this process: requests of the services played here never leave it.
+"""Interception of boto3: requests to the emulated services never leave this process.
 
 botocore asks `before-send` handlers for an answer before it opens a connection, and tells them the operation;
 moto itself hooks in there. A handler of our own instead of moto's `mock_aws`, because it must stand around
@@ -45,7 +45,7 @@ class _Interceptor:
 
 
 class _Raw(BytesIO):
-    """What botocore reads a body from: a urllib3 response, as far as it looks."""
+    """A response body as botocore reads it from urllib3."""
 
     def stream(self, **_: object) -> Iterator[bytes]:
         while chunk := self.read():

@@ -55,7 +55,7 @@ class Call:
 
 
 def written_keys(call: Call, item_address: ItemAddress) -> tuple[Address, ...] | None:
-    """Return the addresses that a call may write, none for a read; None if the operation is not known."""
+    """Derive the addresses that a call may write, none for a read; None if the operation is not known."""
     if call.operation in READS[call.service]:
         return ()
     if call.service == "dynamodb":

@@ -40,7 +40,7 @@ class Routes:
         )
 
     def match(self, method: str, path: str) -> Match | None:
-        """Return the route of a request, or None.
+        """Find the route of a request, or None.
 
         Parameters
         ----------
@@ -56,7 +56,7 @@ class Routes:
         return None
 
     def owns(self, path: str) -> bool:
-        """Say whether the path lies under a first segment that some route has."""
+        """Tell whether the path starts with the first segment of some route."""
         return _first(unquote(path)) in {_first(route.path) for _, route in self._routes}
 
 

@@ -28,7 +28,7 @@ from infra.local.pages import Pages
 from infra.web_build.precache_manifest import shell
 
 _access = logging.getLogger("infra.local.access")
-_FRESH = {"cache-control": "no-cache"}
+_NO_CACHE = {"cache-control": "no-cache"}
 
 
 class PortInUseError(OSError):
@@ -65,8 +65,8 @@ class GatewayApp:
         self._timeout = timeout
         self._site = Starlette(
             routes=[
-                Route("/config.json", lambda _: JSONResponse(settings, headers=_FRESH)),
-                Route("/shell.json", lambda _: JSONResponse(shell(web), headers=_FRESH)),
+                Route("/config.json", lambda _: JSONResponse(settings, headers=_NO_CACHE)),
+                Route("/shell.json", lambda _: JSONResponse(shell(web), headers=_NO_CACHE)),
                 Mount("/", Pages(web)),
             ]
         )

@@ -98,7 +98,7 @@ class LocalStack:
         self._listener = stack.enter_context(bind(self._port))
         self._port = self._listener.getsockname()[1]
         self.url = f"http://127.0.0.1:{self._port}"
-        """Where `serve` will be found, without slash."""
+        """URL of `serve`, without slash."""
 
         self.template = self._load()
         own = secrets.load(self._data_dir / "secrets.json") if self._data_dir else secrets.generate()

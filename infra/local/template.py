@@ -30,9 +30,9 @@ class FunctionSpec:
     """MB; only reported to the handler."""
     environment: Mapping[str, str]
     retries: int
-    """How often an asynchronous invoke that failed is tried again."""
+    """Retries of an asynchronous invocation that failed."""
     failures: str | None = None
-    """Name of the queue where one goes that failed every time; None: nowhere."""
+    """Name of the dead-letter queue; None: there is none."""
 
 
 @dataclass(frozen=True)
@@ -91,10 +91,10 @@ class Template:
     tables: tuple[TableSpec, ...]
     buckets: tuple[BucketSpec, ...]
     layers: tuple[Path, ...]
-    """Where the layers' packages lie."""
+    """Folders of the layers' packages."""
 
     def environment(self) -> dict[str, str]:
-        """Return the union of all functions' variables.
+        """Merge the variables of all functions.
 
         Lambda gives each function an environment of its own; here they share one process. So two functions
         may lack each other's variables but may not disagree about one.

@@ -29,7 +29,7 @@ PRICES = Path(__file__).with_name("prices.yaml")
 LOOKUPS, CALIBRATION = "a million lookups", "a finished calibration"
 MAX_USD = {LOOKUPS: 2.0, CALIBRATION: 0.0006}  # USD
 _CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
-_CALIBRATIONS = 5  # calibrations, that a lookup hits
+_POOLED_CALIBRATIONS = 5  # calibrations, that a lookup hits
 _GB = 1e9
 _IDLE_TIMEOUT_S = 120.0  # after which a consensus is surely computed
 _READS = {"GetItem", "Query"}
@@ -238,11 +238,11 @@ def measure(lookups: int = 200) -> dict[str, Usage]:
     with LocalStack() as stack:
         meter = Meter(stack)
         with meter.running():
-            for seed in range(_CALIBRATIONS):
+            for seed in range(_POOLED_CALIBRATIONS):
                 run_capture(meter, seed)
             stack.wait_until_idle(_IDLE_TIMEOUT_S)
         with meter.running() as calibration:
-            run_capture(meter, _CALIBRATIONS)
+            run_capture(meter, _POOLED_CALIBRATIONS)
             stack.wait_until_idle(_IDLE_TIMEOUT_S)
         meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
         with meter.running() as lookup:
