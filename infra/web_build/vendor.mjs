@@ -87,7 +87,7 @@ function vendorQr() {
   copyFileSync(`${from}LICENSE`, `${vendor}uqr/LICENSE`);
 }
 
-/** What of the WebXR polyfill a device of one's own needs: no headsets, no phones' lenses, no navigator that is replaced unasked. */
+/** The parts of the WebXR polyfill that an own device needs: no headsets, no phones' lenses, no navigator that is replaced unasked. */
 function vendorWebXR() {
   const from = `${root}node_modules/webxr-polyfill/`;
   const contents = `

@@ -1,4 +1,4 @@
-"""The house keeps its order: arrows point down, rooms do not know each other, locks carry no addresses."""
+"""Structure of the repository: imports of layers, lengths of modules, contents of lock files."""
 
 import ast
 import re
@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-#: what a room may not import; everything else it may
+#: packages that a folder must not import
 FORBIDDEN = {
     "layers/service/calibdb": {"calibsolver", "functions", "infra", "tests", "numpy", "cv2", "moto"},
     "layers/solver/calibsolver": {
@@ -38,11 +38,11 @@ def tracked(*patterns: str) -> list[Path]:
     return [ROOT / name for name in names.stdout.splitlines()]
 
 
-@pytest.mark.parametrize("room", FORBIDDEN)
-def test_arrows_point_down(room: str) -> None:
-    modules = list((ROOT / room).rglob("*.py"))
+@pytest.mark.parametrize("folder", FORBIDDEN)
+def test_layers_do_not_import_upwards(folder: str) -> None:
+    modules = list((ROOT / folder).rglob("*.py"))
     assert modules
-    wrong = {str(m.relative_to(ROOT)): imported(m) & FORBIDDEN[room] for m in modules}
+    wrong = {str(m.relative_to(ROOT)): imported(m) & FORBIDDEN[folder] for m in modules}
     assert {module: names for module, names in wrong.items() if names} == {}
 
 
@@ -56,7 +56,7 @@ def test_boto3_lives_in_the_store_alone() -> None:
     assert users == {"store"}
 
 
-def test_modules_stay_rooms_one_can_see_across() -> None:
+def test_modules_have_at_most_350_lines() -> None:
     large = {
         str(path.relative_to(ROOT)): lines
         for path in tracked("*.py", "*.js", "*.mjs")

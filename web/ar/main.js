@@ -31,7 +31,7 @@ const [video, camera, balance] = [part("video", HTMLVideoElement), part("camera"
 const [stage, layers, rms, outermost] = [html("stage"), html("layers"), html("rms"), html("outermost")];
 const modes = /** @type {HTMLButtonElement[]} */ ([...html("modes").children]);
 
-/** What the texts are about; written anew in another language. */
+/** The facts that the texts show; written anew in another language. */
 const said = {
   phase: "welcome", waiting: "camera", origin: "", label: "", size: "",
   error: /** @type {unknown} */ (null), off: /** @type {Misalignment} */ (null),

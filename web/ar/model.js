@@ -15,7 +15,7 @@ const MARKS = [0, 0.88, 1];
 const WALLS = [0.45, 0.85, 1];
 /** @type {Colour} */
 const ROOF = [1, 0.42, 0.2];
-/** Where the light comes from: in front of the board, from below on the left, where one stands who looks at it. */
+/** Direction of the light: in front of the board, from below on the left, where one stands who looks at it. */
 const LIGHT = unit([-0.5, 0.45, -0.75]);
 const AMBIENT = 0.4;
 

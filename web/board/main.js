@@ -41,7 +41,7 @@ const [notice, formProblem] = [part("problem", HTMLElement), part("form-problem"
 /** @type {string[]} addresses of the files offered now */
 let files = [];
 
-/** Where this page, or another, shows this board. @param {string} page @param {Record<string, string>} [more] */
+/** Address at which this page, or another, shows this board. @param {string} page @param {Record<string, string>} [more] */
 function address(page, more = {}) {
   const there = new URL(page, location.href);
   there.search = new URLSearchParams([...boardQuery(board), ...Object.entries(more)]).toString();
@@ -58,7 +58,7 @@ function showFields() {
   fields.legacy.checked = legacy;
 }
 
-/** What is written below a printed board. @param {number} side of a square, mm @returns {import("./pdf.js").Foot} */
+/** Text below a printed board. @param {number} side of a square, mm @returns {import("./pdf.js").Foot} */
 function foot(side) {
   const { squares: [columns, rows], marker_ratio, dictionary, legacy } = board;
   const marker = number(side * marker_ratio, 2);

@@ -8,7 +8,7 @@ const POINTS_PER_MM = 72 / 25.4;
 /** Landscape paper, mm. @type {Record<string, [number, number]>} */
 export const PAPERS = { A4: [297, 210], A3: [420, 297], Letter: [279.4, 215.9] };
 
-const MARGIN = 12; // mm; what home printers leave free, and the white edge the outer squares need
+const MARGIN_MM = 12; // mm; what home printers leave free, and the white edge the outer squares need
 const FOOT = 14; // mm below the board for the scale bar and the text
 const LETTERS = 8; // points
 
@@ -30,7 +30,7 @@ const LETTERS = 8; // points
  * @param {Board} board @param {[number, number]} paper mm
  */
 export function squareSide({ squares: [columns, rows] }, [width, height]) {
-  return Math.floor(Math.min((width - 2 * MARGIN) / columns, (height - 2 * MARGIN - FOOT) / rows));
+  return Math.floor(Math.min((width - 2 * MARGIN_MM) / columns, (height - 2 * MARGIN_MM - FOOT) / rows));
 }
 
 /**
@@ -62,7 +62,7 @@ export function boardPdf(board, paper, foot, letter) {
     return `q ${place} cm /I${pictures.push(picture) - 1} Do Q`;
   };
 
-  const below = top + rows * side + MARGIN / 2;
+  const below = top + rows * side + MARGIN_MM / 2;
   const content = [
     "0 g",
     // One path, one fill: viewers that smooth edges leave no hairlines between touching rectangles.
@@ -71,7 +71,7 @@ export function boardPdf(board, paper, foot, letter) {
     path([left, below, 100, 0.4]), path([left, below - 1, 0.4, 2.4]), path([left + 99.6, below - 1, 0.4, 2.4]),
     "f",
     text(left + 103, below + 1, foot.bar),
-    ...foot.lines.map((line, index) => text(MARGIN, below + 6 + 4 * index, line)),
+    ...foot.lines.map((line, index) => text(MARGIN_MM, below + 6 + 4 * index, line)),
   ].join("\n");
 
   const box = [0, 0, width * POINTS_PER_MM, height * POINTS_PER_MM].map(number).join(" ");
@@ -104,7 +104,7 @@ function file(objects) {
   return Uint8Array.from(text, (character) => character.charCodeAt(0));
 }
 
-/** What WinAnsi has at the place that Latin-1 has it. */
+/** Characters that WinAnsi and Latin-1 have at the same place. */
 const LATIN = /^[\x20-\x7e\xa0-\xff]*$/;
 
 /** @param {number} value */

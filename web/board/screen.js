@@ -3,7 +3,7 @@ import { raster } from "../lib/board-drawing.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
 
-const MARGIN = 0.5; // squares of white around the board
+const MARGIN_SQUARES = 0.5; // squares of white around the board
 const READING = 6000; // ms that the way back is told; a board is looked at without words on it
 
 export class BoardScreen {
@@ -74,10 +74,10 @@ export class BoardScreen {
     const turned = full && whole[0] < whole[1] !== squares[0] < squares[1];
     const [columns, rows] = turned ? [...squares].reverse() : squares;
     const scale = Math.max(8, Math.floor(Math.min(
-      (room[0] * density) / (columns + 2 * MARGIN),
-      (room[1] * density) / (rows + 2 * MARGIN),
+      (room[0] * density) / (columns + 2 * MARGIN_SQUARES),
+      (room[1] * density) / (rows + 2 * MARGIN_SQUARES),
     )));
-    const upright = raster(this.#board, scale, Math.round(MARGIN * scale));
+    const upright = raster(this.#board, scale, Math.round(MARGIN_SQUARES * scale));
     const { width, height, data } = turned ? quarterTurn(upright) : upright;
     this.#canvas.width = width;
     this.#canvas.height = height;

@@ -1,12 +1,12 @@
-// What a screen reader says: the newest of what there is to say, and not more often than one can listen.
+// Announcements to a screen reader: the newest of what there is to say, and not more often than one can listen.
 
-const PAUSE = 2_500; // ms
+const ANNOUNCEMENT_PAUSE_MS = 2_500; // ms
 
 export class Announcer {
   #place;
   #wait;
   #text = "";
-  /** What is said once, by kind, and not lost to what comes after it. @type {string[]} */
+  /** Texts announced once, by kind, and not lost to later ones. @type {string[]} */
   #news = [];
   /** @type {string[]} */
   #told = [];
@@ -14,7 +14,7 @@ export class Announcer {
   #timer = null;
 
   /** @param {{textContent: string | null}} place a polite live region @param {number} [pause] ms */
-  constructor(place, pause = PAUSE) {
+  constructor(place, pause = ANNOUNCEMENT_PAUSE_MS) {
     this.#place = place;
     this.#wait = pause;
   }

@@ -31,7 +31,7 @@ const STRIPES = 0.06; // standard deviation within the white of the board, of it
 const FAST = 12; // px a frame: a rolling shutter bends what moves so fast
 const RECENT = 24; // frames
 
-/** What else is looked for, one after the other. @type {("mirrored" | "legacy" | "DICT_4X4_1000" | "DICT_5X5_1000" | "DICT_6X6_1000" | "DICT_7X7_1000" | "DICT_ARUCO_ORIGINAL" | "DICT_APRILTAG_36h11")[]} */
+/** Alternatives that are looked for, one after the other. @type {("mirrored" | "legacy" | "DICT_4X4_1000" | "DICT_5X5_1000" | "DICT_6X6_1000" | "DICT_7X7_1000" | "DICT_ARUCO_ORIGINAL" | "DICT_APRILTAG_36h11")[]} */
 export const PROBES = [
   "mirrored", "legacy", "DICT_5X5_1000", "DICT_6X6_1000", "mirrored", "legacy", "DICT_4X4_1000", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL",
   "DICT_APRILTAG_36h11",
@@ -59,11 +59,11 @@ export function diagnose(before, detection, motion, time) {
   };
 }
 
-/** What is said stays until its successor is sure, but not once the board is well seen. @param {Diagnosis} before @param {string | null} suspected */
+/** Keep a diagnosis until its successor is sure, but not once the board is well seen. @param {Diagnosis} before @param {string | null} suspected */
 const stillSaid = (before, suspected) => (suspected === null ? null : before.trouble);
 
 /**
- * What to look for besides the board in the next frame; null: nothing.
+ * Alternative to look for in the next frame; null: none.
  * @param {Diagnosis} diagnosis @param {number} time ms
  */
 export function nextProbe({ blindSince, probedAt, probes }, time) {

@@ -1,11 +1,11 @@
-// What is felt and heard when a view is taken: both hands hold the board, and the eyes may be on it.
+// Haptic and audible feedback when a view is taken: both hands hold the board, and the eyes may be on it.
 
 /** @typedef {"sound" | "vibration" | "voice"} Sense */
 
-/** Which are on before anybody has chosen. @type {Record<Sense, boolean>} */
+/** Defaults, before anybody has chosen. @type {Record<Sense, boolean>} */
 const AT_FIRST = { sound: true, vibration: true, voice: false };
 const KEPT = "calibdb.senses";
-const PAUSE = 1_800; // ms between two spoken hints: a person must be able to follow
+const SPEECH_PAUSE_MS = 1_800; // ms between two spoken hints: a person must be able to follow
 const NOTES = { taken: [1046.5, 1568], refused: [311.1], done: [784, 1046.5, 1568] }; // Hz
 const NOTE = 0.09; // s
 const LOUDNESS = 0.12; // of full scale
@@ -28,7 +28,7 @@ export class Feedback {
     return this.#senses[sense];
   }
 
-  /** Which of them this device has. @param {Sense} sense */
+  /** Whether this device has a sense. @param {Sense} sense */
   static offers(sense) {
     if (sense === "sound") return typeof AudioContext === "function";
     return sense === "vibration" ? "vibrate" in navigator : "speechSynthesis" in globalThis;
@@ -53,7 +53,7 @@ export class Feedback {
   /** Says a hint, unless it has just been said or another one still is. @param {string} text @param {string} language @param {number} time ms */
   say(text, language, time) {
     if (!this.#senses.voice || !Feedback.offers("voice") || !text || text === this.#spoken) return;
-    if (time - this.#spokenAt < PAUSE || speechSynthesis.speaking) return;
+    if (time - this.#spokenAt < SPEECH_PAUSE_MS || speechSynthesis.speaking) return;
     this.#spoken = text;
     this.#spokenAt = time;
     const utterance = new SpeechSynthesisUtterance(text);

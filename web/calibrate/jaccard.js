@@ -1,6 +1,6 @@
-// How much two areas of the image overlap: |A ∩ B| / |A ∪ B|, counted in pixels of a quarter of the size.
+// Jaccard index of two areas of the image: |A ∩ B| / |A ∪ B|, counted in pixels of a quarter of the size.
 
-const REDUCTION = 4; // |ΔJ| < 0.01 against full size
+const OVERLAP_REDUCTION = 4; // |ΔJ| < 0.01 against full size
 
 /**
  * @param {number[][]} a polygon, px @param {number[][]} b polygon, px
@@ -8,15 +8,15 @@ const REDUCTION = 4; // |ΔJ| < 0.01 against full size
  * @returns {number} 0…1; 0 where both are empty
  */
 export function jaccard(a, b, [width, height]) {
-  const columns = Math.ceil(width / REDUCTION);
-  const rows = Math.ceil(height / REDUCTION);
+  const columns = Math.ceil(width / OVERLAP_REDUCTION);
+  const rows = Math.ceil(height / OVERLAP_REDUCTION);
   let both = 0;
   let either = 0;
   const [inA, inB] = [new Uint8Array(columns), new Uint8Array(columns)];
-  const heights = [...a, ...b].map((point) => point[1] / REDUCTION);
+  const heights = [...a, ...b].map((point) => point[1] / OVERLAP_REDUCTION);
   const [top, bottom] = [Math.max(0, Math.floor(Math.min(...heights)) - 1), Math.min(rows, Math.ceil(Math.max(...heights)) + 1)];
   for (let row = top; row < bottom; row++) {
-    const y = (row + 0.5) * REDUCTION - 0.5;
+    const y = (row + 0.5) * OVERLAP_REDUCTION - 0.5;
     fillRow(a, y, inA);
     fillRow(b, y, inB);
     for (let column = 0; column < columns; column++) {
@@ -38,9 +38,9 @@ function fillRow(polygon, y, row) {
   });
   crossings.sort((left, right) => left - right);
   for (let index = 0; index + 1 < crossings.length; index += 2) {
-    // Pixel i has its centre at (i + 0.5) * REDUCTION - 0.5.
-    const start = Math.max(0, Math.ceil((crossings[index] + 0.5) / REDUCTION - 0.5));
-    const end = Math.min(row.length, Math.ceil((crossings[index + 1] + 0.5) / REDUCTION - 0.5));
+    // Pixel i has its centre at (i + 0.5) * OVERLAP_REDUCTION - 0.5.
+    const start = Math.max(0, Math.ceil((crossings[index] + 0.5) / OVERLAP_REDUCTION - 0.5));
+    const end = Math.min(row.length, Math.ceil((crossings[index + 1] + 0.5) / OVERLAP_REDUCTION - 0.5));
     if (start < end) row.fill(1, start, end);
   }
 }

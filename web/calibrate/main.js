@@ -145,7 +145,7 @@ async function openCamera(signal, choice, opened) {
 
 /** @typedef {Awaited<ReturnType<typeof openCamera>>} OpenedCamera */
 
-/** Says which camera is open, and how it delivers. @param {OpenedCamera} opened @param {AbortSignal} signal @returns {Promise<SessionRequest>} */
+/** Shows the open camera, and how it delivers. @param {OpenedCamera} opened @param {AbortSignal} signal @returns {Promise<SessionRequest>} */
 async function identify({ camera }, signal) {
   // The frames' size counts: on a turned device some browsers' settings still give the sensor's.
   const { videoWidth, videoHeight } = parts.video;

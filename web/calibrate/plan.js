@@ -1,4 +1,4 @@
-// Where to hold the board when the service is away: a fixed plan of poses, drawn by the page itself.
+// Target poses while the service is away: a fixed plan of poses, drawn by the page itself.
 import { corners, outline } from "../lib/board.js";
 import { reach } from "../lib/network.js";
 import { focalLengths } from "../sdk/pinhole.js";
@@ -12,7 +12,7 @@ import { rotationMatrix, rotationVectorOf, transformPoint } from "../lib/pose.js
  * @typedef {{rvec: number[], tvec: number[], purpose: string, hint: string, hint_code?: string}} Step board → camera, squares
  */
 
-/** What the plan was made for: a camera of 0.8 image widths, in landscape, and our own board. */
+/** Camera and board of the plan: a camera of 0.8 image widths, in landscape, and our own board. */
 const FOCAL = 0.8;
 const MADE_FOR = /** @type {[number, number]} */ ([9, 6]);
 
@@ -28,7 +28,7 @@ const ENOUGH = 3;
 const IN_SIGHT = 0.6;
 
 /**
- * What is known of the camera, as far as targets can be drawn with it.
+ * Known lens of the camera, as far as targets can be drawn with it.
  * @param {{calibration: Intrinsics | null, views: {set_aside?: object | null}[]} | null} session
  */
 export function trusted(session) {

@@ -189,7 +189,7 @@ function storeView(state, { corners, stored, time }) {
   return notify(next, { key: "capture.view_stored", kind: "good" }, time);
 }
 
-/** What became of the stored views. @param {{taken: number, refused: number}} event @returns {Notice} */
+/** Notice about the stored views: taken or refused. @param {{taken: number, refused: number}} event @returns {Notice} */
 function onlineNotice({ taken, refused }) {
   if (refused) return { key: "capture.came_back_less", kind: "good", values: { count: refused } };
   return { key: taken ? "capture.came_back" : "capture.came_back_only", kind: "good" };

@@ -1,4 +1,4 @@
-// How far the board is from its target, and what would bring it there. Outlines are quadrilaterals in pixels: the
+// Distance of the board from its target, and hints that lead there. Outlines are quadrilaterals in pixels: the
 // board's corners, clockwise from its first.
 
 /** @typedef {number[][]} Quadrilateral */
@@ -18,7 +18,7 @@ export function upright(seen, target) {
 const spread = (a, b) => a.reduce((sum, [x, y], index) => sum + Math.hypot(x - b[index][0], y - b[index][1]), 0) / a.length;
 
 /**
- * How differently the board lies: mean distance of its corners from the target's, once the middles and the sizes have
+ * Difference of two poses of the board: mean distance of its corners from the target's, once the middles and the sizes have
  * been made the same (where and how large it is, the overlap tells), as a share of the board's size.
  *
  * A hand that misses by 3° is below 0.07; a board that faces the camera in a target tilted by 35° or more is above 0.085.
@@ -33,7 +33,7 @@ export function difference(seen, target) {
 }
 
 /**
- * What is furthest from the target, each measured in what a hand may miss by.
+ * Quantity that is furthest from the target, each in units of a hand's tolerance.
  * @param {Quadrilateral} outline as seen @param {Quadrilateral} target
  * @returns {string} a code, about the camera's picture: left right up down (and two of them: up_left), closer, farther,
  *   turn_clockwise, turn_counterclockwise, tilt_top, tilt_bottom, tilt_left, tilt_right; "" where nothing is left to say

@@ -1,7 +1,7 @@
 // The target's picture in the target's colour. Done once a target: an SVG filter over the video would be worked out again
 // for every frame, and halve the rate where there is no graphics processor.
 
-const REDUCTION = 2; // a colour laid over a picture needs half of its pixels
+const TINT_REDUCTION = 2; // a colour laid over a picture needs half of its pixels
 
 /**
  * The service paints white squares green and black ones magenta; here both take the target's colour, the black ones less
@@ -10,7 +10,7 @@ const REDUCTION = 2; // a colour laid over a picture needs half of its pixels
  */
 export async function tint(picture) {
   const bitmap = await createImageBitmap(picture);
-  const canvas = new OffscreenCanvas(Math.ceil(bitmap.width / REDUCTION), Math.ceil(bitmap.height / REDUCTION));
+  const canvas = new OffscreenCanvas(Math.ceil(bitmap.width / TINT_REDUCTION), Math.ceil(bitmap.height / TINT_REDUCTION));
   const context = canvas.getContext("2d", { willReadFrequently: true });
   if (!context) return picture;
   context.drawImage(bitmap, 0, 0, canvas.width, canvas.height);

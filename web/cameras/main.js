@@ -24,7 +24,7 @@ let found = [];
 let next = null;
 /** @type {import("./source.js").CameraPage | null} */
 let shown = null;
-/** What is asked for now; an answer to anything else comes too late. */
+/** The current request; an answer to anything else comes too late. */
 let asked = 0;
 
 /** @param {string} key */

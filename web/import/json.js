@@ -5,9 +5,9 @@ import { MalformedError } from "./malformed.js";
 
 const VIEWS = 1000; // more than any capture has
 const POINTS = 10_000; // of a view
-const LARGEST = 1e12; // beyond which no number is a camera's
+const MAX_NUMBER = 1e12; // beyond which no number is a camera's
 
-/** What lies at a place, undefined where there is none. @param {unknown} data @param {string[]} path @returns {unknown} */
+/** Value at a path, undefined where there is none. @param {unknown} data @param {string[]} path @returns {unknown} */
 function at(data, ...path) {
   return path.reduce((/** @type {unknown} */ here, key) =>
     (here !== null && typeof here === "object" && Object.hasOwn(here, key) ? /** @type {Record<string, unknown>} */ (here)[key] : undefined), data);
@@ -15,7 +15,7 @@ function at(data, ...path) {
 
 /** @param {unknown} value @param {string} what @returns {number} */
 function finite(value, what) {
-  if (typeof value !== "number" || !(Math.abs(value) < LARGEST)) throw new MalformedError("number", { what });
+  if (typeof value !== "number" || !(Math.abs(value) < MAX_NUMBER)) throw new MalformedError("number", { what });
   return value;
 }
 
@@ -23,7 +23,7 @@ function finite(value, what) {
 export const isPhotonVision = (data) => at(data, "cameraIntrinsics") !== undefined;
 
 /**
- * What a file of PhotonVision's has seen.
+ * Views of a PhotonVision file.
  * @param {unknown} data
  * @returns {{size: [number, number], views: View[]}} throws MalformedError; no views: it holds none
  */
@@ -60,7 +60,7 @@ function points(items, axes, what) {
   return items.map((item) => axes.map((axis) => finite(at(item, axis), what)));
 }
 
-/** Where tools keep the camera matrix. */
+/** Paths at which tools keep the camera matrix. */
 const MATRICES = [["cameraIntrinsics", "data"], ["camera_matrix", "data"], ["camera_matrix"], ["fisheye_params", "camera_matrix"], ["K"], ["mtx"]];
 
 /** The camera matrix in a file, null where none is found. @param {unknown} data @returns {number[][] | null} */

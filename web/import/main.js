@@ -18,7 +18,7 @@ import words from "../messages/import.js";
 import photos from "../messages/photos.js";
 import result from "../messages/result.js";
 import { MalformedError } from "./malformed.js";
-import { FEWEST_CORNERS, LARGEST, prepare, read } from "./read.js";
+import { FEWEST_CORNERS, MAX_BYTES, prepare, read } from "./read.js";
 import { table } from "./table.js";
 import { card, guessView } from "./views.js";
 
@@ -98,7 +98,7 @@ async function take(file) {
   const mine = ++turn;
   clear();
   try {
-    if (file.size > LARGEST) throw new MalformedError("large", { most: LARGEST / 1e6 });
+    if (file.size > MAX_BYTES) throw new MalformedError("large", { most: MAX_BYTES / 1e6 });
     tell(() => t("import.reading", { name: file.name }));
     const content = await contentOf(file);
     if (mine !== turn) return;
@@ -128,7 +128,7 @@ async function contentOf(file) {
   }
 }
 
-/** Which board a table is of. @param {string} content @param {[number, number] | null} squares */
+/** Board of a table of corners. @param {string} content @param {[number, number] | null} squares */
 function ask(content, squares) {
   text = content;
   [columns.value, rows.value] = squares?.map(String) ?? ["", ""];

@@ -25,7 +25,7 @@ import { isTable, squaresIn, table } from "./table.js";
  * @property {boolean} packed it holds keypoints, but in a way that a page cannot read
  */
 
-export const LARGEST = 64_000_000; // bytes of a file
+export const MAX_BYTES = 64_000_000; // bytes of a file
 export const FEWEST_CORNERS = 6; // of a view
 const SMALL = 100; // squares that a dictionary of 50 markers has room for
 const MOST_SQUARES = 2000; // that any has

@@ -1,4 +1,4 @@
-// What a file holds, to be seen: its views as small plots, or, where it has none, its camera.
+// Display of a file: its views as small plots, or, where it has none, its camera.
 import { el } from "../lib/dom.js";
 import { number, t } from "../lib/i18n.js";
 import { imagePlot, make, short } from "../lib/svg.js";

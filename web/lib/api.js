@@ -16,7 +16,7 @@ export { OfflineError };
 
 /** Seconds between attempts: a minute in all, about as long as a person would wait. */
 export const RETRY_DELAYS_S = [0.5, 1, 2, 4, 8, 15, 30];
-/** Who can go on without an answer waits for two seconds. */
+/** Wait of a caller that can go on without an answer: two seconds. */
 const BRIEF_RETRIES = 2;
 const MAX_RETRY_AFTER_MS = 60_000; // ms; whoever asks for more is not waited for
 
@@ -31,7 +31,7 @@ export class ApiError extends Error {
     super([problem.detail ?? problem.title ?? `The service answered ${status}.`, fields].filter(Boolean).join(" "));
     this.name = "ApiError";
     this.status = status;
-    /** What kind of problem, "session-expired". */
+    /** Kind of the problem, as "session-expired". */
     this.kind = (problem.type ?? "").split(/[/:]/).at(-1) ?? "";
   }
 

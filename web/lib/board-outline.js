@@ -22,7 +22,7 @@ export function observedOutline(board, { ids, points }) {
 }
 
 /**
- * How far from facing the camera a board is: 0 for opposite sides of equal length, 0.3 for one that is 30 % longer.
+ * Tilt of a board from facing the camera: 0 for opposite sides of equal length, 0.3 for one that is 30 % longer.
  * @param {number[][]} vertices of a quadrilateral
  */
 export function foreshortening(vertices) {

@@ -32,7 +32,7 @@ export class CameraError extends Error {
 
 const FIRST_FRAME_TIMEOUT_MS = 15_000; // ms: five times as long as a slow camera takes
 
-/** What getUserMedia's refusals mean. @type {Record<string, string>} */
+/** Meaning of getUserMedia's refusals. @type {Record<string, string>} */
 const ERROR_CODES = {
   NotAllowedError: "not_allowed",
   SecurityError: "not_allowed",
@@ -151,7 +151,7 @@ export async function lockFocus(track) {
 }
 
 /**
- * What else the browser knows of the camera: recorded with the session, never part of the key.
+ * Further settings of the camera: recorded with the session, never part of the key.
  * @param {MediaStreamTrack} track
  */
 export function facts(track) {

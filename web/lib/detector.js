@@ -80,7 +80,7 @@ export class Detector {
     return this.#ask({ frame, full, probe }, [frame], patience);
   }
 
-  /** How many frames are in the worker: above 0, drop the next one rather than queue it. */
+  /** Number of frames in the worker: above 0, drop the next one rather than queue it. */
   get busy() {
     return this.#waiting.size;
   }

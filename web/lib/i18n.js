@@ -20,7 +20,7 @@
 /** The languages by their own names. @type {Record<Language, string>} */
 export const LANGUAGES = { en: "English", de: "Deutsch", uk: "Українська" };
 const CHOICE = { en: "Language", de: "Sprache", uk: "Мова" };
-const KEPT = "calibdb.language";
+const LANGUAGE_KEY = "calibdb.language";
 const UNIT = /(\d) (?=(?:px|mm|%|s)(?![\p{L}\d]))/gu; // no line ends between a number and its unit
 
 /** @type {Map<string, Catalog>} */
@@ -177,8 +177,8 @@ export function asked() {
 /** Keeps the choice, and tells the one kept before. @param {Language} [chosen] @returns {string | null} */
 function keep(chosen) {
   try {
-    const kept = globalThis.localStorage?.getItem(KEPT) ?? null;
-    if (chosen) globalThis.localStorage?.setItem(KEPT, chosen);
+    const kept = globalThis.localStorage?.getItem(LANGUAGE_KEY) ?? null;
+    if (chosen) globalThis.localStorage?.setItem(LANGUAGE_KEY, chosen);
     return kept;
   } catch (error) {
     // A browser that keeps nothing for pages refuses the very question.

@@ -24,7 +24,7 @@ export async function reach(address, { patience = TIMEOUT_MS, signal, ...request
 }
 
 /**
- * What breaks off, or never comes, said as such: `fetch` and its bodies reject with a TypeError when the network fails.
+ * Report broken and missing answers as such: `fetch` and its bodies reject with a TypeError when the network fails.
  * @template T @param {Promise<T>} arriving @returns {Promise<T>}
  */
 export async function readable(arriving) {

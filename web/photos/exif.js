@@ -1,4 +1,4 @@
-// What a camera wrote about itself into a photograph. EXIF 2.32 (CIPA DC-008), in JPEG, PNG, WebP and TIFF files.
+// EXIF data of a photograph's camera. EXIF 2.32 (CIPA DC-008), in JPEG, PNG, WebP and TIFF files.
 
 /**
  * @typedef {object} Exif
@@ -32,7 +32,7 @@ export function readExif(file) {
   }
 }
 
-/** Where the TIFF header of the EXIF block is. @param {DataView} view @returns {number | null} */
+/** Offset of the TIFF header in the EXIF block. @param {DataView} view @returns {number | null} */
 function blockStart(view) {
   const name = (/** @type {number} */ at, /** @type {number} */ length) => text(view, at, length);
   if (view.byteLength < 12) return null;

@@ -11,9 +11,9 @@ import { cameraName, readExif, unturned } from "./exif.js";
  */
 
 const FRAMES = 60; // of a video
-const PATIENCE = 15_000; // ms for one frame
+const FRAME_TIMEOUT_MS = 15_000; // ms for one frame
 
-/** What browsers cannot read, by what its name ends with. @type {[RegExp, string][]} */
+/** Formats that browsers cannot read, by file name ending. @type {[RegExp, string][]} */
 const KNOWN = [
   [/\.(heic|heif)$/i, "heic"],
   [/\.(arw|cr2|cr3|dng|nef|orf|raf|rw2)$/i, "raw"],
@@ -85,7 +85,7 @@ async function* frames(file, signal) {
 function event(video, name, file) {
   return new Promise((resolve, reject) => {
     const end = new AbortController();
-    const timer = setTimeout(() => fail(), PATIENCE);
+    const timer = setTimeout(() => fail(), FRAME_TIMEOUT_MS);
     const fail = () => {
       clearTimeout(timer);
       end.abort();

@@ -31,7 +31,7 @@ import { calibrate } from "../lib/series.js";
  * @typedef {import("../lib/series.js").Outcome} Outcome
  */
 
-const PATIENCE = 120_000; // ms for the board in one picture: they may have a hundred times the pixels of a frame
+const DETECTION_TIMEOUT_MS = 120_000; // ms for the board in one picture: they may have a hundred times the pixels of a frame
 const MOST = 30; // views offered: the service ends a session after 15
 
 openPage({ photos: words, result, capture });
@@ -73,7 +73,7 @@ const openDetector = () => (detector ??= Detector.open(board).catch((error) => {
   throw error;
 }));
 
-/** What was found out about the pictures chosen holds no more. @returns {number} the turn that begins */
+/** Invalidate the results for the chosen pictures. @returns {number} the turn that begins */
 function discard() {
   view.clear();
   want();
@@ -102,7 +102,7 @@ function showSeries() {
   parts.form.hidden = found.length === 0;
 }
 
-/** What the files say of their camera; what a person has typed stays. */
+/** Fill in the camera named in the files; typed text stays. */
 function proposeKey() {
   const group = chosen();
   if (!group) return;
@@ -159,7 +159,7 @@ function reasons(errors) {
 /** @param {Detector} finder @param {import("./files.js").Shot} shot @returns {Promise<Picture>} */
 async function find(finder, { name, picture, camera, focal, kind }) {
   const kept = await createImageBitmap(picture, { resizeWidth: Math.min(picture.width, 480), resizeQuality: "high" });
-  const { ids, points, size } = await finder.detect(picture, { full: true, patience: PATIENCE });
+  const { ids, points, size } = await finder.detect(picture, { full: true, patience: DETECTION_TIMEOUT_MS });
   const scale = kept.width / size[0];
   const small = thumbnail(kept, points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]));
   kept.close();

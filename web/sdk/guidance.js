@@ -4,7 +4,7 @@ import { keyOf } from "./key.js";
 import { guidanceUrl } from "./lookup.js";
 import { ask, calibrationIn } from "./request.js";
 
-/** What asking again changes nothing about: the address is cleaned then, too. */
+/** Failures that asking again does not mend: the address is cleaned then, too. */
 const GONE_STATUSES = [404, 410];
 
 /**

@@ -37,7 +37,7 @@ export async function platformHere(browser = navigator) {
 }
 
 /**
- * Which camera, at which resolution and zoom, a track shows.
+ * Camera, resolution and zoom of a track.
  * @param {MediaStreamTrack} track of a camera that the user has permitted: without permission labels are empty
  * @param {string} [userAgent]
  * @returns {CameraKey} throws a TypeError for a track that shows nothing

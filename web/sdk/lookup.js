@@ -139,7 +139,7 @@ function applyRequirements({ calibration: known, guidanceUrl, reason }, { exact,
   return { calibration: new Calibration(data), guidanceUrl: null, reason: null };
 }
 
-/** Where a tab keeps things; in memory in workers, and where a page may keep none. */
+/** Storage of a tab; in memory in workers, and where a page may keep none. */
 function tabs() {
   try {
     return globalThis.sessionStorage ?? remembered;

@@ -62,7 +62,7 @@ export class Rectifier {
     return projectionMatrix(this.#pinhole, frustum);
   }
 
-  /** How much of the picture's edge to keep, and how large. @param {number} value 0…1 @param {number} [zoom] */
+  /** Set the share of the picture's edge to keep, and the zoom. @param {number} value 0…1 @param {number} [zoom] */
   balance(value, zoom = 1) {
     this.#pinhole = this.#straighten(value, zoom);
   }

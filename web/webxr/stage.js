@@ -29,7 +29,7 @@ export class Stage {
     this.#play();
   }
 
-  /** What of the window it is on, px of CSS. @returns {[number, number]} */
+  /** Size of the part of the window that it covers, px of CSS. @returns {[number, number]} */
   get size() {
     return [this.#element.clientWidth, this.#element.clientHeight];
   }

@@ -73,7 +73,7 @@ function reason(format, { message }) {
   return far ? t("formats.impossible_far", { error: number(Number(far), 0) }) : t("formats.impossible_lens");
 }
 
-/** What the file says beside what the calibration says. @param {Saved} saved */
+/** Remarks in the file beside the calibration. @param {Saved} saved */
 export function conversionText({ name, error, coverage }) {
   const parts = error > VISIBLE_ERROR_PX ? [t("formats.near", { name, error: number(error, error < 1 ? 2 : error < 100 ? 1 : 0) })]
     : [t(error < EXACT_ERROR_PX ? "formats.exact" : "formats.close", { name })];

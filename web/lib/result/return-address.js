@@ -1,7 +1,7 @@
 // Return address: the application that sent somebody here to calibrate a camera.
 
 /**
- * Where a result may be handed to: the address that was asked for, if its origin is this site's own or one that whoever
+ * Address to hand a result to: the address that was asked for, if its origin is this site's own or one that whoever
  * runs the service allows. Any other would make this page a way to send people anywhere.
  * @param {string | null} wanted from this page's own address @param {string} here this page's origin
  * @param {readonly string[]} allowed origins

@@ -8,7 +8,7 @@ import { fileName } from "./numbers.js";
  * @typedef {import("./numbers.js").Report} Report
  */
 
-/** What files end with, by what they are. @type {[type: RegExp, ending: string][]} */
+/** Endings of file names, by type. @type {[type: RegExp, ending: string][]} */
 const ENDINGS = [[/yaml/, "yaml"], [/xml/, "xml"], [/json/, "json"], [/text\/plain/, "txt"]];
 
 /** @param {number[]} without indices of views @returns {Record<string, string>} */

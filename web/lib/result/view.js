@@ -139,7 +139,7 @@ export class ResultView {
   }
 }
 
-/** What was given to others, as it really was. @param {Result} result */
+/** The result that was given to others, unchanged. @param {Result} result */
 function contributionText({ origin, calibration: { camera, platform, calibrations } }) {
   if (origin === "practice" || isVirtual(camera)) return t("result.help_practice");
   const kind = origin !== "stored" && ["photographs", "video"].includes(platform) ? "photographs" : origin;
