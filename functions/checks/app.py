@@ -177,7 +177,7 @@ def vote(
     where = source(secret, call.address)
     period = thresholds.contributor_period
     if period:
-        known = service.store.calibrations.newest(mode, thresholds.most_calibrations, period)
+        known = service.store.calibrations.newest(mode, thresholds.max_calibrations, period)
         if any(calibration.source == where for calibration in known):
             return False
     service.store.votes.cast(

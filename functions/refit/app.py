@@ -98,7 +98,7 @@ def _try_once(service: Service, mode: StreamMode, models: Sequence[str]) -> Cons
     store, thresholds = service.store, service.settings.thresholds
     # Stored consensuses are read first: each was made from what is read after it, or from less.
     stored: dict[str, ConsensusDocument] = {c.distortion_model: c for c in store.consensuses.at(mode)}
-    counted = store.calibrations.newest(mode, thresholds.most_calibrations, thresholds.contributor_period)
+    counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
     if not counted:
         return _drop(service, mode, models, stored)
     votes = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)

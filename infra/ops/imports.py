@@ -65,7 +65,7 @@ def import_file(
     document = _document(context, path, reported, read.views, size, model)
     taken = fingerprint(document)
     mode = reindex.mode_of(document)
-    counted = context.store.calibrations.newest(mode, context.settings.thresholds.most_calibrations)
+    counted = context.store.calibrations.newest(mode, context.settings.thresholds.max_calibrations)
     for known in context.store.calibrations.read([c.id for c in counted]):
         if known.id != document.id and fingerprint(known) == taken:
             raise OpsError(f"these keypoints are known already: calibration {known.id}")

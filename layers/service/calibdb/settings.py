@@ -22,7 +22,7 @@ class Thresholds:
         Of all calibrations that this group holds.
     max_focal_spread, max_center_spread, max_projection_spread, max_harmless_spread, max_unexplained
         How far the group may differ; `calibsolver.consensus.Rule` says in which units.
-    most_calibrations
+    max_calibrations
         The newest that are pooled; more make no consensus better.
     contributor_period
         Seconds in which a contributor counts once for a camera; 0: everyone is the same contributor, as on a
@@ -43,7 +43,7 @@ class Thresholds:
     max_projection_spread: float = 0.01
     max_harmless_spread: float = 0.0006
     max_unexplained: float = 0.004
-    most_calibrations: int = 200
+    max_calibrations: int = 200
     contributor_period: int = 86_400
     min_votes: int = 3
     min_doubt: float = 0.3333

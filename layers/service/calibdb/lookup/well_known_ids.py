@@ -33,7 +33,7 @@ def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool
     reliable, sources, some = False, set[str](), ""
     for mode in modes:
         reliable = reliable or any(known.reliable for known in store.consensuses.at(mode))
-        counted = store.calibrations.newest(mode, thresholds.most_calibrations, thresholds.contributor_period)
+        counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
         sources |= {calibration.source for calibration in counted}
         some = some or next((calibration.id for calibration in counted), "")
         if reliable and some:
