@@ -29,7 +29,7 @@ def search(call: application.Call) -> Response:
     least = call.service.settings.thresholds.min_contributors
     word = wanted[0] if wanted else ""
     if request.after is not None and not is_place(word, request.after):
-        raise InvalidError.field("after", "must be `next` of an answer to the same query")
+        raise InvalidError.field("after", "must be the `next` value of an earlier answer to the same query")
     store = call.service.store.cameras
     found, following = store.search(word, request.limit, request.after)
     with ThreadPoolExecutor(_READERS) as readers:
@@ -55,7 +55,7 @@ def show(call: application.Call) -> Response:
         if len(others) == 1:
             key, name = others[0], store.name(others[0])
     if name is None:
-        raise NotFoundError("There is no camera with this key.")
+        raise NotFoundError("The database has no camera with this key.")
     known = store.known(key).consensuses
     camera, platform = camera_search.display_name(name, known)
     shown = camera_search.best_modes(known, _MAX_MODES)

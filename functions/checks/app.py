@@ -90,7 +90,7 @@ def check(call: application.Call) -> Response:
     if current is None or current.calibration is None:
         current = one(call.service.store.consensuses.at(mode), request.distortion_model)
     if current is None or current.calibration is None:
-        raise NotFoundError("The consensus was withdrawn meanwhile.", kind="no-calibration")
+        raise NotFoundError("The consensus was withdrawn while this check ran.", kind="no-calibration")
     return application.json_response(
         CheckAnswer(
             fits="does_not_fit" if says is False else "fits",
@@ -121,7 +121,7 @@ def consensus(call: application.Call, request: CheckRequest) -> tuple[StreamMode
         if known is not None and known.calibration is not None:
             return mode, known.calibration
     raise NotFoundError(
-        "Nothing is known of this camera at this size, or of a cropped stream, that could be checked.",
+        "The database has no consensus to check for this camera at this size; cropped streams have none.",
         kind="no-calibration",
     )
 
@@ -161,7 +161,7 @@ def examine(request: CheckRequest) -> Examined:
         if mask.sum() >= _MIN_POINTS
     ]
     if not kept:
-        raise InvalidError.field("views", "no view is of a board that a camera could see")
+        raise InvalidError.field("views", "no view can show a board: too few of its corners fit")
     u = own.uncertainty()
     record = FitRecord.model_validate(own.record()) if math.isfinite(u.rms) and math.isfinite(u.max) else None
     return Examined(tuple(kept), math.sqrt(2) * own.noise, record)

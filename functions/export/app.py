@@ -26,7 +26,7 @@ def show(call: application.Call) -> Response:
         document = refitted(document, asked.without)
     found = reported(document) if document is not None else consensus(call, call.path("id"))
     if found is None:
-        raise NotFoundError("There is no calibration with this id.")
+        raise NotFoundError("The database has no calibration with this id.")
     if asked.without:
         if document is None:
             raise InvalidError.field("without", "a consensus has no views of its own")
@@ -46,7 +46,7 @@ def refitted(document: CalibrationDocument, without: tuple[int, ...]) -> Calibra
 
     unknown = sorted(set(without) - {view.index for view in document.views})
     if unknown:
-        raise InvalidError.field("without", f"there is no view {unknown[0]}")
+        raise InvalidError.field("without", f"the calibration has no view {unknown[0]}")
     left = tuple(view for view in document.views if view.index not in without)
     views = Board.from_record(document.board.model_dump()).views([view.model_dump() for view in left])
     try:

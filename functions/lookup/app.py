@@ -20,10 +20,10 @@ from calibdb.schema.fields import size_text, zoom_text
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
 _PUBLIC_CACHE = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
-_NOTHING = "Nothing reliable is known of this camera."
+_NOTHING = "The database has no reliable calibration of this camera."
 _DETAILS = {
     "unknown_camera": _NOTHING,
-    "too_few": "Too few calibrations of this camera are known.",
+    "too_few": "The database has too few calibrations of this camera.",
     "disagree": "The calibrations of this camera disagree.",
     "few_contributors": "The calibrations of this camera come from too few contributors.",
 }

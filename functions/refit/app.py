@@ -81,7 +81,7 @@ def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
         if not done:
             leases.abandon(mode, me)
     # The queue delivers this request again, after a while, and whoever asks until then begins anew.
-    raise UnavailableError("Calibrations of this camera keep coming in.")
+    raise UnavailableError("New calibrations of this camera keep arriving; try again.")
 
 
 def ensure_current(service: Service, mode: StreamMode, models: Sequence[str]) -> Consensuses:
@@ -90,7 +90,7 @@ def ensure_current(service: Service, mode: StreamMode, models: Sequence[str]) ->
         consensuses = _try_once(service, mode, models)
         if consensuses is not None:
             return consensuses
-    raise UnavailableError("Others keep computing the consensus of this camera.")
+    raise UnavailableError("Other computations keep updating this consensus; try again.")
 
 
 def _try_once(service: Service, mode: StreamMode, models: Sequence[str]) -> Consensuses | None:

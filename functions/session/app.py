@@ -29,7 +29,10 @@ def start(call: application.Call) -> Response:
     if not session_rules.is_same_start(
         document, session_rules.begin(request, sid, document.first_version, now)
     ):
-        raise ConflictError("A session with other content runs under this session id.", kind="other-content")
+        raise ConflictError(
+            "A session with other content is running under this session id; forget it first.",
+            kind="other-content",
+        )
     if made:
         metrics.count(now, Sessions=1)
     return application.json_response(state(document), 201)

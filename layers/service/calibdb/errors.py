@@ -132,7 +132,7 @@ class InvalidError(CalibdbError):
 
     def __init__(self, fields: Sequence[FieldError]) -> None:
         names = ", ".join(dict.fromkeys(f.field for f in fields))
-        super().__init__(f"Not accepted: {names}.", fields=fields)
+        super().__init__(f"Invalid fields: {names}.", fields=fields)
 
     @classmethod
     def field(cls, field: str, detail: str) -> InvalidError:
@@ -147,7 +147,8 @@ class TooManyError(CalibdbError):
 
     def __init__(self, retry_after: int) -> None:
         super().__init__(
-            "The calls of this hour are used up.", headers={"Retry-After": str(max(1, retry_after))}
+            "The plan allows no more calls this hour; retry after the time in Retry-After.",
+            headers={"Retry-After": str(max(1, retry_after))},
         )
 
 

@@ -88,7 +88,7 @@ class Service:
         """Return the token that opened a session; raises ForbiddenError once it is revoked."""
         token = self._tokens.get(ticket.token)
         if token is None:
-            raise ForbiddenError("The API token that opened this session is not valid any more.")
+            raise ForbiddenError("The API token that opened this session is no longer valid.")
         return token
 
     def contributor(self, address: str, token_id: str) -> str:

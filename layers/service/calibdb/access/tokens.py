@@ -133,7 +133,7 @@ class SessionIds:
         except BadData as error:
             raise ForbiddenError("The session id is not valid.") from error
         if not -_MAX_SKEW_S <= int(self._clock()) - signed.timestamp() <= self._lifetime:
-            raise ForbiddenError("The session id has expired.", kind="session-expired")
+            raise ForbiddenError("The session id has expired; start a new session.", kind="session-expired")
         ticket = Ticket(content["s"], content["t"], content.get("o"))
         if ticket.origin is not None and origin is not None and origin != ticket.origin:
             raise ForbiddenError("The session was opened by a page of another origin.", kind="origin")

@@ -34,8 +34,8 @@ _TEXT = ["text/", "application/json", _PROBLEM]  # everything else leaves as bas
 _log = logging.getLogger(__name__)
 _HOST_HEADERS = ("host", "x-forwarded-port")
 _DETAILS: dict[int, str] = {
-    HTTPStatus.NOT_FOUND: "There is no such path.",
-    HTTPStatus.METHOD_NOT_ALLOWED: "This path knows {Allow}.",
+    HTTPStatus.NOT_FOUND: "The API has no such path.",
+    HTTPStatus.METHOD_NOT_ALLOWED: "This path allows {Allow}.",
 }
 
 LambdaHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
@@ -139,7 +139,9 @@ async def _on_unhandled(_: Request, __: Exception) -> Response:
     # Starlette raises it again once this is sent, and Mangum logs it with its trace: for us, not for the
     # caller.
     metrics.count(time.time(), reason="internal", Errors=1)
-    return _problem(CalibdbError("Something went wrong here, not in the request."))
+    return _problem(
+        CalibdbError("The service failed to handle the request; the request itself may be valid.")
+    )
 
 
 def _with_default_headers(app: Starlette) -> Any:

@@ -50,7 +50,7 @@ class Call:
         Raises TooLargeError, MalformedError, or InvalidError naming the fields.
         """
         if len(self.body) > MAX_BODY_BYTES:
-            raise TooLargeError(f"The body may have {MAX_BODY_BYTES} bytes.")
+            raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
         try:
             return model.model_validate_json(self.body)
         except ValidationError as error:
@@ -66,7 +66,7 @@ class Call:
     def json_text(self, name: str) -> str | None:
         """Return a text member of the body, None when there is none or the body is no JSON object."""
         if len(self.body) > MAX_BODY_BYTES:
-            raise TooLargeError(f"The body may have {MAX_BODY_BYTES} bytes.")
+            raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
         try:
             content = from_json(self.body)
         except ValueError:
@@ -116,7 +116,7 @@ class Call:
             sent = self._bearer()
         token = self.service.api_token(sent)
         if not token.admits(self.origin):
-            raise ForbiddenError("The token is not for pages of this origin.", kind="origin")
+            raise ForbiddenError("The API token does not admit pages of this origin.", kind="origin")
         if charge == "lookups":
             self.service.count_lookup(token, self.address)
         else:

@@ -17,7 +17,7 @@ def negotiate(accept: str, types: Sequence[str]) -> str:
     """
     weight, best = max(((_weight(accept, t), t) for t in types), key=lambda pair: pair[0])
     if weight <= 0:
-        raise NotAcceptableError(f"There is {', '.join(types)}.")
+        raise NotAcceptableError(f"This path offers only {', '.join(types)}; accept one of them.")
     return best
 
 

@@ -15,14 +15,10 @@ from calibdb.schema import ConsensusDocument
 from calibdb.schema.lookup import CROPPED
 from calibdb.store import Known
 
-VIRTUAL = "This is a program that poses as a camera: it has no lens of its own."
-AMBIGUOUS = (
-    "Many cameras go by this name: without a USB id or a device's model it cannot be told which it is."
-)
-SEVERAL = (
-    "Several cameras bear this name: which it is, the USB id decides, which Chromium tells, or a calibration."
-)
-RESIZED = "The browser crops this stream; ask for it with resizeMode: none."
+VIRTUAL = "This is a virtual camera: a program without a lens of its own."
+AMBIGUOUS = "Many cameras have this name. Send a label with a USB id, or a platform with the device's model."
+SEVERAL = "Several cameras have this name. Send the USB id, which Chromium gives, or calibrate the camera."
+RESIZED = "The browser crops this stream; open it with resizeMode: none."
 
 
 @dataclass(frozen=True)

@@ -115,7 +115,9 @@ def is_idempotent_replay(document: SessionDocument, view: ViewRequest) -> bool:
     if document.finish is not None:
         raise _already_converged()
     if view.index != document.next_index:
-        raise ConflictError(f"The index is not open; {document.next_index} is.", kind="index-not-open")
+        raise ConflictError(
+            f"This index is not open; send the view with index {document.next_index}.", kind="index-not-open"
+        )
     return False
 
 
@@ -125,7 +127,9 @@ def validate_view(document: SessionDocument, view: ViewRequest) -> None:
     if wrong:
         raise InvalidError(wrong[:MAX_FIELD_ERRORS])
     if sum(len(v.ids) for v in document.views) + len(view.ids) > MAX_POINTS:
-        raise ConflictError("The session has as many points as it can hold.", kind="session-full")
+        raise ConflictError(
+            f"The session is full: it holds at most {MAX_POINTS} points.", kind="session-full"
+        )
 
 
 def with_view(
@@ -289,4 +293,4 @@ def _view_fingerprint(view: ViewDocument | ViewRequest) -> dict[int, tuple[float
 
 
 def _already_converged() -> ConflictError:
-    return ConflictError("The session has converged.", kind="converged")
+    return ConflictError("The session has converged and accepts no more changes.", kind="converged")

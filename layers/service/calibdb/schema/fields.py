@@ -85,9 +85,13 @@ Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE), Who
 
 def _camera_like(size: tuple[int, int]) -> tuple[int, int]:
     if size[0] * size[1] > MAX_PIXELS:
-        raise PydanticCustomError("too_many_pixels", "an image may have {most} pixels", {"most": MAX_PIXELS})
+        raise PydanticCustomError(
+            "too_many_pixels", "the image has too many pixels; {most} are allowed", {"most": MAX_PIXELS}
+        )
     if max(size) > LONGEST * min(size):
-        raise PydanticCustomError("strip", "one side may be {longest} times the other", {"longest": LONGEST})
+        raise PydanticCustomError(
+            "strip", "one side is more than {longest} times the other", {"longest": LONGEST}
+        )
     return size
 
 

@@ -67,4 +67,6 @@ class Miss(Open):
 
     guidance_url: str
     reason: Reason
-    detail: str = Field("Nothing reliable is known of this camera.", description="The reason in words.")
+    detail: str = Field(
+        "The database has no reliable calibration of this camera.", description="The reason in words."
+    )

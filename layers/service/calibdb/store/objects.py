@@ -59,7 +59,7 @@ class Objects:
                         raise
                 else:
                     return True
-        raise UnavailableError("Others keep writing what this request writes.")
+        raise UnavailableError("Other requests keep writing the same object; send this one again.")
 
     def put(self, name: str, content: bytes) -> None:
         """Write the object, over the one with its name if there is one. For operators."""

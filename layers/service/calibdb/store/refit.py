@@ -39,7 +39,7 @@ class Refit:
             )
             content = answer["Payload"].read()
         if "FunctionError" in answer:
-            raise UnavailableError("The model could not be computed just now.")
+            raise UnavailableError("The service could not compute this model; try again.")
         return RefitAnswer.model_validate_json(content)
 
     def _name(self) -> str:
