@@ -28,7 +28,7 @@ export async function calibrationOf(key, parameters) {
 }
 
 /**
- * What the capture page sent along in this page's address, which keeps it for a reload.
+ * Calibration id that the capture page put into this page's address, which keeps it for a reload.
  * @param {CameraKey} key
  * @param {URLSearchParams} parameters
  */

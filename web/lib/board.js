@@ -1,7 +1,7 @@
 // ChArUco boards: valid layouts, and the positions of their corners. Frame: x right, y down, unit = one square.
 
 /**
- * How many markers the dictionaries have, and of how many cells a side; which cells are white, dictionaries.js says.
+ * Number of markers of the dictionaries, and cells a side; dictionaries.js lists the white cells.
  * @type {Record<string, {side: number, count: number}>}
  */
 const SIZES = {

@@ -40,7 +40,7 @@ function cells(points, [width, height]) {
 }
 
 /**
- * How different a board lies from all chosen, 0…1; the first is to be a tilted one.
+ * Difference of a board's pose from all chosen, 0…1; the first is to be a tilted one.
  * @param {Candidate} candidate
  * @param {Candidate[]} chosen
  * @param {number} width

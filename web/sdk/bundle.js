@@ -27,7 +27,7 @@
 const CROPPED = "crop-and-scale";
 const SAME_ASPECT = 0.01; // log of the ratio
 /**
- * What computers say of themselves; whatever says anything else is none that is known here.
+ * Platform patterns of known systems; others match none.
  * @type {[string, RegExp][]}
  */
 const COMPUTERS = [
@@ -48,7 +48,7 @@ export class Bundle {
   }
 
   /**
-   * What a lookup of the service would answer, where that is certain. As there, the closest size is marked, and nothing is told
+   * Answer that a lookup of the service would give, where that is certain. As there, the closest size is marked, and nothing is told
    * of another zoom.
    * @param {CameraKey} key @param {string} model
    * @returns {CalibrationData | null} null: ask the service
@@ -92,7 +92,7 @@ const own = (table, name) => (Object.hasOwn(table, name) ? table[name] : undefin
 const same = (a, b) => a[0] === b[0] && a[1] === b[1];
 
 /**
- * Which of two sizes is further from the one asked for: by aspect, then by area.
+ * Compare the distance of two sizes from the requested one: by aspect, then by area.
  * @param {number[]} a
  * @param {number[]} b
  * @param {readonly number[]} asked

@@ -48,7 +48,7 @@ export class Distorter {
   }
 
   /**
-   * What the scene's camera projects with.
+   * Projection matrix of the scene's camera.
    * @param {{near?: number, far?: number}} [frustum]
    * @returns {number[]} column-major
    */

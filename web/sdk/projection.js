@@ -255,7 +255,7 @@ function invert({ at, slope, end: last }) {
 }
 
 /**
- * Where a predicate that holds at `low` ceases to.
+ * Point at which a predicate that holds at `low` ceases to, by bisection.
  * @param {(t: number) => boolean} holds
  * @param {number} low
  * @param {number} high

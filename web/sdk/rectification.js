@@ -49,7 +49,7 @@ function rayBounds(calibration) {
   const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
   const lens = lensOf(calibration);
   /**
-   * Where a pixel's ray meets the plane z = 1, pulled in where that is far out or nowhere.
+   * Intersection of a pixel's ray with the plane z = 1, pulled in where that is far out or nowhere.
    * @param {number} u
    * @param {number} v
    * @returns {[number, number]}

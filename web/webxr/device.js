@@ -74,7 +74,7 @@ export class WebcamDevice extends XRDevice {
     return [...(this.#sessions.get(id)?.features ?? [])];
   }
 
-  /** What of the page stays over the session. @param {number} id @param {HTMLElement} root */
+  /** Part of the page that stays over the session. @param {number} id @param {HTMLElement} root */
   setOverlay(id, root) {
     const session = this.#sessions.get(id);
     if (session) session.overlay = root;
@@ -175,7 +175,7 @@ export class WebcamDevice extends XRDevice {
   onWindowResize() {}
 
   /**
-   * What the picture behind the layer is of, which is drawn where it must be.
+   * Pinhole of the picture behind the layer, which is drawn to match it.
    * @param {Stage} stage
    * @returns {Pinhole}
    */

@@ -145,7 +145,7 @@ export function matrixOf(p, width, height) {
 }
 
 /**
- * What the provider knows comes first, but not of another picture; then what the browser does, which says nothing of
+ * The provider's intrinsics come first, but not of another picture; then the browser's own, which say nothing of
  * distortion.
  */
 function attributesOf(/** @type {any} */ view, /** @type {Intrinsics | null} */ known) {

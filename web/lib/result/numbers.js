@@ -33,7 +33,7 @@ const MIN_COSINE = 0.2; // of the angle to the axis: beyond 78° a plane picture
 const MIN_NOTABLE_RMS_PX = 0.3; // px; below this nobody looks for a reason
 
 /**
- * How good it is in one word, where no report says so.
+ * Quality in one word, where no report has it.
  * @param {Calibration} calibration
  * @returns {"good" | "fair" | "poor"}
  */
@@ -134,7 +134,7 @@ export function coverage(points, [width, height]) {
 }
 
 /**
- * What to do about a view: null where nothing.
+ * Remedy for a view: null where none is needed.
  * @param {ReportView} view @param {ReportView[]} views
  * @returns {"left_out" | "stands_out" | "some_cut" | null}
  */

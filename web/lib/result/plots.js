@@ -119,7 +119,7 @@ export function residualPlot({ img_size }, view, views, factor) {
 }
 
 /**
- * How much larger residuals are drawn, the same for all views: a typical one is a 40th of the width.
+ * Scale of drawn residuals, the same for all views: a typical one is a 40th of the width.
  * @param {Calibration} calibration
  * @param {Report} report
  */

@@ -67,7 +67,7 @@ function toggle(index, left, choices) {
 }
 
 /**
- * What changes, and what to do next.
+ * Effect of the choices, and the next step.
  * @param {Calibration} calibration
  * @param {Trial | null} trial
  * @param {Choices} choices

@@ -106,7 +106,7 @@ export class Hand {
 }
 
 /**
- * Where a target would be in a mirror: on the other side, tilted the other way.
+ * Target in a mirror: on the other side, tilted the other way.
  * @param {Pose} pose
  * @param {number[]} pivot
  * @returns {Pose}

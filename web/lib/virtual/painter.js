@@ -61,7 +61,7 @@ export class Painter {
   }
 
   /**
-   * Where a row of rays meets the board's plane.
+   * Intersections of a row of rays with the board's plane.
    * @param {number[]} plane
    * @param {number} y
    * @param {Float32Array} out texels
@@ -122,7 +122,7 @@ export class Painter {
 }
 
 /**
- * Where all texels within `EVEN_RADIUS` are alike: rows first, then columns.
+ * Mask of texels whose neighbours within `EVEN_RADIUS` are alike: rows first, then columns.
  * @param {{width: number, height: number, data: Uint8Array}} texture
  */
 function evenness({ width, height, data }) {
