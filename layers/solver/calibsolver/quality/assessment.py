@@ -76,7 +76,7 @@ def assess(calibration: Calibration, views: Sequence[View], held_out: float | No
     calibration, views
         The fit, and what was fitted.
     held_out
-        px, rms of a cross-validation (`heldout.held_out`), where there is one.
+        px, rms of a cross-validation (`cross_validation.held_out`), where there is one.
     """
     found: list[tuple[Level, Reason]] = []
 
