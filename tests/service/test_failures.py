@@ -85,7 +85,7 @@ def test_storage_that_fails_half_of_the_time(stack: LocalStack, fault: Any, serv
 
 
 @pytest.mark.parametrize("fault", [faults.throttled, faults.broken, faults.unreached])
-def test_storage_that_is_away_is_said_to_be_and_changes_nothing(stack: LocalStack, fault: Any) -> None:
+def test_storage_outage_returns_503_and_changes_nothing(stack: LocalStack, fault: Any) -> None:
     client = Client(stack)
     client.open()
     pose = client.pose().json

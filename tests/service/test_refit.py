@@ -35,9 +35,7 @@ def totals(at_rest: Store, document: schema.CalibrationDocument) -> list[int]:
     return [known.total for known in at_rest.consensuses.at(mode_of(document))]
 
 
-def test_captures_that_end_together_are_one_computation_more_and_not_each_one(
-    stack: LocalStack, at_rest: Store
-) -> None:
+def test_concurrent_finishes_coalesce_into_one_refit(stack: LocalStack, at_rest: Store) -> None:
     documents = [calibration("Twelve at once", n) for n in range(12)]
     mode = mode_of(documents[0])
     ready = threading.Barrier(12)

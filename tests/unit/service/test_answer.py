@@ -57,7 +57,7 @@ def test_one_size_alone_has_no_relation() -> None:
     assert (found.relation, found.adapted) == (None, None)
 
 
-def test_few_calibrations_at_the_size_asked_for_verify_what_they_are_too_few_to_say() -> None:
+def test_two_unreliable_calibrations_suffice_to_verify_the_size_relation() -> None:
     few = at((640, 480), s=0.5, reason="too_few", calibrations=2)
     found = asked([at((1280, 960)), few], (640, 480))
     assert found.relation == "scale"

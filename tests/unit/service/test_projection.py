@@ -25,7 +25,7 @@ def camera(model: str, f: float = 700.0) -> Calibration:
 
 
 @pytest.mark.parametrize("model", LENSES)
-def test_it_is_the_solvers(model: str) -> None:
+def test_plain_projection_matches_solver(model: str) -> None:
     stored = camera(model, 1400.0 if model == "omnidirectional" else 700.0)
     solver = Camera(model, np.array(stored.camera_matrix), LENSES[model], stored.img_size)
     rays = list(rays_in_view(stored))

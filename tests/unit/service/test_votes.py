@@ -59,7 +59,7 @@ def test_who_contributed_a_calibration_votes_neither_for_it_nor_against() -> Non
     assert tally(votes, NOW, frozenset({"a", "b"}), one_per_source=False) == Votes(agree=2, disagree=1)
 
 
-def test_doubts_end_with_the_next_calibration_that_agrees_on_and_agreement_does_not() -> None:
+def test_votes_against_expire_at_the_next_agreeing_calibration() -> None:
     votes = found(("a", True), ("b", False), time=NOW - 1)
     assert tally(votes, NOW, frozenset(), one_per_source=True) == Votes(agree=1, disagree=0)
     assert tally(votes, NOW - 1, frozenset(), one_per_source=True) == Votes(agree=1, disagree=1)
