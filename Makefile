@@ -13,6 +13,8 @@ AUDIT := .build/audit/bin/pip-audit
 PYTEST := $(PY) -m pytest
 # Tests share nothing and mostly take one core or wait: two at a time take half the time.
 TWO := -n 2 --dist worksteal
+# Whole modules, so that a fixture of a module is made once.
+MODULES := -n 2 --dist loadscope
 # One core for both sides of every ratio: libraries differ in how many they would take.
 ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 COMMA := ,
@@ -28,7 +30,7 @@ run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0
 
 test: lint ## run everything below up to browser
 	node --test tests/web/
-	$(PYTEST) $(TWO) tests/unit tests/service
+	$(PYTEST) $(MODULES) tests/unit tests/service
 	@$(MAKE) --no-print-directory browser
 
 lint: $(SETUP) ## check style, types, the template, and dependencies for known vulnerabilities
@@ -42,10 +44,10 @@ lint: $(SETUP) ## check style, types, the template, and dependencies for known v
 
 unit: $(SETUP) ## test one package at a time, without sockets, and the web client's modules under node
 	node --test tests/web/
-	$(PYTEST) $(TWO) tests/unit
+	$(PYTEST) $(MODULES) tests/unit
 
 service: $(SETUP) ## test HTTP through the local gateway
-	$(PYTEST) $(TWO) tests/service
+	$(PYTEST) $(MODULES) tests/service
 
 browser: $(SETUP) ## test the pages in Chromium and Firefox
 	@bash infra/ci/browsers.sh
