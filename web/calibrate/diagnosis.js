@@ -1,4 +1,4 @@
-// Why the board is not seen, or not seen well: what the worker measures, over time. Pure: the time comes in.
+// Diagnosis of a board that is not seen, or not seen well, from frame metrics over time. Pure: the time comes in.
 
 /**
  * @typedef {import("../lib/detector.js").Detection} Detection

@@ -1,4 +1,4 @@
-// Why a capture ended: a code that names a text, `capture.fault_<code>`, and what stands in it.
+// Failure of a capture: a code that names a message, `capture.fault_<code>`, and the message's detail.
 import { explain } from "../lib/faults.js";
 import { OfflineError } from "../lib/network.js";
 import { SettingsError } from "../lib/settings.js";

@@ -1,4 +1,4 @@
-// Is the board being held still? Judged by its corners, frame by frame. Pure: the time comes in.
+// Stillness of the board, from its corners frame by frame. Pure: the time comes in.
 
 const MOTION = 2; // px a frame at 1280 px image width, mean over the corners: the published rule
 const DRIFT = 6; // px away from where the hold began: slow movement is movement

@@ -1,4 +1,4 @@
-// A file that cannot be used, and why, in a word that the page has a sentence for.
+// Error for a file that cannot be used; its code names a message.
 
 export class MalformedError extends Error {
   /** @param {string} code of a sentence: "import.wrong_…" @param {Record<string, string | number>} [values] in it */

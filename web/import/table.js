@@ -3,7 +3,7 @@ import { MalformedError } from "./malformed.js";
 
 /** @typedef {import("./grid.js").View} View */
 
-const VIEWS = 1000;
+const MAX_TABLE_VIEWS = 1000;
 
 /** Does it look like such a table: does its first line that says something have a name and two places? @param {string} text */
 export function isTable(text) {
@@ -34,7 +34,7 @@ export function table(text, [columns, rows]) {
     if (y === undefined) throw new MalformedError("fields", { line: index + 1 });
     const picture = pictures.get(name) ?? { lines: 0, view: { name, object: [], image: [] } };
     pictures.set(name, picture);
-    if (pictures.size > VIEWS) throw new MalformedError("many", { most: VIEWS });
+    if (pictures.size > MAX_TABLE_VIEWS) throw new MalformedError("many", { most: MAX_TABLE_VIEWS });
     const corner = picture.lines++;
     if (x === "-" || y === "-" || level === "-" || level === "-1") continue; // not seen
     const place = [Number(x), Number(y)];

@@ -14,8 +14,8 @@ export default {
       "This page reads corners from PhotonVision's JSON files and from tables of corners (.vnl). For other "
         + "files it tells you what you can do with them.",
     stays:
-      "<0>The file stays on this device.</0> calibDB receives only the positions of the corners, and the camera "
-        + "details that you see below.",
+      "<0>The file stays on this device.</0> What is sent: the positions of the corners, and the camera details "
+        + "that you see below.",
     reading: "Reading {name}.",
     found: {
       one: "{count} view of a board of {squares} squares, {size} px.",
@@ -86,8 +86,8 @@ export default {
       "Diese Seite liest Ecken aus JSON-Dateien von PhotonVision und aus Tabellen von Ecken (.vnl). Bei anderen "
         + "Dateien sagt sie Ihnen, was Sie damit tun können.",
     stays:
-      "<0>Die Datei bleibt auf diesem Gerät.</0> calibDB erhält nur die Positionen der Ecken und die Angaben "
-        + "zur Kamera, die Sie unten sehen.",
+      "<0>Die Datei bleibt auf diesem Gerät.</0> Gesendet werden: die Positionen der Ecken und die Angaben zur "
+        + "Kamera, die Sie unten sehen.",
     reading: "{name} wird gelesen.",
     found: {
       one: "{count} Ansicht einer Tafel mit {squares} Feldern, {size} px.",
@@ -160,8 +160,8 @@ export default {
       "Сторінка читає кути з JSON-файлів PhotonVision і з таблиць кутів (.vnl). Для інших файлів вона підкаже, "
         + "що з ними можна зробити.",
     stays:
-      "<0>Файл залишається на цьому пристрої.</0> calibDB отримує лише положення кутів і відомості про камеру, "
-        + "які ви бачите нижче.",
+      "<0>Файл залишається на цьому пристрої.</0> Надсилаються: положення кутів і відомості про камеру, які ви "
+        + "бачите нижче.",
     reading: "Читаємо {name}.",
     found: {
       one: "{count} знімок дошки {squares} клітинок, {size} px.",

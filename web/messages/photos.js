@@ -13,8 +13,8 @@ export default {
     board: "This page looks for this board: {size} squares, {dictionary}.",
     another_board: "Another board",
     stays:
-      "<0>They stay on this device.</0> calibDB receives only the positions of the board's corners, and the "
-        + "camera details that you see below.",
+      "<0>They stay on this device.</0> What is sent: the positions of the board's corners, and the camera "
+        + "details that you see below.",
     measured: "Have you already calibrated with another program? <0>Use its file.</0>",
     progress: "Looking for the board",
     loading: "Loading the board detector.",
@@ -66,8 +66,8 @@ export default {
     board: "Diese Seite sucht nach dieser Tafel: {size} Felder, {dictionary}.",
     another_board: "Eine andere Tafel",
     stays:
-      "<0>Sie bleiben auf diesem Gerät.</0> calibDB erhält nur die Positionen der Ecken der Tafel und die "
-        + "Angaben zur Kamera, die Sie unten sehen.",
+      "<0>Sie bleiben auf diesem Gerät.</0> Gesendet werden: die Positionen der Ecken der Tafel und die Angaben "
+        + "zur Kamera, die Sie unten sehen.",
     measured: "Haben Sie schon mit einem anderen Programm kalibriert? <0>Verwenden Sie seine Datei.</0>",
     progress: "Die Tafel wird gesucht",
     loading: "Die Tafelerkennung wird geladen.",
@@ -127,8 +127,8 @@ export default {
     board: "Сторінка шукає таку дошку: {size} клітинок, {dictionary}.",
     another_board: "Інша дошка",
     stays:
-      "<0>Вони залишаються на цьому пристрої.</0> calibDB отримує лише положення кутів дошки та відомості про "
-        + "камеру, які ви бачите нижче.",
+      "<0>Вони залишаються на цьому пристрої.</0> Надсилаються: положення кутів дошки та відомості про камеру, "
+        + "які ви бачите нижче.",
     measured: "Уже калібрували іншою програмою? <0>Використайте її файл.</0>",
     progress: "Пошук дошки",
     loading: "Завантажуємо розпізнавання дошки.",

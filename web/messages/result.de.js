@@ -20,14 +20,14 @@ export default {
   reason_uncertain:
     "Die Ansichten bestimmen das Objektiv nicht genau genug. Nehmen Sie mehr auf, von verschiedenen Seiten.",
   reason_over_fitted:
-    "Die Kalibrierung erklärt Testansichten viel schlechter als die Ansichten in der Anpassung. Nehmen Sie "
-      + "mehr auf.",
+    "Die Kalibrierung erklärt Testansichten viel schlechter als die Ansichten in der Anpassung. Nehmen Sie mehr "
+      + "auf.",
   reason_model_too_simple:
-    "Alle Ansichten zeigen dasselbe Fehlermuster: Entweder ist dieses Modell zu einfach für das Objektiv, "
-      + "oder die Tafel ist nicht eben. Versuchen Sie ein Modell für weitere Objektive.",
+    "Alle Ansichten zeigen dasselbe Fehlermuster: Entweder ist dieses Modell zu einfach für das Objektiv, oder "
+      + "die Tafel ist nicht eben. Versuchen Sie ein Modell für weitere Objektive.",
   reason_noisy:
-    "Die Ecken sind ungenau: Unschärfe, Bewegung oder eine Tafel, die nicht eben ist. Sorgen Sie für mehr "
-      + "Licht und halten Sie still.",
+    "Die Ecken sind ungenau: Unschärfe, Bewegung oder eine Tafel, die nicht eben ist. Sorgen Sie für mehr Licht "
+      + "und halten Sie still.",
   reason_outliers: "Viele Ecken widersprechen den übrigen und wurden ausgelassen.",
   reason_views_left_out: "Ganze Ansichten widersprechen den übrigen und wurden ausgelassen. Sie sind unten markiert.",
   reason_limit_reached: "Fünfzehn Ansichten genügten nicht, um den Zielfehler zu erreichen.",
@@ -55,8 +55,8 @@ export default {
       + "Kräftigere Farbe bedeutet einen größeren Fehler.",
   distortion_label: "Verzeichnung der Linse: bis zu {max} px",
   distortion_caption:
-    "Jede Linie führt von dort, wo ein Objektiv ohne Verzeichnung einen Punkt zeigen würde, dorthin, wo "
-      + "dieses ihn zeigt: bis zu {max} px. Das Kreuz ist der Bildhauptpunkt.",
+    "Jede Linie führt von dort, wo ein Objektiv ohne Verzeichnung einen Punkt zeigen würde, dorthin, wo dieses "
+      + "ihn zeigt: bis zu {max} px. Das Kreuz ist der Bildhauptpunkt.",
   magnified: "{factor}-fach vergrößert gezeichnet.",
   coverage_label: "Die Ecken decken {share} % des Bildes ab",
   coverage_caption: "Alle {count} gemessenen Ecken. Sie decken {share} % des Bildes ab.",
@@ -89,8 +89,8 @@ export default {
       "Ohne Ansicht {views} ist der erwartete Fehler {after} px, mit ihr {before} px. Die Brennweite fx ist "
         + "{fx} px, mit ihr {was} px.",
     other:
-      "Ohne die Ansichten {views} ist der erwartete Fehler {after} px, mit ihnen {before} px. Die Brennweite "
-        + "fx ist {fx} px, mit ihnen {was} px.",
+      "Ohne die Ansichten {views} ist der erwartete Fehler {after} px, mit ihnen {before} px. Die Brennweite fx "
+        + "ist {fx} px, mit ihnen {was} px.",
   },
   without_impossible: "Ohne die Ansichten {views} bleibt zu wenig für eine Kalibrierung.",
   go_on_without: { one: "Ohne sie weitermachen", other: "Ohne sie weitermachen" },
@@ -119,27 +119,27 @@ export default {
   back_refused:
     "{host} hat um diese Kalibrierung gebeten, aber dieser Dienst gibt keine Ergebnisse an diese Anwendung.",
   help_added:
-    "Sie haben die Lage der Ecken, Namen und Einstellungen Ihrer Kamera und das System, das Ihr Browser "
-      + "nennt, beigetragen. Kein Bild hat dieses Gerät verlassen. Sobald fünf Kalibrierungen dieser Kamera "
+    "Sie haben die Lage der Ecken, Namen und Einstellungen Ihrer Kamera und das System, das Ihr Browser nennt, "
+      + "beigetragen. Kein Bild hat dieses Gerät verlassen. Sobald fünf Kalibrierungen dieser Kamera "
       + "übereinstimmen, kann jede Webseite sie nachschlagen.",
   missing: "Diese Kalibrierung gibt es nicht.",
   search: "Alle Kameras durchsuchen",
   calibrate: "Eine Kamera kalibrieren",
   help_photographs:
     "Sie haben die Lage der Ecken und die Größe der Bilder beigetragen, ob es Fotos oder ein Video sind, und "
-      + "was Sie über Kamera, Objektiv und Brennweite angegeben haben. Kein Bild hat dieses Gerät verlassen. "
-      + "Sobald fünf Kalibrierungen dieser Kamera übereinstimmen, kann jede Webseite sie nachschlagen.",
+      + "was Sie über Kamera, Objektiv und Brennweite angegeben haben. Kein Bild hat dieses Gerät verlassen. Sobald "
+      + "fünf Kalibrierungen dieser Kamera übereinstimmen, kann jede Webseite sie nachschlagen.",
   help_imported:
-    "Sie haben die Lage der Ecken, die Größe der Bilder, den Namen Ihrer Kamera und das System, das Ihr "
-      + "Browser nennt, beigetragen. Die Datei hat dieses Gerät nicht verlassen. Sobald fünf Kalibrierungen "
-      + "dieser Kamera übereinstimmen, kann jede Webseite sie nachschlagen.",
+    "Sie haben die Lage der Ecken, die Größe der Bilder, den Namen Ihrer Kamera und das System, das Ihr Browser "
+      + "nennt, beigetragen. Die Datei hat dieses Gerät nicht verlassen. Sobald fünf Kalibrierungen dieser Kamera "
+      + "übereinstimmen, kann jede Webseite sie nachschlagen.",
   help_practice: "Das war ein Übungslauf mit einer simulierten Kamera. Ihre eigene Kamera ist noch nicht kalibriert.",
   help_stored: {
     one:
       "Dahinter steht {count} Kalibrierung. Sobald fünf einer Kamera übereinstimmen, kann jede Webseite sie "
         + "nachschlagen.",
     other:
-      "Dahinter stehen {count} Kalibrierungen. Sobald fünf einer Kamera übereinstimmen, kann jede Webseite "
-        + "sie nachschlagen.",
+      "Dahinter stehen {count} Kalibrierungen. Sobald fünf einer Kamera übereinstimmen, kann jede Webseite sie "
+        + "nachschlagen.",
   },
 };

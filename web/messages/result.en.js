@@ -52,14 +52,14 @@ export default {
       + "Stronger colour means a larger error.",
   distortion_label: "Distortion of the lens: up to {max} px",
   distortion_caption:
-    "Each line leads from where a lens without distortion would show a point to where this lens shows it: up "
-      + "to {max} px. The cross is the principal point.",
+    "Each line leads from where a lens without distortion would show a point to where this lens shows it: up to "
+      + "{max} px. The cross is the principal point.",
   magnified: "Drawn {factor} times larger.",
   coverage_label: "The corners cover {share} % of the picture",
   coverage_caption: "All {count} measured corners. They cover {share} % of the picture.",
   views_text:
-    "Each line is a residual: it leads from a measured corner to where the calibration expects it, and is "
-      + "drawn {factor} times longer. Short and random is good.",
+    "Each line is a residual: it leads from a measured corner to where the calibration expects it, and is drawn "
+      + "{factor} times longer. Short and random is good.",
   view: "View {index}",
   view_label: "Residuals of view {index}: {rms} px",
   view_left_out: "Left out: it contradicts the others. Take it again.",
@@ -77,8 +77,8 @@ export default {
   },
   without_now: {
     one:
-      "Without view {views} the expected error is {after} px; with it, {before} px. The focal length fx is "
-        + "{fx} px; with it, {was} px.",
+      "Without view {views} the expected error is {after} px; with it, {before} px. The focal length fx is {fx} "
+        + "px; with it, {was} px.",
     other:
       "Without views {views} the expected error is {after} px; with them, {before} px. The focal length fx is "
         + "{fx} px; with them, {was} px.",
@@ -95,8 +95,7 @@ export default {
   no_webgl: "This browser cannot show this because it has no WebGL.",
   trial: "Try it",
   trial_text:
-    "Choose a picture that this camera took at this resolution, and see it straightened. It stays on your "
-      + "device.",
+    "Choose a picture that this camera took at this resolution, and see it straightened. It stays on your device.",
   picture: "A picture",
   picture_shape: "That picture has another aspect ratio: this calibration is for {size}.",
   picture_unreadable: "This browser cannot read that picture.",
@@ -120,9 +119,9 @@ export default {
       + "video, and what you said of the camera, its lens and its focal length. Not one picture left this device. "
       + "Once five calibrations of this camera agree, every web page can look it up.",
   help_imported:
-    "You have added the positions of the corners, the size of the pictures, your camera's name, and the "
-      + "system that your browser names. The file has not left this device. Once five calibrations of this camera "
-      + "agree, every web page can look it up.",
+    "You have added the positions of the corners, the size of the pictures, your camera's name, and the system "
+      + "that your browser names. The file has not left this device. Once five calibrations of this camera agree, "
+      + "every web page can look it up.",
   help_practice: "This was a practice run with a simulated camera. Your own camera is not calibrated yet.",
   help_stored: {
     one: "{count} calibration stands behind this. Once five of one camera agree, every web page can look it up.",

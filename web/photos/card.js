@@ -1,4 +1,4 @@
-// One picture of the series: small, with the corners found, and what became of it.
+// Card of one picture of the series: a thumbnail with its corners, and the outcome.
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { viewOutcome } from "../lib/view-outcome.js";
