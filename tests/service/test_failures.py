@@ -178,7 +178,7 @@ def test_an_upload_that_breaks_off_changes_nothing(stack: LocalStack, share: flo
     assert client.view(pose["index"], ids, points).json["accepted"]
 
 
-def test_an_object_that_the_index_never_named_is_in_nobodys_way(stack: LocalStack) -> None:
+def test_orphaned_session_version_is_skipped(stack: LocalStack) -> None:
     """A crash between the two writes leaves a version of the session that nothing points to."""
     client = Client(stack)
     client.open()

@@ -74,7 +74,7 @@ def test_progress_only_grows(running: Client) -> None:
     assert progress[-1] == 1
 
 
-def test_the_end(converged: Client) -> None:
+def test_converged_session_is_immutable(converged: Client) -> None:
     state = converged.state()
     assert state["status"] == "converged"
     assert state["uncertainty"]["rms"] <= state["target_error"]
