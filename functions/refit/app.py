@@ -19,7 +19,7 @@ from typing import Any
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import quality_gates
-from calibdb.rules.refit_plan import Step, digest, plan_refit
+from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
 from calibdb.rules.votes import Finding, OwnCamera, decide_vote, tally, with_votes
 from calibdb.schema import (
     DISTORTION_MODELS,
@@ -102,10 +102,10 @@ def _try_once(service: Service, mode: StreamMode, models: Sequence[str]) -> Cons
     if not counted:
         return _drop(service, mode, models, stored)
     votes = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
-    pool_digest = digest(METHOD, [c.id for c in counted], rule_of(thresholds), thresholds, __version__)
-    input_digest = digest(pool_digest, [vote.id for vote in votes])
-    steps = plan_refit(models, stored, pool_digest, input_digest)
-    return _apply(service, Inputs(mode, counted, votes, pool_digest, input_digest), steps)
+    pooled = pool_digest(METHOD, [c.id for c in counted], thresholds, __version__)
+    basis = input_digest(pooled, [vote.id for vote in votes])
+    steps = plan_refit(models, stored, pooled, basis)
+    return _apply(service, Inputs(mode, counted, votes, pooled, basis), steps)
 
 
 @dataclasses.dataclass(frozen=True)

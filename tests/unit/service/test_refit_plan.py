@@ -1,7 +1,12 @@
 """Plan of a refit: stale consensuses by their digests."""
 
-from calibdb.rules.refit_plan import digest, plan_refit
+from dataclasses import fields, replace
+
+import pytest
+
+from calibdb.rules.refit_plan import input_digest, plan_refit, pool_digest
 from calibdb.schema import ConsensusDocument
+from calibdb.settings import Thresholds
 from tests.helpers.service.known import consensus
 
 
@@ -36,6 +41,27 @@ def test_each_step_carries_what_is_stored() -> None:
     assert [s.stored for s in plan_refit(["fisheye", "rectilinear"], known, "p", "i")] == [None, document]
 
 
-def test_digests_differ_by_any_part() -> None:
-    assert len({digest(), digest(1), digest("1"), digest(1, 2), digest([1, 2])}) == 5
-    assert digest(1, "a") == digest(1, "a")
+def test_digest_of_the_default_thresholds_is_the_stored_one() -> None:
+    """Computed by version 0.1.0: another value would have every stored consensus computed anew."""
+    stored_digest = "220c6bb180dc69c980270ed6b6f1df0f6633cc8b78f42c92a7f2f1aa82d2d74a"
+    assert pool_digest(3, ["a", "b"], Thresholds(), "1.0.0") == stored_digest
+
+
+@pytest.mark.parametrize("name", [field.name for field in fields(Thresholds)])
+def test_digest_differs_by_each_threshold(name: str) -> None:
+    changed = replace(Thresholds(), **{name: getattr(Thresholds(), name) + 1})
+    assert pool_digest(3, ["a"], changed, "1") != pool_digest(3, ["a"], Thresholds(), "1")
+
+
+def test_digests_differ_by_method_calibrations_version_and_votes() -> None:
+    rules = Thresholds()
+    digests = {
+        pool_digest(3, ["a"], rules, "1"),
+        pool_digest(4, ["a"], rules, "1"),
+        pool_digest(3, ["a", "b"], rules, "1"),
+        pool_digest(3, ["a"], rules, "2"),
+        input_digest("p", []),
+        input_digest("p", ["v"]),
+        input_digest("q", ["v"]),
+    }
+    assert len(digests) == 7

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from calibdb.schema import ConsensusDocument
+from calibdb.settings import Thresholds
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,34 @@ def _step(model: str, stored: ConsensusDocument | None, pool_digest: str, input_
     return Step(model, stored, "pool")
 
 
-def digest(*parts: object) -> str:
-    """Return the SHA-256 of the values' representations, in hex."""
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
+def pool_digest(method: int, ids: Sequence[str], thresholds: Thresholds, solver_version: str) -> str:
+    """Hash what a pooled consensus follows from: SHA-256, in hex.
+
+    The digest is stored with each consensus. So the hashed text is written out here: it stays the same when a
+    field of the thresholds is renamed, and every stored consensus stays current.
+
+    Parameters
+    ----------
+    method
+        Number of the method of pooling.
+    ids
+        Of the calibrations that count, the newest first.
+    """
+    t = thresholds
+    rule = (
+        f"min_calibrations={t.min_calibrations!r}, min_contributors={t.min_contributors!r}, "
+        f"min_share={t.min_share!r}, max_focal_spread={t.max_focal_spread!r}, "
+        f"max_center_spread={t.max_center_spread!r}, max_projection_spread={t.max_projection_spread!r}, "
+        f"max_harmless_spread={t.max_harmless_spread!r}, max_unexplained={t.max_unexplained!r}"
+    )
+    others = (
+        f"most_calibrations={t.max_calibrations!r}, contributor_period={t.contributor_period!r}, "
+        f"min_votes={t.min_votes!r}, min_doubt={t.min_doubt!r}, max_check_ratio={t.max_check_ratio!r}"
+    )
+    text = f"({method!r}, {list(ids)!r}, Rule({rule}), Thresholds({rule}, {others}), {solver_version!r})"
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def input_digest(pool_digest: str, votes: Sequence[str]) -> str:
+    """Hash a pool's digest and the ids of the votes, the newest first: SHA-256, in hex."""
+    return hashlib.sha256(repr((pool_digest, list(votes))).encode()).hexdigest()
