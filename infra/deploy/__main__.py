@@ -18,7 +18,7 @@ import boto3
 from calibdb.settings import SettingsError, Thresholds
 from infra.deploy import aws, smoke
 from infra.deploy.site import uploads
-from infra.deploy.steps import ROOT, TEMPLATE, Step, Target, packaged, steps
+from infra.deploy.steps import ROOT, TEMPLATE, Step, Target, package_template, steps
 from infra.local.intrinsics import parse
 
 
@@ -94,7 +94,7 @@ def deploy(target: Target, template: str | None = None, leave_out: Collection[st
     """
     source = (ROOT / "template.yaml").read_text(encoding="utf-8") if template is None else template
     TEMPLATE.parent.mkdir(parents=True, exist_ok=True)
-    TEMPLATE.write_text(packaged(source), encoding="utf-8")
+    TEMPLATE.write_text(package_template(source), encoding="utf-8")
     for number, step in enumerate(steps(target), 1):
         if step.kind not in leave_out:
             print(f"{number}. {step.text}", flush=True)
@@ -105,7 +105,7 @@ def _do(step: Step, target: Target) -> None:
     region, stack = target.region, target.stack
     match step.kind:
         case "run":
-            _run(_filled(step.command, target))
+            _run(_fill_in(step.command, target))
         case "secrets":
             aws.make_secrets(boto3.client("ssm", region), stack)
         case "upload":
@@ -118,11 +118,11 @@ def _do(step: Step, target: Target) -> None:
             aws.invalidate(boto3.client("cloudfront"), made["DistributionId"], str(time.time_ns()))
         case "smoke":
             made = aws.outputs(boto3.client("cloudformation", region), stack)
-            if found := list(smoke.problems(smoke.asking(made["SiteUrl"]))):
+            if found := list(smoke.problems(smoke.make_requester(made["SiteUrl"]))):
                 raise DeployError("; ".join(found))
 
 
-def _filled(command: tuple[str, ...], target: Target) -> list[str]:
+def _fill_in(command: tuple[str, ...], target: Target) -> list[str]:
     """Fill the stack's outputs into a command."""
     if not any("{SiteUrl}" in word for word in command):
         return list(command)

@@ -44,11 +44,11 @@ def rotate(ssm: Any, stack: str) -> None:
     """
     name = f"/calibdb/{stack}/SESSION_SECRETS"
     kept = ssm.get_parameter(Name=name, WithDecryption=True)["Parameter"]["Value"].split(",")
-    value = ",".join(rotated(kept, secrets.token_hex(32)))
+    value = ",".join(rotate_keys(kept, secrets.token_hex(32)))
     ssm.put_parameter(Name=name, Value=value, Type="SecureString", Overwrite=True)
 
 
-def rotated(keys: list[str], new: str) -> list[str]:
+def rotate_keys(keys: list[str], new: str) -> list[str]:
     """Rotate the keys: of `current, next, before` it makes `next, new, current`."""
     current, following = keys[0], keys[1] if len(keys) > 1 else None
     return ([following, new, current] if following else [current, new])[:_MAX_SESSION_KEYS]

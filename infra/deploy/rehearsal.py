@@ -37,7 +37,7 @@ def main() -> int:
             "AWS_DEFAULT_REGION": REHEARSAL.region,
         }
         os.environ.pop("AWS_PROFILE", None)
-        template = known((ROOT / "template.yaml").read_text(encoding="utf-8"))
+        template = remove_unsupported((ROOT / "template.yaml").read_text(encoding="utf-8"))
         try:
             deploy(REHEARSAL, template, _ONLY_ON_AWS)
             settings = _settings()
@@ -55,7 +55,7 @@ def main() -> int:
     return 1 if found else 0
 
 
-def known(template: str) -> str:
+def remove_unsupported(template: str) -> str:
     """Remove the resources that ministack does not support."""
     for name in _UNSUPPORTED:
         template = re.sub(rf"(?m)^  {name}:\n(?:    .*\n|\n)+", "", template)

@@ -60,7 +60,7 @@ def _upload(key: str, content: bytes, vendor: str) -> Upload:
     if kept:
         key = vendor + key.removeprefix(_VENDOR)
     elif key.endswith(_REFERENCING_SUFFIXES):
-        content = renamed(content, vendor)
+        content = rename_vendor_folder(content, vendor)
     large = len(content) > _MAX_EDGE_COMPRESSED_BYTES
     return Upload(
         key=key,
@@ -71,7 +71,7 @@ def _upload(key: str, content: bytes, vendor: str) -> Upload:
     )
 
 
-def renamed(content: bytes, vendor: str) -> bytes:
+def rename_vendor_folder(content: bytes, vendor: str) -> bytes:
     """Replace the name of the folder `vendor/` in a file of ours."""
     return re.sub(rb"(?<=[\"'/(])vendor/", vendor.encode(), content)
 

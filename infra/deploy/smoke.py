@@ -12,7 +12,7 @@ _SMOKE_TIMEOUT_S = 20.0  # s: the first request of all starts a function
 
 
 @dataclass(frozen=True)
-class Heard:
+class Response:
     """An HTTP response; names of headers in lower case."""
 
     status: int
@@ -20,21 +20,23 @@ class Heard:
     body: bytes
 
 
-Ask = Callable[[str, str], Heard]
+Ask = Callable[[str, str], Response]
 """Method and path to answer."""
 
 
-def asking(url: str) -> Ask:
+def make_requester(url: str) -> Ask:
     """Build a function that sends requests to `url`, which ends without slash."""
     parts = urlsplit(url)
     kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
 
-    def ask(method: str, path: str) -> Heard:
+    def ask(method: str, path: str) -> Response:
         connection = kind(parts.netloc, timeout=_SMOKE_TIMEOUT_S)
         try:
             connection.request(method, path)
             response = connection.getresponse()
-            return Heard(response.status, {k.lower(): v for k, v in response.getheaders()}, response.read())
+            return Response(
+                response.status, {k.lower(): v for k, v in response.getheaders()}, response.read()
+            )
         finally:
             connection.close()
 

@@ -67,7 +67,7 @@ def steps(target: Target) -> Iterator[Step]:
     yield Step("smoke", "ask the site and the API whether they are there")
 
 
-def packaged(template: str) -> str:
+def package_template(template: str) -> str:
     """Convert the template to the one in `.build/deploy`.
 
     Its paths are relative to that folder, its layers are the built ones, and the body of the dashboard is

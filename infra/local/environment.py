@@ -35,7 +35,7 @@ def storage_is_elsewhere(environment: Mapping[str, str]) -> bool:
 
 
 @contextmanager
-def applied(variables: Mapping[str, str], *, embedded: bool) -> Iterator[None]:
+def set_variables(variables: Mapping[str, str], *, embedded: bool) -> Iterator[None]:
     """Set variables until the end of the block, and what keeps boto3 in this process if `embedded`."""
     wanted: dict[str, str | None] = dict(variables)
     if embedded:

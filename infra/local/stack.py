@@ -111,7 +111,7 @@ class LocalStack:
         if not self.embedded:
             variables |= _elsewhere(self.template, variables, os.environ)
         self.environment = variables | dict(self._environment)
-        stack.enter_context(env.applied(self.environment, embedded=self.embedded))
+        stack.enter_context(env.set_variables(self.environment, embedded=self.embedded))
         for layer in map(str, self.template.layers):
             if layer not in sys.path:
                 sys.path.append(layer)

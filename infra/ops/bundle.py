@@ -56,13 +56,13 @@ class BundleResult:
     compressed: int
 
 
-def bundle(context: OpsContext, path: Path, most: int) -> BundleResult:
+def bundle(context: OpsContext, path: Path, max_cameras: int) -> BundleResult:
     """Write the `most` cameras with the most contributors; their order is the same for the same database."""
     read = functools.cache(context.store.cameras.known)
     names = _labels(context)
     reliable = {key: [c for c in read(key).consensuses if c.reliable] for key in names}
     popular = sorted((key for key, found in reliable.items() if found), key=lambda k: (_rank(reliable[k]), k))
-    chosen = popular[:most]
+    chosen = popular[:max_cameras]
     labels: dict[str, int] = {}
     places: defaultdict[str, dict[str, int]] = defaultdict(dict)
     meant = _meanings(context, read, {key: (names[key], reliable[key]) for key in chosen})

@@ -16,12 +16,12 @@ from typing import TypedDict
 
 WEB = Path(__file__).parents[2] / "web"
 # Fetched when a page needs them, not with the first visit: 12 MB, or a script not everybody reads.
-LATE = ("vendor/opencv/", "vendor/font/geologica-cyrillic")
-KINDS = {".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm"}
+LAZY_PREFIXES = ("vendor/opencv/", "vendor/font/geologica-cyrillic")
+SUFFIXES = {".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm"}
 # For who writes applications: of no use without a network, and 3 MB.
-APART = ("examples/", "vendor/engines/")
+EXCLUDED_PREFIXES = ("examples/", "vendor/engines/")
 # Not for pages, or another with every server.
-OTHERS = {"openapi.json", "tsconfig.json", "config.json", "shell.json", "sw.js"}
+EXCLUDED_FILES = {"openapi.json", "tsconfig.json", "config.json", "shell.json", "sw.js"}
 
 
 class Shell(TypedDict):
@@ -37,13 +37,19 @@ def shell(folder: Path = WEB) -> Shell:
     files = {
         path.relative_to(folder).as_posix(): _hash(path, *_state(path))
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and path.suffix in KINDS
+        if path.is_file() and path.suffix in SUFFIXES
     }
     files = {
-        name: digest for name, digest in files.items() if name not in OTHERS and not name.startswith(APART)
+        name: digest
+        for name, digest in files.items()
+        if name not in EXCLUDED_FILES and not name.startswith(EXCLUDED_PREFIXES)
     }
     version = hashlib.sha256(json.dumps(files).encode()).hexdigest()[:16]
-    return {"version": version, "files": files, "late": [name for name in files if name.startswith(LATE)]}
+    return {
+        "version": version,
+        "files": files,
+        "late": [name for name in files if name.startswith(LAZY_PREFIXES)],
+    }
 
 
 def _state(path: Path) -> tuple[int, int]:

@@ -142,7 +142,7 @@ def both(
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MIN_CONTRIBUTORS", request.param)
         environment = filled.environment | {"MIN_CONTRIBUTORS": request.param}
-        written = bundle(OpsContext.of(environment, secret_known=True), path, most=500)
+        written = bundle(OpsContext.of(environment, secret_known=True), path, max_cameras=500)
         asked, client = requests(), Client(filled)
         answers = [client.lookup(**each, redirect=False) for each in asked]
     assert {answer.status for answer in answers} == {200, 404}

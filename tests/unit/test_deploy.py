@@ -156,11 +156,11 @@ def session_ids(ssm: Any) -> SessionIds:
 
 def test_what_is_deployed_answers_the_questions_asked_of_a_deployment() -> None:
     with LocalStack() as stack, stack.serve() as url:
-        assert list(smoke.problems(smoke.asking(url))) == []
+        assert list(smoke.problems(smoke.make_requester(url))) == []
 
 
 def test_a_deployment_that_does_not_answer_is_told_from_one_that_does() -> None:
-    found = list(smoke.problems(lambda _, __: smoke.Heard(503, {}, b"")))
+    found = list(smoke.problems(lambda _, __: smoke.Response(503, {}, b"")))
     assert "GET /healthz: 503, not 200" in found
     assert "GET /config.json: no token" in found
 
@@ -196,7 +196,7 @@ def test_a_parameter_that_would_not_work_is_refused_before_anything_is_done(
 
 
 def test_the_packaged_template_names_what_is_there() -> None:
-    text = steps.packaged((ROOT / "template.yaml").read_text())
+    text = steps.package_template((ROOT / "template.yaml").read_text())
     places = re.findall(r"(?:CodeUri|ContentUri|DefinitionUri): (\S+)", text)
     assert len(places) == 13
     for place in places:
@@ -206,7 +206,7 @@ def test_the_packaged_template_names_what_is_there() -> None:
 
 def test_a_rehearsal_leaves_out_what_it_says_and_nothing_else() -> None:
     whole = (ROOT / "template.yaml").read_text()
-    left = loads(rehearsal.known(whole))["Resources"]
+    left = loads(rehearsal.remove_unsupported(whole))["Resources"]
     assert set(loads(whole)["Resources"]) - set(left) == {"Budget", "TraceSampling", "ThrottleAlarm"}
 
 

@@ -67,7 +67,7 @@ def functions(template: dict) -> dict[str, dict]:
 
 
 def test_clean_after_packaging_and_the_transform(tmp_path: Path) -> None:
-    deployed = as_created(json.loads(json.dumps(loads(steps.packaged(TEMPLATE)))))
+    deployed = as_created(json.loads(json.dumps(loads(steps.package_template(TEMPLATE)))))
     written = tmp_path / "template.yaml"
     written.write_text(yaml.safe_dump(deployed, sort_keys=False))
     assert lint(written) == ""
@@ -220,7 +220,7 @@ def test_access_logs_hold_neither_addresses_nor_credentials(source: dict) -> Non
 
 
 def test_what_the_dashboard_shows_is_counted() -> None:
-    deployed = json.loads(json.dumps(loads(steps.packaged(TEMPLATE))))
+    deployed = json.loads(json.dumps(loads(steps.package_template(TEMPLATE))))
     body = json.loads(deployed["Resources"]["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])
     shown = set()
     for widget in body["widgets"]:

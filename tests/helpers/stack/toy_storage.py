@@ -9,7 +9,7 @@ from typing import Any
 import boto3
 from botocore.config import Config
 
-from infra.local.environment import applied
+from infra.local.environment import set_variables
 from infra.local.intercept import intercepting
 from infra.local.journal import Journal
 from infra.local.storage import Storage
@@ -28,7 +28,7 @@ def storage(place: Path, now: float | None = None, journal: Journal | None = Non
     def service(name: str) -> Any:
         return lambda operation, request: store.handle(name, operation, request)
 
-    with applied({}, embedded=True), intercepting({name: service(name) for name in ("dynamodb", "s3")}):
+    with set_variables({}, embedded=True), intercepting({name: service(name) for name in ("dynamodb", "s3")}):
         try:
             yield store
         finally:
