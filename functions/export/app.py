@@ -20,11 +20,11 @@ def show(call: application.Call) -> Response:
         call.service.charge(token, "views", call.address)
     store = call.service.store.calibrations
     document = store.get(call.path("id"))
-    if document is not None and (reason := store.withdrawn(document)) is not None:
+    if document is not None and (reason := store.withdrawal(document)) is not None:
         raise GoneError("This calibration was withdrawn.", kind="withdrawn", extensions={"reason": reason})
     if document is not None and asked.without:
-        document = refitted(document, asked.without)
-    found = reported(document) if document is not None else consensus(call, call.path("id"))
+        document = refit_without(document, asked.without)
+    found = to_reported(document) if document is not None else consensus(call, call.path("id"))
     if found is None:
         raise NotFoundError("The database has no calibration with this id.")
     if asked.without:
@@ -34,12 +34,12 @@ def show(call: application.Call) -> Response:
     return application.json_response(found, headers=AS_IT_IS) if asked.plain else file(found, document, asked)
 
 
-def reported(document: CalibrationDocument) -> ReportedCalibration:
+def to_reported(document: CalibrationDocument) -> ReportedCalibration:
     """Return a single calibration, with what its session found out about it."""
     return ReportedCalibration(**dict(document.answer()), report=document.report)
 
 
-def refitted(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
+def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
     """Refit the calibration without these views."""
     from calibsolver import Board, CalibrationError, fit
     from calibsolver.quality import report

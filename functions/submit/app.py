@@ -71,7 +71,7 @@ def remove(call: application.Call) -> Response:
         target = rules.next_target(views, estimate, unreached=targets(document.unreached)).to_dict()
         now = call.service.now
         changed = session_rules.with_views(
-            document, left, recorded(estimate, now), view_statuses(estimate), target
+            document, left, to_estimate_document(estimate, now), view_statuses(estimate), target
         )
         return changed, changed
 
@@ -112,7 +112,7 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, wher
         unreached = targets((*document.unreached, *document.skipped))
         following = rules.next_target(everything, estimate, unreached=unreached).to_dict()
     changed = session_rules.with_view(
-        document, view, recorded(estimate, now), view_statuses(estimate), following
+        document, view, to_estimate_document(estimate, now), view_statuses(estimate), following
     )
     if estimate.converged and estimate.calibration is not None:
         indices = [known.index for known in changed.views if known.set_aside is None]
@@ -166,7 +166,7 @@ def view_statuses(estimate: Estimate) -> list[session_rules.ViewStatus]:
     return list(zip(estimate.view_errors, stored, strict=True))
 
 
-def recorded(estimate: Estimate, now: int) -> EstimateDocument:
+def to_estimate_document(estimate: Estimate, now: int) -> EstimateDocument:
     """Return the estimate as it is stored."""
     fit = estimate.calibration
     uncertainty = estimate.uncertainty

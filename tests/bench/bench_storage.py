@@ -13,7 +13,7 @@ from tests.bench.table import Row, p50
 from tests.helpers.stack.toy_storage import BUCKET, TABLE, dynamodb, put, s3, storage
 
 WRITES = 20_000
-FEW = 100
+CAMERAS = 100
 DOCUMENT = json.dumps({"views": [[round(0.37 * n, 3), round(0.11 * n, 3)] for n in range(600)]}).encode()
 
 
@@ -37,13 +37,13 @@ def rows() -> Iterator[Row]:
                 files.put_object(Bucket=BUCKET, Key=f"calibrations/{number}.json", Body=DOCUMENT)
                 put(client, f"CAMERA#{number}", "CALIBRATION#1", **attributes)
 
-            for number in range(FEW):
+            for number in range(CAMERAS):
                 pair(number)
-            yield Row(f"embedded store: query, {FEW} cameras", p50(lambda: query(client)), None, "ms")
+            yield Row(f"embedded store: query, {CAMERAS} cameras", p50(lambda: query(client)), None, "ms")
             start = time.perf_counter()
             with ThreadPoolExecutor(16) as pool:
-                list(pool.map(pair, range(FEW, WRITES // 2)))
-            each = (time.perf_counter() - start) / (WRITES - 2 * FEW) * 1e3
+                list(pool.map(pair, range(CAMERAS, WRITES // 2)))
+            each = (time.perf_counter() - start) / (WRITES - 2 * CAMERAS) * 1e3
             yield Row("embedded store: write, 16 threads, each", each, None, "ms", f"{1e3 / each:.0f}/s")
             free = itertools.count(WRITES)
             one = p50(lambda: put(client, f"CAMERA#{next(free)}"))

@@ -38,25 +38,25 @@ class Method:
 
 def guided(views: int = 10, **world: object) -> Run:
     def run(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
-        return synthetic.run(camera, rng, noise=noise, views=views, most=MAX_VIEWS, **world)  # type: ignore[arg-type]
+        return synthetic.run(camera, rng, noise=noise, views=views, max_views=MAX_VIEWS, **world)  # type: ignore[arg-type]
 
     return run
 
 
 def planned(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
     plan = FixedPlan(Board(), camera.img_size, camera.model)
-    return synthetic.run(camera, rng, noise=noise, views=10, most=MAX_VIEWS, guide=plan)
+    return synthetic.run(camera, rng, noise=noise, views=10, max_views=MAX_VIEWS, guide=plan)
 
 
 def comfortable(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
     guide = peers.Comfortable(ProjectionUncertainty(Board(), camera.img_size, camera.model))
-    return synthetic.run(camera, rng, noise=noise, views=8, most=MAX_VIEWS, guide=guide)
+    return synthetic.run(camera, rng, noise=noise, views=8, max_views=MAX_VIEWS, guide=guide)
 
 
 METHODS = (
     Method("projection-uncertainty", guided()),
     Method("fixed plan", planned),
-    Method("pose-selection", lambda c, rng, noise: peers.published(c, rng, noise)),
+    Method("pose-selection", lambda c, rng, noise: peers.run_published_method(c, rng, noise)),
     Method("random poses", lambda c, rng, noise: peers.random_poses(c, rng, 20, noise), ends=False),
     Method("waving the board", lambda c, rng, noise: peers.waving(c, rng, 20, noise), ends=False),
 )

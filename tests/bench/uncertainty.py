@@ -26,7 +26,7 @@ def main() -> int:
                     f"{np.quantile(found.ratio, 0.95):.2f}",
                     f"{np.mean(found.coverage):.1%}",
                     f"{cover[low]:.1%} ({low}) to {cover[high]:.1%} ({high})",
-                    str(found.blind),
+                    str(found.out_of_domain),
                     str(found.failed),
                 ]
             )

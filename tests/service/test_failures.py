@@ -24,7 +24,7 @@ from tests.helpers.service.client import TOKEN, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
 from tests.helpers.stack import faults
 
-PATIENCE = 60  # times that a client asks again
+MAX_REPEATS = 60  # times that a client asks again
 
 
 @pytest.fixture(scope="module")
@@ -39,13 +39,13 @@ class Stubborn(Client):
     refused = 0
 
     def call(self, method: str, path: str, body: object = None, **options: Any) -> Answer:
-        for _ in range(PATIENCE):
+        for _ in range(MAX_REPEATS):
             answer = super().call(method, path, body, **options)
             if answer.status != 503:
                 return answer
             assert answer.headers["retry-after"] == "1"
             self.refused += 1
-        raise AssertionError(f"{method} {path}: 503 {PATIENCE} times")
+        raise AssertionError(f"{method} {path}: 503 {MAX_REPEATS} times")
 
 
 def capture(client: Client, truth: Truth, camera: str) -> tuple[Any, dict[int, int]]:

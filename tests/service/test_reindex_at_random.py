@@ -53,7 +53,7 @@ def test_nothing_is_found_that_the_table_did_not_say() -> None:
                     store(stack).votes.cast(vote(document, rng))
                 elif document.id in done and what == "withdraw":
                     withdrawal.withdraw(context, document.id, "wrong")
-                elif document.id in done and context.store.calibrations.withdrawn(document):
+                elif document.id in done and context.store.calibrations.withdrawal(document):
                     withdrawal.restore(context, document.id)
                 context.store.refit.now(asked(mode_of(with_current_key(document))))
             before = items(stack)

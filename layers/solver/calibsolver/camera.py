@@ -87,11 +87,6 @@ class Camera:
         fx, fy = models.get(self.model).focal(self.intrinsics).tolist()
         return fx, fy
 
-    @property
-    def magnification(self) -> float:
-        """Pixels per radian at the axis / focal length: 1 but for models that measure it differently."""
-        return models.get(self.model).magnification(self.distortion)[0]
-
     def project(self, points: Array) -> Array:
         """Pixels (n, 2) of points (n, 3) in the camera frame; NaN where the model is not one-to-one."""
         model, k = models.get(self.model), self.intrinsics

@@ -144,15 +144,15 @@ class Truth:
         seen = np.flatnonzero(((points >= 0) & (points <= limit)).all(axis=1))
         return seen.tolist(), points[seen].tolist()
 
-    def calibrate(self, client: Client, most: int = 12, **start: object) -> Any:
+    def calibrate(self, client: Client, max_views: int = 12, **start: object) -> Any:
         """Run a whole guided capture, and return the state it ends in."""
         opened = client.open(img_size=list(self.img_size), **start)
         assert opened.status == 201, opened.body
-        for _ in range(most):
+        for _ in range(max_views):
             pose = client.pose()
             assert pose.status == 200, pose.body
             answer = client.view(pose.json["index"], *self.see(pose.json))
             assert answer.status == 200, answer.body
             if answer.json["status"] == "converged":
                 return answer.json
-        raise AssertionError(f"not converged after {most} views: {answer.body!r}")
+        raise AssertionError(f"not converged after {max_views} views: {answer.body!r}")

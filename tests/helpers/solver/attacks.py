@@ -82,15 +82,15 @@ def trial(
             for i in range(bad)
         ]
         unharmed = pool([*honest, *more], size, "rectilinear", RULE)
-        by_honest = apart(clean, unharmed) if unharmed.reliable else None
+        by_honest = answer_difference(clean, unharmed) if unharmed.reliable else None
     try:
         attacked = pool(members, size, "rectilinear", RULE)
     except CalibrationError:
         return Trial(kind, total, clean, None, 0.0, by_honest)
-    return Trial(kind, total, clean, attacked, apart(clean, attacked), by_honest)
+    return Trial(kind, total, clean, attacked, answer_difference(clean, attacked), by_honest)
 
 
-def apart(one: Consensus, other: Consensus) -> float:
+def answer_difference(one: Consensus, other: Consensus) -> float:
     """Difference of two answers, px rms over the image."""
     return float(compare([one.calibration, other.calibration])[0, 1])
 

@@ -25,7 +25,7 @@ class Intervals:
         (s,) rms over the image of the projection error / of the predicted one.
     z
         (s, p) errors of the intrinsics / their predicted standard deviations.
-    blind
+    out_of_domain
         Captures whose result has no ray for some pixel that the camera has one for.
     failed
         Captures that no fit came out of.
@@ -33,7 +33,7 @@ class Intervals:
 
     ratio: np.ndarray
     z: np.ndarray
-    blind: int
+    out_of_domain: int
     failed: int
 
     @property
@@ -51,7 +51,7 @@ class Intervals:
 def measure(model: str, captures: int, views: int = 8, noise: float = 0.2, seed: int = 0) -> Intervals:
     """`captures` captures of `views` views, corner noise in px, each of a camera of its own."""
     rng = np.random.default_rng(seed)
-    ratio, z, blind, failed = [], [], 0, 0
+    ratio, z, out_of_domain, failed = [], [], 0, 0
     cameras: list[Camera] = POPULATIONS[model](captures, seed=seed)
     for camera in cameras:
         try:
@@ -62,7 +62,7 @@ def measure(model: str, captures: int, views: int = 8, noise: float = 0.2, seed:
         predicted = c.projection_std().ravel()
         error = synthetic.projection_error(camera, c.camera)
         seen = np.isfinite(predicted) & (error < camera.img_size[0])
-        blind += not seen.all()
+        out_of_domain += not seen.all()
         ratio.append(np.sqrt(np.mean(error[seen] ** 2) / np.mean(predicted[seen] ** 2)))
         z.append((c.camera.intrinsics - camera.intrinsics) / np.sqrt(np.diag(c.covariance)))
-    return Intervals(np.array(ratio), np.array(z), blind, failed)
+    return Intervals(np.array(ratio), np.array(z), out_of_domain, failed)

@@ -38,13 +38,13 @@ class Comfortable:
         return self.guide.next_pose(views, calibration, skipped, unreached, COMFORTABLE)
 
 
-def published(
+def run_published_method(
     camera: Camera,
     rng: np.random.Generator,
     noise: float = 0.2,
     wild: float = 0.0,
     user: User | None = None,
-    most: int = 100,
+    max_attempts: int = 100,
 ) -> Session:
     """The published method as it is: its poses, plain least squares, its overlap rule, its own end.
 
@@ -53,7 +53,7 @@ def published(
     board, user = Board(), user or User()
     guide = PoseSelection(board, camera.img_size, camera.model)
     session, tried = Session(), list[tuple[float, View]]()
-    while session.attempts < most and not guide.is_done(session.views):
+    while session.attempts < max_attempts and not guide.is_done(session.views):
         session.attempts += 1
         target = guide.next_pose(session.views, None)
         asked = match_picture(board, guide.camera(session.views), camera, target)

@@ -211,7 +211,7 @@ def run(
     blur: float = 0.0,
     user: User | None = None,
     views: int = 6,
-    most: int | None = None,
+    max_views: int | None = None,
     target_error: float = 0.3,
     capture: Capture | None = None,
     guide: Guide | None = None,
@@ -220,7 +220,7 @@ def run(
     """One guided capture up to `views` accepted views; goes on after convergence, which is only noted.
 
     `guide` chooses the poses in place of the capture's own. One that has not converged by then goes on to
-    `most` views.
+    `max_views` views.
     """
     board, user = board or Board(), user or User()
     capture = capture or Capture(board, camera.img_size, camera.model, target_error=target_error)
@@ -232,7 +232,7 @@ def run(
     quarantined: list[View] = []
     target = chooser.next_pose([], None)
     while session.attempts < max_attempts and len(session.views) < max(
-        views, (most or 0) if session.stopped is None else 0
+        views, (max_views or 0) if session.stopped is None else 0
     ):
         session.attempts += 1
         # A plan that does not adapt is drawn with the camera that it was made for.

@@ -19,8 +19,8 @@ def view(index: int, points: tuple[tuple[float, float], ...] = ((1.0, 2.0), (3.0
 
 
 def accept(document: SessionDocument, index: int, progress: float) -> SessionDocument:
-    standing = [(0.1, None)] * (len(document.views) + 1)
-    return session_rules.with_view(document, view(index), EstimateDocument(progress=progress), standing, {})
+    statuses = [(0.1, None)] * (len(document.views) + 1)
+    return session_rules.with_view(document, view(index), EstimateDocument(progress=progress), statuses, {})
 
 
 def test_no_persons_name_enters_a_document() -> None:

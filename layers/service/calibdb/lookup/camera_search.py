@@ -60,13 +60,13 @@ def group_by_mode(
 
 
 def best_modes(
-    known: Sequence[ConsensusDocument], most: int
+    known: Sequence[ConsensusDocument], limit: int
 ) -> list[tuple[SizeAndZoom, list[ConsensusDocument]]]:
-    """Select from `group_by_mode` at most `most` sizes and zooms: the reliable, then the most calibrated."""
+    """Select from `group_by_mode` at most `limit` sizes and zooms: the reliable, then the most calibrated."""
     found = list(group_by_mode(known))
     weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in found]
     ranked = sorted(range(len(found)), key=lambda i: weights[i], reverse=True)
-    return [found[i] for i in sorted(ranked[:most])]
+    return [found[i] for i in sorted(ranked[:limit])]
 
 
 def best_consensus(known: Sequence[ConsensusDocument]) -> ConsensusDocument:

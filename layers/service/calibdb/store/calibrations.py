@@ -61,7 +61,7 @@ class Calibrations:
         content = self._objects.get(name) if name else None
         return _document(content) if content is not None else None
 
-    def withdrawn(self, document: CalibrationDocument) -> Withdrawal | None:
+    def withdrawal(self, document: CalibrationDocument) -> Withdrawal | None:
         """Return for what kind of reason the calibration was withdrawn, None where it counts.
 
         What an operator wrote beyond the kind is for operators.
@@ -105,12 +105,12 @@ class Calibrations:
         """
         counted: list[CountedCalibration] = []
         # Mostly all of them count; where they do not, one is not kept out by many that are passed over.
-        for most in (limit + limit // 4, _MAX_CALIBRATIONS):
+        for items_limit in (limit + limit // 4, _MAX_CALIBRATIONS):
             # Ids sort by the time at which the session was started.
             prefix = calibrations_prefix(mode.img_size, mode.zoom)
-            items = self._table.query(mode.pk, prefix, newest_first=True, limit=most, consistent=True)
+            items = self._table.query(mode.pk, prefix, newest_first=True, limit=items_limit, consistent=True)
             counted = _counting(items, period)[:limit]
-            if len(counted) == limit or len(items) < most:
+            if len(counted) == limit or len(items) < items_limit:
                 break
         return counted
 

@@ -9,9 +9,9 @@ from ..arrays import Array
 from ..view import View
 from . import text
 
-OFF = 0.02
+MAX_CORNER_OFFSET = 0.02
 """Squares by which a point may lie off its corner."""
-MOST = 64
+MAX_BOARD_SIDE = 64
 """Squares on a side of a board."""
 
 
@@ -41,16 +41,16 @@ def grid(views: Sequence[View]) -> Grid:
     points = np.concatenate([view.object_points for view in views])
     x, y = _axis(points[:, 0]), _axis(points[:, 1])
     unit = min(_step(x), _step(y))
-    if np.ptp(points[:, 2]) > OFF * unit:
+    if np.ptp(points[:, 2]) > MAX_CORNER_OFFSET * unit:
         raise text.refuse("the board is not flat")
     columns, rows = (round(float(np.ptp(axis)) / unit) + 1 for axis in (x, y))
-    if not (2 <= columns < MOST and 2 <= rows < MOST):
+    if not (2 <= columns < MAX_BOARD_SIDE and 2 <= rows < MAX_BOARD_SIDE):
         raise text.refuse(f"{columns} x {rows} corners are no board that is known here")
     ids = []
     for view in views:
         at = (view.object_points[:, :2] - (x[0], y[0])) / unit
         index = at.round()
-        if np.abs(at - index).max() > OFF:
+        if np.abs(at - index).max() > MAX_CORNER_OFFSET:
             raise text.refuse("the points do not lie in rows and columns of one distance")
         found = (index[:, 1] * columns + index[:, 0]).astype(int).tolist()
         if len(set(found)) != len(found):

@@ -111,6 +111,6 @@ def read(data: object) -> ImportedFile:
     return ImportedFile(camera_from_opencv(matrix, d, size, fisheye), name=str(name))
 
 
-def _matrix(data: object, key: str, least: int, most: int) -> Array:
+def _matrix(data: object, key: str, min_count: int, max_count: int) -> Array:
     found = text.member(data, key)
-    return text.floats(found["data"] if text.has_member(found, "data") else found, key, least, most)
+    return text.floats(found["data"] if text.has_member(found, "data") else found, key, min_count, max_count)

@@ -70,12 +70,12 @@ def has_member(data: object, key: str) -> bool:
     return isinstance(data, dict) and key in data
 
 
-def floats(value: object, name: str, least: int = 0, most: int = 1_000_000) -> Array:
+def floats(value: object, name: str, min_count: int = 0, max_count: int = 1_000_000) -> Array:
     """Return nested lists of numbers as one flat array; ``malformed`` for anything else, NaN among it."""
     flat: list[float] = []
 
     def take(item: object, depth: int) -> None:
-        if depth > 4 or len(flat) > most:
+        if depth > 4 or len(flat) > max_count:
             raise refuse(f"{name} has more in it than it should")
         if isinstance(item, list | tuple):
             for part in item:
@@ -88,8 +88,8 @@ def floats(value: object, name: str, least: int = 0, most: int = 1_000_000) -> A
             flat.append(float(item))
 
     take(value, 0)
-    if not least <= len(flat) <= most:
-        raise refuse(f"{name} must be {least} to {most} numbers, not {len(flat)}")
+    if not min_count <= len(flat) <= max_count:
+        raise refuse(f"{name} must be {min_count} to {max_count} numbers, not {len(flat)}")
     return np.array(flat)
 
 
