@@ -1,12 +1,12 @@
 """Plans, as a caller meets them: 429 with the seconds to wait, and only for the token that is used up."""
 
+import functools
 from collections.abc import Iterator
 
 import boto3
 import pytest
 
-from calibdb.access import plans
-from calibdb.access.plans import Allowance, Plan
+from calibdb.access.plans import PLANS, Allowance, Plan
 from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.service import Service
 from calibdb.settings import Settings
@@ -17,15 +17,26 @@ from tests.helpers.service.client import CAMERA, Answer, Client
 SMALL = Plan(Allowance(3, 4, 5, 6), Allowance(3, 4, 5, 6))
 
 
+@pytest.fixture(scope="module", autouse=True)
+def small_plan() -> Iterator[None]:
+    """A service that knows the small plan, too."""
+
+    @functools.cache
+    def make(settings: Settings) -> Service:
+        return Service.build(settings, Store.of(settings), plans=PLANS | {"small": SMALL})
+
+    with Service.override(make):
+        yield
+
+
 @pytest.fixture
 def store(stack: LocalStack) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 
 @pytest.fixture
-def token(store: Store, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+def token(store: Store, request: pytest.FixtureRequest) -> str:
     """A token of the small plan, of its own for each test."""
-    monkeypatch.setitem(plans.PLANS, "small", SMALL)
     name = str(abs(hash(request.node.name)))
     store.tokens.create(ApiToken(name, secret_hash("x"), plan="small"))
     return f"cdb_{name}_x"
@@ -99,7 +110,11 @@ def test_a_wrong_secret_counts_for_nothing(client: Client, token: str) -> None:
 @pytest.fixture
 def forgetful() -> Iterator[None]:
     """A service that reads tokens for every call, as if each came a minute later."""
-    with Service.override(lambda settings: Service.build(settings, Store.of(settings), token_ttl_s=0)):
+
+    def make(settings: Settings) -> Service:
+        return Service.build(settings, Store.of(settings), token_ttl_s=0, plans=PLANS | {"small": SMALL})
+
+    with Service.override(make):
         yield
 
 

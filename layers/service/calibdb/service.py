@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from calibdb.access.plans import Kind, plan
+from calibdb.access.plans import PLANS, Kind, Plan, plan
 from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 from calibdb.access.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse
 from calibdb.errors import ForbiddenError, TooManyError
@@ -28,6 +28,7 @@ class Service:
     clock: Callable[[], float]
     random_hex: Callable[[int], str]  # of so many bytes
     _tokens: TokenCache
+    _plans: Mapping[str, Plan]
 
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Service:
@@ -58,11 +59,12 @@ class Service:
         clock: Callable[[], float] = time.time,
         random_hex: Callable[[int], str] = secrets.token_hex,
         token_ttl_s: float = TOKEN_TTL_S,
+        plans: Mapping[str, Plan] = PLANS,
     ) -> Service:
         """Put a service together from its parts."""
         ids = SessionIds(settings.session_secrets, clock)
-        tokens = TokenCache(store.tokens, store.quotas, clock, token_ttl_s)
-        return cls(settings, store, ids, clock, random_hex, tokens)
+        tokens = TokenCache(store.tokens, store.quotas, clock, token_ttl_s, plans)
+        return cls(settings, store, ids, clock, random_hex, tokens, plans)
 
     @property
     def now(self) -> int:
@@ -104,7 +106,7 @@ class Service:
 
         In this order, so that who has used up their own share takes nothing from the others any more.
         """
-        allowed = plan(token.plan)
+        allowed = plan(token.plan, self._plans)
         now = self.now
         for limit, who in (
             (getattr(allowed.each, kind), self.contributor(address, token.id)),

@@ -5,8 +5,7 @@ from typing import Any, cast
 
 import pytest
 
-from calibdb.access import plans
-from calibdb.access.plans import Allowance, Plan
+from calibdb.access.plans import PLANS, Allowance, Plan, plan
 from calibdb.access.token_cache import FLUSH_INTERVAL_S, LOOKUPS_PER_FLUSH, TOKEN_TTL_S, TokenCache
 from calibdb.access.tokens import ApiToken, Ticket, contributor
 from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
@@ -20,6 +19,7 @@ SMALL = Plan(
     Allowance(sessions=5, views=9, lookups=10_000, poses=9),
     Allowance(sessions=2, views=4, lookups=6_000, poses=4),
 )
+PLANS_WITH_SMALL = PLANS | {"small": SMALL}
 TOKEN = ApiToken("t", "", plan="small")
 
 
@@ -59,11 +59,6 @@ class Quotas:
         return True
 
 
-@pytest.fixture(autouse=True)
-def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(plans.PLANS, "small", SMALL)
-
-
 @pytest.fixture
 def clock() -> Clock:
     clock = Clock()
@@ -83,14 +78,14 @@ def quotas() -> Quotas:
 
 @pytest.fixture
 def memory(tokens: Tokens, quotas: Quotas, clock: Clock) -> TokenCache:
-    return TokenCache(tokens, cast(Any, quotas), clock)
+    return TokenCache(tokens, cast(Any, quotas), clock, plans=PLANS_WITH_SMALL)
 
 
 @pytest.fixture
 def service(tokens: Tokens, quotas: Quotas, clock: Clock) -> Service:
     settings = Settings.from_environment(ENVIRONMENT)
     store = replace(Store.of(settings), tokens=cast(Any, tokens), quotas=cast(Any, quotas))
-    return Service.build(settings, store, clock)
+    return Service.build(settings, store, clock, plans=PLANS_WITH_SMALL)
 
 
 def look_up(memory: TokenCache, source: str = "a") -> None:
@@ -175,7 +170,7 @@ def test_an_unlimited_plan_counts_nothing(memory: TokenCache, tokens: Tokens, qu
 
 
 def test_a_plan_that_is_no_more_is_the_smallest() -> None:
-    assert plans.plan("gone") is plans.PLANS["free"]
+    assert plan("gone") is PLANS["free"]
 
 
 def test_a_contributor_stops_at_their_share_and_the_rest_at_the_whole(service: Service) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -52,6 +53,6 @@ PLANS: dict[str, Plan] = {
 }
 
 
-def plan(name: str) -> Plan:
+def plan(name: str, plans: Mapping[str, Plan] = PLANS) -> Plan:
     """Return the plan; the smallest where the name is of a plan that is no more."""
-    return PLANS.get(name, PLANS["free"])
+    return plans.get(name, plans["free"])

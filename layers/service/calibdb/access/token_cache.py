@@ -9,11 +9,11 @@ the count is a little low, in favour of those who ask.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from calibdb.access.plans import HOUR_S, Kind, plan
+from calibdb.access.plans import HOUR_S, PLANS, Kind, Plan, plan
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
 
@@ -51,9 +51,9 @@ class _Entry:
     used_up: bool = False  # in this hour
     sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
 
-    def is_full(self, now: float) -> bool:
+    def is_full(self, now: float, plans: Mapping[str, Plan]) -> bool:
         """Tell whether there is enough to write down."""
-        return self.lookups >= _lookups_per_flush(self.token) and now >= self.next_flush
+        return self.lookups >= _lookups_per_flush(plan(self.token.plan, plans)) and now >= self.next_flush
 
 
 class TokenCache:
@@ -67,15 +67,23 @@ class TokenCache:
         Unix time, seconds.
     ttl_s
         Seconds for which a token is remembered.
+    plans
+        By the names that tokens bear.
     """
 
     def __init__(
-        self, tokens: Tokens, quotas: Quotas, clock: Callable[[], float], ttl_s: float = TOKEN_TTL_S
+        self,
+        tokens: Tokens,
+        quotas: Quotas,
+        clock: Callable[[], float],
+        ttl_s: float = TOKEN_TTL_S,
+        plans: Mapping[str, Plan] = PLANS,
     ) -> None:
         self._tokens = tokens
         self._quotas = quotas
         self._clock = clock
         self._ttl_s = ttl_s
+        self._plans = plans
         self._known: dict[str, _Entry] = {}
         self._lock = threading.Lock()
 
@@ -84,7 +92,7 @@ class TokenCache:
         now = self._clock()
         with self._lock:
             known = self._known.get(token_id)
-            if known is not None and now < known.read_again and not known.is_full(now):
+            if known is not None and now < known.read_again and not known.is_full(now, self._plans):
                 return known.token
         token = self._tokens.get(token_id)
         with self._lock:
@@ -104,7 +112,7 @@ class TokenCache:
 
     def count_lookup(self, token: ApiToken, source: str) -> None:
         """Count a lookup from `source`; raises TooManyError where the hour's are used up."""
-        allowed = plan(token.plan)
+        allowed = plan(token.plan, self._plans)
         if allowed.together.lookups is None:
             return
         now = self._clock()
@@ -127,7 +135,9 @@ class TokenCache:
     def _flush(self, known: _Entry, now: float) -> None:
         with self._lock:
             lookups = known.lookups
-            if not lookups or not (known.is_full(now) or now - known.flushed >= FLUSH_INTERVAL_S):
+            if not lookups or not (
+                known.is_full(now, self._plans) or now - known.flushed >= FLUSH_INTERVAL_S
+            ):
                 return
             known.lookups, known.flushed = 0, now
         try:
@@ -137,7 +147,7 @@ class TokenCache:
                 known.lookups += lookups
                 known.next_flush = now + self._ttl_s
             return
-        limit = plan(known.token.plan).together.lookups
+        limit = plan(known.token.plan, self._plans).together.lookups
         with self._lock:
             known.hour = int(now // HOUR_S)
             known.used_up = limit is not None and used >= limit
@@ -148,6 +158,6 @@ def retry_after(now: float) -> int:
     return HOUR_S - int(now) % HOUR_S
 
 
-def _lookups_per_flush(token: ApiToken) -> int:
-    limit = plan(token.plan).together.lookups
+def _lookups_per_flush(allowed: Plan) -> int:
+    limit = allowed.together.lookups
     return LOOKUPS_PER_FLUSH if limit is None else max(1, min(LOOKUPS_PER_FLUSH, limit // 20))
