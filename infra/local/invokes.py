@@ -14,7 +14,7 @@ import threading
 import time
 import uuid
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -29,7 +29,7 @@ from infra.local.template import FunctionSpec
 
 INVOKE = "invoke"
 FAILURE = "failure"
-SHUTDOWN_GRACE_S = 5.0  # for which waiting calls still get their turn once the stack is told to stop
+SHUTDOWN_GRACE_S = 5.0
 
 _log = logging.getLogger("infra.local.invokes")
 
@@ -48,6 +48,10 @@ class Invokes:
     pauses
         Seconds before the first retry and before the later ones. Lambda waits one and two minutes; who tries
         something out on their own machine need not.
+    shutdown_grace_s
+        Seconds for which waiting calls still get their turn once the stack is told to stop.
+    executor
+        Runs asynchronous calls; two threads unless told otherwise.
     """
 
     def __init__(
@@ -57,18 +61,21 @@ class Invokes:
         lasting: bool,
         pauses: Sequence[float],
         clock: Callable[[], float] = time.time,
+        shutdown_grace_s: float = SHUTDOWN_GRACE_S,
+        executor: Executor | None = None,
     ):
         self._functions = functions
         self._outbox = outbox
         self._lasting = lasting
         self._pauses = pauses
         self._clock = clock
+        self._shutdown_grace_s = shutdown_grace_s
         self._deadline = 0.0
         self._closing = threading.Event()
         self._unfinished = 0
         self._idle = threading.Condition()
         # Two at once: more would only take the processor from the requests that someone waits for.
-        self._workers = ThreadPoolExecutor(2, thread_name_prefix="invoke")
+        self._workers = executor or ThreadPoolExecutor(2, thread_name_prefix="invoke")
 
     def handle(self, operation: str, request: AWSPreparedRequest) -> Answer:
         """Answer a request to "lambda" in the place of AWS."""
@@ -117,7 +124,7 @@ class Invokes:
 
     def close(self) -> None:
         """Finish what is under way or has its turn soon; the rest, and retries, wait for the next start."""
-        self._deadline = time.monotonic() + SHUTDOWN_GRACE_S
+        self._deadline = time.monotonic() + self._shutdown_grace_s
         self._closing.set()
         self._workers.shutdown()
 

@@ -7,7 +7,7 @@ import sys
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -20,7 +20,7 @@ from infra.local.functions import Function, FunctionError
 from infra.local.gateway import INTEGRATION_TIMEOUT, Gateway
 from infra.local.intercept import Service, intercepting
 from infra.local.intrinsics import TemplateError
-from infra.local.invokes import Invokes
+from infra.local.invokes import SHUTDOWN_GRACE_S, Invokes
 from infra.local.journal import Journal
 from infra.local.pages import public_settings
 from infra.local.server import GatewayApp, bind, serving
@@ -51,6 +51,8 @@ class LocalStack:
         Unix seconds.
     retry_pauses
         Seconds before the retries of an asynchronous invoke that failed; see `Invokes`.
+    shutdown_grace_s, executor
+        Time that waiting asynchronous invokes have at the end, and what runs them; see `Invokes`.
 
     Raises
     ------
@@ -69,6 +71,8 @@ class LocalStack:
         web: Path = ROOT / "web",
         clock: Callable[[], float] = time.time,
         retry_pauses: Sequence[float] = (1.0, 2.0),
+        shutdown_grace_s: float = SHUTDOWN_GRACE_S,
+        executor: Executor | None = None,
     ):
         self._data_dir = data_dir
         self._environment = environment or {}
@@ -77,6 +81,8 @@ class LocalStack:
         self._web = web
         self._clock = clock
         self._retry_pauses = retry_pauses
+        self._shutdown_grace_s = shutdown_grace_s
+        self._executor = executor
         self._stack = ExitStack()
 
     def __enter__(self) -> Self:
@@ -126,7 +132,14 @@ class LocalStack:
         if self.storage:
             stack.callback(self.storage.close)
             services = {name: _bound(self.storage, name) for name in ("dynamodb", "s3")}
-        invokes = Invokes(self.functions, self.storage, self._data_dir is not None, self._retry_pauses)
+        invokes = Invokes(
+            self.functions,
+            self.storage,
+            self._data_dir is not None,
+            self._retry_pauses,
+            shutdown_grace_s=self._shutdown_grace_s,
+            executor=self._executor,
+        )
         stack.enter_context(intercepting(services | {"lambda": invokes.handle}))
         stack.callback(invokes.close)
         self.failures = invokes.failures

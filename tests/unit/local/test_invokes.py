@@ -1,9 +1,9 @@
 """Functions that call functions: at once, later, again after a failure, again after a crash."""
 
 import json
-import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,7 @@ import boto3
 import pytest
 from botocore.exceptions import ClientError
 
-from infra.local import LocalStack, invokes
-from infra.local.invokes import Invokes
+from infra.local import LocalStack
 from tests.helpers.service.client import until
 from tests.helpers.stack.toy_stack import deploy
 
@@ -143,14 +142,17 @@ def test_what_failed_every_time_is_kept_in_the_queue_that_is_named_for_it(
 
 
 def test_an_accepted_call_survives_a_crash(
-    template: Path, tmp_path: Path, calls: Callable[[], list[Any]], monkeypatch: pytest.MonkeyPatch
+    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
 ) -> None:
-    # The crash: accepted, and the process gone before the call was made.
-    with monkeypatch.context() as crash:
-        crash.setattr(Invokes, "_submit", lambda *_: None)
-        with LocalStack(tmp_path / "data", template=template):
-            for number in range(3):
-                assert invoke({"n": number}, "Event")["StatusCode"] == 202
+    class LosingExecutor(Executor):
+        """The crash: accepted, and the process gone before the call was made."""
+
+        def submit(self, *_: Any, **__: Any) -> Future[Any]:
+            return Future()
+
+    with LocalStack(tmp_path / "data", template=template, executor=LosingExecutor()):
+        for number in range(3):
+            assert invoke({"n": number}, "Event")["StatusCode"] == 202
     assert calls() == []
     with LocalStack(tmp_path / "data", template=template):
         pass  # delivered at the start, done before the end
@@ -173,26 +175,23 @@ def test_a_call_that_waits_for_a_retry_is_left_for_the_next_start(
 
 
 def test_a_long_queue_does_not_keep_the_stack_from_stopping(
-    template: Path, tmp_path: Path, calls: Callable[[], list[Any]], monkeypatch: pytest.MonkeyPatch
+    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
 ) -> None:
-    gate, close = tmp_path / "gate", Invokes.close
+    gate = tmp_path / "gate"
 
-    def open_the_gate(calls: Invokes) -> None:
-        calls._closing.wait()
-        gate.touch()
+    class GatedExecutor(ThreadPoolExecutor):
+        """Lets the calls under way end once the stack is told to stop."""
 
-    def closing(calls: Invokes) -> None:
-        threading.Thread(target=open_the_gate, args=[calls]).start()
-        close(calls)
+        def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+            gate.touch()
+            super().shutdown(wait, cancel_futures=cancel_futures)
 
-    monkeypatch.setattr(invokes, "SHUTDOWN_GRACE_S", 0.0)
-    monkeypatch.setattr(Invokes, "close", closing)
-    with LocalStack(tmp_path / "data", template=template):
+    data = tmp_path / "data"
+    with LocalStack(data, template=template, shutdown_grace_s=0.0, executor=GatedExecutor(2)):
         for number in range(60):
             invoke({"n": number, "after": str(gate)}, "Event")
     assert len(calls()) < 60
-    monkeypatch.setattr(invokes, "SHUTDOWN_GRACE_S", 30.0)
-    with LocalStack(tmp_path / "data", template=template):
+    with LocalStack(data, template=template, shutdown_grace_s=30.0):
         pass
     assert sorted(event["n"] for event, _ in calls()) == list(range(60))
 
