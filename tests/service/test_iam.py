@@ -4,10 +4,12 @@ moto lets everybody do everything. So the calls are recorded on their way out, b
 them, and held against the template's statements.
 """
 
+import functools
 import json
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import boto3
@@ -16,12 +18,14 @@ import pytest
 from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.service import Service
 from calibdb.settings import Settings
-from calibdb.store import Store, Table
+from calibdb.store import Objects, Store, Table, clients
+from calibdb.store.sessions import Sessions
 from calibdb.store.table import Condition, Item
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
+from tests.helpers.service.stores import replaced
 
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
 #: granted and not asked for in a local stack, and why it is granted nevertheless
@@ -46,7 +50,7 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
     def of(settings: Settings) -> Service:
         key = (running(), settings)
         if key not in instances:
-            instances[key] = Service.build(settings, Store.of(settings), clock)
+            instances[key] = Service.build(settings, contended(settings), clock)
         return instances[key]
 
     with LocalStack(environment={"CONTRIBUTOR_PERIOD": "86400"}) as stack, Service.override(of):
@@ -108,21 +112,30 @@ def use(stack: LocalStack) -> None:
     assert checker.call("POST", "/v1/checks", body).status == 200
 
 
+#: one entry for each write of a session that is to come too late, as when another request got ahead
+_to_lose: list[bool] = []
+
+
+def contended(settings: Settings) -> Store:
+    """Storage in which a write of a session can come too late."""
+    table = Table(functools.partial(clients.dynamodb, settings.region), settings.table_name)
+    objects = Objects(functools.partial(clients.s3, settings.region), settings.bucket_name)
+
+    def put(item: Item, condition: Condition | None = None) -> bool:
+        if _to_lose and str(item["pk"]).startswith("SESSION#"):
+            _to_lose.pop()
+            return False
+        return table.put(item, condition)
+
+    return replace(Store.of(settings), sessions=Sessions(replaced(table, put=put), objects))
+
+
 @contextmanager
 def overtaken() -> Iterator[None]:
-    """The first write of a session within the block comes too late, as when another request got ahead."""
-    put, late = Table.put, []
-
-    def losing(table: Table, item: Item, condition: Condition | None = None) -> bool:
-        if not late and str(item["pk"]).startswith("SESSION#"):
-            late.append(item)
-            return False
-        return put(table, item, condition)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Table, "put", losing)
-        yield
-    assert late
+    """The first write of a session within the block comes too late."""
+    _to_lose.append(True)
+    yield
+    assert not _to_lose
 
 
 def use_again(stack: LocalStack) -> None:

@@ -4,6 +4,7 @@ import json
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any
 
 import boto3
@@ -16,6 +17,7 @@ from infra.local import LocalStack
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.service.storage_calls import storage_calls
+from tests.helpers.service.stores import functions_use, replaced
 
 MODELS = len(schema.DISTORTION_MODELS)
 
@@ -86,23 +88,22 @@ def test_many_who_compute_at_once_leave_the_newest(at_rest: Store) -> None:
     assert (left.total, left.calibration and left.calibration.calibrations) == (8, 8)
 
 
-def test_a_result_that_was_overtaken_is_not_written(at_rest: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_result_that_was_overtaken_is_not_written(at_rest: Store) -> None:
     documents = [calibration("Overtaken", n, views=3) for n in range(2)]
     mode = mode_of(documents[0])
     at_rest.calibrations.publish(documents[0])
-    read = type(at_rest.calibrations).read
     overtaken = []
 
-    def slow(self: Any, ids: list[str]) -> list[schema.CalibrationDocument]:
-        found = read(self, ids)
+    def slow(ids: list[str]) -> list[schema.CalibrationDocument]:
+        found = at_rest.calibrations.read(ids)
         if not overtaken:  # all is read; now somebody is quicker
             overtaken.append(True)
             at_rest.calibrations.publish(documents[1])
             at_rest.refit.now(asked(mode, "rectilinear"))
         return found
 
-    monkeypatch.setattr(type(at_rest.calibrations), "read", slow)
-    (found,) = at_rest.refit.now(asked(mode, "rectilinear")).models.values()
+    with functions_use(lambda store: replace(store, calibrations=replaced(store.calibrations, read=slow))):
+        (found,) = at_rest.refit.now(asked(mode, "rectilinear")).models.values()
     assert found is not None
     assert found.total == 2
     assert totals(at_rest, documents[0]) == [2]
@@ -125,23 +126,22 @@ def test_what_can_never_be_computed_ends_in_the_queue_of_failures(stack: LocalSt
     until(lambda: totals(at_rest, document) == [1] * MODELS, 30)
 
 
-def test_a_computation_that_broke_down_is_taken_up_again(
-    at_rest: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_computation_that_broke_down_is_taken_up_again(at_rest: Store) -> None:
     document = calibration("Broken down", 0)
     at_rest.calibrations.publish(document)
     broken: list[bool] = []
-    read = type(at_rest.calibrations).read
 
-    def breaking(self: Any, ids: list[str]) -> list[schema.CalibrationDocument]:
+    def breaking(ids: list[str]) -> list[schema.CalibrationDocument]:
         if not broken:
             broken.append(True)
             raise UnavailableError("Storage did not answer.")
-        return read(self, ids)
+        return at_rest.calibrations.read(ids)
 
-    monkeypatch.setattr(type(at_rest.calibrations), "read", breaking)
-    at_rest.refit.later(asked(mode_of(document)))
-    until(lambda: totals(at_rest, document) == [1] * MODELS, 30)
+    with functions_use(
+        lambda store: replace(store, calibrations=replaced(store.calibrations, read=breaking))
+    ):
+        at_rest.refit.later(asked(mode_of(document)))
+        until(lambda: totals(at_rest, document) == [1] * MODELS, 30)
     assert broken
 
 

@@ -1,14 +1,17 @@
 """A session's rules over HTTP: repeats, conflicts, undo, the end, and requests at the same time."""
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
 
 import boto3
 import pytest
 
 from calibdb.errors import UnavailableError
-from calibdb.store import Calibrations, Refit
+from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
+from tests.helpers.service.stores import functions_use, replaced
 
 
 def objects(stack: LocalStack, prefix: str) -> list[str]:
@@ -108,10 +111,8 @@ def test_the_last_view_repeated_publishes_once(stack: LocalStack, client: Client
     ]
 
 
-@pytest.mark.parametrize(("noun", "verb"), [(Calibrations, "publish"), (Refit, "later")])
-def test_a_repeat_completes_what_a_failure_left_undone(
-    client: Client, monkeypatch: pytest.MonkeyPatch, noun: type, verb: str
-) -> None:
+@pytest.mark.parametrize(("noun", "verb"), [("calibrations", "publish"), ("refit", "later")])
+def test_a_repeat_completes_what_a_failure_left_undone(client: Client, noun: str, verb: str) -> None:
     """Storage fails after the session converged and before anyone can find the calibration."""
     truth, camera = Truth(), f"Camera whose {verb} fails"
     client.open(camera=camera)
@@ -119,8 +120,11 @@ def test_a_repeat_completes_what_a_failure_left_undone(
     def fail(*_: object) -> None:
         raise UnavailableError("Storage did not answer.")
 
-    with monkeypatch.context() as broken:
-        broken.setattr(noun, verb, fail)
+    def broken(store: Store) -> Store:
+        part: Any = replaced(getattr(store, noun), **{verb: fail})
+        return replace(store, **{noun: part})
+
+    with functions_use(broken):
         status = 200
         while status == 200:
             pose = client.pose().json

@@ -1,7 +1,7 @@
 """Well-known USB ids of a name: concurrent computations of two sizes leave the right list."""
 
 from collections.abc import Iterable
-from typing import Any
+from dataclasses import replace
 
 import pytest
 
@@ -11,6 +11,7 @@ from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
+from tests.helpers.service.stores import replaced
 from tests.service.test_lookup import put
 
 RULES = Thresholds(min_contributors=3, contributor_period=0)
@@ -29,9 +30,7 @@ def well_known(store: Store, label: str) -> bool:
 
 
 @pytest.mark.parametrize("reliable", [True, False])
-def test_who_has_seen_less_and_writes_last_looks_again(
-    store: Store, monkeypatch: pytest.MonkeyPatch, reliable: bool
-) -> None:
+def test_overtaken_refresh_reads_again(store: Store, reliable: bool) -> None:
     """One size's computation has read everything; before it writes, another size's comes and goes."""
     label = f"Overtaken X9 (1111:00{reliable:02d})"
     key = camera_key(label, LINUX)
@@ -43,7 +42,6 @@ def test_who_has_seen_less_and_writes_last_looks_again(
         put(store, stored)
     else:
         well_known_ids.refresh_well_known(store, key, RULES)
-    set_well_known = setter_of(store)
     overtaken: list[bool] = []
 
     def slow(camera: str, names: Iterable[str], *, well_known: bool) -> bool:
@@ -54,15 +52,15 @@ def test_who_has_seen_less_and_writes_last_looks_again(
             else:
                 assert store.consensuses.drop(stored)
             well_known_ids.refresh_well_known(store, key, RULES)
-        return set_well_known(camera, names, well_known=well_known)
+        return store.cameras.set_well_known(camera, names, well_known=well_known)
 
-    monkeypatch.setattr(store.cameras, "set_well_known", slow)
-    well_known_ids.refresh_well_known(store, key, RULES)
+    slowed = replace(store, cameras=replaced(store.cameras, set_well_known=slow))
+    well_known_ids.refresh_well_known(slowed, key, RULES)
     assert overtaken == [not reliable], "it had seen what was there before"
     assert well_known(store, label) is reliable
 
 
-def test_an_id_is_well_known_by_a_reliable_size_before_the_one_that_is_counted(store: Store) -> None:
+def test_id_is_well_known_by_one_reliable_size(store: Store) -> None:
     """The smaller size has a reliable consensus, and of its calibrations none counts any more."""
     label = "Small first X9 (1111:0031)"
     small = fit((640, 360), 475.0)
@@ -71,7 +69,3 @@ def test_an_id_is_well_known_by_a_reliable_size_before_the_one_that_is_counted(s
     put(store, consensus(small, camera=label), consensus(camera=label, reason="too_few"))
     well_known_ids.refresh_well_known(store, camera_key(label, LINUX), RULES)
     assert well_known(store, label)
-
-
-def setter_of(store: Store) -> Any:
-    return type(store.cameras).set_well_known.__get__(store.cameras)

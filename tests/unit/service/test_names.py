@@ -9,7 +9,9 @@ from calibdb.camera_key import camera_key, identify
 from calibdb.camera_key.names import words
 from calibdb.store import Calibrations, Cameras, Objects, Table
 from calibdb.store.cameras import is_place
+from calibdb.store.table import Condition, Item
 from tests.helpers.service.known import C920, LINUX, calibration
+from tests.helpers.service.stores import replaced
 from tests.unit.service.conftest import REGION
 
 MAC = "Macintosh; Intel Mac OS X 10_15_7"
@@ -163,15 +165,16 @@ def test_an_earlier_key_leads_to_the_camera_while_a_calibration_made_under_it_co
 
 
 def test_publishing_again_writes_no_more_than_it_must(
-    calibrations: Calibrations, table: Table, monkeypatch: pytest.MonkeyPatch
+    calibrations: Calibrations, table: Table, objects: Objects
 ) -> None:
     calibrations.publish(calibration())
     written: list[object] = []
-    put = table.put
-    monkeypatch.setattr(
-        table, "put", lambda item, condition=None: written.append(item) or put(item, condition)
-    )
-    calibrations.publish(calibration(number=1))
+
+    def put(item: Item, condition: Condition | None = None) -> bool:
+        written.append(item)
+        return table.put(item, condition)
+
+    Calibrations(replaced(table, put=put), objects).publish(calibration(number=1))
     assert len(written) == 1
 
 

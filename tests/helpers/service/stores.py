@@ -1,0 +1,46 @@
+"""Stores of the functions with single methods replaced: failures and races of storage in a test's hands."""
+
+import functools
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store
+
+
+class Replaced:
+    """A part of storage, some of whose methods are others.
+
+    Parameters
+    ----------
+    part
+        Answers whatever is not replaced.
+    methods
+        By the names of what they replace.
+    """
+
+    def __init__(self, part: Any, **methods: Callable[..., Any]) -> None:
+        self._part = part
+        self.__dict__.update(methods)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._part, name)
+
+
+def replaced(part: Any, **methods: Callable[..., Any]) -> Any:
+    """Return `part` with these methods in the place of its own, for whatever wants a `part`."""
+    return Replaced(part, **methods)
+
+
+@contextmanager
+def functions_use(change: Callable[[Store], Store]) -> Iterator[None]:
+    """Have the functions use what `change` makes of their storage, within the block."""
+
+    @functools.cache
+    def make(settings: Settings) -> Service:
+        return Service.build(settings, change(Store.of(settings)))
+
+    with Service.override(make):
+        yield
