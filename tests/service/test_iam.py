@@ -25,7 +25,7 @@ from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
-from tests.helpers.service.stores import replaced
+from tests.helpers.service.stores import with_methods
 
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
 #: granted and not asked for in a local stack, and why it is granted nevertheless
@@ -127,7 +127,7 @@ def contended(settings: Settings) -> Store:
             return False
         return table.put(item, condition)
 
-    return replace(Store.of(settings), sessions=Sessions(replaced(table, put=put), objects))
+    return replace(Store.of(settings), sessions=Sessions(with_methods(table, put=put), objects))
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from infra.local import LocalStack
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.service.storage_calls import storage_calls
-from tests.helpers.service.stores import functions_use, replaced
+from tests.helpers.service.stores import override_store, with_methods
 
 MODELS = len(schema.DISTORTION_MODELS)
 
@@ -102,7 +102,9 @@ def test_a_result_that_was_overtaken_is_not_written(at_rest: Store) -> None:
             at_rest.refit.now(asked(mode, "rectilinear"))
         return found
 
-    with functions_use(lambda store: replace(store, calibrations=replaced(store.calibrations, read=slow))):
+    with override_store(
+        lambda store: replace(store, calibrations=with_methods(store.calibrations, read=slow))
+    ):
         (found,) = at_rest.refit.now(asked(mode, "rectilinear")).models.values()
     assert found is not None
     assert found.total == 2
@@ -137,8 +139,8 @@ def test_a_computation_that_broke_down_is_taken_up_again(at_rest: Store) -> None
             raise UnavailableError("Storage did not answer.")
         return at_rest.calibrations.read(ids)
 
-    with functions_use(
-        lambda store: replace(store, calibrations=replaced(store.calibrations, read=breaking))
+    with override_store(
+        lambda store: replace(store, calibrations=with_methods(store.calibrations, read=breaking))
     ):
         at_rest.refit.later(asked(mode_of(document)))
         until(lambda: totals(at_rest, document) == [1] * MODELS, 30)

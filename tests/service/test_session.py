@@ -11,7 +11,7 @@ from calibdb.errors import UnavailableError
 from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
-from tests.helpers.service.stores import functions_use, replaced
+from tests.helpers.service.stores import override_store, with_methods
 
 
 def objects(stack: LocalStack, prefix: str) -> list[str]:
@@ -121,10 +121,10 @@ def test_a_repeat_completes_what_a_failure_left_undone(client: Client, noun: str
         raise UnavailableError("Storage did not answer.")
 
     def broken(store: Store) -> Store:
-        part: Any = replaced(getattr(store, noun), **{verb: fail})
+        part: Any = with_methods(getattr(store, noun), **{verb: fail})
         return replace(store, **{noun: part})
 
-    with functions_use(broken):
+    with override_store(broken):
         status = 200
         while status == 200:
             pose = client.pose().json

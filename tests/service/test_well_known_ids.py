@@ -11,7 +11,7 @@ from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
-from tests.helpers.service.stores import replaced
+from tests.helpers.service.stores import with_methods
 from tests.service.test_lookup import put
 
 RULES = Thresholds(min_contributors=3, contributor_period=0)
@@ -54,7 +54,7 @@ def test_overtaken_refresh_reads_again(store: Store, reliable: bool) -> None:
             well_known_ids.refresh_well_known(store, key, RULES)
         return store.cameras.set_well_known(camera, names, well_known=well_known)
 
-    slowed = replace(store, cameras=replaced(store.cameras, set_well_known=slow))
+    slowed = replace(store, cameras=with_methods(store.cameras, set_well_known=slow))
     well_known_ids.refresh_well_known(slowed, key, RULES)
     assert overtaken == [not reliable], "it had seen what was there before"
     assert well_known(store, label) is reliable

@@ -10,7 +10,7 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 
 
-class Replaced:
+class MethodOverride:
     """A part of storage, some of whose methods are others.
 
     Parameters
@@ -29,13 +29,13 @@ class Replaced:
         return getattr(self._part, name)
 
 
-def replaced(part: Any, **methods: Callable[..., Any]) -> Any:
+def with_methods(part: Any, **methods: Callable[..., Any]) -> Any:
     """Return `part` with these methods in the place of its own, for whatever wants a `part`."""
-    return Replaced(part, **methods)
+    return MethodOverride(part, **methods)
 
 
 @contextmanager
-def functions_use(change: Callable[[Store], Store]) -> Iterator[None]:
+def override_store(change: Callable[[Store], Store]) -> Iterator[None]:
     """Have the functions use what `change` makes of their storage, within the block."""
 
     @functools.cache

@@ -11,7 +11,7 @@ from calibdb.store import Calibrations, Cameras, Objects, Table
 from calibdb.store.cameras import is_place
 from calibdb.store.table import Condition, Item
 from tests.helpers.service.known import C920, LINUX, calibration
-from tests.helpers.service.stores import replaced
+from tests.helpers.service.stores import with_methods
 from tests.unit.service.conftest import REGION
 
 MAC = "Macintosh; Intel Mac OS X 10_15_7"
@@ -174,7 +174,7 @@ def test_publishing_again_writes_no_more_than_it_must(
         written.append(item)
         return table.put(item, condition)
 
-    Calibrations(replaced(table, put=put), objects).publish(calibration(number=1))
+    Calibrations(with_methods(table, put=put), objects).publish(calibration(number=1))
     assert len(written) == 1
 
 
