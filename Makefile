@@ -68,7 +68,7 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 
 # As many requests made of the OpenAPI document, and values of every schema, as CASES
 .thorough-fuzz:
-	CASES=$(or $(CASES),5000) $(PYTEST) tests/service/test_openapi_fuzz.py tests/unit/service/test_schema_fuzz.py
+	CASES=$(or $(CASES),5000) $(PYTEST) tests/service/test_openapi_fuzz.py tests/unit/service/schema/test_schema_fuzz.py
 
 kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@

@@ -15,9 +15,9 @@ from infra.ci import ministack
 
 ROOT = Path(__file__).resolve().parents[2]
 _TESTS = (
-    "tests/unit/service/test_store.py",
-    "tests/unit/service/test_store_of_cameras.py",
-    "tests/unit/service/test_names.py",
+    "tests/unit/service/store/test_store.py",
+    "tests/unit/service/store/test_calibrations.py",
+    "tests/unit/service/store/test_names.py",
 )
 
 

@@ -10,8 +10,8 @@ from calibdb.store import Store
 from infra.local import LocalStack
 from tests.bench.table import Row, p50
 from tests.helpers.service.client import Client
-from tests.helpers.service.crowd import crowd
 from tests.helpers.service.known import C920, LINUX, calibration, consensus
+from tests.helpers.service.large_table import crowd
 
 CAMERAS = 100_000
 

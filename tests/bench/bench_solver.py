@@ -13,7 +13,7 @@ from calibsolver.consensus.pooling import Member, pool
 from calibsolver.guidance import overlay
 from tests.bench.table import Row, p50, ratio
 from tests.helpers import data
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import populations, synthetic
 
 
 def rows() -> Iterator[Row]:
@@ -121,7 +121,7 @@ def pool_of_fifty() -> Row:
     """CPU time of a consensus of 50 calibrations, each of twelve views."""
     rng = np.random.default_rng(0)
     camera = synthetic.rectilinear_cameras()[6]
-    members = [Member(f"{i}", f"{i}", tuple(specimens.views(camera, rng, count=12))) for i in range(50)]
+    members = [Member(f"{i}", f"{i}", tuple(populations.views(camera, rng, count=12))) for i in range(50)]
     start = time.process_time()
     pool(members, camera.img_size, "rectilinear")
     return Row("consensus of 50 calibrations", time.process_time() - start, 10, "s")

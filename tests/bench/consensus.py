@@ -16,7 +16,7 @@ import numpy as np
 from calibsolver import CalibrationError, Camera
 from calibsolver.consensus import Member, pool
 from tests.bench import document
-from tests.helpers.solver import attacks, specimens, synthetic
+from tests.helpers.solver import attacks, populations, synthetic
 
 MAX_DRAWS = 60
 """Of one mode at most; of the smaller ones all there are."""
@@ -101,8 +101,8 @@ def row(variation: float, trials: Sequence[Outcome]) -> list[str]:
 def profiles() -> str:
     """Table of the share of draws of five that are called reliable."""
     rng = np.random.default_rng(3)
-    modes = {mode: found for mode, found in specimens.profiles().items() if len(found) >= 5}
-    seen = {mode: specimens.members(found, rng) for mode, found in modes.items()}
+    modes = {mode: found for mode, found in populations.profiles().items() if len(found) >= 5}
+    seen = {mode: populations.members(found, rng) for mode, found in modes.items()}
     named = [mode for mode in modes if mode[2] and mode[3]]
     either = [mode for mode in modes if mode[2] or mode[3]]
     rates = {mode: rate(seen[mode], modes[mode], rng) for mode in modes}
@@ -153,7 +153,7 @@ def is_within_rule(cameras: Sequence[Camera]) -> bool:
 def reliable_across_lenses(rng: np.random.Generator) -> float:
     """Share of the draws of five different lenses of one camera, at one size, that are called reliable."""
     cameras: dict[tuple[str, ...], dict[str, list[tuple[Camera, float]]]] = {}
-    for (brand, model, lens, _, w, h), found in specimens.profiles().items():
+    for (brand, model, lens, _, w, h), found in populations.profiles().items():
         if lens:
             cameras.setdefault((brand, model, w, h), {}).setdefault(lens.lower(), []).extend(found)
     many = [lenses for lenses in cameras.values() if len(lenses) >= 5]
@@ -162,7 +162,7 @@ def reliable_across_lenses(rng: np.random.Generator) -> float:
         lenses = many[int(rng.integers(len(many)))]
         names = rng.choice(sorted(lenses), 5, replace=False)
         drawn = [lenses[name][int(rng.integers(len(lenses[name])))] for name in names]
-        wrong += is_reliable(specimens.members(drawn, rng), drawn[0][0].img_size)
+        wrong += is_reliable(populations.members(drawn, rng), drawn[0][0].img_size)
     return wrong / LENS_DRAWS
 
 
@@ -170,7 +170,7 @@ def time_fifty() -> float:
     """Seconds of one consensus of 50 calibrations of 8 views."""
     truth = synthetic.rectilinear_cameras()[6]
     rng = np.random.default_rng(0)
-    members = [Member(str(i), str(i), tuple(specimens.views(truth, rng, count=8))) for i in range(50)]
+    members = [Member(str(i), str(i), tuple(populations.views(truth, rng, count=8))) for i in range(50)]
     times = []
     for _ in range(3):
         begin = time.process_time()

@@ -18,7 +18,7 @@ from tests.bench import document
 from tests.bench.bound import bound
 from tests.bench.plots import Line, plot
 from tests.helpers.data import ROOT
-from tests.helpers.solver import peers, specimens, synthetic
+from tests.helpers.solver import peers, populations, synthetic
 from tests.helpers.solver.synthetic import Session, User
 
 NOISES = (0.1, 0.2, 0.5)
@@ -139,8 +139,8 @@ def conditions(seeds: int) -> str:
         ("noise doubled at 45 degrees", guided(8, blur=1.0), straight),
         ("clumsy user: 9 degrees, 9 %", guided(8, user=CLUMSY), straight),
         ("fisheye, 118 to 166 degrees", guided(8), synthetic.fisheye_cameras()),
-        ("rational, 75 to 125 degrees", guided(8), specimens.rational_cameras()),
-        ("omnidirectional, 120 to 190 degrees", guided(8), specimens.omnidirectional_cameras()),
+        ("rational, 75 to 125 degrees", guided(8), populations.rational_cameras()),
+        ("omnidirectional, 120 to 190 degrees", guided(8), populations.omnidirectional_cameras()),
     ]
     rows = []
     for name, run, cameras in harder:

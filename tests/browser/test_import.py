@@ -12,8 +12,8 @@ from playwright.sync_api import BrowserContext, Page, Request, expect
 from calibsolver import fit
 from calibsolver.formats import ExportSource, write
 from tests.helpers.browser.pictures import picture
-from tests.helpers.solver import specimens, synthetic
-from tests.helpers.solver.formats import subject
+from tests.helpers.solver import populations, synthetic
+from tests.helpers.solver.export_sources import subject
 
 NAME = "LifeCam HD-3000 (045e:0779)"
 SENT = {
@@ -25,10 +25,10 @@ SENT = {
 def captured() -> tuple[ExportSource, tuple[int, int]]:
     """Keypoints of 16 synthetic views, and the camera that a fit of all of them gives."""
     camera = synthetic.rectilinear_cameras()[5]
-    views = specimens.views(camera, np.random.default_rng(0), count=16)
+    views = populations.views(camera, np.random.default_rng(0), count=16)
     fitted = fit(views, camera.img_size)
     return ExportSource(
-        fitted.camera, tuple(views), specimens.BOARD, NAME, rms=fitted.avg_reprojection_error
+        fitted.camera, tuple(views), populations.BOARD, NAME, rms=fitted.avg_reprojection_error
     ), camera.img_size
 
 

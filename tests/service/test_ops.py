@@ -16,8 +16,8 @@ from calibdb.schema import DISTORTION_MODELS
 from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.helpers.service.client import Client, Truth, until
+from tests.helpers.service.index_items import items, remove
 from tests.helpers.service.published import asked, calibration, mode_of, store
-from tests.helpers.service.table import items, remove
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.helpers.data import corner_views
 from tests.helpers.service.client import TOKEN, Client
-from tests.helpers.solver.formats import subject
+from tests.helpers.solver.export_sources import subject
 
 WHOSE = ["--camera", "Microsoft LifeCam HD-3000 (045e:0779)", "--platform", "X11; Linux x86_64"]
 

@@ -21,10 +21,10 @@ from infra.ops.dump import dump
 from infra.ops.reindex import reindex
 from infra.ops.restore import load
 from tests.helpers.service.client import CAMERA, EDGE, Client, Truth
+from tests.helpers.service.index_items import Key, items, remove
 from tests.helpers.service.known import fit
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
-from tests.helpers.service.table import Key, items, remove
-from tests.helpers.solver.formats import subject
+from tests.helpers.solver.export_sources import subject
 
 RULES = {"MIN_CALIBRATIONS": "3", "MIN_CONTRIBUTORS": "3", "CONTRIBUTOR_PERIOD": "86400", "EDGE_SECRET": EDGE}
 KNOWN = "HD Pro Webcam C920 (046d:082d)"

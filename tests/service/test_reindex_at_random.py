@@ -10,8 +10,8 @@ from infra.ops import withdrawal
 from infra.ops.context import OpsContext
 from infra.ops.reindex import reindex
 from tests.helpers.service.client import Truth
+from tests.helpers.service.index_items import items
 from tests.helpers.service.published import asked, calibration, held, mode_of, store
-from tests.helpers.service.table import items
 
 ROUNDS = int(os.environ.get("CALIBDB_ROUNDS", "8"))
 LABELS = "Webcam Z77 (1111:0001)", "Webcam Z77 (1111:0002)", "Webcam Z77", "Integrated Camera (2222:0003)"

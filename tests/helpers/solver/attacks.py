@@ -8,7 +8,7 @@ import numpy as np
 from calibsolver import CalibrationError, Camera, View
 from calibsolver.consensus import Consensus, Member, Rule, pool
 from calibsolver.consensus.agreement import compare
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import populations, synthetic
 
 RULE = Rule(min_contributors=3)
 MOVED = 0.5
@@ -60,7 +60,7 @@ def trial(
     camera = cameras[int(rng.integers(len(cameras)))]
     bad = int(0.4 * total)
     honest = [
-        Member(f"h{i}", f"h{i}", tuple(specimens.views(vary(camera, variation, rng), rng, count=views)))
+        Member(f"h{i}", f"h{i}", tuple(populations.views(vary(camera, variation, rng), rng, count=views)))
         for i in range(total - bad)
     ]
     liars = [
@@ -77,7 +77,7 @@ def trial(
             Member(
                 f"x{i}",
                 f"x{i % 2}",
-                tuple(specimens.views(vary(camera, variation, others), others, count=views)),
+                tuple(populations.views(vary(camera, variation, others), others, count=views)),
             )
             for i in range(bad)
         ]
@@ -121,7 +121,7 @@ def lies(
     out = []
     for _ in range(count):
         source = wrong() if kind == "each" else vary(common, variation, rng)
-        seen = specimens.views(source, rng, count=views)
+        seen = populations.views(source, rng, count=views)
         if kind == "junk":
             w, h = camera.img_size
             seen = [View(v.object_points, rng.uniform((0, 0), (w, h), (len(v), 2))) for v in seen]

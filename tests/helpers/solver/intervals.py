@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import CalibrationError, Camera, fit
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import populations, synthetic
 
 POPULATIONS = {
     "rectilinear": synthetic.rectilinear_cameras,
     "fisheye": synthetic.fisheye_cameras,
-    "rational": specimens.rational_cameras,
-    "omnidirectional": specimens.omnidirectional_cameras,
+    "rational": populations.rational_cameras,
+    "omnidirectional": populations.omnidirectional_cameras,
 }
 
 
@@ -55,7 +55,7 @@ def measure(model: str, captures: int, views: int = 8, noise: float = 0.2, seed:
     cameras: list[Camera] = POPULATIONS[model](captures, seed=seed)
     for camera in cameras:
         try:
-            c = fit(specimens.views(camera, rng, noise, views), camera.img_size, model)
+            c = fit(populations.views(camera, rng, noise, views), camera.img_size, model)
         except CalibrationError:
             failed += 1
             continue

@@ -13,7 +13,7 @@ from calibsolver.capture import Capture
 from calibsolver.consensus import Member, pool
 from calibsolver.consensus.agreement import compare
 from calibsolver.fitting.resection import reprojection_score
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import populations, synthetic
 
 BOARD = Board()
 SIZE = synthetic.IMG_SIZE
@@ -32,8 +32,8 @@ REASONS = {
 CAMERAS = {
     "rectilinear": synthetic.rectilinear_cameras(),
     "fisheye": synthetic.fisheye_cameras(),
-    "rational": specimens.rational_cameras(),
-    "omnidirectional": specimens.omnidirectional_cameras(),
+    "rational": populations.rational_cameras(),
+    "omnidirectional": populations.omnidirectional_cameras(),
 }
 Observation = tuple[Array, Array]
 """Points (n, 3) of the board and where they were seen (n, 2), px."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from calibsolver import formats
 from tests.helpers.data import ROOT
-from tests.helpers.solver.formats import IMG_SIZE, subject
+from tests.helpers.solver.export_sources import IMG_SIZE, subject
 
 W, H = IMG_SIZE
 PROGRAM = """

@@ -21,7 +21,7 @@ from calibsolver.formats import lensfun as lensfun_format
 from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
 from calibsolver.formats.web import projection_matrix
-from tests.helpers.solver.formats import IMG_SIZE, image_rays, subject
+from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject
 
 W, H = IMG_SIZE
 

@@ -17,7 +17,7 @@ from calibsolver.formats.reading import read, read_text
 from infra.ops.errors import OpsError
 from infra.ops.files import read_file
 from tests.helpers.data import available, corner_set, corner_views
-from tests.helpers.solver.formats import IMG_SIZE, subject
+from tests.helpers.solver.export_sources import IMG_SIZE, subject
 
 READABLE = {
     "calibdb": ".json",

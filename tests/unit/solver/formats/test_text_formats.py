@@ -15,7 +15,7 @@ from calibsolver import CalibrationError, Camera, formats, models
 from calibsolver.arrays import Array
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import ExportedFile, ExportSource
-from tests.helpers.solver.formats import IMG_SIZE, image_rays, subject
+from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject
 
 ROUGH = 0.01
 """px: how far a tool's projection may be from ours beyond what the file says of itself."""

@@ -9,7 +9,7 @@ import pytest
 
 from calibsolver import formats, models
 from tests.helpers.data import ROOT
-from tests.helpers.solver.formats import IMG_SIZE, subject
+from tests.helpers.solver.export_sources import IMG_SIZE, subject
 
 PROGRAM = """
 import { readFileSync } from 'node:fs';

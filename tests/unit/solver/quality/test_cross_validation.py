@@ -7,13 +7,13 @@ from calibsolver import CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.quality.cross_validation import held_out
 from tests.helpers.data import corner_set, corner_views, external_data
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import populations, synthetic
 
 
 @pytest.mark.parametrize("camera", [synthetic.rectilinear_cameras()[4], synthetic.fisheye_cameras()[8]])
 def test_the_true_camera_leaves_the_noise(camera: Camera) -> None:
     """Of 2n residuals a pose takes six away; what is left is the noise of the corners."""
-    views = specimens.views(camera, np.random.default_rng(0), noise=0.3)
+    views = populations.views(camera, np.random.default_rng(0), noise=0.3)
     result = reprojection_score(camera, views)
     n = np.array([len(view) for view in views])
     expected = 0.3 * np.sqrt(2 * (1 - 3 / n))
@@ -52,7 +52,7 @@ def test_views_that_a_camera_cannot_see_have_no_finite_score() -> None:
     narrow = Camera(
         "rectilinear", np.array([[800, 0, 640], [0, 800, 360], [0, 0, 1]]), [-0.9, 0, 0, 0, 0], (1280, 720)
     )
-    views = specimens.views(synthetic.fisheye_cameras()[11], np.random.default_rng(0))
+    views = populations.views(synthetic.fisheye_cameras()[11], np.random.default_rng(0))
     assert not reprojection_score(narrow, views).rms < 20
 
 

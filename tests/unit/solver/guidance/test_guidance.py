@@ -8,7 +8,7 @@ import pytest
 from calibsolver import Board, Calibration, Camera, guidance, models, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose
 from calibsolver.guidance.hints import TEXTS, Placement, largest_difference
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import populations, synthetic
 from tests.helpers.solver.peers import Comfortable
 
 
@@ -227,8 +227,8 @@ def test_comfortable_poses_reach_a_quarter_pixel() -> None:
 @pytest.mark.parametrize("model", ["rational", "omnidirectional"])
 def test_capture_stops_for_every_model(model: str) -> None:
     cameras = {
-        "rational": specimens.rational_cameras(4),
-        "omnidirectional": specimens.omnidirectional_cameras(4),
+        "rational": populations.rational_cameras(4),
+        "omnidirectional": populations.omnidirectional_cameras(4),
     }[model]
     for i, camera in enumerate(cameras):
         session = synthetic.run(camera, np.random.default_rng(i), views=8)

@@ -5,7 +5,7 @@ import pytest
 
 from calibsolver import CalibrationError, image_transform, models
 from calibsolver.fitting.resection import reprojection_score
-from tests.helpers.solver.formats import IMG_SIZE, image_rays, subject
+from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject
 
 TRANSFORMS = {
     "half": image_transform.resize(IMG_SIZE, (640, 360)),

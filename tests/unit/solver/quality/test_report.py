@@ -10,7 +10,7 @@ from calibsolver import Board, Calibration, View, fit, rotation
 from calibsolver.quality.assessment import residual_vectors
 from calibsolver.quality.report import assess, describe
 from tests.helpers.data import corner_views
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import populations, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[5]
 
@@ -20,7 +20,7 @@ def codes(calibration: Calibration, views: list[View], held_out: float | None = 
 
 
 def good() -> tuple[Calibration, list[View]]:
-    views = specimens.views(CAMERA, np.random.default_rng(0))
+    views = populations.views(CAMERA, np.random.default_rng(0))
     return fit(views, CAMERA.img_size), views
 
 
@@ -66,9 +66,9 @@ def test_views_that_were_cut_neither_tilt_the_board_nor_cover_the_rim() -> None:
 
 def test_noise_outliers_and_views_left_out() -> None:
     rng = np.random.default_rng(0)
-    views = specimens.views(CAMERA, rng, noise=0.8)
+    views = populations.views(CAMERA, rng, noise=0.8)
     assert codes(fit(views, CAMERA.img_size), views) == {"noisy", "uncertain"}
-    views = specimens.views(CAMERA, rng)
+    views = populations.views(CAMERA, rng)
     wild = []
     for view in views:
         q = view.image_points.copy()
@@ -95,7 +95,7 @@ def test_where_nothing_is_explained_words_stand_for_numbers() -> None:
     """Two views of eight under other corners' names: what a model says of them may be any number."""
     rng = np.random.default_rng(10)
     camera = synthetic.rectilinear_cameras()[10]
-    views = specimens.views(camera, rng, count=8)
+    views = populations.views(camera, rng, count=8)
     for i in range(2):
         views[i] = View(views[i].object_points, rng.permutation(views[i].image_points))
     calibration = fit(views, camera.img_size)

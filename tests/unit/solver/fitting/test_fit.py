@@ -9,7 +9,7 @@ from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.fitting import normal_equations
 from calibsolver.fitting.fit import MIN_POINTS
 from tests.helpers.data import available, corner_views
-from tests.helpers.solver import formats, synthetic
+from tests.helpers.solver import export_sources, synthetic
 
 RECTILINEAR = [
     "opencv_left",
@@ -197,7 +197,7 @@ def test_truth_without_noise_is_found() -> None:
 
 def test_rational_does_not_fold_in_corners_that_no_board_reached() -> None:
     """Numerator and denominator cancel where they are seen; they must beyond, too."""
-    c, camera = formats.subject("rational").camera, formats.truth("rational")
+    c, camera = export_sources.subject("rational").camera, export_sources.truth("rational")
     error = synthetic.projection_error(camera, c)
     assert c.domain().covered == 1
     assert np.max(error) < 0.3

@@ -9,7 +9,7 @@ from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, Rule, balance_contributors, pool
 from tests.helpers.data import available, corner_views
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import populations, synthetic
 
 SIZE = (1280, 720)
 
@@ -104,7 +104,7 @@ def test_consensus_without_majority_is_not_reliable(honest: list[Member]) -> Non
 def test_other_models_pool_the_same_views(model: str) -> None:
     """The rectilinear camera of five sessions, fitted by each of the other models."""
     camera, rng = synthetic.rectilinear_cameras()[6], np.random.default_rng(0)
-    members = [Member(str(i), str(i), tuple(specimens.views(camera, rng))) for i in range(5)]
+    members = [Member(str(i), str(i), tuple(populations.views(camera, rng))) for i in range(5)]
     pooled = pool(members, SIZE, model)
     assert pooled.calibration.camera.model == model
     assert pooled.reliable
@@ -164,7 +164,7 @@ def test_modes_one_percent_apart_are_separate_groups() -> None:
     switched = Camera.from_intrinsics("rectilinear", k, SIZE)
     rng = np.random.default_rng(0)
     members = [
-        Member(str(i), str(i), tuple(specimens.views(switched if i >= 6 else camera, rng, count=5)))
+        Member(str(i), str(i), tuple(populations.views(switched if i >= 6 else camera, rng, count=5)))
         for i in range(9)
     ]
     pooled = pool(members, SIZE, "rectilinear")

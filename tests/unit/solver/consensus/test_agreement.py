@@ -9,7 +9,7 @@ from calibsolver import fit
 from calibsolver.consensus.agreement import compare, forward_search, max_leave_two_out_shift
 from calibsolver.consensus.pooling import Member, null_quantile, pool
 from tests.helpers.data import external_data
-from tests.helpers.solver import attacks, specimens, synthetic
+from tests.helpers.solver import attacks, populations, synthetic
 
 
 @pytest.mark.parametrize("kind", attacks.KINDS)
@@ -58,24 +58,24 @@ def test_two_contributors_are_never_reliable() -> None:
 def test_lens_profiles_agree_only_within_a_mode() -> None:
     """Draws of five: of two modes whose lens and setting are named, and across the lenses of one camera."""
     rng = np.random.default_rng(0)
-    profiles = specimens.profiles()
+    profiles = populations.profiles()
     together = 0
     for lens in ("EF-S10-18mm f/4.5-5.6 IS STM 10.00mm", "RF16mm F2.8 STM 16.00mm"):
         found = next(v for mode, v in profiles.items() if mode[2] == lens and mode[3] and len(v) == 6)
-        members = specimens.members(found, rng)
+        members = populations.members(found, rng)
         for draw in itertools.islice(itertools.combinations(members, 5), 3):
             together += pool(draw, found[0][0].img_size, "fisheye").reliable
     assert together >= 5  # of 6
     lenses = [v for mode, v in profiles.items() if mode[1] == "KOMODO 6K" and mode[2] and mode[4] == "5760"]
     for _ in range(4):
         drawn = [lenses[i][0] for i in rng.choice(len(lenses), 5, replace=False)]
-        assert not pool(specimens.members(drawn, rng), drawn[0][0].img_size, "fisheye").reliable
+        assert not pool(populations.members(drawn, rng), drawn[0][0].img_size, "fisheye").reliable
 
 
 def test_forward_search_does_not_depend_on_order() -> None:
     rng = np.random.default_rng(2)
     camera = synthetic.rectilinear_cameras()[4]
-    c = [fit(specimens.views(attacks.vary(camera, 0.002, rng), rng), camera.img_size) for _ in range(6)]
+    c = [fit(populations.views(attacks.vary(camera, 0.002, rng), rng), camera.img_size) for _ in range(6)]
     order = rng.permutation(6)
     np.testing.assert_allclose(compare([c[i] for i in order]), compare(c)[np.ix_(order, order)], atol=1e-9)
     assert {int(order[i]) for i in forward_search([c[i] for i in order], 12.8, 0.8)} == set(

@@ -7,7 +7,7 @@ from calibsolver import CalibrationError, View, models
 from calibsolver.quality.cross_validation import HeldOut
 from calibsolver.quality.model_selection import not_significantly_worse, suggest_model
 from tests.helpers.data import available, corner_views
-from tests.helpers.solver import specimens, synthetic
+from tests.helpers.solver import populations, synthetic
 
 WIDE = {"fisheye", "rational", "omnidirectional"}
 EXPECTED = {
@@ -39,7 +39,7 @@ def test_a_model_is_not_preferred_for_what_chance_gives_it() -> None:
     """Four views of a lens that every model can follow: the plainest is suggested, whatever the noise."""
     camera = synthetic.rectilinear_cameras()[9]
     for seed in range(4):
-        views = specimens.views(camera, np.random.default_rng(seed), count=4)
+        views = populations.views(camera, np.random.default_rng(seed), count=4)
         assert suggest_model(views, camera.img_size).model == "rectilinear"
 
 
@@ -47,7 +47,7 @@ def test_wild_corners_do_not_decide() -> None:
     camera = synthetic.fisheye_cameras()[8]
     rng = np.random.default_rng(1)
     views = []
-    for view in specimens.views(camera, rng):
+    for view in populations.views(camera, rng):
         q = view.image_points.copy()
         q[rng.integers(len(q))] += 30
         views.append(View(view.object_points, q))
@@ -62,7 +62,8 @@ def test_where_nothing_fits_there_is_no_choice() -> None:
     rng = np.random.default_rng(0)
     camera = synthetic.rectilinear_cameras()[4]
     views = [
-        View(v.object_points, rng.uniform(0, 700, v.image_points.shape)) for v in specimens.views(camera, rng)
+        View(v.object_points, rng.uniform(0, 700, v.image_points.shape))
+        for v in populations.views(camera, rng)
     ]
     with pytest.raises(CalibrationError):
         suggest_model(views, camera.img_size)

@@ -6,7 +6,7 @@ import pytest
 from calibsolver import Calibration, fit, models
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting.uncertainty import projection_jacobian_rotation_free
-from tests.helpers.solver import intervals, specimens, synthetic
+from tests.helpers.solver import intervals, populations, synthetic
 
 
 @pytest.mark.parametrize("model", models.NAMES)
@@ -28,7 +28,7 @@ def test_prediction_is_the_error_that_happens(model: str) -> None:
 def test_noise_is_estimated(model: str) -> None:
     camera = intervals.POPULATIONS[model]()[5]
     for noise in (0.1, 0.5):
-        c = fit(specimens.views(camera, np.random.default_rng(1), noise, 8), camera.img_size, model)
+        c = fit(populations.views(camera, np.random.default_rng(1), noise, 8), camera.img_size, model)
         assert c.noise == pytest.approx(noise, rel=0.12)
         assert c.avg_reprojection_error == pytest.approx(noise * np.sqrt(2), rel=0.12)
 
