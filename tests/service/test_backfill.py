@@ -54,7 +54,7 @@ def everything() -> dict[tuple[str, float], set[str]]:
     return {**{(camera, 0.0): MODELS for camera in CAMERAS}, (CAMERAS[-1], 2.0): MODELS}
 
 
-def test_the_command(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_backfill_command_fills_the_table(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["backfill"]) == 0
     said = capsys.readouterr().out
     assert f"4 modes of cameras checked, {3 * 3 + 4} consensuses computed" in said
@@ -65,7 +65,7 @@ def test_the_command(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 
 @pytest.mark.usefixtures("data_dir")
-def test_it_goes_on_where_it_was_stopped(capsys: pytest.CaptureFixture[str]) -> None:
+def test_stopped_backfill_continues(capsys: pytest.CaptureFixture[str]) -> None:
     first, *others = sorted(calibration(camera, 0, views=3).camera_key for camera in CAMERAS)
     assert main(["backfill", "--after", first]) == 0
     said = capsys.readouterr().out
@@ -73,7 +73,7 @@ def test_it_goes_on_where_it_was_stopped(capsys: pytest.CaptureFixture[str]) -> 
     assert all(key in said for key in others)
 
 
-def test_the_state_machine(stack: LocalStack) -> None:
+def test_state_machine_backfills_every_object(stack: LocalStack) -> None:
     """Its states, interpreted here as Step Functions would: list, batch, name the modes, compute each."""
     definition = iam.definition(parse(ROOT / "template.yaml")["Resources"]["BackfillMachine"]["Properties"])
     outer = definition["States"][definition["StartAt"]]
@@ -106,7 +106,7 @@ def invoke(function: str, payload: Any) -> Any:
     return content
 
 
-def test_other_objects_are_passed_over_and_earlier_keys_are_followed(stack: LocalStack) -> None:
+def test_backfill_skips_other_objects_and_follows_earlier_keys(stack: LocalStack) -> None:
     old = calibration(CAMERAS[0], 0, views=3)
     earlier = f"c1-{old.camera_key[3:]}"
     renamed = old.model_copy(update={"camera_key": earlier, "id": earlier + old.id[-21:]})

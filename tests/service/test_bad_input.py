@@ -156,7 +156,7 @@ def test_malformed_json(guided: Client, path: str, body: bytes) -> None:
 
 @pytest.mark.parametrize("body", [b"[]", b'"text"', b"0", b"null", b"true"])
 @pytest.mark.parametrize("path", ["/v1/session", "/v1/session/views", "/v1/lookup"])
-def test_json_that_is_no_object(guided: Client, path: str, body: bytes) -> None:
+def test_json_other_than_an_object(guided: Client, path: str, body: bytes) -> None:
     assert names(guided.call("POST", path, body, token=TOKEN if path == "/v1/lookup" else None)) == ["body"]
 
 
@@ -219,22 +219,22 @@ def test_undo(guided: Client, index: str) -> None:
     assert names(guided.call("DELETE", f"/v1/session/views/{index}")) == ["index"]
 
 
-def test_undo_of_what_never_was(guided: Client) -> None:
+def test_undo_of_an_unknown_view(guided: Client) -> None:
     assert guided.call("DELETE", "/v1/session/views/1").status == 404
     assert guided.call("DELETE", "/v1/session/views/77").status == 404
 
 
 @pytest.mark.parametrize("calibration", ["x", "..", "c1-a-0123456789ab-0123456789abcdef0123", "%00", "a~b"])
-def test_a_calibration_that_is_not_there(client: Client, calibration: str) -> None:
+def test_unknown_calibration(client: Client, calibration: str) -> None:
     assert client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN).status == 404
 
 
-def test_a_format_that_nobody_writes(client: Client) -> None:
+def test_unknown_export_format(client: Client) -> None:
     path = "/v1/calibrations/c1-a-0123456789ab-0123456789abcdef0123"
     assert names(client.call("GET", path, token=TOKEN, query="format=matlab")) == ["format"]
 
 
-def test_calls_before_the_session_was_started(client: Client) -> None:
+def test_calls_before_the_start_of_the_session(client: Client) -> None:
     client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
     assert client.call("GET", "/v1/session").status == 404
     assert client.call("DELETE", "/v1/session").status == 404
@@ -243,7 +243,7 @@ def test_calls_before_the_session_was_started(client: Client) -> None:
     assert client.call("DELETE", "/v1/session/views/0").status == 404
 
 
-def test_a_strange_host_is_no_matter(stack: LocalStack) -> None:
+def test_unknown_host_header_is_ignored(stack: LocalStack) -> None:
     for host in ("a:b:c", "[::1]:8000", ":", "x:port"):
         assert stack.request("GET", "/healthz", headers={"host": host}).status == 200
 
@@ -258,14 +258,14 @@ def test_whole_numbers_may_be_written_with_a_point(client: Client) -> None:
     assert client.lookup(img_size=[1280.0, 720.0], redirect=False).status == 404
 
 
-def test_what_is_wrong_is_not_said_to_be_missing_too(guided: Client) -> None:
+def test_wrong_field_is_not_reported_missing(guided: Client) -> None:
     view = {"index": 1, "ids": [0.5], "points": [[1.0, 2.0]]}
     assert names(guided.call("POST", "/v1/session/views", view)) == ["ids.0"]
     view = {"index": 1, "ids": [], "points": [[1.0, 2.0]]}
     assert names(guided.call("POST", "/v1/session/views", view)) == ["ids"]
 
 
-def test_only_the_first_of_many_wrong_fields_are_named(guided: Client) -> None:
+def test_problem_names_the_first_wrong_fields(guided: Client) -> None:
     answer = guided.view(1, list(range(40)), [[5000.0, 5000.0]] * 40)
     assert len(names(answer)) == 20
 
@@ -280,7 +280,7 @@ def test_only_the_first_of_many_wrong_fields_are_named(guided: Client) -> None:
         ("/v1/calibrations/x", f"without={'1,' * 64}1", "List should have at most 64 items"),
     ],
 )
-def test_an_error_says_what_is_wanted_and_nothing_of_the_program(
+def test_error_names_the_constraint_without_internals(
     client: Client, path: str, query: str, says: str
 ) -> None:
     answer = client.call("GET", path, token=TOKEN, query=query)

@@ -150,12 +150,12 @@ def both(
     return Both(asked, told, offline(json.loads(path.read_text()), asked), written, request.param == "3")
 
 
-def test_it_never_answers_what_the_service_would_not(both: Both) -> None:
+def test_bundle_holds_reliable_answers_only(both: Both) -> None:
     answers = zip(both.asked, both.told, both.found, strict=True)
     assert [asked for asked, told, found in answers if found is not None and told is None] == []
 
 
-def test_its_answers_are_the_services(both: Both) -> None:
+def test_bundle_answers_as_the_service(both: Both) -> None:
     compared = 0
     for asked, told, found in zip(both.asked, both.told, both.found, strict=True):
         if found is not None:
@@ -181,7 +181,7 @@ def same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def test_it_knows_what_the_service_does_under_names_that_were_seen(both: Both) -> None:
+def test_bundle_resolves_known_names_as_the_service(both: Both) -> None:
     known = [found is not None for told, found in zip(both.told, both.found, strict=True) if told is not None]
     # At home an iPhone's "Back Camera" is the one that is meant; in public nobody's, so no file has it.
     assert sum(known) / len(known) > (0.9 if both.public else 0.6), f"{sum(known)} of {len(known)}"
@@ -190,7 +190,7 @@ def test_it_knows_what_the_service_does_under_names_that_were_seen(both: Both) -
     assert any(found["adapted"] for found in both.found if found)
 
 
-def test_a_camera_takes_little_room(both: Both) -> None:
+def test_bundled_camera_is_small(both: Both) -> None:
     cameras = len(both.written.cameras)
     assert cameras > 20
     each = both.written.compressed / cameras, both.written.compressed / both.written.calibrations

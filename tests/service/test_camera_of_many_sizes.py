@@ -14,7 +14,7 @@ from tests.service.test_lookup import put
 CAMERA = "Many sizes Z77 (1111:0077)"
 
 
-def test_what_is_known_best_is_shown_and_costs_two_reads_each(stack: LocalStack) -> None:
+def test_best_known_sizes_are_shown_by_two_reads_each(stack: LocalStack) -> None:
     small, often = (320, 240), (336, 240)
     published = [calibration(CAMERA, of=fit(size)) for size in (small, often)]
     for document in published:

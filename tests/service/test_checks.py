@@ -76,7 +76,7 @@ def test_three_checks_that_agree_confirm_a_single_calibration(
     until(lambda: client.lookup(camera=name, distortion_model="rational").status == 200)
 
 
-def test_three_that_do_not_withdraw_it_until_it_is_calibrated_anew(
+def test_three_failed_checks_withdraw_until_recalibration(
     stack: LocalStack, camera: Callable[[int], str], client: Client
 ) -> None:
     name = camera(2)
@@ -106,9 +106,7 @@ def test_checks_of_one_session_are_one_vote(stack: LocalStack, camera: Callable[
     assert other["votes"] == {"agree": 1, "disagree": 0}, "the first one counts"
 
 
-def test_views_that_would_fit_any_camera_confirm_nothing(
-    stack: LocalStack, camera: Callable[[int], str]
-) -> None:
+def test_uninformative_views_confirm_nothing(stack: LocalStack, camera: Callable[[int], str]) -> None:
     name = camera(1)
     answer = check(stack, name, views=views(1, tilts=FLAT)).json
     assert (answer["fits"], answer["counted"]) == ("fits", False)
@@ -126,9 +124,7 @@ def test_a_misread_corner_does_not_make_it_another_camera(
     assert answer["error"] < 0.4
 
 
-def test_a_changed_consensus_inherits_no_votes_that_were_on_another(
-    stack: LocalStack, client: Client
-) -> None:
+def test_changed_consensus_inherits_no_votes(stack: LocalStack, client: Client) -> None:
     """One wrong calibration, confirmed by three; then more that are right: the three now say against it."""
     wrong = "A camera that was first mistaken for another"
     mode = calibrated(stack, wrong, 0, fx=1100.0, fy=1098.0)
@@ -144,7 +140,7 @@ def test_a_changed_consensus_inherits_no_votes_that_were_on_another(
     assert now.calibration.basis == "consensus"
 
 
-def test_what_cannot_be_checked(stack: LocalStack, camera: Callable[[int], str]) -> None:
+def test_unusable_checks_are_refused(stack: LocalStack, camera: Callable[[int], str]) -> None:
     assert check(stack, "A camera that nobody calibrated").status == 404
     name = camera(1)
     assert check(stack, name, img_size=[640, 480], views=[{"ids": [0], "points": [[1, 1]]}]).status == 404
@@ -182,14 +178,14 @@ def test_no_address_is_kept(stack: LocalStack, camera: Callable[[int], str]) -> 
         assert b"cdb_" not in content
 
 
-def test_it_is_found_as_a_lookup_finds_it(stack: LocalStack) -> None:
+def test_check_resolves_the_camera_as_a_lookup(stack: LocalStack) -> None:
     """Calibrated where the browser tells the USB id, checked where it does not."""
     calibrated(stack, "Acme LensCam X200 (1bcf:2c99)", 0)
     assert check(stack, "Acme LensCam X200").json["fits"] == "fits"
     assert check(stack, "Acme LensCam X300").status == 404
 
 
-def test_whatever_points_are_sent_it_is_an_answer(stack: LocalStack, camera: Callable[[int], str]) -> None:
+def test_arbitrary_points_get_an_answer(stack: LocalStack, camera: Callable[[int], str]) -> None:
     name, rng = camera(1), np.random.default_rng(1)
     grid = np.stack([100.0 + 100 * (np.arange(40) % 8), 50.0 + 100 * (np.arange(40) // 8)], axis=1)
     shapes: list[Callable[[int], Any]] = [

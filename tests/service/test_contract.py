@@ -50,7 +50,7 @@ def test_the_target_error_scales_with_the_width(client: Client) -> None:
     assert client.open(img_size=[640, 480], target_error=0.4).json["target_error"] == 0.4
 
 
-def test_a_session_takes_everything_the_contract_names(client: Client) -> None:
+def test_session_accepts_every_field_of_the_contract(client: Client) -> None:
     track = {"focusMode": "manual", "focusDistance": 0.4, "facingMode": "user", "resizeMode": "none"}
     asked = {
         "zoom": 1.5,
@@ -88,13 +88,13 @@ def test_the_pose_as_numbers(running: Client) -> None:
         ("text/html, application/json;q=0.9", "application/json"),
     ],
 )
-def test_the_pose_comes_as_accepted(running: Client, accept: str | None, media_type: str) -> None:
+def test_pose_follows_the_accept_header(running: Client, accept: str | None, media_type: str) -> None:
     answer = running.call("GET", "/v1/session/pose", headers={"accept": accept} if accept else {})
     assert answer.status == 200
     assert answer.headers["content-type"] == media_type
 
 
-def test_a_type_that_nobody_has_is_not_acceptable(running: Client) -> None:
+def test_unknown_media_type_is_406(running: Client) -> None:
     answer = running.call("GET", "/v1/session/pose", headers={"accept": "text/html, image/jpeg;q=0"})
     assert answer.status == 406
 
@@ -117,7 +117,7 @@ def test_the_picture_shows_the_pose(running: Client, views: int) -> None:
         assert overlap > 0.98, media_type
 
 
-def test_the_pose_stays_until_a_view_answers_it_or_it_is_skipped(running: Client) -> None:
+def test_pose_stays_until_a_view_or_a_skip(running: Client) -> None:
     first = running.pose().json
     running.call("GET", "/v1/session/pose")
     assert running.pose().json == first
@@ -206,7 +206,7 @@ def test_unknown_paths_and_wrong_methods(running: Client) -> None:
             assert running.call(method, path).status == 404  # as a problem, too
 
 
-def test_answers_are_not_cached_and_are_what_they_say(running: Client) -> None:
+def test_answers_are_uncached_with_nosniff(running: Client) -> None:
     for answer in (running.call("GET", "/v1/session"), running.call("PUT", "/v1/session"), running.lookup()):
         assert answer.headers["cache-control"] == "no-store"
         assert answer.headers["x-content-type-options"] == "nosniff"

@@ -79,7 +79,7 @@ def test_five_tokens_at_one_address_are_one_contributor(stack: LocalStack) -> No
     assert Client(stack).lookup(camera="One who captures all day").json["reason"] == "too_few"
 
 
-def test_of_two_places_however_many_calibrations_are_too_few_contributors(stack: LocalStack) -> None:
+def test_two_sources_are_too_few_contributors(stack: LocalStack) -> None:
     for n, day in itertools.product(range(2), range(4)):
         document = contributed(stack, "Two places", 10 * day + n, f"place {n}", day)
     assert (pooled(stack, document).total, pooled(stack, document).reason) == (6, "few_contributors")
@@ -94,7 +94,7 @@ def test_five_of_five_contributors_are_reliable(stack: LocalStack) -> None:
 
 
 @pytest.mark.parametrize("lie", [1045.0, 969.0, 960.0])
-def test_three_who_return_daily_do_not_overrule_five_who_came_once(stack: LocalStack, lie: float) -> None:
+def test_three_daily_contributors_do_not_outvote_five(stack: LocalStack, lie: float) -> None:
     camera = f"Overruled at {lie}"
     for n in range(5):
         contributed(stack, camera, n, f"honest {n}")
@@ -107,7 +107,7 @@ def test_three_who_return_daily_do_not_overrule_five_who_came_once(stack: LocalS
     assert moved(found.calibration) < 0.5
 
 
-def test_each_contributor_has_one_vote_a_day_and_none_on_their_own_calibration(stack: LocalStack) -> None:
+def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: LocalStack) -> None:
     camera, home = "Checked by three", Client(stack, api_token=TOKENS[0], address="198.51.100.7")
     state = Truth(seed=1).calibrate(home, camera=camera, platform=PLATFORM)
     known = store(stack).consensuses
@@ -145,7 +145,7 @@ def test_honest_checks_confirm_no_wrong_calibration_however_noisy(
     assert (found.status, found.json["reason"]) == (307, "disagree")
 
 
-def test_a_session_that_asks_for_little_supports_nobody(stack: LocalStack) -> None:
+def test_imprecise_session_does_not_count(stack: LocalStack) -> None:
     camera = "A careless one"
     client = Client(stack, api_token=TOKENS[0], address="198.51.100.9")
     state = Truth(seed=1).calibrate(client, camera=camera, platform=PLATFORM, target_error=100.0)
@@ -164,7 +164,7 @@ def against(stack: LocalStack, camera: str, addresses: Sequence[str]) -> str | N
     return str(answer["calibration"]["basis"])
 
 
-def test_three_votes_do_not_withdraw_what_twelve_calibrated_and_four_do(stack: LocalStack) -> None:
+def test_twelve_contributors_need_four_votes_to_withdraw(stack: LocalStack) -> None:
     camera = "Well known"
     for n in range(12):
         document = contributed(stack, camera, n, f"honest {n}")
@@ -175,7 +175,7 @@ def test_three_votes_do_not_withdraw_what_twelve_calibrated_and_four_do(stack: L
     assert Client(stack).lookup(camera=camera, platform=PLATFORM).status == 307
 
 
-def test_a_cropped_stream_is_not_compared_with_what_the_camera_gives(stack: LocalStack) -> None:
+def test_cropped_stream_is_not_compared_with_native_streams(stack: LocalStack) -> None:
     camera = "Cropped"
     document = contributed(stack, camera, 0, "somewhere")
     pooled(stack, document)

@@ -45,7 +45,7 @@ def test_every_use_has_its_price() -> None:
         assert sum(price(use, prices).values()) == pytest.approx(usd)
 
 
-def test_cloudfront_is_paid_by_request_and_by_what_it_sends() -> None:
+def test_cloudfront_is_paid_by_requests_and_bytes() -> None:
     prices = yaml.safe_load(PRICES.read_text())
     parts = price(Usage(requests=10**6, sent=10**9), prices)
     asked, known = price_at_edge(parts, 1e9, prices)

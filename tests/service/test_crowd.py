@@ -10,7 +10,7 @@ from tests.bench.crowd import missing_or_double
 from tests.helpers.stack.processes import LocalProcess
 
 
-def test_what_was_acknowledged_is_there_once(tmp_path: Path) -> None:
+def test_acknowledged_views_are_stored_once(tmp_path: Path) -> None:
     with LocalProcess(tmp_path / "data") as server:
         # Most captures end after a view: what goes wrong goes wrong in single requests.
         outcome = drive(server.url, DEVELOPMENT_TOKEN, sessions=200, clients=64, cameras=4, finished=0.1)

@@ -70,7 +70,7 @@ def dangling_pointers(data_dir: Path) -> tuple[int, list[str]]:
     return len(pointers), [pointer for pointer in pointers if pointer not in objects]
 
 
-def test_kill_in_the_middle_of_writing_loses_nothing_acknowledged(tmp_path: Path) -> None:
+def test_kill_while_writing_loses_no_acknowledged_write(tmp_path: Path) -> None:
     data_dir = tmp_path / "data"
     ledger = Ledger()
     with LocalProcess(data_dir) as server, ThreadPoolExecutor(4) as pool:
@@ -100,7 +100,7 @@ def test_kill_in_the_middle_of_writing_loses_nothing_acknowledged(tmp_path: Path
     assert dangling == []
 
 
-def test_a_restart_ends_no_session_and_a_second_process_is_kept_out(tmp_path: Path) -> None:
+def test_restart_keeps_sessions_and_excludes_a_second_process(tmp_path: Path) -> None:
     data_dir = tmp_path / "data"
     with LocalProcess(data_dir) as first, httpx.Client(base_url=first.url) as client:
         session = client.post("/v1/auth", headers=TOKEN).json()["session_id"]
@@ -123,7 +123,7 @@ def test_a_restart_ends_no_session_and_a_second_process_is_kept_out(tmp_path: Pa
     assert "POST /v1/session 201" in log
 
 
-def test_a_disk_that_fills_up_refuses_writes_and_keeps_answering(tmp_path: Path) -> None:
+def test_full_disk_refuses_writes_and_serves_reads(tmp_path: Path) -> None:
     data_dir = tmp_path / "data"
     kept: dict[str, Any] = {}
     refused = 0

@@ -69,7 +69,7 @@ def test_a_cut_scaled_and_turned_picture_has_its_own_camera(client: Client, cali
         ("mirror=maybe", "mirror"),
     ],
 )
-def test_what_makes_no_sense_is_refused_by_its_name(
+def test_wrong_parameters_are_refused_by_name(
     client: Client, calibration: str, query: str, field: str
 ) -> None:
     answer = client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN, query=query)
@@ -77,7 +77,7 @@ def test_what_makes_no_sense_is_refused_by_its_name(
     assert field in json.dumps(answer.json["errors"])
 
 
-def test_what_it_would_be_without_some_views(client: Client, calibration: str) -> None:
+def test_export_without_some_views_is_refitted(client: Client, calibration: str) -> None:
     path = f"/v1/calibrations/{calibration}"
     whole = client.call("GET", path, token=TOKEN).json
     indices = [view["index"] for view in whole["report"]["views"]]
@@ -94,7 +94,7 @@ def test_what_it_would_be_without_some_views(client: Client, calibration: str) -
 
 
 @pytest.mark.parametrize("without", ["99", "0,x", "-1", "1,", ",".join(map(str, range(70)))])
-def test_only_views_that_are_there_can_be_left_out(client: Client, calibration: str, without: str) -> None:
+def test_only_existing_views_can_be_left_out(client: Client, calibration: str, without: str) -> None:
     path = f"/v1/calibrations/{calibration}"
     answer = client.call("GET", path, token=TOKEN, query=f"without={without}")
     assert answer.status == 422

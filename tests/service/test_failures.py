@@ -70,7 +70,7 @@ def kept(state: Any) -> dict[int, int]:
 
 @pytest.mark.parametrize("service", ["dynamodb", "s3"])
 @pytest.mark.parametrize("fault", [faults.throttled, faults.broken, faults.unreached, faults.unheard])
-def test_storage_that_fails_half_of_the_time(stack: LocalStack, fault: Any, service: str) -> None:
+def test_capture_completes_when_half_of_the_calls_fail(stack: LocalStack, fault: Any, service: str) -> None:
     camera = f"Through {fault.__name__} {service}"
     client = Stubborn(stack)
     with faults.faulty(fault, (service,), share=0.5, seed=1) as met:
@@ -104,7 +104,7 @@ def test_storage_outage_returns_503_and_changes_nothing(stack: LocalStack, fault
     assert client.view(pose["index"], *seen).json["accepted"]
 
 
-def test_reads_that_lag_behind_make_no_wrong_answer(stack: LocalStack) -> None:
+def test_stale_reads_cause_no_wrong_answer(stack: LocalStack) -> None:
     camera, documents = "Lagging", [calibration("Lagging", n, views=3) for n in range(5)]
     client = Client(stack)
     for document in documents[:3]:
@@ -127,7 +127,7 @@ def test_reads_that_lag_behind_make_no_wrong_answer(stack: LocalStack) -> None:
     assert client.lookup(camera=camera, platform=PLATFORM).json["calibrations"] == 5
 
 
-def test_requests_for_a_consensus_that_come_twice_and_out_of_order(stack: LocalStack) -> None:
+def test_duplicate_unordered_refits_leave_the_newest_consensus(stack: LocalStack) -> None:
     documents = [calibration("Out of order", n, views=3) for n in range(5)]
     mode = mode_of(documents[0])
     requests: list[dict[str, Any]] = []
@@ -145,7 +145,7 @@ def test_requests_for_a_consensus_that_come_twice_and_out_of_order(stack: LocalS
     assert {c.total for c in found.values()} == {5}
 
 
-def test_functions_whose_clocks_differ_by_minutes(stack: LocalStack) -> None:
+def test_clock_skew_of_minutes_is_harmless(stack: LocalStack) -> None:
     """Each call is answered by an instance whose clock is up to two minutes off, either way."""
     rng, lock = random.Random(2), threading.Lock()
 
@@ -165,7 +165,7 @@ def test_functions_whose_clocks_differ_by_minutes(stack: LocalStack) -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.99])
-def test_an_upload_that_breaks_off_changes_nothing(stack: LocalStack, share: float) -> None:
+def test_aborted_upload_changes_nothing(stack: LocalStack, share: float) -> None:
     client = Client(stack)
     client.open()
     pose = client.pose().json
@@ -207,7 +207,7 @@ def newest_session(s3: Any, bucket: str) -> str:
     return str(latest["Key"]).rpartition("/")[0]
 
 
-def test_documents_of_an_earlier_version_beside_those_of_today(stack: LocalStack) -> None:
+def test_documents_of_two_versions_coexist(stack: LocalStack) -> None:
     """Five calibrations as they were stored before reports, priors and set-aside views were known."""
     bucket, s3 = stack.environment["BUCKET_NAME"], boto3.client("s3")
     documents = [calibration("Of old", n, views=3) for n in range(5)]

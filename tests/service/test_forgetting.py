@@ -23,7 +23,7 @@ def stored(stack: LocalStack) -> tuple[set[str], set[tuple[str, str]]]:
     return names, {(item["pk"]["S"], item["sk"]["S"]) for item in items}
 
 
-def test_also_what_was_sent_with_a_token_that_was_revoked_since(
+def test_forgetting_covers_revoked_tokens(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A calibration, a vote on another's camera, a capture that is under way, and the hour's counters."""
@@ -63,7 +63,7 @@ def test_also_what_was_sent_with_a_token_that_was_revoked_since(
         assert (left.total, left.votes.agree) == (1, 0)
 
 
-def test_a_vote_under_an_earlier_key_version_leaves_the_consensus_that_it_decided() -> None:
+def test_forgotten_vote_under_an_earlier_key_recomputes_the_consensus() -> None:
     """The vote is stored under the key that the camera had then, its consensus under today's."""
     document = calibration("Voted on Z77", 0)
     earlier = f"c1-{document.camera_key[3:]}"

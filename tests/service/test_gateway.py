@@ -138,7 +138,7 @@ def test_the_most_specific_route_answers(
         ("GET", "/v1/echo/"),
     ],
 )
-def test_what_no_route_names_is_not_found(stack: LocalStack, method: str, path: str) -> None:
+def test_unknown_route_is_404(stack: LocalStack, method: str, path: str) -> None:
     response = stack.request(method, path)
     assert (response.status, response.body) == (404, b'{"message":"Not Found"}')
     assert response.headers["content-type"] == "application/json"
@@ -166,7 +166,7 @@ def test_a_function_gets_event_and_context(stack: LocalStack) -> None:
     assert 9000 < response.json()["left"] <= 10_000
 
 
-def test_bodies_that_are_not_text_are_base64(stack: LocalStack) -> None:
+def test_binary_bodies_are_base64(stack: LocalStack) -> None:
     image = bytes(range(256))
     event = echoed(stack.request("POST", "/v1/echo", headers={"content-type": "image/png"}, body=image))
     assert event["isBase64Encoded"] is True
@@ -213,7 +213,7 @@ def test_headers_and_cookies_of_an_answer(stack: LocalStack) -> None:
         "/v1/broken",
     ],
 )
-def test_what_is_no_answer_is_500_and_says_nothing(
+def test_malformed_function_response_is_a_bare_500(
     stack: LocalStack, path: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     response = stack.request("GET", path)
@@ -277,7 +277,7 @@ def test_a_body_of_more_than_six_megabytes_is_refused(stack: LocalStack) -> None
     assert (response.status, response.body) == (413, b'{"message":"Request Entity Too Large"}')
 
 
-def test_a_body_without_end_is_cut_off(stack: LocalStack) -> None:
+def test_endless_body_is_refused(stack: LocalStack) -> None:
     def chunks() -> Iterator[bytes]:
         for _ in range(200):
             yield b"x" * 100_000

@@ -103,7 +103,7 @@ def test_repeated_headers_and_cookies_arrive_as_on_aws(client: httpx.Client) -> 
         ("/data.json", "application/json"),
     ],
 )
-def test_pages_have_the_types_that_browsers_insist_on(client: httpx.Client, path: str, kind: str) -> None:
+def test_pages_have_strict_media_types(client: httpx.Client, path: str, kind: str) -> None:
     response = client.get(path)
     assert (response.status_code, response.headers["content-type"]) == (200, kind)
     assert response.headers["x-content-type-options"] == "nosniff"
@@ -204,9 +204,7 @@ def test_a_request_under_way_is_finished_at_the_end(stack: LocalStack, tmp_path:
         httpx.get(f"{url}/v1/slow")
 
 
-def test_a_client_that_leaves_in_the_middle_is_no_error(
-    stack: LocalStack, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_disconnecting_client_is_no_error(stack: LocalStack, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO", "infra.local.access")
     listener = bind(0)
     with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):

@@ -35,7 +35,7 @@ def take(client: Client, truth: Truth, views: int) -> None:
         assert client.view(pose["index"], *truth.see(pose)).status == 200
 
 
-def test_poses_say_what_to_do_and_what_for(running: Client) -> None:
+def test_poses_have_hint_and_purpose(running: Client) -> None:
     first = running.pose().json
     assert (first["hint_code"], first["purpose"]) == ("first", "a first look")
     take(running, Truth(), 1)
@@ -45,7 +45,7 @@ def test_poses_say_what_to_do_and_what_for(running: Client) -> None:
     assert second["purpose"].startswith("to measure ")
 
 
-def test_refusals_say_what_to_do(running: Client) -> None:
+def test_refusals_have_hints(running: Client) -> None:
     truth = Truth()
     take(running, truth, 2)
     pose = running.pose().json
@@ -68,7 +68,7 @@ def test_refusals_say_what_to_do(running: Client) -> None:
     assert running.view(pose["index"], ids, points).json["hint"] is None
 
 
-def test_a_wrong_first_view_is_set_aside_and_the_state_says_so(stack: LocalStack, client: Client) -> None:
+def test_wrong_first_view_is_set_aside_in_the_state(stack: LocalStack, client: Client) -> None:
     """Of another camera, and right by itself; what is published does not contain it."""
     client.open(camera="Camera whose first view was another's")
     take(client, Truth(fx=450, fy=450, distortion=(0.0,) * 5), 1)
@@ -101,7 +101,7 @@ def test_a_refused_view_sent_twice_is_one_witness(stack: LocalStack, client: Cli
     assert "doubted" not in answers[0]
 
 
-def test_what_a_finished_capture_is_worth_is_kept_with_it(stack: LocalStack, client: Client) -> None:
+def test_finished_capture_stores_its_report(stack: LocalStack, client: Client) -> None:
     state = Truth(seed=2).calibrate(client)
     kept = store(stack).calibrations.get(state["calibration_id"])
     assert kept is not None
@@ -112,7 +112,7 @@ def test_what_a_finished_capture_is_worth_is_kept_with_it(stack: LocalStack, cli
     assert [view["index"] for view in report["views"]] == [view["index"] for view in state["views"]]
 
 
-def test_a_capture_ends_after_fifteen_views_and_says_so(client: Client) -> None:
+def test_capture_ends_after_fifteen_views_with_advice(client: Client) -> None:
     client.open(camera="Camera never good enough", target_error=0.001)
     truth = Truth(seed=4)
     state = client.state()
@@ -128,7 +128,7 @@ def test_a_capture_ends_after_fifteen_views_and_says_so(client: Client) -> None:
     assert state["calibration_id"]
 
 
-def test_a_capture_begins_where_others_ended(stack: LocalStack, client: Client) -> None:
+def test_capture_starts_from_the_known_consensus(stack: LocalStack, client: Client) -> None:
     name = "Camera that others measured"
     Truth(fx=600.0, fy=600.0).calibrate(client, camera=name)
     key = client.state()["calibration_id"].rpartition("-")[0]

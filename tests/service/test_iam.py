@@ -170,7 +170,7 @@ def test_no_grant_without_a_call(recorded: set[tuple[str, Needed]]) -> None:
     assert unused == set()
 
 
-def test_no_attribute_is_granted_that_no_call_writes(recorded: set[tuple[str, Needed]]) -> None:
+def test_every_granted_attribute_is_written(recorded: set[tuple[str, Needed]]) -> None:
     """A function adds to the counters that it counts with, and to no others."""
     unused = {
         (who, grant.sid, attribute)
@@ -186,7 +186,7 @@ def test_no_attribute_is_granted_that_no_call_writes(recorded: set[tuple[str, Ne
     assert unused == set()
 
 
-def test_the_state_machine_may_do_what_its_definition_says_and_no_more() -> None:
+def test_state_machine_role_grants_what_its_definition_needs() -> None:
     ((name, given),) = grants("AWS::Serverless::StateMachine").items()
     asked = set(needs_of_machine(name))
     assert {one for one in asked if not any(grant.allows(one) for grant in given)} == set()
@@ -222,11 +222,11 @@ def test_the_state_machine_may_do_what_its_definition_says_and_no_more() -> None
     ],
     ids=lambda needed: needed.action,
 )
-def test_lookup_may_not(needed: Needed) -> None:
+def test_lookup_role_cannot_write_calibrations(needed: Needed) -> None:
     assert not any(grant.allows(needed) for grant in grants()["LookupFunction"])
 
 
-def test_a_statement_allows_what_it_names_and_no_more() -> None:
+def test_statement_allows_only_its_named_calls() -> None:
     grant = Grant(
         "S",
         ("dynamodb:UpdateItem",),

@@ -125,21 +125,21 @@ def all_imported(layers: dict[str, Path]) -> dict[str, Imported]:
     return {function: imported(function, layers) for function in deployed()}
 
 
-def test_every_handler_is_found_with_nothing_but_its_own_layers(all_imported: dict[str, Imported]) -> None:
+def test_every_handler_loads_with_its_own_layers_alone(all_imported: dict[str, Imported]) -> None:
     assert len(all_imported) == len(list(ROOT.glob("functions/*/app.py")))
     for function, found in all_imported.items():
         assert found.callable, function
         assert not [p for p in found.path if "site-packages" in p or p == str(ROOT)], function
 
 
-def test_nothing_is_imported_that_is_not_used(all_imported: dict[str, Imported]) -> None:
+def test_handlers_import_only_used_libraries(all_imported: dict[str, Imported]) -> None:
     for function, found in all_imported.items():
         assert found.foreign <= (COMPUTED if function in ELSEWHERE else SERVED), function
         unused = [m for m in found.modules if m in UNUSED or m.startswith(tuple(f"{u}." for u in UNUSED))]
         assert unused == [], function
 
 
-def test_geometry_is_where_it_is_needed_and_there_only_as_far(all_imported: dict[str, Imported]) -> None:
+def test_solver_functions_import_only_their_packages(all_imported: dict[str, Imported]) -> None:
     for function, without in ELSEWHERE.items():
         found = all_imported[function]
         assert {"numpy", "calibsolver"} <= found.foreign, function

@@ -104,7 +104,9 @@ def at_rest(data_dir: Path) -> tuple[set[str], set[str], set[str]]:
     return files, set(indexed), set(members)
 
 
-def test_all_or_nothing_and_a_retry_completes_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_kill_while_finishing_is_completed_by_a_retry(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     data_dir, views = tmp_path / "data", capture()
     monkeypatch.setenv("DATA_DIR", str(data_dir))
     rng = random.Random(7)

@@ -117,7 +117,7 @@ def test_a_zoom_between_two(stack: LocalStack) -> None:
     assert ask(stack, C920, zoom=2.0).json["adapted"] is None
 
 
-def test_a_model_that_cannot_be_computed_is_tried_once(stack: LocalStack, store: Store) -> None:
+def test_uncomputable_model_is_tried_once(stack: LocalStack, store: Store) -> None:
     """A hostile client cannot make every lookup a computation: what came out is stored, be it nothing."""
     label = "Worthless X2 (1111:0002)"
     for number in range(5):
@@ -133,7 +133,7 @@ def test_a_model_that_cannot_be_computed_is_tried_once(stack: LocalStack, store:
         assert asked == ["Query"]
 
 
-def test_a_second_id_under_a_name_ends_what_the_name_alone_says(
+def test_second_usb_id_makes_a_name_ambiguous(
     stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Once as many calibrated it as it takes; one capture with an invented id ends nothing."""
@@ -160,7 +160,7 @@ def test_a_second_id_under_a_name_ends_what_the_name_alone_says(
     assert ask(stack, label).status == 200
 
 
-def test_an_invented_id_does_not_keep_another_from_its_name(
+def test_invented_usb_id_leaves_a_name_unambiguous(
     stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A calibration under a name answers for an unknown id, but not for an id under another name."""
@@ -178,7 +178,7 @@ def test_an_invented_id_does_not_keep_another_from_its_name(
     assert ask(stack, f"{label} (1111:0004)").status == 307
 
 
-def test_in_public_a_name_that_many_bear_answers_nobody(
+def test_generic_name_is_unknown_in_public(
     stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     put(store, consensus(camera="Integrated Camera"))
@@ -207,7 +207,7 @@ def browse(stack: LocalStack, query: str) -> Answer:
     return Client(stack).call("GET", "/v1/cameras", token=TOKEN, query=query)
 
 
-def test_a_search_finds_the_camera_whatever_is_said_of_it(stack: LocalStack) -> None:
+def test_search_finds_a_camera_by_any_of_its_words(stack: LocalStack) -> None:
     for query in ("c920", "logitech C920", "webc c9", "046d:082d", "HD Pro C920"):
         found = browse(stack, f"query={quote(query)}").json
         assert [camera["camera"] for camera in found["cameras"]] == [C920], query
@@ -222,7 +222,7 @@ def test_a_search_finds_the_camera_whatever_is_said_of_it(stack: LocalStack) -> 
     ]
 
 
-def test_in_public_a_search_shows_what_two_vouch_for(
+def test_public_search_needs_two_contributors(
     stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     label = "Visit X9 (1111:0009)"
@@ -274,7 +274,7 @@ def test_a_search_goes_on_page_by_page(stack: LocalStack, store: Store) -> None:
 @pytest.mark.parametrize(
     "query", ["limit=0", "limit=51", "limit=x", "query=c920&after=x", "query=" + "x" * 129]
 )
-def test_a_search_that_makes_no_sense_is_refused_by_field(stack: LocalStack, query: str) -> None:
+def test_malformed_search_is_refused_by_field(stack: LocalStack, query: str) -> None:
     answer = browse(stack, query)
     assert answer.status == 422
     assert answer.json["errors"]
@@ -310,7 +310,7 @@ def test_a_camera_is_shown_with_its_calibrations(stack: LocalStack, store: Store
     assert "contributor 0" not in json.dumps(detail)
 
 
-def test_a_key_of_earlier_rules_and_one_of_a_name_lead_to_the_camera(stack: LocalStack, store: Store) -> None:
+def test_earlier_keys_and_name_keys_lead_to_the_camera(stack: LocalStack, store: Store) -> None:
     label, old = "Older X7 (1111:0007)", "c1-older-x7-0123456789ab"
     store.calibrations.publish(calibration(label, key=old))
     put(store, consensus(camera=label))
@@ -325,11 +325,11 @@ def test_a_key_of_earlier_rules_and_one_of_a_name_lead_to_the_camera(stack: Loca
 @pytest.mark.parametrize(
     "key", ["x", "c2-nobody-0123456789ab", "c1-nobody-0123456789ab", "..", "%00", "c2-a~b"]
 )
-def test_a_camera_that_nobody_calibrated_is_not_found(stack: LocalStack, key: str) -> None:
+def test_uncalibrated_camera_is_not_found(stack: LocalStack, key: str) -> None:
     assert Client(stack).call("GET", f"/v1/cameras/{key}", token=TOKEN).status == 404
 
 
-def test_a_calibration_carries_what_its_session_found_out(stack: LocalStack, store: Store) -> None:
+def test_calibration_includes_its_report(stack: LocalStack, store: Store) -> None:
     label = "Reported X8 (1111:0008)"
     report = {"verdict": {"level": "good", "reasons": []}, "held_out": 0.3}
     stored = calibration(label).model_copy(update={"report": report})

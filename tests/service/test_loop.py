@@ -73,7 +73,7 @@ def test_the_redirect_carries_the_whole_key(known: list[Any]) -> None:
     assert answer.json["guidance_url"] == answer.headers["location"]
 
 
-def test_the_answer(known: list[Any]) -> None:
+def test_reliable_lookup_returns_the_whole_document(known: list[Any]) -> None:
     answer = known[4][1].json
     assert list(answer) == list(schema.LookupAnswer.model_fields)
     assert {name: answer[name] for name in CAMERA} == CAMERA
@@ -141,7 +141,7 @@ class TestLookup:
             answer = client.lookup(**asked)
             assert (answer.status, answer.json["reason"]) == (307, "unknown_camera")
 
-    def test_without_redirect_the_way_is_in_the_body(self, client: Client) -> None:
+    def test_without_redirect_the_body_has_the_url(self, client: Client) -> None:
         unknown = {**CAMERA, "camera": "Another camera"}
         for body, query in ((unknown, "redirect=false"), ({**unknown, "redirect": False}, "")):
             answer = client.call("POST", "/v1/lookup", body, token=TOKEN, query=query)
@@ -157,9 +157,7 @@ class TestLookup:
         assert len(answer.json["distortion_coefficients"]) == 4
         assert answer.json["avg_reprojection_error"] < 0.4
 
-    def test_a_model_that_is_not_stored_is_computed_from_the_keypoints(
-        self, stack: LocalStack, client: Client
-    ) -> None:
+    def test_missing_model_is_computed_from_keypoints(self, stack: LocalStack, client: Client) -> None:
         before = client.lookup(distortion_model="fisheye").json
         key = before["id"].partition("~")[0]
         place = {"pk": {"S": f"CAMERA#{key}"}, "sk": {"S": "CONSENSUS#1280x720#0#fisheye"}}
@@ -170,7 +168,7 @@ class TestLookup:
         assert answer.json == {**before, "exact_size": False}
         assert "Item" in index.get_item(TableName=table, Key=place)
 
-    def test_what_was_answered_can_be_asked_for_by_its_id(self, client: Client, known: list[Any]) -> None:
+    def test_answered_consensus_is_found_by_its_id(self, client: Client, known: list[Any]) -> None:
         consensus = client.lookup().json
         calibration = known[0][0]["calibration"]
         for expected in (consensus, calibration):
@@ -181,7 +179,9 @@ class TestLookup:
             assert {k: found[k] for k in of_both} == {k: expected[k] for k in of_both}
             assert client.call("GET", path, token=TOKEN, query="format=calibdb").json == found
 
-    def test_what_is_kept_of_a_calibration(self, stack: LocalStack, known: list[Any]) -> None:
+    def test_stored_calibration_has_keypoints_and_no_address(
+        self, stack: LocalStack, known: list[Any]
+    ) -> None:
         calibration = known[0][0]["calibration_id"]
         name = f"calibrations/{calibration.rpartition('-')[0]}/{calibration}.json"
         stored = boto3.client("s3").get_object(Bucket=stack.environment["BUCKET_NAME"], Key=name)
@@ -193,7 +193,7 @@ class TestLookup:
         assert all(len(view["ids"]) == len(view["points"]) for view in document["views"])
 
 
-def test_captures_that_end_at_once_all_count(stack: LocalStack) -> None:
+def test_concurrent_captures_all_count(stack: LocalStack) -> None:
     """Every capture asks for the consensus; whichever computation comes last, it considered all of them."""
 
     def run(seed: int) -> Any:
@@ -239,7 +239,7 @@ def calibrated_by_opencv(
 
 
 @pytest.mark.parametrize("name", available(REAL))
-def test_real_corners_give_what_opencv_gives(client: Client, name: str) -> None:
+def test_real_corners_equal_opencv(client: Client, name: str) -> None:
     """Photographs of a printed board, through the API as a session sends them."""
     data = corner_set(name)
     squares, model = REAL[name]

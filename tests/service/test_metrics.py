@@ -71,7 +71,7 @@ def test_refusals_by_reason(
     assert line["_aws"]["CloudWatchMetrics"][0]["Dimensions"] == [["Stack"], ["Stack", "Reason"]]
 
 
-def test_nothing_is_said_elsewhere(stack: LocalStack, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_metrics_outside_lambda(stack: LocalStack, capsys: pytest.CaptureFixture[str]) -> None:
     Client(stack).lookup(camera="Never seen")
     assert counted(capsys) == []
 

@@ -17,17 +17,17 @@ def document() -> dict:
     return json.loads(openapi.OPENAPI_PATH.read_text())
 
 
-def test_the_committed_file_is_what_the_models_give() -> None:
+def test_committed_openapi_is_current() -> None:
     assert openapi.OPENAPI_PATH.read_text() == openapi.text(), "run `make openapi`"
 
 
-def test_it_names_the_routes_of_the_template(document: dict, stack: LocalStack) -> None:
+def test_openapi_has_the_routes_of_the_template(document: dict, stack: LocalStack) -> None:
     described = {(m.upper(), path) for path, methods in document["paths"].items() for m in methods}
     routed = {(route.method, route.path) for route in stack.template.routes if route.method != "ANY"}
     assert described == routed
 
 
-def test_every_reference_leads_somewhere(document: dict) -> None:
+def test_every_reference_resolves(document: dict) -> None:
     schemas = document["components"]["schemas"]
     references = set(re.findall(r'"#/components/schemas/(\w+)"', json.dumps(document)))
     assert references == schemas.keys()
@@ -50,7 +50,7 @@ def test_bodies_are_limited_and_refused_by_field(document: dict) -> None:
                 assert {"400", "413", "422"} <= operation["responses"].keys()
 
 
-def test_what_is_accepted_is_what_the_solver_can_work_with() -> None:
+def test_accepted_ranges_are_those_of_the_solver() -> None:
     assert set(schema.DISTORTION_MODELS) == set(models.NAMES)
     assert set(schema.DICTIONARIES) == set(DICTIONARIES)
     for dictionary, markers in DICTIONARIES.items():

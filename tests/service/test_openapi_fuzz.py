@@ -69,7 +69,7 @@ def requests(operation: APIOperation, known: dict[str, list[str]]) -> st.SearchS
     # There is no wrong way to ask whether the service is there.
     [(label, mode) for label in OPERATIONS for mode in GenerationMode if (label, mode) != HEALTHY],
 )
-def test_nothing_but_what_is_promised(
+def test_every_response_conforms_to_openapi(
     stack: LocalStack, url: str, known: dict[str, list[str]], label: str, mode: GenerationMode
 ) -> None:
     operation = OPERATIONS[label]

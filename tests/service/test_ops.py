@@ -70,7 +70,7 @@ def test_a_token_is_issued_listed_and_revoked(data_dir: Path, capsys: pytest.Cap
         "https://u@page.example",
     ],
 )
-def test_only_origins_are_origins(origin: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_malformed_origins_are_refused(origin: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["token", "create", "--origin", origin]) == 1
     answer = capsys.readouterr()
     assert origin in answer.err
@@ -106,9 +106,7 @@ def test_the_table_follows_from_the_bucket(data_dir: Path, capsys: pytest.Captur
             assert items(stack) == before
 
 
-def test_what_a_crash_left_unpublished_is_published(
-    data_dir: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_reindex_publishes_after_a_crash(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with LocalStack(data_dir) as stack:
         before = items(stack)
         lost = objects(stack, "calibrations/")[0]
@@ -122,9 +120,7 @@ def test_what_a_crash_left_unpublished_is_published(
         assert items(stack) == before
 
 
-def test_what_is_not_in_the_bucket_leaves_the_index(
-    data_dir: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_reindex_removes_items_without_object(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with LocalStack(data_dir) as stack:
         before = items(stack)
         files, bucket = boto3.client("s3"), stack.environment["BUCKET_NAME"]
@@ -194,7 +190,7 @@ def test_cameras_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 @pytest.mark.parametrize("asked_by", ["today's key", "the earlier key"])
-def test_a_camera_shows_what_was_stored_under_an_earlier_key(
+def test_camera_includes_calibrations_of_earlier_keys(
     asked_by: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
@@ -247,14 +243,14 @@ def test_a_withdrawn_calibration_counts_for_nothing(
         assert main(["calibration", action, "c1-none-000000000000-00000000000000000000"]) == 1
 
 
-def test_who_has_read_enough_of_a_list_hears_no_complaint(data_dir: Path) -> None:
+def test_closed_pipe_is_no_error(data_dir: Path) -> None:
     assert data_dir.exists()
     command = f"{sys.executable} -m infra.ops camera list | true"
     done = subprocess.run(["bash", "-o", "pipefail", "-c", command], capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
 
 
-def test_nothing_of_a_contributor_is_left(
+def test_forgotten_contributor_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Two tokens at one address are two contributors; of the one that goes, not even a session stays."""

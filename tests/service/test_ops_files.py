@@ -77,7 +77,7 @@ def without_guidance(answer: dict[str, Any]) -> dict[str, Any]:
     return {k: v for k, v in answer.items() if k != "guidance_url"}
 
 
-def test_what_was_dumped_answers_alike_elsewhere(
+def test_loaded_dump_answers_alike(
     data_dir: Path,
     dumped: Path,
     tmp_path: Path,
@@ -111,9 +111,7 @@ def test_a_dump_names_nobody(data_dir: Path, dumped: Path, tmp_path: Path) -> No
     assert len({d["contributor"] for d in documents}) == len(known)  # and yet they can be told apart
 
 
-def test_labels_that_were_stored_by_earlier_rules_are_cleaned_by_todays(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_dumped_labels_follow_the_current_rules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
     label, platform = "Anna's webcam Z77 +49 170 1234567", "Linux; Anna Schmidt"
     stored = calibration("webcam Z77", 0).model_copy(update={"camera": label, "platform": platform})
@@ -192,7 +190,7 @@ def seed(path: Path, *options: str) -> int:
 
 
 @external_data
-def test_guesses_from_elsewhere_are_no_answers(
+def test_seeded_cameras_are_no_answers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
@@ -229,7 +227,7 @@ def key_of(prior: Any) -> tuple[str, tuple[int, int], float, str]:
     return prior.camera_key, prior.fit.img_size, prior.zoom, prior.fit.distortion_model
 
 
-def test_rows_that_disagree_are_no_guess(
+def test_contradictory_rows_seed_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
@@ -267,7 +265,7 @@ def test_rows_that_disagree_are_no_guess(
         assert complaint in capsys.readouterr().err
 
 
-def test_the_operator_hears_what_a_camera_takes_in_a_bundle(
+def test_bundle_reports_bytes_per_camera(
     data_dir: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("DATA_DIR", str(data_dir))
@@ -293,7 +291,7 @@ def test_the_operator_hears_what_a_camera_takes_in_a_bundle(
     assert json.loads(file.read_text()) == data
 
 
-def test_a_model_that_the_solver_learns_can_be_seeded(
+def test_new_model_can_be_seeded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The columns of a model are its own; the schema's list of models is the one thing that must follow."""

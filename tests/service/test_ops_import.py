@@ -67,7 +67,7 @@ def test_keypoints_become_a_calibration_like_any_other(
         assert asked.json["reason"] == "too_few"
 
 
-def test_a_camera_without_keypoints_is_a_first_guess_and_never_an_answer(
+def test_camera_without_keypoints_is_imported_as_a_seed(
     data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "camera.yaml"
@@ -80,7 +80,7 @@ def test_a_camera_without_keypoints_is_a_first_guess_and_never_an_answer(
         assert asked.json["reason"] in ("unknown_camera", "too_few")
 
 
-def test_a_file_that_makes_no_sense_stores_nothing(
+def test_malformed_file_stores_nothing(
     data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "broken.json"

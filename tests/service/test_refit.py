@@ -65,7 +65,7 @@ def table_items(table: Any, stack: LocalStack, prefix: str) -> list[Any]:
     return [item for item in found if item["pk"]["S"].startswith(prefix)]
 
 
-def test_many_who_compute_at_once_leave_the_newest(at_rest: Store) -> None:
+def test_concurrent_refits_leave_the_newest_consensus(at_rest: Store) -> None:
     """Without waiting for each other, while calibrations keep coming in."""
     documents = [calibration("Computed by many", n, views=3) for n in range(8)]
     mode = mode_of(documents[0])
@@ -88,7 +88,7 @@ def test_many_who_compute_at_once_leave_the_newest(at_rest: Store) -> None:
     assert (left.total, left.calibration and left.calibration.calibrations) == (8, 8)
 
 
-def test_a_result_that_was_overtaken_is_not_written(at_rest: Store) -> None:
+def test_overtaken_result_is_not_written(at_rest: Store) -> None:
     documents = [calibration("Overtaken", n, views=3) for n in range(2)]
     mode = mode_of(documents[0])
     at_rest.calibrations.publish(documents[0])
@@ -111,7 +111,7 @@ def test_a_result_that_was_overtaken_is_not_written(at_rest: Store) -> None:
     assert totals(at_rest, documents[0]) == [2]
 
 
-def test_what_can_never_be_computed_ends_in_the_queue_of_failures(stack: LocalStack, at_rest: Store) -> None:
+def test_malformed_refit_reaches_the_dead_letter_queue(stack: LocalStack, at_rest: Store) -> None:
     before = len(stack.failures())
     queue = boto3.client("lambda")
     for garbage in ({"camera": 5}, [], {"camera": "k", "img_size": [0, 0]}):
@@ -128,7 +128,7 @@ def test_what_can_never_be_computed_ends_in_the_queue_of_failures(stack: LocalSt
     until(lambda: totals(at_rest, document) == [1] * MODELS, 30)
 
 
-def test_a_computation_that_broke_down_is_taken_up_again(at_rest: Store) -> None:
+def test_failed_refit_is_retried(at_rest: Store) -> None:
     document = calibration("Broken down", 0)
     at_rest.calibrations.publish(document)
     broken: list[bool] = []
@@ -147,7 +147,7 @@ def test_a_computation_that_broke_down_is_taken_up_again(at_rest: Store) -> None
     assert broken
 
 
-def test_a_model_of_a_later_version_is_passed_over(at_rest: Store, stack: LocalStack) -> None:
+def test_model_of_a_later_version_is_skipped(at_rest: Store, stack: LocalStack) -> None:
     document = calibration("Asked by a later version", 0)
     at_rest.calibrations.publish(document)
     answer = at_rest.refit.now(asked(mode_of(document), "double_sphere", "fisheye"))
@@ -161,7 +161,7 @@ def test_a_model_of_a_later_version_is_passed_over(at_rest: Store, stack: LocalS
     assert list(at_rest.refit.now(asked(mode_of(document))).models) == list(schema.DISTORTION_MODELS)
 
 
-def test_what_is_withdrawn_counts_for_nothing(stack: LocalStack, at_rest: Store) -> None:
+def test_withdrawn_calibrations_do_not_count(stack: LocalStack, at_rest: Store) -> None:
     documents = [calibration("Withdrawn", n) for n in range(3)]
     mode = mode_of(documents[0])
     for document in documents:
@@ -181,7 +181,7 @@ def totals_now(at_rest: Store, document: schema.CalibrationDocument) -> set[int]
     return {known.total for known in answer.models.values() if known}
 
 
-def test_one_that_is_not_of_its_board_stands_in_nobodys_way(at_rest: Store) -> None:
+def test_calibration_off_its_board_is_skipped(at_rest: Store) -> None:
     documents = [calibration("Brought in from elsewhere", n) for n in range(2)]
     views = (documents[1].views[0].model_copy(update={"ids": (999,), "points": ((1.0, 1.0),)}),)
     at_rest.calibrations.publish(documents[0])
@@ -202,7 +202,7 @@ def test_cropped_streams_are_not_pooled_with_native_ones(at_rest: Store) -> None
     assert totals_now(at_rest, native) == {1}
 
 
-def test_a_view_that_is_sent_by_many_at_once_ends_the_session_once(stack: LocalStack, at_rest: Store) -> None:
+def test_concurrent_last_view_ends_the_session_once(stack: LocalStack, at_rest: Store) -> None:
     """The client gave up waiting and sent it again, and again, while the first was still worked on."""
     client, truth = Client(stack), Truth(seed=5)
     client.open(camera="Impatient client")

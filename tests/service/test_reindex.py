@@ -169,7 +169,7 @@ def test_the_table_is_the_same_byte_for_byte(history: History) -> None:
     assert history.anew == [expected] * 2
 
 
-def test_it_was_a_history_worth_it(history: History) -> None:
+def test_history_covers_every_kind_of_item(history: History) -> None:
     """Confirmed and withdrawn by votes, reliable, at odds: otherwise the rest proves little."""
     found = history.answers
     assert {found[f"{KNOWN} rectilinear"]["basis"], found["Confirmed Z77 rectilinear"]["basis"]} == {
@@ -183,7 +183,7 @@ def test_it_was_a_history_worth_it(history: History) -> None:
     assert reasons["Withdrawn awhile Z77 rectilinear"] == "too_few"
 
 
-def test_a_dump_taken_in_answers_alike_and_is_dumped_alike(history: History, tmp_path: Path) -> None:
+def test_loaded_dump_is_dumped_alike(history: History, tmp_path: Path) -> None:
     with LocalStack(environment=RULES) as stack:
         context = context_of(stack)
         assert load(context, history.dumped) == (20, 6)

@@ -38,7 +38,7 @@ def vote(of: schema.CalibrationDocument, rng: random.Random) -> schema.VoteDocum
     return schema.VoteDocument(**{**of.model_dump(exclude={"fits"}), **changed}, noise=0.2)
 
 
-def test_nothing_is_found_that_the_table_did_not_say() -> None:
+def test_random_history_reindexes_to_the_same_table() -> None:
     rng, documents = random.Random(3), candidates()
     done: set[str] = set()
     with LocalStack(environment=RULES) as stack:

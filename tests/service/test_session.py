@@ -53,7 +53,7 @@ def test_another_view_under_a_used_index_is_a_conflict(running: Client) -> None:
     assert running.state() == before
 
 
-def test_an_index_that_is_not_open_is_a_conflict(running: Client) -> None:
+def test_unopened_index_is_a_conflict(running: Client) -> None:
     assert running.view(1, *Truth().see(running.pose().json)).status == 409
 
 
@@ -112,7 +112,7 @@ def test_the_last_view_repeated_publishes_once(stack: LocalStack, client: Client
 
 
 @pytest.mark.parametrize(("noun", "verb"), [("calibrations", "publish"), ("refit", "later")])
-def test_a_repeat_completes_what_a_failure_left_undone(client: Client, noun: str, verb: str) -> None:
+def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: str) -> None:
     """Storage fails after the session converged and before anyone can find the calibration."""
     truth, camera = Truth(), f"Camera whose {verb} fails"
     client.open(camera=camera)
@@ -143,7 +143,7 @@ def test_a_repeat_completes_what_a_failure_left_undone(client: Client, noun: str
     until(lambda: client.lookup(camera=camera).json["reason"] == "too_few")
 
 
-def test_a_session_started_anew_under_its_id_is_another_calibration(client: Client) -> None:
+def test_restarted_session_is_another_calibration(client: Client) -> None:
     first = Truth().calibrate(client)
     assert client.call("DELETE", "/v1/session").status == 204
     assert client.call("POST", "/v1/session", CAMERA).json["views"] == []
