@@ -102,7 +102,7 @@ def test_different_cameras(one: tuple[str, str], other: tuple[str, str]) -> None
         ("-", LINUX, True),
     ],
 )
-def test_what_does_not_say_which_product_it_is(label: str, platform: str, ambiguous: bool) -> None:
+def test_generic_labels_are_not_distinct(label: str, platform: str, ambiguous: bool) -> None:
     assert identify(label, platform).ambiguous is ambiguous
 
 
@@ -121,21 +121,21 @@ def test_what_does_not_say_which_product_it_is(label: str, platform: str, ambigu
         *("Anna's S23 (Windows Virtual Camera)", "e2eSoft VCam", "mmhmm Camera", "Unity Video Capture"),
     ],
 )
-def test_programs_that_pose_as_cameras(label: str) -> None:
+def test_virtual_cameras_are_recognised(label: str) -> None:
     assert identify(label, WINDOWS).virtual
 
 
 @pytest.mark.parametrize(
     "label", ["HD Pro Webcam C920", "Intel(R) RealSense(TM) 3D Camera Virtual Driver", "OBSBOT Tiny 2"]
 )
-def test_cameras_that_are_no_programs(label: str) -> None:
+def test_real_cameras_are_not_virtual(label: str) -> None:
     assert not identify(label, WINDOWS).virtual
 
 
 PHONE = "Apple iPhone 15 Pro, iPhone 15 Pro back triple camera"
 
 
-def test_what_a_camera_writes_into_its_photographs_says_which_it_is() -> None:
+def test_exif_make_and_model_are_distinct() -> None:
     """Its lenses are told apart, and photographs, videos and streams, which it cuts differently."""
     wide, far = f"{PHONE} 6.765mm f/1.78", f"{PHONE} 9mm f/2.8"
     assert public_label(wide) == wide.replace(",", "")
@@ -149,7 +149,7 @@ def test_what_a_camera_writes_into_its_photographs_says_which_it_is() -> None:
     assert identify("Camera", "photographs").ambiguous
 
 
-def test_this_projects_own_virtual_camera_is_as_good_as_its_name() -> None:
+def test_own_virtual_camera_is_distinct() -> None:
     identity = identify("calibDB virtual camera 1f2e3d4c", LINUX)
     assert (identity.virtual, identity.ambiguous) == (False, False)
     assert identity.key != camera_key("calibDB virtual camera 1f2e3d4d", LINUX)
@@ -233,7 +233,7 @@ def test_no_persons_name_is_kept(label: str, public: str) -> None:
     assert public_label(label) == public
 
 
-def test_what_is_not_seen_is_not_kept() -> None:
+def test_control_characters_are_removed() -> None:
     assert public_label("X\x1b[31m Z77\u202e\nexe\x07") == "X [31m Z77 exe"
     assert public_platform("X11;\x1b Linux\u202e x86_64\n") == LINUX
 
@@ -270,11 +270,11 @@ def test_a_programs_name_is_the_programs(name: str) -> None:
         ("photographs", "photographs"),
     ],
 )
-def test_of_the_platform_is_kept_what_is_recognised(platform: str, public: str) -> None:
+def test_platform_keeps_recognised_parts(platform: str, public: str) -> None:
     assert public_platform(platform) == public
 
 
-def test_the_platform_is_what_stands_in_parentheses() -> None:
+def test_platform_is_read_from_parentheses() -> None:
     assert public_platform(f"Mozilla/5.0 ({LINUX}) AppleWebKit/537.36") == LINUX
     assert public_platform(LINUX) == LINUX
 
@@ -317,7 +317,7 @@ TEXT = st.text(max_size=60) | st.lists(
     label=TEXT,
     platform=st.sampled_from([LINUX, MAC, IPHONE, "Linux; Android 14; Pixel 8"]) | st.text(max_size=40),
 )
-def test_what_is_stored_gives_the_key_that_was_asked_for(label: str, platform: str) -> None:
+def test_stored_label_gives_the_same_key(label: str, platform: str) -> None:
     """The index is rebuilt from what is stored, which carries no person's name."""
     label_, platform_ = public_label(label), public_platform(platform)
     assert identify(label_, platform_) == identify(label, platform)

@@ -53,7 +53,7 @@ def test_labels_of_one_product_are_found_under_one_key(rows: list[tuple[Row, Ide
     assert found / len(pairs) >= 0.9
 
 
-def test_nor_does_that_rest_on_translations(rows: list[tuple[Row, Identity]]) -> None:
+def test_english_labels_alone_resolve_alike(rows: list[tuple[Row, Identity]]) -> None:
     known = [identity for _, identity in rows]
     english = [(row, i) for row, i in rows if row["platform"].partition("(")[2] in ("", "en)")]
     found = [
@@ -65,7 +65,7 @@ def test_nor_does_that_rest_on_translations(rows: list[tuple[Row, Identity]]) ->
     assert sum(found) / len(found) >= 0.9
 
 
-def test_a_name_that_two_ids_bear_does_not_say_which_it_is(rows: list[tuple[Row, Identity]]) -> None:
+def test_name_of_two_usb_ids_is_ambiguous(rows: list[tuple[Row, Identity]]) -> None:
     for (_, one), (_, other) in itertools.combinations(rows, 2):
         if one.usb_id and other.usb_id and one.usb_id != other.usb_id and one.name == other.name:
             assert not one.distinct, one.name

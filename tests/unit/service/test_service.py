@@ -89,7 +89,7 @@ def test_sessions_sort_by_their_start(service: Service, clock: Clock) -> None:
     assert service.ticket(token, None).sid > first
 
 
-def test_a_ticket_is_bound_to_the_page_where_the_token_is(service: Service) -> None:
+def test_ticket_of_an_origin_token_is_bound_to_its_page(service: Service) -> None:
     page = "https://a.example"
     assert service.ticket(ApiToken("t", "", (page,)), page).origin == page
     assert service.ticket(ApiToken("t", ""), page).origin is None

@@ -23,7 +23,7 @@ ENVIRONMENT = {
 }
 
 
-def test_read() -> None:
+def test_settings_are_read_from_the_environment() -> None:
     settings = Settings.from_environment(ENVIRONMENT)
     assert settings.session_secrets == ("new", "old")
     assert settings.thresholds == Thresholds()
@@ -40,13 +40,13 @@ def test_every_threshold_has_its_variable() -> None:
     )
 
 
-def test_the_deployment_overrides_single_thresholds_and_a_variable_goes_over_them() -> None:
+def test_variables_override_the_thresholds_parameter() -> None:
     environment = {"THRESHOLDS": "MIN_SHARE=0.75,MIN_CONTRIBUTORS=1", "MIN_CONTRIBUTORS": "2"}
     assert Thresholds.from_environment(environment) == Thresholds(min_share=0.75, min_contributors=2)
     assert Thresholds.from_environment({"THRESHOLDS": ""}) == Thresholds()
 
 
-def test_the_template_gives_every_function_the_thresholds_and_no_defaults_of_its_own() -> None:
+def test_template_passes_thresholds_without_defaults() -> None:
     document = parse(ROOT / "template.yaml")
     variables = document["Globals"]["Function"]["Environment"]["Variables"]
     assert variables["THRESHOLDS"] == {"Ref": "Thresholds"}
@@ -56,7 +56,7 @@ def test_the_template_gives_every_function_the_thresholds_and_no_defaults_of_its
 
 @pytest.mark.parametrize("name", [name for name in ENVIRONMENT if name[:4] not in ("AWS_", "MIN_")])
 @pytest.mark.parametrize("value", ["", None])
-def test_missing(name: str, value: str | None) -> None:
+def test_missing_settings_are_named(name: str, value: str | None) -> None:
     environment = {k: v for k, v in ENVIRONMENT.items() if k != name} | ({name: value} if value else {})
     with pytest.raises(SettingsError, match=name):
         Settings.from_environment(environment)
@@ -78,7 +78,7 @@ def test_missing(name: str, value: str | None) -> None:
         ("THRESHOLDS", "TABLE_NAME=other"),
     ],
 )
-def test_nonsense(name: str, value: str) -> None:
+def test_malformed_settings_are_refused(name: str, value: str) -> None:
     with pytest.raises(SettingsError, match=name):
         Settings.from_environment({**ENVIRONMENT, name: value})
 

@@ -112,7 +112,7 @@ def test_most_lookups_neither_read_nor_write(memory: TokenCache, tokens: Tokens,
     assert tokens.reads == 10
 
 
-def test_a_rare_lookup_is_written_down_with_others(memory: TokenCache, quotas: Quotas, clock: Clock) -> None:
+def test_rare_lookups_are_flushed_together(memory: TokenCache, quotas: Quotas, clock: Clock) -> None:
     for _ in range(60):  # one a minute: each reads the token anew, one in ten writes
         look_up(memory)
         clock.now += 60
@@ -131,7 +131,7 @@ def test_an_hour_is_used_up_for_all_and_the_next_begins_anew(
     look_up(memory)
 
 
-def test_one_source_cannot_use_up_what_all_share(memory: TokenCache, quotas: Quotas) -> None:
+def test_one_source_cannot_exhaust_the_shared_quota(memory: TokenCache, quotas: Quotas) -> None:
     for _ in range(6_000):
         look_up(memory, "greedy")
     for _ in range(6_000):
@@ -141,7 +141,7 @@ def test_one_source_cannot_use_up_what_all_share(memory: TokenCache, quotas: Quo
     assert sum(quotas.writes) <= 6_000
 
 
-def test_counting_never_costs_an_answer(memory: TokenCache, quotas: Quotas, clock: Clock) -> None:
+def test_failed_count_refuses_no_lookup(memory: TokenCache, quotas: Quotas, clock: Clock) -> None:
     quotas.down = True
     for _ in range(LOOKUPS_PER_FLUSH + 5):
         look_up(memory)
@@ -169,11 +169,11 @@ def test_an_unlimited_plan_counts_nothing(memory: TokenCache, tokens: Tokens, qu
     assert (quotas.writes, tokens.reads) == ([], 1)
 
 
-def test_a_plan_that_is_no_more_is_the_smallest() -> None:
+def test_unknown_plan_is_the_smallest() -> None:
     assert plan("gone") is PLANS["free"]
 
 
-def test_a_contributor_stops_at_their_share_and_the_rest_at_the_whole(service: Service) -> None:
+def test_contributor_is_limited_by_share_and_token(service: Service) -> None:
     def opened(address: str) -> bool:
         try:
             service.charge(TOKEN, "sessions", address)
@@ -185,7 +185,7 @@ def test_a_contributor_stops_at_their_share_and_the_rest_at_the_whole(service: S
     assert [opened(f"192.0.2.{n}") for n in range(2, 9)] == [True] * 3 + [False] * 4
 
 
-def test_who_was_refused_their_share_takes_none_of_the_others(service: Service, quotas: Quotas) -> None:
+def test_refused_call_takes_nothing_from_the_shared_quota(service: Service, quotas: Quotas) -> None:
     for _ in range(50):
         try:
             service.charge(TOKEN, "views", "192.0.2.1")
@@ -218,5 +218,5 @@ def test_a_session_ends_within_a_minute_of_its_tokens_revocation(
         ("", "unknown", False),
     ],
 )
-def test_who_is_one_contributor(one: str, other: str, same: bool) -> None:
+def test_contributor_is_address_and_token(one: str, other: str, same: bool) -> None:
     assert (contributor("secret", one, "t") == contributor("secret", other, "t")) is same

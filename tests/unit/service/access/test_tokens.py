@@ -40,7 +40,7 @@ class Clock:
         ("", None),
     ],
 )
-def test_parse(text: str, parts: tuple[str, str] | None) -> None:
+def test_token_text_is_parsed(text: str, parts: tuple[str, str] | None) -> None:
     assert parse(text) == parts
 
 
@@ -67,7 +67,7 @@ def test_origins(origins: tuple[str, ...], origin: str | None, admitted: bool) -
     assert ApiToken("t", "", origins).admits(origin) is admitted
 
 
-def test_a_session_id_says_what_it_was_issued_for() -> None:
+def test_session_id_round_trips_its_ticket() -> None:
     clock = Clock()
     ids = SessionIds([NEW], clock, lifetime=100)
     session_id, expires_at = ids.issue(TICKET)
@@ -76,7 +76,7 @@ def test_a_session_id_says_what_it_was_issued_for() -> None:
     assert ids.verify(session_id, "https://any.example") == TICKET
 
 
-def test_a_session_id_lives_as_long_as_it_says() -> None:
+def test_session_id_expires() -> None:
     clock = Clock()
     ids = SessionIds([NEW], clock, lifetime=100)
     session_id, _ = ids.issue(TICKET)
@@ -102,7 +102,7 @@ def test_secrets_are_exchanged_while_sessions_run() -> None:
             ids.verify(session_id, None)
 
 
-def test_every_changed_character_is_noticed() -> None:
+def test_changed_session_id_is_refused() -> None:
     ids = SessionIds([NEW], Clock())
     session_id, _ = ids.issue(TICKET)
     for place, character in enumerate(session_id[:-1]):  # of the last one only some bits count

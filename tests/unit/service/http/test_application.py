@@ -70,7 +70,7 @@ def send(method: str, path: str, headers: dict[str, str] | None = None) -> dict[
         ("*/*;q=0", None),
     ],
 )
-def test_accept(accept: str, chosen: str | None) -> None:
+def test_accept_header_selects_the_media_type(accept: str, chosen: str | None) -> None:
     answer = send("GET", "/pick", {"accept": accept})
     assert answer["statusCode"] == (200 if chosen else 406)
     if chosen:
@@ -109,7 +109,7 @@ def test_a_wrong_method_is_told_the_right_ones() -> None:
     assert answer["headers"]["allow"] in problem["detail"]
 
 
-def test_an_event_may_lack_what_is_empty_and_name_headers_as_it_likes() -> None:
+def test_event_may_omit_empty_members() -> None:
     event = EVENT | {"rawPath": "/pick", "requestContext": {"http": {**HTTP, "path": "/pick"}}}
     for headers in ({}, {"headers": None}, {"headers": {"Accept": "IMAGE/PNG", "HOST": "a:b"}}):
         answer = HANDLER({**event, **headers}, None)
@@ -119,7 +119,7 @@ def test_an_event_may_lack_what_is_empty_and_name_headers_as_it_likes() -> None:
         )
 
 
-def test_a_crash_says_nothing_of_itself(caplog: pytest.LogCaptureFixture) -> None:
+def test_unhandled_error_is_a_bare_500(caplog: pytest.LogCaptureFixture) -> None:
     answer = send("GET", "/crash")
     assert answer["statusCode"] == 500
     assert answer["headers"]["content-type"] == "application/problem+json"

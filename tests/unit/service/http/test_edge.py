@@ -28,18 +28,18 @@ def address(forwarded: str, shown: str | None, settings: Settings = SETTINGS) ->
 
 
 @pytest.mark.parametrize("forwarded", ["192.0.2.7, 198.51.100.9", "203.0.113.1, 192.0.2.7, 198.51.100.9"])
-def test_the_edge_names_the_caller_and_not_what_the_caller_invented(forwarded: str) -> None:
+def test_address_is_the_edges_not_a_forged_header(forwarded: str) -> None:
     assert address(forwarded, SECRET) == "192.0.2.7"
 
 
 @pytest.mark.parametrize("shown", [None, "", "e" * 31, "ü"])
-def test_nobody_else_is_believed(shown: str | None) -> None:
+def test_address_header_without_secret_is_ignored(shown: str | None) -> None:
     assert address("192.0.2.7, 198.51.100.9", shown) == "198.51.100.9"
 
 
-def test_without_a_secret_nobody_is_believed() -> None:
+def test_address_header_is_ignored_where_no_secret_is_set() -> None:
     assert address("192.0.2.7, 198.51.100.9", "", replace(SETTINGS, edge_secret=None)) == "198.51.100.9"
 
 
-def test_an_edge_that_names_nobody() -> None:
+def test_edge_without_address_falls_back_to_the_gateway() -> None:
     assert address("198.51.100.9", SECRET) == "198.51.100.9"

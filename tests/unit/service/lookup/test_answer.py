@@ -21,7 +21,7 @@ def asked(known: list[ConsensusDocument], size: Size, answered: int = 0) -> Look
     return build_answer(found, known, size)
 
 
-def test_between_two_sizes_that_show_the_same_it_shows_the_same() -> None:
+def test_size_between_two_equal_views_is_scaled() -> None:
     known = [at((640, 360)), at((1920, 1080))]
     for nearest in (0, 1):
         found = asked(known, (1280, 720), nearest)
@@ -36,7 +36,7 @@ def test_between_two_sizes_that_show_the_same_it_shows_the_same() -> None:
 
 
 @pytest.mark.parametrize("size", [(1920, 1080), (320, 180)])
-def test_beyond_them_nothing_is_known(size: Size) -> None:
+def test_relation_outside_the_known_sizes_is_unknown(size: Size) -> None:
     """A camera that scales from 320 to 960 may cut at 1920: one of those measured does."""
     found = asked([at((640, 360)), at((960, 540))], size)
     assert (found.relation, found.adapted) == ("scale", None)
@@ -47,7 +47,7 @@ def test_another_aspect_between_them_is_another_picture() -> None:
     assert found.adapted is None
 
 
-def test_sizes_that_do_not_scale_say_nothing_of_one_between() -> None:
+def test_unrelated_sizes_do_not_verify_one_between() -> None:
     found = asked([at((640, 360)), at((1920, 1080), s=1.9)], (1280, 720))
     assert (found.relation, found.adapted) == ("scale+crop", None)
 
@@ -57,7 +57,7 @@ def test_one_size_alone_has_no_relation() -> None:
     assert (found.relation, found.adapted) == (None, None)
 
 
-def test_two_unreliable_calibrations_suffice_to_verify_the_size_relation() -> None:
+def test_two_unreliable_calibrations_verify_the_size_relation() -> None:
     few = at((640, 480), s=0.5, reason="too_few", calibrations=2)
     found = asked([at((1280, 960)), few], (640, 480))
     assert found.relation == "scale"
@@ -71,14 +71,14 @@ def test_two_unreliable_calibrations_suffice_to_verify_the_size_relation() -> No
 
 
 @pytest.mark.parametrize(("reason", "calibrations"), [("too_few", 1), ("disagree", 6)])
-def test_one_alone_or_some_that_disagree_verify_nothing(reason: str, calibrations: int) -> None:
+def test_single_or_contradictory_calibrations_verify_nothing(reason: str, calibrations: int) -> None:
     # Between two sizes that scale, too: what is known of this very size comes first.
     known = [at((640, 360)), at((1920, 1080)), at((1280, 720), reason=reason, calibrations=calibrations)]
     found = asked(known, (1280, 720))
     assert (found.relation, found.adapted) == (None, None)
 
 
-def test_evidence_against_scaling_comes_before_what_the_others_do() -> None:
+def test_evidence_against_scaling_outweighs_other_sizes() -> None:
     known = [at((640, 360)), at((1920, 1080)), at((1280, 720), s=1.3, reason="too_few", calibrations=3)]
     found = asked(known, (1280, 720), 1)
     assert found.relation == "scale+crop"
@@ -86,7 +86,7 @@ def test_evidence_against_scaling_comes_before_what_the_others_do() -> None:
     assert found.adapted.camera_matrix[0][0] == pytest.approx(1.3 * F, rel=1e-3)
 
 
-def test_the_exact_size_says_how_it_relates_to_the_others() -> None:
+def test_exact_size_has_a_relation() -> None:
     found = asked([at((640, 360)), at((1280, 720))], (640, 360))
     assert (found.exact_size, found.relation, found.adapted) == (True, "scale", None)
 
@@ -95,7 +95,7 @@ def zoomed(*focal: tuple[float, float]) -> list[ConsensusDocument]:
     return [consensus(fit(f=f), zoom=zoom) for zoom, f in focal]
 
 
-def test_between_two_zooms_the_lens_is_between_them_and_it_says_so() -> None:
+def test_zoom_between_two_is_interpolated_and_marked() -> None:
     pair = bracketing_zooms(
         zoomed((1.0, 900.0), (2.0, 1700.0), (3.0, 2500.0)), (1280, 720), 1.25, "rectilinear"
     )
@@ -121,7 +121,7 @@ def test_between_two_zooms_the_lens_is_between_them_and_it_says_so() -> None:
         (((0.0, 900.0), (2.0, 1700.0)), 1.0),  # 0: a browser that does not say; it may have been 1
     ],
 )
-def test_zooms_that_say_nothing_between_them(known: tuple[tuple[float, float], ...], zoom: float) -> None:
+def test_incomparable_zooms_are_not_interpolated(known: tuple[tuple[float, float], ...], zoom: float) -> None:
     assert bracketing_zooms(zoomed(*known), (1280, 720), zoom, "rectilinear") is None
 
 
@@ -156,12 +156,12 @@ def test_a_model_without_formulas_is_not_interpolated() -> None:
     assert bracketing_zooms(documents, (1280, 720), 1.5, "double_sphere") is None
 
 
-def test_only_what_is_reliable_is_interpolated() -> None:
+def test_only_reliable_calibrations_are_interpolated() -> None:
     known = [consensus(fit(f=900.0), zoom=1.0), consensus(fit(f=1500.0), zoom=2.0, reason="too_few")]
     assert bracketing_zooms(known, (1280, 720), 1.5, "rectilinear") is None
 
 
-def test_where_calibrations_disagree_it_is_not_what_lies_between() -> None:
+def test_contradictory_zoom_is_not_interpolated_over() -> None:
     known = zoomed((1.0, 900.0), (2.0, 1500.0))
     too_few = consensus(fit(f=1200.0), zoom=1.5, reason="too_few", calibrations=1)
     assert bracketing_zooms([*known, too_few], (1280, 720), 1.5, "rectilinear") is not None
@@ -170,7 +170,7 @@ def test_where_calibrations_disagree_it_is_not_what_lies_between() -> None:
     assert bracketing_zooms([*known, at_odds], (1280, 720), 1.6, "rectilinear") is not None
 
 
-def test_the_answer_is_the_calibration_and_more() -> None:
+def test_answer_extends_the_calibration() -> None:
     known = [at((1280, 720))]
     stored = known[0].calibration
     found = asked(known, (1280, 720))

@@ -36,18 +36,18 @@ def test_a_camera_known_under_its_own_key_is_one_query() -> None:
     assert resolve({CHROME.key: Known([known])}, CHROME) == (CHROME.key, known, 1)
 
 
-def test_a_name_alone_finds_the_one_usb_id_that_is_known_under_it() -> None:
+def test_name_finds_its_only_usb_id() -> None:
     known = consensus()
     index = {FIREFOX.key: Known([], (CHROME.key,)), CHROME.key: Known([known])}
     assert resolve(index) == (CHROME.key, known, 2)
 
 
-def test_a_name_that_two_ids_bear_finds_neither() -> None:
+def test_name_of_two_usb_ids_finds_neither() -> None:
     index = {FIREFOX.key: Known([], (CHROME.key, OTHER.key)), CHROME.key: Known([consensus()])}
     assert resolve(index) == (FIREFOX.key, None, 1)
 
 
-def test_what_is_known_under_the_name_alone_comes_first() -> None:
+def test_calibrations_of_the_name_come_first() -> None:
     known = consensus(camera="HD Pro Webcam C920")
     index = {FIREFOX.key: Known([known], (CHROME.key,)), CHROME.key: Known([consensus()])}
     assert resolve(index) == (FIREFOX.key, known, 1)
@@ -56,7 +56,7 @@ def test_what_is_known_under_the_name_alone_comes_first() -> None:
     assert resolve(index)[0] == CHROME.key
 
 
-def test_few_under_the_name_alone_do_not_outvote_many_under_the_id_that_it_means() -> None:
+def test_few_calibrations_of_the_name_do_not_outvote_the_usb_id() -> None:
     def of(contributors: int, **made: Any) -> ConsensusDocument:
         stored = consensus(**made)
         assert stored.calibration is not None
@@ -78,13 +78,13 @@ def test_few_under_the_name_alone_do_not_outvote_many_under_the_id_that_it_means
     assert resolve(two) == (FIREFOX.key, few, 1), "which of the two it is nobody can say"
 
 
-def test_a_name_under_which_calibrations_disagree_is_no_one_cameras() -> None:
+def test_name_with_contradictory_calibrations_finds_nothing() -> None:
     split = consensus(camera="HD Pro Webcam C920", reason="disagree")
     index = {FIREFOX.key: Known([split], (CHROME.key,)), CHROME.key: Known([consensus()])}
     assert resolve(index) == (FIREFOX.key, None, 1)
 
 
-def test_an_id_nobody_calibrated_yet_finds_what_is_known_of_the_name() -> None:
+def test_uncalibrated_usb_id_finds_its_name() -> None:
     known = consensus(camera="HD Pro Webcam C920")
     assert resolve({CHROME.name_key: Known([known])}, CHROME) == (CHROME.name_key, known, 2)
     # an id that anybody may have invented does not change that
@@ -97,7 +97,7 @@ def test_an_id_nobody_calibrated_yet_finds_what_is_known_of_the_name() -> None:
     assert resolve(index, CHROME) == (CHROME.key, None, 1)
 
 
-def test_a_name_that_many_products_bear_leads_nowhere_but_at_home() -> None:
+def test_generic_name_is_found_on_private_deployments_only() -> None:
     named, with_id = identify("Integrated Camera", LINUX), identify("Integrated Camera (04f2:b6d0)", LINUX)
     index = {named.key: Known([], (with_id.key,)), with_id.key: Known([consensus()])}
     assert resolve(index, named) == (named.key, None, 1)
@@ -115,7 +115,7 @@ def test_a_name_that_many_products_bear_leads_nowhere_but_at_home() -> None:
         ("OBS Virtual Camera", True, None, camera_lookup.VIRTUAL),
     ],
 )
-def test_cameras_that_the_database_cannot_know(
+def test_unanswerable_cameras_have_a_reason(
     label: str, private: bool, resize_mode: str | None, why: str | None
 ) -> None:
     found = camera_lookup.unanswerable_reason(
@@ -124,7 +124,7 @@ def test_cameras_that_the_database_cannot_know(
     assert found == why
 
 
-def test_a_model_that_is_to_be_computed_is_an_answer_too() -> None:
+def test_computable_model_is_an_answer() -> None:
     index = {
         FIREFOX.key: Known([], (CHROME.key,)),
         CHROME.key: Known([consensus(fit(model="rational", distortion=(0.0,) * 8))]),

@@ -39,7 +39,7 @@ def test_plain_projection_matches_solver(model: str) -> None:
     assert np.ptp(q, axis=0) == pytest.approx(np.array(stored.img_size), rel=0.25)
 
 
-def test_a_model_that_folds_is_followed_to_its_fold_only() -> None:
+def test_folding_model_ends_at_its_fold() -> None:
     folding = consensus(fit(f=300.0, distortion=(-0.4, 0, 0, 0, 0))).calibration
     assert folding is not None
     fold = math.atan(math.sqrt(1 / 1.2))  # d/dr of r (1 - 0.4 r^2) is 0 at r^2 = 1 / 1.2

@@ -45,7 +45,7 @@ FULL = camera(fit((1920, 1080), 1400.0, (970.0, 531.0)))
         ((1280, 720), 0.8, "scale+crop"),  # the same aspect, but cut for stabilisation
     ],
 )
-def test_a_relation_is_told_and_carries_the_parameters(size: Size, s: float, relation: str) -> None:
+def test_relation_transfers_the_intrinsics(size: Size, s: float, relation: str) -> None:
     other = made(size, s, FULL, off=1.001)  # as far as good calibrations differ
     found, window = relate(FULL, other)
     assert found == relation
@@ -76,7 +76,7 @@ def test_half_a_pixel_is_kept(model: str) -> None:
         ((640, 480), 0.4, 1.0),  # shows less in width, and more in height
     ],
 )
-def test_what_is_none(size: Size, s: float, off: float) -> None:
+def test_unrelated_sizes_have_no_relation(size: Size, s: float, off: float) -> None:
     assert relate(FULL, made(size, s, FULL, off)) == ("neither", None)
 
 

@@ -67,7 +67,7 @@ def test_closest_size(
         assert choice.found.img_size == answered
 
 
-def test_only_what_is_reliable_answers() -> None:
+def test_only_reliable_consensuses_answer() -> None:
     choice = choose([stored(HD, reason="disagree"), stored(VGA)], HD, 0.0, "rectilinear")
     assert choice.found is not None
     assert choice.found.img_size == VGA
@@ -75,7 +75,7 @@ def test_only_what_is_reliable_answers() -> None:
     assert (choice.found, choice.reason) == (None, "disagree")
 
 
-def test_a_model_that_is_not_stored_is_to_be_computed_where_another_is_reliable() -> None:
+def test_missing_model_is_computed_where_another_is_reliable() -> None:
     assert choose([stored(HD)], FULL_HD, 0.0, "fisheye").missing_at == HD
     assert choose([stored(HD, reason="too_few")], HD, 0.0, "fisheye").missing_at is None
     both = [stored(HD), stored(HD, "fisheye", reason="disagree")]
@@ -83,7 +83,7 @@ def test_a_model_that_is_not_stored_is_to_be_computed_where_another_is_reliable(
     assert (choice.missing_at, choice.reason) == (None, "disagree")
 
 
-def test_a_model_computed_before_the_latest_calibrations_is_to_be_computed_anew() -> None:
+def test_outdated_model_is_recomputed() -> None:
     # A session asks for both models; between the two a lookup must not hear yesterday's answer.
     known = [stored(HD), stored(HD, "fisheye", reason="too_few", total=4)]
     assert choose(known, HD, 0.0, "fisheye").missing_at == HD

@@ -47,7 +47,7 @@ def test_the_image_ends_half_a_pixel_beyond_its_centres(point: tuple[float, floa
     assert [f.field for f in refused.value.fields] == ["points.0"]
 
 
-def test_a_session_holds_so_many_points() -> None:
+def test_session_holds_at_most_max_points() -> None:
     points = tuple((1.0, 1.0) for _ in range(40))
     full = tuple(ViewDocument(index=i, ids=tuple(range(40)), points=points) for i in range(500))
     session_rules.validate_view(DOCUMENT.model_copy(update={"views": full[:499]}), view(500, points))
@@ -95,7 +95,7 @@ def test_progress_grows_and_an_undo_takes_it_back() -> None:
     assert undone.estimate.progress == 0.3
 
 
-def test_targets_that_were_not_wanted_are_remembered_until_a_view_comes() -> None:
+def test_skipped_targets_are_kept_until_the_next_view() -> None:
     document = DOCUMENT
     for n in range(12):
         document = session_rules.without_target(session_rules.with_target(document, {"n": n}))
@@ -121,7 +121,7 @@ COORDINATE = st.floats(-1, 16384)
 
 
 @given(st.lists(st.tuples(COORDINATE, COORDINATE), min_size=1, max_size=20))
-def test_what_is_stored_is_what_was_sent(points: list[tuple[float, float]]) -> None:
+def test_stored_view_equals_the_request(points: list[tuple[float, float]]) -> None:
     """To the last bit: otherwise a repeat would look like another view."""
     sent = view(0, tuple(points))
     document = session_rules.with_view(DOCUMENT, sent, EstimateDocument(), [(None, None)], None)

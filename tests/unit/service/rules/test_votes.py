@@ -25,7 +25,7 @@ def found(*votes: tuple[str, bool], time: int = NOW) -> list[Finding]:
     return [Finding(who, time, agrees) for who, agrees in votes]
 
 
-def test_views_fit_up_to_twice_their_own_noise_and_never_far_beyond_it() -> None:
+def test_views_fit_up_to_twice_their_noise() -> None:
     assert is_explained(0.39, noise=0.2, width=1280, ratio=2)
     assert not is_explained(0.41, noise=0.2, width=1280, ratio=2)
     assert is_explained(0.25, noise=0.01, width=1280, ratio=2), "a fraction of a pixel is no concern"
@@ -33,7 +33,7 @@ def test_views_fit_up_to_twice_their_own_noise_and_never_far_beyond_it() -> None
     assert not is_explained(1.2, noise=1.0, width=1280, ratio=2), "and does not hide one"
 
 
-def test_views_speak_for_the_camera_that_they_give_by_themselves() -> None:
+def test_views_vote_by_their_own_camera() -> None:
     def says(error: float, own: OwnCamera | None, *, same_model: bool = True) -> bool | None:
         return decide_vote(error, 0.2, 1280, 2.0, own, same_model=same_model)
 
@@ -52,7 +52,7 @@ def test_each_contributor_has_one_vote_the_newest() -> None:
     assert tally(votes, NOW, frozenset(), one_per_source=False) == Votes(agree=2, disagree=2)
 
 
-def test_who_contributed_a_calibration_votes_neither_for_it_nor_against() -> None:
+def test_contributors_do_not_vote_on_their_calibrations() -> None:
     votes = found(("a", True), ("b", False), ("c", True))
     assert tally(votes, NOW, frozenset({"a", "b"}), one_per_source=True) == Votes(agree=1, disagree=0)
     # Where all are the same contributor, that would be nobody.
@@ -93,7 +93,7 @@ def test_calibrations_that_disagree_are_confirmed_by_nobody() -> None:
         assert decide_reliability(reason, votes, RULE, confirmable=False, contributors=2) == (reason, None)  # type: ignore[arg-type]
 
 
-def test_the_more_stand_behind_it_the_more_must_doubt_it() -> None:
+def test_withdrawal_needs_a_share_of_the_contributors() -> None:
     def after(disagree: int, contributors: int) -> object:
         votes = Votes(disagree=disagree)
         return decide_reliability(None, votes, RULE, confirmable=False, contributors=contributors)[1]
@@ -103,7 +103,7 @@ def test_the_more_stand_behind_it_the_more_must_doubt_it() -> None:
 
 
 @given(st.integers(0, 200), st.integers(0, 20), st.integers(0, 20), st.integers(1, 200))
-def test_two_who_collude_neither_confirm_nor_withdraw(
+def test_two_colluders_neither_confirm_nor_withdraw(
     honest: int, agree: int, disagree: int, contributors: int
 ) -> None:
     """Whatever the honest say: without the three that the rule asks for, two more change nothing wrong."""

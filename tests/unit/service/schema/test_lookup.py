@@ -37,7 +37,7 @@ def parsed(model: type[BaseModel], content: dict[str, Any]) -> tuple[BaseModel |
 
 
 @pytest.mark.parametrize("model", [LookupRequest, CamerasRequest])
-def test_anything_is_read_or_refused_by_field(model: type[BaseModel]) -> None:
+def test_arbitrary_input_is_read_or_refused_by_field(model: type[BaseModel]) -> None:
     @FUZZ
     @given(st.dictionaries(st.sampled_from(NAMES), VALUES, max_size=8))
     def check(content: dict[str, Any]) -> None:
@@ -56,7 +56,7 @@ def test_anything_is_read_or_refused_by_field(model: type[BaseModel]) -> None:
     zoom=st.floats(0, 1e6),
     separator=st.sampled_from("x×,"),
 )
-def test_a_query_says_what_a_body_says(w: int, h: int, zoom: float, separator: str) -> None:
+def test_query_equals_body(w: int, h: int, zoom: float, separator: str) -> None:
     camera = {"camera": "a", "platform": "b"}
     if max(w, h) > 8 * min(w, h):
         return
@@ -67,7 +67,7 @@ def test_a_query_says_what_a_body_says(w: int, h: int, zoom: float, separator: s
 
 @FUZZ
 @given(size=st.tuples(st.integers(16, 4096), st.integers(16, 4096)))
-def test_an_answer_can_be_read_again_whatever_size_is_asked_for(size: tuple[int, int]) -> None:
+def test_answer_round_trips_at_any_size(size: tuple[int, int]) -> None:
     known = consensus()
     assert known.calibration is not None
     found = build_answer(known.calibration, [known], size)

@@ -125,7 +125,7 @@ def finite(value: Any) -> bool:
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
-def test_as_described(model: type[BaseModel]) -> None:
+def test_described_documents_are_accepted(model: type[BaseModel]) -> None:
     node = model.model_json_schema()
     accepted = []
 
@@ -139,7 +139,7 @@ def test_as_described(model: type[BaseModel]) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
-def test_anything(model: type[BaseModel]) -> None:
+def test_arbitrary_documents_are_read_or_refused(model: type[BaseModel]) -> None:
     names = list(model.model_fields)
 
     @FUZZ
@@ -156,7 +156,7 @@ def test_anything(model: type[BaseModel]) -> None:
     read()
 
 
-def test_what_is_kept_as_it_is_holds_no_infinity() -> None:
+def test_stored_members_hold_finite_numbers() -> None:
     content = """{"camera_key": "a", "camera": "a", "platform": "b", "img_size": [16, 16], "zoom": 0,
         "distortion_model": "rectilinear", "board": {}, "guidance": "projection-uncertainty",
         "track": {}, "started": 0, "target_error": 1, "session": "s",

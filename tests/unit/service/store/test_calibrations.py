@@ -76,7 +76,7 @@ def calibrated(n: int, contributor: str = "", **changes: object) -> CalibrationD
     return document.model_copy(update={"contributor": contributor or f"contributor {n}", **changes})
 
 
-def test_what_does_not_count_is_passed_over(table: Table, objects: Objects) -> None:
+def test_uncounted_calibrations_are_skipped(table: Table, objects: Objects) -> None:
     calibrations = Calibrations(table, objects)
     cropped = Track(resizeMode="crop-and-scale")
     documents = [calibrated(0), calibrated(1, track=cropped), calibrated(2), calibrated(3)]
@@ -91,7 +91,7 @@ def test_what_does_not_count_is_passed_over(table: Table, objects: Objects) -> N
     assert calibrations.modes(place.camera_key) == [place]
 
 
-def test_a_contributor_counts_once_in_a_period_and_keeps_nobody_out(table: Table, objects: Objects) -> None:
+def test_contributor_counts_once_in_a_period(table: Table, objects: Objects) -> None:
     calibrations = Calibrations(table, objects)
     for n in range(3):
         calibrations.index(calibrated(n, "honest"))
@@ -106,9 +106,7 @@ def test_a_contributor_counts_once_in_a_period_and_keeps_nobody_out(table: Table
     ]
 
 
-def test_a_source_counts_whoever_it_says_it_is_and_three_times_at_most(
-    table: Table, objects: Objects
-) -> None:
+def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> None:
     calibrations, day = Calibrations(table, objects), 86_400
     once = calibrated(0, "honest", source="elsewhere")
     calibrations.index(once)
@@ -126,7 +124,7 @@ def test_a_source_counts_whoever_it_says_it_is_and_three_times_at_most(
     [{"target_error": 0.61}, {"fits": {"rectilinear": FIT.model_copy(update={"uncertainty": VAGUE})}}],
     ids=["asked for too little", "ended at the limit"],
 )
-def test_what_is_not_precise_supports_nobody(
+def test_imprecise_calibration_does_not_count(
     table: Table, objects: Objects, changes: dict[str, object]
 ) -> None:
     calibrations = Calibrations(table, objects)
@@ -174,7 +172,7 @@ def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:
     assert consensuses.groups(rests_on("ab")) is None
 
 
-def test_a_consensus_of_a_later_version_is_passed_over(table: Table) -> None:
+def test_consensus_of_a_later_version_is_skipped(table: Table) -> None:
     consensuses = Consensuses(table)
     assert consensuses.put(rests_on("a"), behind("a"), None)
     later = rests_on("a").model_dump_json().replace("rectilinear", "double_sphere")
@@ -183,7 +181,7 @@ def test_a_consensus_of_a_later_version_is_passed_over(table: Table) -> None:
     assert consensuses.get("c1-k-0123456789ab~1280x720~0~double_sphere") is None
 
 
-def test_a_computation_serves_those_who_ask_meanwhile(table: Table) -> None:
+def test_lease_coalesces_concurrent_requests(table: Table) -> None:
     leases, place = Leases(table), StreamMode("k", (1280, 720), 0.0)
     assert leases.take(place, "first", NOW, NOW + 30)
     assert not leases.take(place, "second", NOW, NOW + 30)
@@ -218,7 +216,7 @@ VOTE = VoteDocument(
 )
 
 
-def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects: Objects) -> None:
+def test_first_vote_of_an_id_counts(table: Table, objects: Objects) -> None:
     votes = Votes(table, objects)
     later = VOTE.model_copy(update={"id": "6553f200aaaaaaaaaaaa", "time": NOW + 256})
     assert votes.cast(VOTE) == VOTE
@@ -233,7 +231,7 @@ def test_the_first_vote_of_its_name_is_the_one_that_counts(table: Table, objects
     assert list(votes.all()) == [VOTE, later]
 
 
-def test_who_votes_daily_keeps_nobodys_vote_out(table: Table, objects: Objects) -> None:
+def test_daily_voter_displaces_no_other_vote(table: Table, objects: Objects) -> None:
     votes = Votes(table, objects)
     names = {f"6553f1{day:014x}": "daily" for day in range(120)}
     names |= {"6553f00000000000000a": "first", "6553f00000000000000b": "second"}

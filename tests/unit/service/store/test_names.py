@@ -75,7 +75,7 @@ def test_the_search_finds_words_cut_short(calibrations: Calibrations, cameras: C
     assert cameras.search("kiyo", 10, None) == ([(kiyo, "razer kiyo")], None)
 
 
-def test_the_search_goes_on_where_it_stopped(calibrations: Calibrations, cameras: Cameras) -> None:
+def test_search_continues_after_a_page(calibrations: Calibrations, cameras: Cameras) -> None:
     for number in range(7):
         calibrations.publish(calibration(f"Webcam X{number}00 (1234:00{number:02x})", number=number))
     for word in ("webcam", ""):
@@ -91,7 +91,7 @@ def test_the_search_goes_on_where_it_stopped(calibrations: Calibrations, cameras
 
 
 @pytest.mark.parametrize("label", ["\U00020000" * 256, "\ufdfa" * 256, "a" * 256])
-def test_a_name_longer_than_any_index_takes_is_found_by_its_beginning(
+def test_overlong_name_is_found_by_its_beginning(
     calibrations: Calibrations, cameras: Cameras, label: str
 ) -> None:
     calibrations.publish(calibration(label))
@@ -103,7 +103,7 @@ def test_a_name_longer_than_any_index_takes_is_found_by_its_beginning(
 @pytest.mark.parametrize(
     "after", ["", "x", "c920", "c920#", "kiyo#c2-a-0123456789ab", "c920#c2-A-0123456789ab"]
 )
-def test_a_place_that_no_search_gave_is_none(after: str) -> None:
+def test_invented_page_token_is_refused(after: str) -> None:
     assert not is_place("c920", after)
     assert is_place("c920", "c920e#c2-webcam-c920e-0123456789ab")
     assert not is_place("", "c920#c2-a-0123456789ab")
@@ -133,7 +133,7 @@ def test_the_index_made_anew_has_the_same_names(
     assert items() == before
 
 
-def test_a_camera_of_which_nothing_counts_any_more_is_not_found(
+def test_camera_without_counted_calibrations_is_not_found(
     calibrations: Calibrations, cameras: Cameras
 ) -> None:
     first, second = calibration(), calibration(number=1)
@@ -149,7 +149,7 @@ def test_a_camera_of_which_nothing_counts_any_more_is_not_found(
     assert cameras.search("", 10, None) == ([], None)
 
 
-def test_an_earlier_key_leads_to_the_camera_while_a_calibration_made_under_it_counts(
+def test_earlier_key_leads_to_the_camera_while_its_calibration_counts(
     calibrations: Calibrations, cameras: Cameras
 ) -> None:
     key = "c2-hd-pro-webcam-c920-0123456789ab"
@@ -178,7 +178,7 @@ def test_publishing_again_writes_no_more_than_it_must(
     assert len(written) == 1
 
 
-def test_of_an_earlier_label_is_shown_what_is_kept_today(calibrations: Calibrations) -> None:
+def test_earlier_label_is_shown_by_current_rules(calibrations: Calibrations) -> None:
     stored = calibration("Anna Schmidt's OnePlus 9", "anna@example.com", key="c2-anna-schmidt-s-0123456789ab")
     calibrations.publish(stored)
     found = calibrations.get(stored.id)

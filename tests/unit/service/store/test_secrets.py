@@ -40,7 +40,7 @@ def test_read_once_and_again_after_five_minutes() -> None:
     assert secrets()["SESSION_SECRETS"] == "b,d,a"
 
 
-def test_what_was_read_is_used_while_the_store_is_away() -> None:
+def test_cached_secrets_are_used_during_an_outage() -> None:
     ssm, clock = Ssm(), Clock()
     secrets = Secrets(lambda: ssm, "/calibdb/stack", clock)
     before = secrets()
@@ -51,6 +51,6 @@ def test_what_was_read_is_used_while_the_store_is_away() -> None:
         Secrets(lambda: ssm, "/calibdb/stack", clock)()
 
 
-def test_without_a_path_the_environment_says_it_all() -> None:
+def test_secrets_without_path_come_from_the_environment() -> None:
     environment = {"SECRETS_PATH": "", "SESSION_SECRETS": "x"}
     assert with_secrets(environment) is environment

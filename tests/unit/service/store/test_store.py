@@ -52,13 +52,13 @@ def test_a_session_is_kept_version_by_version(sessions: Sessions, objects: Objec
     assert versions(objects) == ["1.json", "2.json", "3.json"]
 
 
-def test_a_change_that_changes_nothing_writes_nothing(sessions: Sessions, objects: Objects) -> None:
+def test_empty_change_writes_nothing(sessions: Sessions, objects: Objects) -> None:
     sessions.start(SID, NOW, begin)
     assert sessions.update(SID, NOW, lambda document: (None, document.next_index)) == 0
     assert versions(objects) == ["1.json"]
 
 
-def test_what_was_not_started_is_not_found(sessions: Sessions) -> None:
+def test_unstarted_session_is_not_found(sessions: Sessions) -> None:
     with pytest.raises(NotFoundError):
         sessions.get(SID)
     with pytest.raises(NotFoundError):
@@ -66,7 +66,7 @@ def test_what_was_not_started_is_not_found(sessions: Sessions) -> None:
     assert sessions.forget(SID, NOW) is False
 
 
-def test_an_orphan_of_a_crash_stands_in_nobodys_way(sessions: Sessions, objects: Objects) -> None:
+def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> None:
     """The process died between object and index: what it wrote counts for nothing and blocks nothing."""
     sessions.start(SID, NOW, begin)
     orphan = begin(1).model_copy(update={"next_index": 77})
@@ -92,7 +92,7 @@ def test_of_two_changes_at_once_one_is_made_anew(sessions: Sessions) -> None:
     assert sessions.get(SID).next_index == 2
 
 
-def test_a_change_that_is_always_overtaken_gives_up(sessions: Sessions) -> None:
+def test_contended_change_gives_up(sessions: Sessions) -> None:
     sessions.start(SID, NOW, begin)
 
     def change(document: SessionDocument) -> tuple[SessionDocument, int]:
@@ -103,7 +103,7 @@ def test_a_change_that_is_always_overtaken_gives_up(sessions: Sessions) -> None:
         sessions.update(SID, NOW, change)
 
 
-def test_a_write_whose_answer_got_lost_is_done(table: Table, objects: Objects) -> None:
+def test_write_with_a_lost_response_is_done(table: Table, objects: Objects) -> None:
     """botocore sends it again, finds its own write there, and the condition false."""
 
     class Lossy(Table):
@@ -116,7 +116,7 @@ def test_a_write_whose_answer_got_lost_is_done(table: Table, objects: Objects) -
     assert sessions.update(SID, NOW, opened) == 2
 
 
-def test_what_was_forgotten_is_gone_and_can_be_started_anew(sessions: Sessions, objects: Objects) -> None:
+def test_forgotten_session_can_be_restarted(sessions: Sessions, objects: Objects) -> None:
     sessions.start(SID, NOW, begin)
     sessions.update(SID, NOW, opened)
     assert sessions.forget(SID, NOW) is True
@@ -128,7 +128,7 @@ def test_what_was_forgotten_is_gone_and_can_be_started_anew(sessions: Sessions, 
     assert sessions.update(SID, NOW, opened) == 1
 
 
-def test_who_works_on_a_forgotten_session_does_not_bring_it_back(sessions: Sessions) -> None:
+def test_concurrent_change_does_not_revive_a_forgotten_session(sessions: Sessions) -> None:
     sessions.start(SID, NOW, begin)
 
     def change(document: SessionDocument) -> tuple[SessionDocument, int]:
@@ -184,7 +184,7 @@ def test_a_counter_stops_at_its_limit(table: Table) -> None:
     }
 
 
-def test_nothing_of_an_erased_object_is_left(objects: Objects) -> None:
+def test_purged_object_leaves_no_version(objects: Objects) -> None:
     client = boto3.client("s3", REGION)
     client.put_bucket_versioning(Bucket="bucket", VersioningConfiguration={"Status": "Enabled"})
     for content in (b"1", b"2"):
@@ -216,7 +216,7 @@ def failing(error: Exception) -> Callable[[], Any]:
         EndpointConnectionError(endpoint_url="http://storage"),
     ],
 )
-def test_storage_that_does_not_answer_is_a_503(error: Exception) -> None:
+def test_storage_outage_is_a_503(error: Exception) -> None:
     objects, table = Objects(failing(error), "bucket"), Table(failing(error), "table")
     calls: list[Callable[[], object]] = [
         lambda: objects.get("name"),
@@ -244,7 +244,7 @@ class Undecided:
 
 
 @pytest.mark.parametrize(("code", "written"), [(None, True), ("PreconditionFailed", False)])
-def test_a_name_that_another_is_writing_is_not_taken_yet(code: str | None, written: bool) -> None:
+def test_conflicting_object_write_is_retried(code: str | None, written: bool) -> None:
     """The other may still fail; then nobody would have written what both were told is there."""
     client: Any = Undecided(3, code)
     assert Objects(lambda: client, "bucket").create("name", b"") is written
