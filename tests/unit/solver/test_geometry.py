@@ -110,7 +110,7 @@ def test_views_of_a_board() -> None:
         board.view([0, 1, 2], [[10.0, 20.0]])
 
 
-def test_views_hold_finite_numbers_that_nobody_can_change() -> None:
+def test_views_are_finite_and_immutable() -> None:
     with pytest.raises(ValueError, match="finite"):
         View(np.zeros((1, 3)), np.array([[np.nan, 0.0]]))
     points = np.zeros((1, 3))

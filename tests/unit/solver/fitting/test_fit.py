@@ -64,7 +64,7 @@ def test_rational_equals_opencv(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", available(["jy_left", "pv_picam_320"]))
-def test_rational_is_lower_where_opencv_stops_in_the_valley(name: str) -> None:
+def test_rational_beats_opencv_in_a_narrow_valley(name: str) -> None:
     views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
     pixels = [v.image_points.astype(np.float32) for v in views]
@@ -95,7 +95,7 @@ OPENCV_THROWS = {"babel_ov_plane": 0.49, "ocam_fisheye2": 0.33}  # px rms
 
 
 @pytest.mark.parametrize("name", available(OPENCV_THROWS))
-def test_fisheye_works_where_opencv_throws(name: str) -> None:
+def test_fisheye_fits_views_refused_by_opencv(name: str) -> None:
     views, size = corner_views(name)
     ours = fit(views, size, "fisheye", robust=False)
     assert ours.avg_reprojection_error <= OPENCV_THROWS[name]
@@ -195,7 +195,7 @@ def test_truth_without_noise_is_found() -> None:
     np.testing.assert_allclose(c.view_errors, 0, atol=1e-6)
 
 
-def test_rational_does_not_fold_in_corners_that_no_board_reached() -> None:
+def test_rational_does_not_fold_in_uncovered_corners() -> None:
     """Numerator and denominator cancel where they are seen; they must beyond, too."""
     c, camera = export_sources.subject("rational").camera, export_sources.truth("rational")
     error = synthetic.projection_error(camera, c)
@@ -252,7 +252,7 @@ def bad_views() -> list[ParameterSet]:
 
 @pytest.mark.parametrize(("views", "codes"), bad_views())
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
-def test_nonsense_is_refused_with_a_reason(views: list[View], codes: set[str], model: str) -> None:
+def test_bad_views_are_refused_with_a_reason(views: list[View], codes: set[str], model: str) -> None:
     with pytest.raises(CalibrationError) as caught:
         fit(views, (1280, 720), model)
     assert caught.value.code in codes
@@ -275,7 +275,7 @@ def test_views_may_come_one_by_one() -> None:
     np.testing.assert_array_equal(one_by_one.camera.matrix, fit(views, size).camera.matrix)
 
 
-def test_record_is_what_files_hold() -> None:
+def test_record_has_the_stored_members() -> None:
     views, size = corner_views("opencv_left")
     record = fit(views, size).record()
     assert set(record) == {

@@ -10,7 +10,7 @@ from tests.helpers.solver import intervals, populations, synthetic
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-def test_prediction_is_the_error_that_happens(model: str) -> None:
+def test_predicted_error_matches_the_actual_error(model: str) -> None:
     """Sixty captures. The bounds are for so few: `make bench DOCS=uncertainty` takes many.
 
     The ratio of two errors scatters by 0.7 from capture to capture, its mean square by 1.4, so the root of

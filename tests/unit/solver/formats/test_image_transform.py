@@ -19,7 +19,7 @@ TRANSFORMS = {
 
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize("name", TRANSFORMS)
-def test_camera_of_the_picture_projects_to_where_its_pixels_went(name: str, model: str) -> None:
+def test_transformed_camera_projects_to_the_moved_pixels(name: str, model: str) -> None:
     turn = TRANSFORMS[name]
     before = subject(model)
     camera, views = image_transform.apply(turn, before.camera, before.views)
@@ -37,7 +37,7 @@ def test_camera_of_the_picture_projects_to_where_its_pixels_went(name: str, mode
         )
 
 
-def test_resizing_keeps_the_corner_of_the_picture_not_the_centre_of_its_pixel() -> None:
+def test_resizing_keeps_the_corner_of_the_image() -> None:
     half = image_transform.resize((640, 480), (320, 240))
     assert half.pixels(np.array([[-0.5, -0.5], [639.5, 479.5], [319.5, 239.5]])).tolist() == [
         [-0.5, -0.5],
@@ -46,7 +46,7 @@ def test_resizing_keeps_the_corner_of_the_picture_not_the_centre_of_its_pixel() 
     ]
 
 
-def test_four_turns_and_two_mirrors_are_none() -> None:
+def test_four_turns_and_two_mirrors_are_the_identity() -> None:
     turned = image_transform.rotate(IMG_SIZE, 360)
     assert np.array_equal(turned.linear, np.eye(2))
     twice = image_transform.mirror(IMG_SIZE).then(image_transform.mirror(IMG_SIZE))
@@ -68,7 +68,7 @@ def test_four_turns_and_two_mirrors_are_none() -> None:
         lambda: image_transform.resize(IMG_SIZE, (100_000, 480)),
     ],
 )
-def test_what_is_no_picture_is_refused(wrong: object) -> None:
+def test_impossible_transforms_are_refused(wrong: object) -> None:
     assert callable(wrong)
     with pytest.raises(CalibrationError):
         wrong()

@@ -33,7 +33,7 @@ READABLE = {
 
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize("name", READABLE)
-def test_what_was_written_is_read(tmp_path: Path, name: str, model: str) -> None:
+def test_written_files_round_trip(tmp_path: Path, name: str, model: str) -> None:
     mine, path = subject(model), tmp_path / f"camera{READABLE[name]}"
     path.write_bytes(formats.write(mine, name).content)
     held = formats.FORMATS[name].convert(mine).camera
@@ -79,7 +79,7 @@ def test_board_is_recognised_in_any_unit_from_any_corner(unit: float) -> None:
         grid(scattered)
 
 
-def test_gyroflows_own_profiles_without_the_flag_have_their_axis_in_the_middle() -> None:
+def test_gyroflow_profile_without_flag_has_a_centred_axis() -> None:
     data = json.loads(formats.write(subject("fisheye"), "gyroflow").content)
     del data["asymmetrical"]
     camera = read(data).camera
@@ -91,7 +91,7 @@ SQUARES = {"opencv_left": (10, 7), "pv_charuco_1280": (8, 8)}
 
 
 @pytest.mark.parametrize("name", available(SQUARES))
-def test_corners_of_real_photographs_are_recognised_as_the_board_they_are_of(name: str) -> None:
+def test_corners_of_real_photographs_match_their_board(name: str) -> None:
     held = corner_set(name)["views"]
     recognised = grid(tuple(corner_views(name)[0]))
     assert recognised.squares == SQUARES[name]
@@ -99,7 +99,7 @@ def test_corners_of_real_photographs_are_recognised_as_the_board_they_are_of(nam
     assert [list(ids) for ids in recognised.ids] == expected
 
 
-def test_what_makes_no_sense_is_refused_with_a_reason(tmp_path: Path) -> None:
+def test_malformed_files_are_refused_with_a_reason(tmp_path: Path) -> None:
     good = json.loads(formats.write(subject("rectilinear"), "photonvision").content)
 
     def changed(**members: Any) -> dict[str, Any]:
@@ -164,7 +164,7 @@ def original(model: str, name: str) -> str:
 
 @settings(max_examples=150, deadline=None)
 @given(st.data())
-def test_no_file_makes_the_reader_stumble(
+def test_arbitrary_files_are_read_or_refused(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
     """Bytes of real files changed, cut, doubled: read, or refused with a reason; nothing else."""

@@ -78,7 +78,7 @@ def test_file_storage_reads_every_camera_to_the_last_bit(name: str, model: str) 
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-def test_ros_yaml_has_what_its_parsers_assert_in_full_precision(model: str) -> None:
+def test_ros_yaml_has_full_precision(model: str) -> None:
     file = written(model, "ros")
     data = yaml.safe_load(file.content)
     assert {
@@ -104,7 +104,7 @@ def test_ros_yaml_has_what_its_parsers_assert_in_full_precision(model: str) -> N
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-def test_kalibr_has_four_coefficients_and_they_are_fitted_not_cut(model: str) -> None:
+def test_kalibr_coefficients_are_refitted(model: str) -> None:
     file = written(model, "kalibr")
     cam = yaml.safe_load(file.content)["cam0"]
     # what aslam_cv's parameter reader asserts
@@ -181,7 +181,7 @@ def brown(data: dict[str, Any]) -> Callable[[Array], Array]:
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-def test_opensfm_measures_from_the_middle_in_units_of_the_larger_side(model: str) -> None:
+def test_opensfm_is_centred_and_scaled_by_the_larger_side(model: str) -> None:
     file = written(model, "opensfm")
     ((name, data),) = json.loads(file.content).items()
     assert name == subject(model).name
@@ -190,7 +190,7 @@ def test_opensfm_measures_from_the_middle_in_units_of_the_larger_side(model: str
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-def test_gyroflow_uses_the_principal_point_that_is_written(model: str) -> None:
+def test_gyroflow_uses_the_written_principal_point(model: str) -> None:
     file = written(model, "gyroflow")
     data = json.loads(file.content)
     assert data["asymmetrical"] is True
@@ -234,7 +234,7 @@ def test_photonvision_holds_the_keypoints(model: str) -> None:
 @pytest.mark.parametrize(
     ("model", "keypoints"), [("fisheye", True), ("fisheye", False), ("omnidirectional", True)]
 )
-def test_a_lens_wider_than_a_plane_is_held_to_80_degrees_as_well_as_said(model: str, keypoints: bool) -> None:
+def test_perspective_model_of_a_wide_lens_fits_to_80_degrees(model: str, keypoints: bool) -> None:
     """All the rays of the image within, far denser than the conversion looks; of what is beyond no word."""
     mine = subject(model)
     file = formats.write(mine if keypoints else ExportSource(mine.camera), "photonvision")
@@ -249,7 +249,7 @@ def test_a_lens_wider_than_a_plane_is_held_to_80_degrees_as_well_as_said(model: 
     assert f"holds {100 * file.coverage:.0f} % of the image" in str(file.warning)
 
 
-def test_warning_stands_in_every_text_that_is_off() -> None:
+def test_inexact_text_formats_carry_the_warning() -> None:
     mine = subject("omnidirectional")
     for name in ("ros", "colmap", "mrcal", "gyroflow", "opensfm", "lensfun", "gltf", "photonvision"):
         file = formats.write(mine, name)
@@ -261,7 +261,7 @@ def test_warning_stands_in_every_text_that_is_off() -> None:
 
 
 @pytest.mark.parametrize("name", ["a\x1b[31m & <b>\x00", "\ud800\ufffe", "]]>--", "\x07", "後置 \U0001f4f7"])
-def test_lensfuns_file_is_well_formed_whatever_the_camera_is_called(name: str) -> None:
+def test_lensfun_escapes_the_camera_name(name: str) -> None:
     mine = subject("rectilinear")
     file = formats.write(ExportSource(mine.camera, name=name), "lensfun")
     models = [e.text for e in ET.fromstring(file.content).iter("model")]
@@ -279,7 +279,7 @@ def test_calibration_without_keypoints_is_converted_too() -> None:
             assert formats.write(bare, name).error < 0.02 * IMG_SIZE[0] or name == "gltf"
 
 
-def test_a_format_that_cannot_come_near_says_so() -> None:
+def test_unsuitable_format_is_refused() -> None:
     with pytest.raises(CalibrationError, match="off by more than the image is wide") as caught:
         formats.write(subject("fisheye"), "artoolkit")
     assert caught.value.code == "not_representable"

@@ -119,7 +119,7 @@ def test_domain_is_known(name: str) -> None:
 @pytest.mark.parametrize("name", models.NAMES)
 @given(seed=seeds)
 @budget
-def test_what_is_believed_has_the_slope_it_says(name: str, seed: int) -> None:
+def test_prior_jacobian_equals_finite_differences(name: str, seed: int) -> None:
     """The Jacobian of the prior's residuals against differences of fourth order, to 1e-6 of the largest."""
     model, k = models.get(name), drawn(name, seed)[0].intrinsics
     _, j = prior.residuals(model, k, SIZE)
@@ -133,12 +133,12 @@ def test_what_is_believed_has_the_slope_it_says(name: str, seed: int) -> None:
 
 @given(seed=seeds)
 @budget
-def test_stretch_is_that_of_the_radial_part(seed: int) -> None:
+def test_radial_derivative_equals_finite_differences(seed: int) -> None:
     """Of `rational`: d(distorted radius)/d(radius), whatever cancels between numerator and denominator."""
     camera, points = drawn("rational", seed)
-    law, d = models.get("rational"), np.array(camera.distortion)
+    model, d = models.get("rational"), np.array(camera.distortion)
     d[2:4] = 0
     r, h = np.linalg.norm(points[:, :2], axis=1) / points[:, 2], 1e-4
-    ends = (law.distort(d, np.stack([r + s * h, 0 * r, 0 * r + 1]))[0] for s in (1, -1))
-    value, _, _ = law.radial_derivative(d, r**2) or (r, r, r)
+    ends = (model.distort(d, np.stack([r + s * h, 0 * r, 0 * r + 1]))[0] for s in (1, -1))
+    value, _, _ = model.radial_derivative(d, r**2) or (r, r, r)
     np.testing.assert_allclose(value, (next(ends) - next(ends)) / (2 * h), atol=1e-6)

@@ -34,7 +34,7 @@ def test_poses_are_those_of_the_least_squares_fit() -> None:
 
 
 @external_data
-def test_another_camera_is_told_by_its_score() -> None:
+def test_another_camera_has_a_higher_score() -> None:
     """The same webcam at two resolutions: another field of view, so that scaling the matrix is wrong."""
     small, size = corner_views("pv_charuco_480")
     large, other = corner_views("pv_charuco_1280")
@@ -47,7 +47,7 @@ def test_another_camera_is_told_by_its_score() -> None:
     assert reprojection_score(Camera.from_intrinsics("rectilinear", k, other), large).rms > 3.5 * own
 
 
-def test_views_that_a_camera_cannot_see_have_no_finite_score() -> None:
+def test_unprojectable_views_have_no_finite_score() -> None:
     """A view beyond the edge of a folding lens is not explained; no number pretends it is."""
     narrow = Camera(
         "rectilinear", np.array([[800, 0, 640], [0, 800, 360], [0, 0, 1]]), [-0.9, 0, 0, 0, 0], (1280, 720)
@@ -67,7 +67,7 @@ def test_scoring_needs_views_with_points() -> None:
 
 
 @external_data
-def test_no_fold_stands_out_where_opencv_diverges() -> None:
+def test_no_fold_diverges() -> None:
     """On one training fold of arizonat_fe cv2.fisheye diverges without a word (85 px held out)."""
     views, size = corner_views("arizonat_fe")
     result = held_out(views, size, "fisheye")
@@ -76,7 +76,7 @@ def test_no_fold_stands_out_where_opencv_diverges() -> None:
         assert fold < 2 * np.max([other for j, other in enumerate(result.folds) if j != i])
 
 
-def test_the_split_of_the_authors() -> None:
+def test_split_equals_the_published_one() -> None:
     data = corner_set("babel_ov_plane")
     views, size = corner_views("babel_ov_plane")
     split = [0 if view["split"] == "test" else -1 for view in data["views"]]

@@ -23,7 +23,7 @@ EXPECTED = {
 
 
 @pytest.mark.parametrize("name", available(EXPECTED))
-def test_real_lenses(name: str) -> None:
+def test_suggested_model_of_real_lenses(name: str) -> None:
     choice = suggest_model(*corner_views(name))
     assert choice.model in EXPECTED[name]
     assert set(choice.held_out) == set(models.NAMES)
@@ -35,7 +35,7 @@ def test_real_lenses(name: str) -> None:
     assert len(choice.reasons) == len(models.NAMES)
 
 
-def test_a_model_is_not_preferred_for_what_chance_gives_it() -> None:
+def test_insignificant_improvement_keeps_the_model() -> None:
     """Four views of a lens that every model can follow: the plainest is suggested, whatever the noise."""
     camera = synthetic.rectilinear_cameras()[9]
     for seed in range(4):
@@ -58,7 +58,7 @@ def test_wild_corners_do_not_decide() -> None:
     assert found < 0.4
 
 
-def test_where_nothing_fits_there_is_no_choice() -> None:
+def test_unfittable_views_raise_calibration_error() -> None:
     rng = np.random.default_rng(0)
     camera = synthetic.rectilinear_cameras()[4]
     views = [

@@ -26,7 +26,7 @@ def test_views_are_as_far_off_as_predicted() -> None:
     assert np.mean(np.array(ratios) > MAX_PREDICTION_RATIO) <= 0.03
 
 
-def test_a_prediction_that_fails_is_said_and_the_capture_goes_on() -> None:
+def test_failed_prediction_gives_advice_and_continues() -> None:
     camera = CAMERAS[6]
     session = synthetic.run(camera, np.random.default_rng(0), views=4)
     rules = Capture(BOARD, camera.img_size, target_error=50.0)
@@ -47,7 +47,7 @@ def test_a_prediction_that_fails_is_said_and_the_capture_goes_on() -> None:
     assert other.estimate.advice[0].code == "prediction_disagrees"
 
 
-def test_a_model_that_is_too_simple_is_named_with_a_better_one() -> None:
+def test_too_simple_model_gets_a_suggestion() -> None:
     """Photographs through a fisheye, taken as if by a plain lens."""
     views, size = corner_views("jy_left")
     rules = Capture(BOARD, size, target_error=1e-3)
@@ -72,7 +72,7 @@ def squashed(camera: Camera, factor: float) -> Camera:
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.3, 0.6])
-def test_what_others_measured_begins_a_capture_and_does_not_end_it(factor: float) -> None:
+def test_seed_starts_a_capture_and_does_not_end_it(factor: float) -> None:
     """Right or wrong, the prior leaves no trace in the result."""
     for i in (1, 6, 10):
         camera = CAMERAS[i]
@@ -90,7 +90,7 @@ def test_what_others_measured_begins_a_capture_and_does_not_end_it(factor: float
 
 
 @pytest.mark.parametrize("focal", [3.0, 1e6, np.nan])
-def test_a_prior_that_is_no_camera_is_passed_over(focal: float) -> None:
+def test_malformed_seed_is_ignored(focal: float) -> None:
     matrix = np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1.0]])
     rules = Capture(BOARD, (1280, 720), seed=Camera("rectilinear", matrix, np.zeros(5), (1280, 720)))
     assert rules.camera(None).matrix[0, 0] == pytest.approx(1024)

@@ -45,7 +45,7 @@ def test_few_views_in_the_middle_without_tilt() -> None:
     assert "3 views" in verdict.reasons[0].text
 
 
-def test_views_that_were_cut_neither_tilt_the_board_nor_cover_the_rim() -> None:
+def test_cut_views_count_for_neither_tilt_nor_coverage() -> None:
     """Five views face the camera in the middle; a mirrored one, tilted and at the rim, took no part."""
     board, rng = Board(), np.random.default_rng(0)
     at = np.array([0, 0, 20.0]) - board.outline.mean(axis=0)
@@ -77,21 +77,21 @@ def test_noise_outliers_and_views_left_out() -> None:
     assert codes(fit(wild, CAMERA.img_size), wild) == {"outliers"}
 
 
-def test_what_a_model_cannot_follow_is_said() -> None:
+def test_systematic_residuals_are_reported() -> None:
     """OpenCV's fisheye lens, real: the rectilinear model errs by 0.15 px everywhere alike."""
     views, size = corner_views("jy_left")
     assert codes(fit(views, size), views) == {"model_too_simple"}
     assert codes(fit(views, size, "fisheye"), views) == set()
 
 
-def test_over_fitting_is_what_held_out_views_show() -> None:
+def test_overfitting_is_reported_by_held_out_views() -> None:
     calibration, views = good()
     train = calibration.avg_reprojection_error
     assert codes(calibration, views, 2 * train) == {"over_fitted"}
     assert assess(calibration, views, 5 * train).level == "poor"
 
 
-def test_where_nothing_is_explained_words_stand_for_numbers() -> None:
+def test_unexplained_views_are_described_in_words() -> None:
     """Two views of eight under other corners' names: what a model says of them may be any number."""
     rng = np.random.default_rng(10)
     camera = synthetic.rectilinear_cameras()[10]
@@ -110,7 +110,7 @@ def test_where_nothing_is_explained_words_stand_for_numbers() -> None:
     assert not any(len(number) > 4 for text in texts for number in re.findall(r"\d+", text))
 
 
-def test_description_is_json_and_says_what_the_fit_says() -> None:
+def test_description_is_json_of_the_fit() -> None:
     calibration, views = good()
     told = json.loads(json.dumps(describe(calibration, views, indices=[*range(10, 16)], held_out=0.3)))
     assert told["verdict"] == {"level": "good", "reasons": []}
