@@ -56,7 +56,7 @@ def test_every_file_named_by_another_is_uploaded(site: dict[str, Upload]) -> Non
     assert named > 100
 
 
-def test_types_encodings_and_how_long_each_is_kept(site: dict[str, Upload]) -> None:
+def test_uploads_have_type_encoding_and_cache_control(site: dict[str, Upload]) -> None:
     forever = {key for key, file in site.items() if file.cache_control == FOREVER}
     assert forever == {key for key in site if re.match(r"vendor-[0-9a-f]{12}/", key)}
     assert not any(key.startswith("vendor/") for key in site)
@@ -89,7 +89,7 @@ def test_another_vendor_file_is_another_name(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("cloud")
-def test_uploaded_as_said(site: dict[str, Upload]) -> None:
+def test_upload_sets_the_headers(site: dict[str, Upload]) -> None:
     s3 = boto3.client("s3")
     s3.create_bucket(Bucket="web")
     assert aws.settings(s3, "web") is None
@@ -154,12 +154,12 @@ def session_ids(ssm: Any) -> SessionIds:
     return SessionIds(tuple(values(ssm)["SESSION_SECRETS"].split(",")), lambda: 1.7e9)
 
 
-def test_what_is_deployed_answers_the_questions_asked_of_a_deployment() -> None:
+def test_local_stack_passes_the_smoke_test() -> None:
     with LocalStack() as stack, stack.serve() as url:
         assert list(smoke.problems(smoke.make_requester(url))) == []
 
 
-def test_a_deployment_that_does_not_answer_is_told_from_one_that_does() -> None:
+def test_smoke_test_reports_unanswered_requests() -> None:
     found = list(smoke.problems(lambda _, __: smoke.Response(503, {}, b"")))
     assert "GET /healthz: 503, not 200" in found
     assert "GET /config.json: no token" in found
@@ -186,7 +186,7 @@ def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.Capture
         ("Thresholds", "a parameter is written NAME=VALUE"),
     ],
 )
-def test_a_parameter_that_would_not_work_is_refused_before_anything_is_done(
+def test_wrong_parameter_is_refused_before_the_first_step(
     parameter: str, complaint: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as ended:
@@ -195,7 +195,7 @@ def test_a_parameter_that_would_not_work_is_refused_before_anything_is_done(
     assert complaint in capsys.readouterr().err
 
 
-def test_the_packaged_template_names_what_is_there() -> None:
+def test_packaged_template_names_existing_paths() -> None:
     text = steps.package_template((ROOT / "template.yaml").read_text())
     places = re.findall(r"(?:CodeUri|ContentUri|DefinitionUri): (\S+)", text)
     assert len(places) == 13
@@ -204,13 +204,13 @@ def test_the_packaged_template_names_what_is_there() -> None:
         assert there.startswith(("functions/", ".build/layers/", "infra/backfill")), there
 
 
-def test_a_rehearsal_leaves_out_what_it_says_and_nothing_else() -> None:
+def test_rehearsal_leaves_out_its_listed_resources_alone() -> None:
     whole = (ROOT / "template.yaml").read_text()
     left = loads(rehearsal.remove_unsupported(whole))["Resources"]
     assert set(loads(whole)["Resources"]) - set(left) == {"Budget", "TraceSampling", "ThrottleAlarm"}
 
 
-def test_layers_that_do_not_fit_are_named() -> None:
+def test_oversized_layers_are_named() -> None:
     fine = layers.Built(20.0, 1.0, ())
     assert list(layers.problems(fine, layers.Built(148.0, 1.0, ()), 0.1)) == []
     found = list(layers.problems(fine, layers.Built(181.0, 0.5, ("a.x86_64-linux-gnu.so",)), 0.1))

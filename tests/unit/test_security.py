@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize(("document", "least"), [("security.md", 25), ("operations.md", 12)])
-def test_every_test_that_is_named_exists(document: str, least: int) -> None:
+def test_every_linked_test_exists(document: str, least: int) -> None:
     named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", (ROOT / "docs" / document).read_text())
     assert len(named) > least
     for path, name in named:

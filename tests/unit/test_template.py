@@ -73,7 +73,7 @@ def test_clean_after_packaging_and_the_transform(tmp_path: Path) -> None:
     assert lint(written) == ""
 
 
-def test_a_role_holds_its_shared_policies_and_no_more_of_them_than_iam_attaches(transformed: dict) -> None:
+def test_role_holds_its_shared_policies_within_the_iam_limit(transformed: dict) -> None:
     roles = {n: r["Properties"] for n, r in transformed["Resources"].items() if r["Type"] == "AWS::IAM::Role"}
     arns = roles["SubmitFunctionRole"]["ManagedPolicyArns"]
     assert {"Ref": "SessionStoragePolicy"} in arns
@@ -104,7 +104,7 @@ def test_light_functions_carry_no_solver(source: dict) -> None:
     assert {"AuthFunction", "LookupFunction"} <= light
 
 
-def test_no_statement_grants_more_than_it_names(source: dict) -> None:
+def test_no_statement_uses_wildcards(source: dict) -> None:
     for name, properties in functions(source).items():
         for statement in statements(source, properties):
             actions = statement["Action"] if isinstance(statement["Action"], list) else [statement["Action"]]
@@ -132,14 +132,14 @@ def test_the_edge_serves_pages_as_the_local_stack_does(transformed: dict) -> Non
         assert policy == pages.headers(file)["content-security-policy"]
 
 
-def test_the_edge_tells_lookups_apart_by_all_that_decides_them(source: dict) -> None:
+def test_edge_cache_key_holds_every_lookup_parameter(source: dict) -> None:
     key = source["Resources"]["LookupCaching"]["Properties"]["CachePolicyConfig"]
     named = key["ParametersInCacheKeyAndForwardedToOrigin"]
     assert named["HeadersConfig"]["Headers"] == ["Authorization", "Origin"]
     assert named["QueryStringsConfig"]["QueryStringBehavior"] == "all"
 
 
-def test_a_revoked_token_opens_nothing_after_a_minute_at_the_edge_either(source: dict) -> None:
+def test_edge_caches_lookups_for_less_than_a_minute(source: dict) -> None:
     """A token remembered by a function and an answer kept by the edge end in time together."""
     key = source["Resources"]["LookupCaching"]["Properties"]["CachePolicyConfig"]
     assert 0 < key["MaxTTL"] <= 60 - token_cache.TOKEN_TTL_S
@@ -153,7 +153,7 @@ def test_every_public_path_reaches_the_api_through_the_edge(source: dict) -> Non
         assert any(fnmatch.fnmatchcase(path, pattern) for pattern in patterns), path
 
 
-def test_whatever_grows_ends(source: dict) -> None:
+def test_logs_sessions_and_items_expire(source: dict) -> None:
     resources = source["Resources"]
     logs = [r["Properties"] for r in resources.values() if r["Type"] == "AWS::Logs::LogGroup"]
     assert [log["RetentionInDays"] for log in logs] == [30, 30]
@@ -200,7 +200,7 @@ def test_buckets_are_closed_encrypted_and_reached_by_tls_only(source: dict) -> N
     assert api["CustomOriginConfig"]["OriginProtocolPolicy"] == "https-only"
 
 
-def test_the_edge_compresses_with_brotli_whatever_it_keeps(source: dict) -> None:
+def test_edge_compresses_cached_responses_with_brotli(source: dict) -> None:
     resources = source["Resources"]
     for name in ("WebCaching", "LookupCaching"):
         key = resources[name]["Properties"]["CachePolicyConfig"]
@@ -219,7 +219,7 @@ def test_access_logs_hold_neither_addresses_nor_credentials(source: dict) -> Non
     assert {"requestId", "routeKey", "status"} <= variables
 
 
-def test_what_the_dashboard_shows_is_counted() -> None:
+def test_dashboard_shows_published_metrics_only() -> None:
     deployed = json.loads(json.dumps(loads(steps.package_template(TEMPLATE))))
     body = json.loads(deployed["Resources"]["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])
     shown = set()
@@ -237,7 +237,7 @@ def test_what_the_dashboard_shows_is_counted() -> None:
         assert re.search(rf"\b{name}=|\"{name}\"", code), name
 
 
-def test_every_alarm_is_heard(source: dict) -> None:
+def test_every_alarm_has_the_topic(source: dict) -> None:
     alarms = [r for r in source["Resources"].values() if r["Type"] == "AWS::CloudWatch::Alarm"]
     assert len(alarms) >= 5
     for alarm in alarms:
@@ -245,7 +245,7 @@ def test_every_alarm_is_heard(source: dict) -> None:
         assert alarm["Properties"]["TreatMissingData"] == "notBreaching"
 
 
-def test_of_every_function_it_is_heard_when_it_may_not_run(source: dict) -> None:
+def test_every_function_has_a_throttle_alarm(source: dict) -> None:
     metrics = source["Resources"]["ThrottleAlarm"]["Properties"]["Metrics"]
     watched = [one["MetricStat"]["Metric"]["Dimensions"] for one in metrics if "MetricStat" in one]
     assert len(watched) <= 10  # the most that an alarm takes
@@ -254,7 +254,7 @@ def test_of_every_function_it_is_heard_when_it_may_not_run(source: dict) -> None
     }
 
 
-def test_what_costs_extra_is_off_by_default(source: dict) -> None:
+def test_extra_costs_are_off_by_default(source: dict) -> None:
     defaults = {name: p["Default"] for name, p in source["Parameters"].items()}
     assert (defaults["WafRate"], defaults["DomainName"], defaults["SnapStart"]) == (0, "", "None")
     assert source["Resources"]["RateRule"]["Condition"] == "Firewall"
@@ -262,7 +262,7 @@ def test_what_costs_extra_is_off_by_default(source: dict) -> None:
     assert source["Resources"]["TraceSampling"]["Properties"]["SamplingRule"]["FixedRate"] <= 0.01
 
 
-def test_what_fails_every_time_reaches_the_queue_by_the_name_it_is_invoked_by(transformed: dict) -> None:
+def test_failed_invocations_reach_the_dead_letter_queue(transformed: dict) -> None:
     resources = transformed["Resources"].values()
     (config,) = (r["Properties"] for r in resources if r["Type"] == "AWS::Lambda::EventInvokeConfig")
     assert config["FunctionName"] == {"Ref": "RefitFunction"}
@@ -270,7 +270,7 @@ def test_what_fails_every_time_reaches_the_queue_by_the_name_it_is_invoked_by(tr
     assert config["DestinationConfig"]["OnFailure"]["Destination"] == {"Fn::GetAtt": ["RefitFailures", "Arn"]}
 
 
-def test_what_a_crowd_can_use_up_is_bounded(transformed: dict) -> None:
+def test_concurrency_and_rates_are_bounded(transformed: dict) -> None:
     resources = transformed["Resources"]
     (stage,) = (r["Properties"] for r in resources.values() if r["Type"] == "AWS::ApiGatewayV2::Stage")
     assert set(stage["DefaultRouteSettings"]) >= {"ThrottlingRateLimit", "ThrottlingBurstLimit"}

@@ -26,19 +26,19 @@ NPM = {
 REFUSED = {"message": "405 Method Not Allowed", "error": {"summary": "", "detail": ""}}
 
 
-def test_what_the_tools_say_is_heeded() -> None:
+def test_findings_of_the_tools_are_reported() -> None:
     assert Audit.of_pip(PIP) == Audit(2, ("old 0.1: PYSEC-2024-1",))
     assert Audit.of_npm(NPM) == Audit(90, ("bad: critical",))
     assert report("npm", Audit.of_npm(NPM)).splitlines()[1:] == ["bad: critical"]
 
 
-def test_where_nobody_answers_nothing_is_called_fine() -> None:
+def test_audit_without_tools_fails() -> None:
     nobody = Audit.of_pip({"dependencies": PIP["dependencies"][2:]})
     assert nobody == Audit.of_npm(REFUSED) == Audit(0)
     assert "not audited" in report("npm", nobody)
 
 
-def test_only_what_is_vulnerable_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_vulnerable_packages_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(audit, "PIP_AUDIT", Path("/nowhere/pip-audit"))  # as where it could not be installed
     for found, status in ((Audit(0), 0), (Audit(90), 0), (Audit(90, ("bad: high",)), 1)):
         monkeypatch.setattr(audit, "npm", lambda found=found: found)

@@ -39,7 +39,7 @@ def test_a_full_disk_fails_the_write_and_takes_it_back(tmp_path: Path) -> None:
         assert sorted(item["pk"]["S"] for item in items) == ["after", "before"]
 
 
-def test_under_a_filling_disk_acknowledged_is_kept_and_refused_is_not(tmp_path: Path) -> None:
+def test_filling_disk_keeps_acknowledged_writes_only(tmp_path: Path) -> None:
     with storage(tmp_path) as store:
         client = dynamodb()
         store.limit(60)
@@ -99,7 +99,7 @@ def get_in_memory(pk: str) -> Any:
     return next((item for item in Table.all_items(table) if item.hash_key.value == pk), None)
 
 
-def test_those_who_wait_share_a_sync_and_reads_need_none(tmp_path: Path) -> None:
+def test_waiting_writes_share_one_sync(tmp_path: Path) -> None:
     journal = SlowJournal(tmp_path / "data" / "journal.sqlite")
     with storage(tmp_path, journal=journal), ThreadPoolExecutor(16) as pool:
         client = dynamodb()

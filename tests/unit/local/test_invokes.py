@@ -95,7 +95,7 @@ def test_a_later_call_is_accepted_at_once_and_done_before_the_end(
     assert sorted(event["n"] for event, _ in calls()) == [0, 1, 2, 3, 4]
 
 
-def test_a_later_call_that_fails_is_tried_twice_more(template: Path, calls: Callable[[], list[Any]]) -> None:
+def test_failed_event_is_retried_twice(template: Path, calls: Callable[[], list[Any]]) -> None:
     with LocalStack(template=template, retry_pauses=(0.0, 0.0)):
         invoke({"fail": 2}, "Event")
         until(lambda: len(calls()) == 3)
@@ -103,7 +103,7 @@ def test_a_later_call_that_fails_is_tried_twice_more(template: Path, calls: Call
     assert len(calls()) == 3
 
 
-def test_a_call_that_always_fails_is_given_up(
+def test_event_is_given_up_after_three_failures(
     template: Path, tmp_path: Path, calls: Callable[[], list[Any]], caplog: pytest.LogCaptureFixture
 ) -> None:
     with LocalStack(tmp_path / "data", template=template, retry_pauses=(0.0, 0.0)) as stack:
@@ -116,7 +116,7 @@ def test_a_call_that_always_fails_is_given_up(
     assert len(calls()) == 3
 
 
-def test_what_failed_every_time_is_kept_in_the_queue_that_is_named_for_it(
+def test_given_up_event_is_kept_in_the_dead_letter_queue(
     template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
 ) -> None:
     queue = """
@@ -162,7 +162,7 @@ def test_an_accepted_call_survives_a_crash(
     assert len(calls()) == 3, "once done, it is forgotten"
 
 
-def test_a_call_that_waits_for_a_retry_is_left_for_the_next_start(
+def test_pending_retry_is_left_for_the_next_start(
     template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
 ) -> None:
     started = time.monotonic()
@@ -196,7 +196,7 @@ def test_a_long_queue_does_not_keep_the_stack_from_stopping(
     assert sorted(event["n"] for event, _ in calls()) == list(range(60))
 
 
-def test_idle_means_that_no_later_call_is_queued_running_or_to_be_retried(
+def test_idle_stack_has_no_queued_running_or_retried_events(
     template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
 ) -> None:
     gate = tmp_path / "gate"

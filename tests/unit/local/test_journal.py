@@ -18,14 +18,14 @@ def test_one_process_a_journal(tmp_path: Path) -> None:
     Journal(tmp_path / "journal.sqlite").close()
 
 
-def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+def test_impossible_folder_is_named(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("a file")
     with pytest.raises(JournalError, match="taken cannot hold the data"):
         Journal(tmp_path / "taken" / "journal.sqlite")
 
 
 @pytest.mark.parametrize("port", [-1, 65536, 99999])
-def test_a_port_that_does_not_exist_is_named(port: int) -> None:
+def test_impossible_port_is_named(port: int) -> None:
     with pytest.raises(PortInUseError, match=f"port {port} does not exist"):
         bind(port)
 

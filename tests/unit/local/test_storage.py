@@ -135,7 +135,7 @@ def test_conditions_are_atomic_under_threads(tmp_path: Path) -> None:
         assert get(dynamodb(), "counter")["n"] == {"N": "160"}
 
 
-def test_what_could_not_be_journalled_is_refused(tmp_path: Path) -> None:
+def test_unjournalled_write_is_refused(tmp_path: Path) -> None:
     with storage(tmp_path):
         with pytest.raises(ClientError, match="NotImplemented"):
             s3().create_multipart_upload(Bucket=BUCKET, Key="large")
@@ -147,7 +147,7 @@ def test_what_could_not_be_journalled_is_refused(tmp_path: Path) -> None:
             dynamodb().put_item(TableName=TABLE, Item={"pk": {"S": "a"}})
 
 
-def test_of_every_object_there_is_one_version_and_it_can_be_removed(tmp_path: Path) -> None:
+def test_every_object_has_one_removable_version(tmp_path: Path) -> None:
     def versions(prefix: str) -> list[tuple[str, str]]:
         pages = s3().get_paginator("list_object_versions").paginate(Bucket=BUCKET, Prefix=prefix)
         return [(found["Key"], found["VersionId"]) for page in pages for found in page.get("Versions", [])]
@@ -211,7 +211,7 @@ def test_a_query_looks_at_its_partition_alone(tmp_path: Path, monkeypatch: pytes
         assert [item["sk"]["S"] for item in rest["Items"]] == [f"CALIBRATION#{n}" for n in (2, 1, 0)]
 
 
-def test_nothing_that_was_is_held(tmp_path: Path) -> None:
+def test_overwritten_values_are_released(tmp_path: Path) -> None:
     with storage(tmp_path):
         client, files = dynamodb(), s3()
         for number in range(20):

@@ -113,6 +113,6 @@ def test_values_go_over_defaults_and_one_is_needed(tmp_path: Path) -> None:
         ("{a: 1}", "stands where a string is wanted"),
     ],
 )
-def test_what_is_not_known_is_said(tmp_path: Path, value: str, complaint: str) -> None:
+def test_unsupported_resources_are_named(tmp_path: Path, value: str, complaint: str) -> None:
     with pytest.raises(TemplateError, match=complaint.replace("!", "\\!")):
         read(tmp_path, FUNCTION.format(name="One", variables=f"X: {value}"))
