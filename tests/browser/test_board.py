@@ -98,10 +98,10 @@ def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
     assert "8 × 11 squares, DICT_5X5_100, markers 0.75" in description
     expect(page.locator("#columns")).to_have_value("8")
     page.goto("/calibrate/?squares=12x12")
-    expect(page.locator("#problem")).to_contain_text("it needs 72")
+    expect(page.locator("#problem")).to_contain_text("the board needs 72")
     picture(page, "capture-impossible-board")
     page.goto("/board/?squares=12x12")
-    page.locator("#problem", has_text="it needs 72").wait_for()
+    page.locator("#problem", has_text="the board needs 72").wait_for()
 
 
 def test_any_board_can_be_set_and_goes_along(page: Page) -> None:

@@ -58,8 +58,8 @@ def test_language_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> No
     page.locator("#undo:enabled").wait_for()
     expect(page.locator("#another"), "read by now").to_be_hidden()
     page.reload()
-    hear(page, "another", "Asked for: Another one. Opened: calibDB virtual camera")
-    hear(page, "said", "Asked for: Another one")  # it is read out too
+    hear(page, "another", "Requested: Another one. Opened: calibDB virtual camera")
+    hear(page, "said", "Requested: Another one")  # it is read out too
 
     assert page.evaluate(LIVE) == ["said"], "one voice at a time"
 
@@ -96,7 +96,7 @@ def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: 
     page.goto("/calibrate/")
     page.locator("#resolution").select_option("1920 × 1080")
     page.locator("#start").click()
-    hear(page, "notice", "The camera gives 1280 × 720: that is calibrated.")
+    hear(page, "notice", "The camera delivers 1280 × 720, so this page calibrates that size.")
     asked = page.evaluate("window.asked")
     assert (asked["width"], asked["height"]) == ({"ideal": 1920}, {"ideal": 1080})
     assert asked["resizeMode"] == "none"
@@ -118,7 +118,7 @@ def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for
     page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)")
     page.locator("#start").click()
     expect(page.locator("#camera option"), "nothing is said before it is known").to_have_count(0)
-    expect(page.locator("#wanted")).to_have_text("Asked for: HD Pro Webcam C920 (046d:082d).")
+    expect(page.locator("#wanted")).to_have_text("Requested: HD Pro Webcam C920 (046d:082d).")
     page.evaluate("window.answer()")
     page.locator("#controls:not([hidden])").wait_for()
     assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}

@@ -100,9 +100,9 @@ def test_the_focus_goes_where_the_page_goes(page: Page) -> None:
 def test_another_camera_than_was_asked_for_is_said_to_be_one(page: Page) -> None:
     listen(page)
     page.goto(f"{VIRTUAL}&camera=C920")
-    hear(page, "another", "Asked for: C920. Opened: calibDB virtual camera")
+    hear(page, "another", "Requested: C920. Opened: calibDB virtual camera")
     done(page)
-    expect(page.locator("#done .another")).to_contain_text("Asked for: C920")
+    expect(page.locator("#done .another")).to_contain_text("Requested: C920")
     expect(page.locator("#done .another")).to_be_visible()
     picture(page, "capture-done-another")
 
