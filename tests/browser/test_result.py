@@ -77,7 +77,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(page: Page, api: httpx.Cli
     before, after = (each["uncertainty"]["rms"] for each in (state["calibration"], less))
     assert after > before
     said = page.locator("#without-status").text_content() or ""
-    errors = [float(value) for value in re.findall(r"([\d.]+)\spx(?: off|\.)", said)[:2]]
+    errors = [float(value) for value in re.findall(r"([\d.]+)\spx[;.]", said)[:2]]
     assert errors == pytest.approx([after, before], rel=0.05)
     picture(page, "result-without", full=True)
     page.locator("#format").select_option("ros")
