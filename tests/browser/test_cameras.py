@@ -27,8 +27,8 @@ def test_what_is_known_is_drawn(page: Page, scheme: str) -> None:
     page.locator("#camera-name", has_text="C920").wait_for()
     assert page.locator(".agrees").count() == 2 * (9 + 2)
     assert page.locator("path.cut").count() == 2 * 2, "what does not agree is crossed"
-    expect(page.locator(".standing").first).to_contain_text("known: every web page")
-    expect(page.locator(".standing").last).to_contain_text("too few calibrations")
+    expect(page.locator(".reliability").first).to_contain_text("known: every web page")
+    expect(page.locator(".reliability").last).to_contain_text("too few calibrations")
     captions = page.locator("figcaption").all_text_contents()
     assert ["agreed" in caption for caption in captions] == [True, True, False, False], (
         "where there is none, none is named"

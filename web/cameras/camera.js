@@ -39,7 +39,7 @@ function modeView(page, mode, explain) {
     ...(mode.groups.length > 1 ? [t("cameras.groups", { count: mode.groups.length })] : []),
   ];
   return el("section", { class: "band", "aria-labelledby": id },
-    el("div", {}, el("h2", { id, class: "number" }, nameOf(mode)), el("p", { class: `standing ${reliable ? "known" : ""}` }, t(reliable ? "cameras.reliable" : reasonKey(mode)))),
+    el("div", {}, el("h2", { id, class: "number" }, nameOf(mode)), el("p", { class: `reliability ${reliable ? "known" : ""}` }, t(reliable ? "cameras.reliable" : reasonKey(mode)))),
     el("div", {}, el("p", { class: "number" }, facts.join(" · ")),
       ...(mode.members.length ? [agreement(mode, agreed)] : []),
       ...(agreed ? [modelView(page, mode, explain)] : [])));
