@@ -79,7 +79,7 @@ def fit(
     if mirrored.any() and not robust:
         raise CalibrationError("mirrored", f"view {int(np.argmax(mirrored))} shows the board mirrored")
     # In one order, whichever the views came in: rounding, too, is then the same.
-    obs, order = given.ordered()
+    obs, order = given.sort_canonically()
     # Far from the solution numbers may overflow; every step is tested before it is taken.
     with np.errstate(all="ignore"):
         return _Fit(Problem(camera_model, obs, img_size), order, mirrored[order.views], robust, start).run()
@@ -91,7 +91,7 @@ def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
     For parts of what was fitted before; raises as `fit` does.
     """
     given = check(views, near.img_size)
-    obs, order = given.ordered()
+    obs, order = given.sort_canonically()
     mirrored = validation.mirrored_views(given)[order.views]
     problem = Problem(models.get(near.model), obs, near.img_size)
     with np.errstate(all="ignore"):
@@ -291,7 +291,7 @@ class _Fit:
         better = np.isfinite(square) & (
             square < np.where(self.problem.obs.mask, state.square, 0)[out].sum(axis=1)
         )
-        resected = state.poses.replaced(out[better], Poses(poses.r[better], poses.t[better]))
+        resected = state.poses.replace(out[better], Poses(poses.r[better], poses.t[better]))
         return replace(self.problem.at(state.k, resected), converged=state.converged)
 
     def _cut_reasons(self, good: Mask) -> dict[int, str]:

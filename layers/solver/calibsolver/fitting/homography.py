@@ -47,7 +47,7 @@ class Homographies:
         h = np.linalg.eigh(m.reshape(v, 9, 9))[1][:, :, 0].reshape(v, 3, 3)
         side = ((h @ x) * rays).sum(axis=1) * weights
         h = h * np.where(side.sum(axis=1) < 0, -1.0, 1.0)[:, None, None]
-        return cls(normalized(h), mean, spread)
+        return cls(normalize_scale(h), mean, spread)
 
     def errors(self, points: Array, rays: Array) -> Array:
         """Angular errors (v, n), radians, small ones, of points (v, 3, n) against unit rays (v, 3, n)."""
@@ -58,7 +58,7 @@ class Homographies:
     def with_focal_scale(self, factor: float) -> "Homographies":
         """Homographies of the same planes where rays have `factor` times the distance from the axis."""
         return Homographies(
-            normalized(self.h * np.array([factor, factor, 1.0])[:, None]), self.mean, self.spread
+            normalize_scale(self.h * np.array([factor, factor, 1.0])[:, None]), self.mean, self.spread
         )
 
     def poses(self, offset: Array) -> Poses:
@@ -82,7 +82,7 @@ class Homographies:
         return float(np.sqrt(-(image @ depth) / below)) if below > 0 else float("nan")
 
 
-def normalized(h: Array) -> Array:
+def normalize_scale(h: Array) -> Array:
     """Homographies (v, 3, 3) of which the first two columns have mean length 1."""
     columns = np.sqrt((h[:, :, :2] ** 2).sum(axis=1)).sum(axis=1) / 2
     out: Array = h / np.maximum(columns, 1e-300)[:, None, None]

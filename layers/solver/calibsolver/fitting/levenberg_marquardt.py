@@ -182,7 +182,7 @@ class Problem:
                     return replace(state, converged=bool(np.isfinite(predicted)))
                 if accelerated:
                     da, dp = self._geodesic_acceleration(state, system, irls_weights, da, dp, damping)
-                moved = self._moved(state, da, dp)
+                moved = self._take_step(state, da, dp)
                 actual = -np.inf if moved is None else cost - objective.of(moved)[0]
                 accepted, damping = assess_step(damping, actual, predicted)
                 if moved is not None and accepted:
@@ -198,7 +198,7 @@ class Problem:
         """Change (p,) of the intrinsics by a step (a,) of the free ones."""
         return da if self.basis is None else self.basis @ da
 
-    def _moved(self, state: State, da: Array, dp: Array) -> State | None:
+    def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
         """Linearize after steps (a,) and (v, 6); None where the model has no picture there."""
         k = state.k + self._free(da)
         return self.at(k, state.poses.retract(dp)) if self.is_feasible(k) else None

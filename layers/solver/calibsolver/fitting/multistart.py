@@ -132,7 +132,7 @@ def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, 
         if not better.any():
             break
         weights = weights.copy()
-        all_poses = state.poses.replaced(bad[better], Poses(poses.r[better], poses.t[better]))
+        all_poses = state.poses.replace(bad[better], Poses(poses.r[better], poses.t[better]))
         near = square <= INLIER_MEDIANS**2 * middle[:, None]
         weights[bad[better]] = (near & mask[bad])[better]
         state = problem.solve(problem.at(state.k, all_poses), weights, TOWARDS_OPTIMUM)

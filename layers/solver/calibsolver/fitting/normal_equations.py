@@ -42,7 +42,7 @@ class Poses:
         """Poses after small steps (v, 6): the rotation perturbed from the left, the translation shifted."""
         return Poses(rotation.matrix(step[:, :3]) @ self.r, self.t + step[:, 3:])
 
-    def replaced(self, index: IntArray | Mask, poses: "Poses") -> "Poses":
+    def replace(self, index: IntArray | Mask, poses: "Poses") -> "Poses":
         """Poses with those of some views replaced."""
         r, t = self.r.copy(), self.t.copy()
         r[index], t[index] = poses.r, poses.t

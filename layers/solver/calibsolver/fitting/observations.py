@@ -68,7 +68,7 @@ class Observations:
         """Return the observations of some of the views."""
         return Observations(self.points[index], self.pixels[index], self.mask[index])
 
-    def ordered(self) -> tuple["Observations", "Order"]:
+    def sort_canonically(self) -> tuple["Observations", "Order"]:
         """Return the same observations in an order that does not depend on the one they came in."""
         key = np.where(self.mask, self.pixels[:, 0] + MIX * self.pixels[:, 1], np.inf)
         points = np.argsort(key, axis=1, kind="stable")

@@ -91,7 +91,7 @@ def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
             moved_rows, after = pose_rows(model, k, moved, obs)
             accepted, damping = (x.astype(float) for x in ASSESS_STEPS(damping, before - after, predicted))
             better = accepted > 0
-            poses = poses.replaced(views[better], Poses(moved.r[better], moved.t[better]))
+            poses = poses.replace(views[better], Poses(moved.r[better], moved.t[better]))
             cost[views[better]] = after[better]
             rows = np.where(better[:, None], moved_rows, rows)
             decrease = np.where(better, before - after, np.inf)

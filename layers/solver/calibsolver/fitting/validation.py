@@ -65,7 +65,7 @@ def refuse(bad: Mask, code: str, message: str) -> None:
         raise CalibrationError(code, message.format(int(np.argmax(bad))))
 
 
-def centred(points: Array, mask: Mask) -> Array:
+def subtract_mean(points: Array, mask: Mask) -> Array:
     """Points (v, 2, n) relative to the mean of those that the mask (v, n) holds; 0 elsewhere."""
     mean = (points @ (mask / mask.sum(axis=1, keepdims=True))[:, :, None]) if not mask.all() else None
     out: Array = points - (points.mean(axis=2, keepdims=True) if mean is None else mean)
@@ -74,7 +74,7 @@ def centred(points: Array, mask: Mask) -> Array:
 
 def flatness(points: Array, mask: Mask) -> Array:
     """Smaller over larger principal extent (v,) of points (v, 2, n): 0 where they lie on a line."""
-    x = centred(points, mask)
+    x = subtract_mean(points, mask)
     m = x @ x.transpose(0, 2, 1)
     xx, yy, xy = m[:, 0, 0], m[:, 1, 1], m[:, 0, 1]
     # Eigenvalues of the 2x2 scatter matrix; the smaller from the determinant, free of cancellation.
@@ -89,7 +89,7 @@ def handedness(obs: Observations) -> Array:
     A homography's has the same sign wherever the whole board is in front of the camera, and this one stays
     defined under strong distortion too.
     """
-    m = centred(obs.points[:, :2], obs.mask) @ obs.pixels.transpose(0, 2, 1)
+    m = subtract_mean(obs.points[:, :2], obs.mask) @ obs.pixels.transpose(0, 2, 1)
     det: Array = m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] * m[:, 1, 0]
     return det
 

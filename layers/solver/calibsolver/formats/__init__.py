@@ -72,7 +72,7 @@ def write(source: ExportSource, name: str, transform: transforms.Transform | Non
             "unknown_format", f"no format is called {name!r}; there are {', '.join(FORMAT_NAMES)}"
         )
     if transform is not None:
-        source = transformed(source, transform)
+        source = transform_source(source, transform)
     conversion = form.convert(source)
     width, height = source.camera.img_size
     # Several formats are YAML: files of one camera are to lie side by side.
@@ -87,7 +87,7 @@ def write(source: ExportSource, name: str, transform: transforms.Transform | Non
     )
 
 
-def transformed(source: ExportSource, transform: transforms.Transform) -> ExportSource:
+def transform_source(source: ExportSource, transform: transforms.Transform) -> ExportSource:
     """Carry camera and measurements along.
 
     A mirrored board has its corners at the places of the board's own: the rightmost become the leftmost.

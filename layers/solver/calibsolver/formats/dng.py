@@ -45,7 +45,7 @@ class Dng(Format):
         conversion = convert_in_image(source, self.constraints)
         if conversion.camera.model != "fisheye":
             return conversion
-        four = shortened(conversion.camera)
+        four = refit_without_k4(conversion.camera)
         whole = compare(source.camera, four)
         return Conversion(four, _within(source.camera, four), whole.coverage)
 
@@ -70,7 +70,7 @@ def farthest(camera: Camera) -> float:
     return math.hypot(max(k[0, 2], w - k[0, 2]), max(k[1, 2], h - k[1, 2]))
 
 
-def shortened(camera: Camera) -> Camera:
+def refit_without_k4(camera: Camera) -> Camera:
     """Return the fisheye camera with k4 = 0 that is closest over the angles that the opcode reaches."""
     if camera.distortion[3] == 0:
         return camera

@@ -89,7 +89,7 @@ def matrices(conversion: Conversion) -> dict[str, Array]:
 
 def _scalar(value: str | int | float) -> str:
     if isinstance(value, str):
-        return text.quoted(value)
+        return text.quote(value)
     return str(value) if isinstance(value, int) else text.number(value)
 
 

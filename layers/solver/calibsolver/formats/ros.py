@@ -28,7 +28,7 @@ class Ros(Format):
             self.comment(source, conversion),
             f"image_width: {c.img_size[0]}",
             f"image_height: {c.img_size[1]}",
-            f"camera_name: {text.quoted(name)}",
+            f"camera_name: {text.quote(name)}",
             self._matrix("camera_matrix", 3, 3, k.ravel()),
             f"distortion_model: {ROS_MODELS[c.model]}",
             self._matrix("distortion_coefficients", 1, len(c.distortion), c.distortion),

@@ -39,7 +39,7 @@ def dump(value: Mapping[str, Any], warning: str | None = None) -> bytes:
     return (json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
-def quoted(text: str) -> str:
+def quote(text: str) -> str:
     """Write a string in double quotes, as JSON and YAML both read it."""
     return json.dumps("".join(c if c.isprintable() else " " for c in text))
 

@@ -54,15 +54,15 @@ def describe(
         },
         "error_map": {
             "grid": list(grid),
-            "px": _nested(calibration.projection_std(grid), _digits),
+            "px": _to_lists(calibration.projection_std(grid), _digits),
         },
         "held_out": None if held_out is None or held_out > width else round(held_out, 4),
         "views": [
             {
                 "index": i if indices is None else indices[i],
                 "rms": round(float(calibration.view_errors[i]), 4),
-                "points": _nested(view.image_points, lambda x: round(x, 2)),
-                "residuals": _nested(vectors[i], lambda x: round(x, 3)),
+                "points": _to_lists(view.image_points, lambda x: round(x, 2)),
+                "residuals": _to_lists(vectors[i], lambda x: round(x, 3)),
                 "rvec": [round(float(x), 6) for x in calibration.poses[i, :3]],
                 "tvec": [_digits(x, 6) for x in calibration.poses[i, 3:]],
                 "cut": np.flatnonzero(~calibration.used[i]).tolist(),
@@ -78,5 +78,5 @@ def _digits(value: float, digits: int = 3) -> float | None:
     return float(f"{float(value):.{digits}g}") if np.isfinite(value) else None
 
 
-def _nested(values: Array, rounded: Callable[[float], float | None]) -> list[list[float | None]]:
+def _to_lists(values: Array, rounded: Callable[[float], float | None]) -> list[list[float | None]]:
     return [[rounded(float(x)) if np.isfinite(x) else None for x in row] for row in values]
