@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from calibdb.camera_key.apple import CAMERA_WORDS, in_english
 from calibdb.camera_key.names import without_maker
 from calibdb.camera_key.owner import without_owner, without_telephone
-from calibdb.camera_key.virtual import program, spelled
+from calibdb.camera_key.virtual import program, spelling_of
 from calibdb.camera_key.visible import visible
 
 # Chromium appends ` (vid:pid)`; on macOS it cuts it out of an id that need not be one (`(m-de:vice)`).
@@ -60,7 +60,7 @@ def _public(text: str) -> str:
     # First of all, for what is left of a number is a number: `iPhone +49 170 1234567` is no iPhone 49.
     name = without_telephone(name)
     if posing := program(_plain(text)):
-        return spelled(posing, name)
+        return spelling_of(posing, name)
     if _APPLE.search(name):
         return " ".join(_APPLE_WORDS.findall(name)) + usb_id
     if in_english(name.casefold()):

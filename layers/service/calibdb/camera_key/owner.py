@@ -60,7 +60,7 @@ def without_owner(name: str) -> str:
 def _cut(name: str) -> str:
     for pattern in (_ADDRESS, _HOST_NAME, _QUOTED):
         name = pattern.sub(" ", name)
-    name = _PARENTHESES.sub(_kept, name)
+    name = _PARENTHESES.sub(_keep_parentheses, name)
     name = _GENITIVE.sub("", _POSSESSIVE.sub("", name))
     if match := _TAIL.match(name):
         name = match[1]
@@ -70,7 +70,7 @@ def _cut(name: str) -> str:
     return " ".join(name.split())
 
 
-def _kept(match: re.Match[str]) -> str:
+def _keep_parentheses(match: re.Match[str]) -> str:
     words = _WORD.findall(match[1] or "")
     if words and all(_MODEL.fullmatch(word) or is_generic(word.casefold()) for word in words):
         return match[0]

@@ -43,7 +43,7 @@ _PROGRAMS = {
 _PATTERNS = tuple((name, re.compile(pattern)) for name, pattern in _PROGRAMS.items())
 
 
-def spelled(posing: str, label: str) -> str:
+def spelling_of(posing: str, label: str) -> str:
     """Return the program's name as `label` spells it, without anything else that stands there."""
     match = re.search(_PROGRAMS[posing], label, re.IGNORECASE)
     return match[0].strip("()") if match else posing

@@ -34,7 +34,7 @@ def axis_focal(camera: Calibration) -> Vector:
     return fx / (1 + xi), fy / (1 + xi)
 
 
-def distorted(model: str, d: tuple[float, ...], theta: float, phi: float) -> Vector:
+def distort_ray(model: str, d: tuple[float, ...], theta: float, phi: float) -> Vector:
     """Intersection of the ray at angle `theta` off the axis, azimuth `phi` (rad), with the plane z = 1.
 
     Distortion included: a pixel is `(fx x + cx, fy y + cy)`. Formulas: docs/conventions.md.
@@ -74,7 +74,7 @@ def rays_in_view(camera: Calibration) -> Iterator[tuple[float, float, Vector]]:
         while (theta := theta + step) < _MAX_ANGLE[model]:
             if model == "omnidirectional" and math.cos(theta) + d[0] <= 0:
                 break
-            x, y = distorted(model, d, theta, phi)
+            x, y = distort_ray(model, d, theta, phi)
             u, v = fx * x + cx, fy * y + cy
             radius = x * x + y * y
             if not (radius > farthest and -0.5 <= u <= w - 0.5 and -0.5 <= v <= h - 0.5):

@@ -11,7 +11,7 @@ import functools
 import math
 from dataclasses import dataclass
 
-from calibdb.lookup.projection import distorted, is_projectable, rays_in_view
+from calibdb.lookup.projection import distort_ray, is_projectable, rays_in_view
 from calibdb.lookup.selection import same_aspect
 from calibdb.schema import Calibration
 from calibdb.schema.calibration import Relation
@@ -135,7 +135,7 @@ def _common_rays(
     w, h = one.img_size
     out = []
     for theta, phi, (u, v) in rays_in_view(other):
-        x, y = distorted(model, d, theta, phi)
+        x, y = distort_ray(model, d, theta, phi)
         if -0.5 <= fx * x + cx <= w - 0.5 and -0.5 <= fy * y + cy <= h - 0.5:
             out.append(((fx * x, fy * y), (u - ox, v - oy), math.hypot(u - ox, v - oy)))
     return out

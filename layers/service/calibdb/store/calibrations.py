@@ -109,7 +109,7 @@ class Calibrations:
             # Ids sort by the time at which the session was started.
             prefix = calibrations_prefix(mode.img_size, mode.zoom)
             items = self._table.query(mode.pk, prefix, newest_first=True, limit=items_limit, consistent=True)
-            counted = _counting(items, period)[:limit]
+            counted = _select_counted(items, period)[:limit]
             if len(counted) == limit or len(items) < items_limit:
                 break
         return counted
@@ -158,7 +158,7 @@ class Calibrations:
             return list(readers.map(self.get, ids))
 
 
-def _counting(items: Sequence[Item], period: int) -> list[CountedCalibration]:
+def _select_counted(items: Sequence[Item], period: int) -> list[CountedCalibration]:
     counted, heard = [], set()
     entered: Counter[str] = Counter()
     for item in items:

@@ -43,7 +43,7 @@ class Names:
 
     def publish(self, document: CalibrationDocument) -> None:
         """Let the camera be found; what a camera that is known already is called is known, too."""
-        named = _named(document)
+        named = _name_of(document)
         # The last that was written, so that where it is all the others are that follow from the key.
         known = self._table.get(ALL, named.key) is not None
         if not (known and named.identity.distinct and named.aliases <= named.identity.name_keys):
@@ -53,7 +53,7 @@ class Names:
 
     def index(self, document: CalibrationDocument) -> None:
         """Write every name of the camera, once for all of its calibrations."""
-        named = _named(document)
+        named = _name_of(document)
         if named not in self._written:
             self._alias(named)
             self._search(named)
@@ -61,7 +61,7 @@ class Names:
 
     def remove(self, document: CalibrationDocument, left: Sequence[str]) -> None:
         """Forget the names that only this calibration gave; `left`: ids of those that count beside it."""
-        named = _named(document)
+        named = _name_of(document)
         gone = _aliases(named) if left else [*_aliases(named), *_search_items(named)]
         others = {_OWN_ID.sub("", other) for other in left}
         if left and named.identity.usb_id:
@@ -89,7 +89,7 @@ def with_current_key(document: CalibrationDocument) -> CalibrationDocument:
     return document.model_copy(update={"camera_key": key, "camera": label, "platform": platform})
 
 
-def _named(document: CalibrationDocument) -> _Named:
+def _name_of(document: CalibrationDocument) -> _Named:
     identity = identify(document.camera, document.platform)
     key = current_key(document.camera_key, document.camera, document.platform)
     made_under = _OWN_ID.sub("", document.id)

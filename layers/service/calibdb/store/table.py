@@ -46,7 +46,7 @@ class Table:
             found = self._client().get_item(
                 TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}}, ConsistentRead=consistent
             )
-        return _decoded(found["Item"]) if "Item" in found else None
+        return _decode(found["Item"]) if "Item" in found else None
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
         """Write the item; False, and nothing written, when `condition` does not hold."""
@@ -54,7 +54,7 @@ class Table:
             try:
                 self._client().put_item(
                     TableName=self._name,
-                    Item={k: _encoded(v) for k, v in item.items()},
+                    Item={k: _encode(v) for k, v in item.items()},
                     **_options(condition),
                 )
             except ClientError as error:
@@ -69,7 +69,7 @@ class Table:
         Of two writers at once one is told False.
         """
         puts: list[dict[str, Any]] = [
-            {"TableName": self._name, "Item": {k: _encoded(v) for k, v in item.items()}} for item in items
+            {"TableName": self._name, "Item": {k: _encode(v) for k, v in item.items()}} for item in items
         ]
         puts[0] |= _options(condition)
         writes: list[Any] = [{"Put": put} for put in puts]
@@ -92,15 +92,15 @@ class Table:
         """
         if limit is not None and amount > limit:
             return None
-        names, values = {"#name": name}, {":amount": _encoded(amount)}
+        names, values = {"#name": name}, {":amount": _encode(amount)}
         options: dict[str, Any] = {}
         update = "ADD #name :amount"
         if ttl is not None:
             update += " SET #ttl = :ttl"
-            names["#ttl"], values[":ttl"] = "ttl", _encoded(ttl)
+            names["#ttl"], values[":ttl"] = "ttl", _encode(ttl)
         if limit is not None:
             options["ConditionExpression"] = "attribute_not_exists(#name) OR #name <= :room"
-            values[":room"] = _encoded(limit - amount)
+            values[":room"] = _encode(limit - amount)
         with available():
             try:
                 changed = self._client().update_item(
@@ -116,7 +116,7 @@ class Table:
                 if code(error) != "ConditionalCheckFailedException":
                     raise
                 return None
-        return int(str(_decoded(changed["Attributes"])[name]))
+        return int(str(_decode(changed["Attributes"])[name]))
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
         """Remove the item, if there is one; False, and nothing removed, when `condition` does not hold."""
@@ -162,7 +162,7 @@ class Table:
                 Limit=limit,
                 **start,
             )
-        return [_decoded(item) for item in found["Items"]], "LastEvaluatedKey" in found
+        return [_decode(item) for item in found["Items"]], "LastEvaluatedKey" in found
 
     def _pages(
         self, pk: str, prefix: str, newest_first: bool, limit: int | None, consistent: bool
@@ -182,7 +182,7 @@ class Table:
                     **options,
                 )
             for item in page["Items"]:
-                yield _decoded(item)
+                yield _decode(item)
             if left is not None:
                 left -= len(page["Items"])
             if "LastEvaluatedKey" not in page:
@@ -205,13 +205,13 @@ def _options(condition: Condition | None) -> dict[str, Any]:
         return {}
     options: dict[str, Any] = {"ConditionExpression": condition.expression}
     if condition.values:
-        options["ExpressionAttributeValues"] = {f":{k}": _encoded(v) for k, v in condition.values.items()}
+        options["ExpressionAttributeValues"] = {f":{k}": _encode(v) for k, v in condition.values.items()}
     if condition.names:
         options["ExpressionAttributeNames"] = {f"#{k}": v for k, v in condition.names.items()}
     return options
 
 
-def _encoded(value: Value) -> AttributeValueTypeDef:
+def _encode(value: Value) -> AttributeValueTypeDef:
     if isinstance(value, str):
         return {"S": value}
     if isinstance(value, int):
@@ -219,7 +219,7 @@ def _encoded(value: Value) -> AttributeValueTypeDef:
     return {"L": [{"S": text} for text in value]}
 
 
-def _decoded(item: Mapping[str, AttributeValueTypeDef]) -> Item:
+def _decode(item: Mapping[str, AttributeValueTypeDef]) -> Item:
     return {name: _value(value) for name, value in item.items()}
 
 

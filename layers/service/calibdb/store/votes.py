@@ -57,7 +57,7 @@ class Votes:
             mode.pk, f"VOTE#{mode.text}#", newest_first=True, limit=most, consistent=True
         )
         found: dict[str, IndexedVote] = {}
-        for cast in map(_indexed, items):
+        for cast in map(_to_indexed_vote, items):
             found.setdefault(cast.source if one_per_source else cast.id, cast)
         return list(found.values())[:MAX_VOTES]
 
@@ -77,7 +77,7 @@ class Votes:
                 yield VoteDocument.model_validate_json(content)
 
 
-def _indexed(item: Item) -> IndexedVote:
+def _to_indexed_vote(item: Item) -> IndexedVote:
     return IndexedVote(
         id=str(item["sk"]).rpartition("#")[2],
         source=str(item.get("source", item["contributor"])),
