@@ -2,17 +2,16 @@
 
 import json
 import random
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
-from typing import Any
 
 import botocore.endpoint
 import pytest
 from botocore.awsrequest import AWSPreparedRequest
 from botocore.exceptions import ReadTimeoutError
 
-from infra.local import intercept
+from infra.local.intercept import wrapping
 from infra.local.storage import Answer
 
 Service = Callable[[str, AWSPreparedRequest], Answer]
@@ -75,7 +74,7 @@ def faulty(
 
         return handle
 
-    with replaced({n: around(n, s) for n, s in intercept._interceptor.services.items() if n in services}):
+    with wrapped_without_pauses(lambda name, s: around(name, s) if name in services else s):
         yield met
 
 
@@ -91,7 +90,7 @@ def watched() -> Iterator[list[str]]:
 
         return handle
 
-    with replaced({name: around(s) for name, s in intercept._interceptor.services.items()}):
+    with wrapped_without_pauses(lambda _, service: around(service)):
         yield met
 
 
@@ -100,29 +99,28 @@ def stale() -> Iterator[list[str]]:
     """Reads that may be eventually consistent answer as they first did within the block."""
     first: dict[tuple[str, bytes], Answer] = {}
     met: list[str] = []
-    dynamodb = intercept._interceptor.services["dynamodb"]
 
-    def handle(operation: str, request: AWSPreparedRequest) -> Answer:
-        body = request.body if isinstance(request.body, bytes) else b"{}"
-        if operation not in ("GetItem", "Query") or json.loads(body).get("ConsistentRead"):
-            return dynamodb(operation, request)
-        key = (operation, body)
-        if key in first:
-            met.append(operation)
-        return first.setdefault(key, first.get(key) or dynamodb(operation, request))
+    def around(dynamodb: Service) -> Service:
+        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
+            body = request.body if isinstance(request.body, bytes) else b"{}"
+            if operation not in ("GetItem", "Query") or json.loads(body).get("ConsistentRead"):
+                return dynamodb(operation, request)
+            key = (operation, body)
+            if key in first:
+                met.append(operation)
+            return first.setdefault(key, first.get(key) or dynamodb(operation, request))
 
-    with replaced({"dynamodb": handle}):
+        return handle
+
+    with wrapped_without_pauses(lambda name, s: around(s) if name == "dynamodb" else s):
         yield met
 
 
 @contextmanager
-def replaced(services: Mapping[str, Any]) -> Iterator[None]:
-    before = intercept._interceptor.services
+def wrapped_without_pauses(wrap: Callable[[str, Service], Service]) -> Iterator[None]:
+    """Wrap the services of the running stack; boto3 retries without its pauses."""
     with pytest.MonkeyPatch.context() as patch:
         # Pauses between attempts are real seconds; that there are attempts is what matters here.
         patch.setattr(botocore.endpoint, "time", SimpleNamespace(sleep=lambda _: None))
-        intercept._interceptor.services = {**before, **services}
-        try:
+        with wrapping(wrap):
             yield
-        finally:
-            intercept._interceptor.services = before
