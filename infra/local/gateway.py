@@ -44,13 +44,13 @@ class Gateway:
         if self._cors and origin and _is_preflight(request):
             # Answered here whatever the path, without asking a function.
             return Response(204, _preflight_headers(self._cors, origin))
-        return self._allowed(self._route(request), origin)
+        return self._with_cors(self._route(request), origin)
 
     def refuse(self, status: int, text: str, origin: str | None) -> Response:
         """Answer a request that no function could be handed, or that none answered in time."""
-        return self._allowed(message(status, text), origin)
+        return self._with_cors(message(status, text), origin)
 
-    def _allowed(self, response: Response, origin: str | None) -> Response:
+    def _with_cors(self, response: Response, origin: str | None) -> Response:
         if not self._cors:
             return response
         return replace(response, headers=_with_cors(response.headers, self._cors, origin))

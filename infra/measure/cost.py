@@ -138,10 +138,10 @@ class Meter:
         region = Settings.from_environment(self._stack.environment).region
         used = (clients.dynamodb(region), clients.s3(region))
         for client in used:
-            client.meta.events.register("provide-client-params.*", self._asked, unique_id="meter")
-            client.meta.events.register("after-call.*", self._answered, unique_id="meter-after")
+            client.meta.events.register("provide-client-params.*", self._on_request, unique_id="meter")
+            client.meta.events.register("after-call.*", self._on_response, unique_id="meter-after")
         functions = dict(self._stack.functions)
-        self._stack.functions.update({name: self._timed(f) for name, f in functions.items()})
+        self._stack.functions.update({name: self._wrap_with_timer(f) for name, f in functions.items()})
         try:
             with intercept.wrapping(self._around):
                 yield self.use
@@ -162,7 +162,7 @@ class Meter:
             raise RuntimeError(f"{method} {path}: {answer.status} {answer.body[:200]!r}")
         return answer.body
 
-    def _timed(self, function: Any) -> Any:
+    def _wrap_with_timer(self, function: Any) -> Any:
         memory = function.spec.memory
 
         def timed(*arguments: Any) -> Any:
@@ -196,7 +196,7 @@ class Meter:
 
         return handle
 
-    def _asked(self, params: Mapping[str, Any], model: Any, **_: object) -> None:
+    def _on_request(self, params: Mapping[str, Any], model: Any, **_: object) -> None:
         service, use = model.service_model.service_name, self.use
         use.waits.append((service, self._gb))
         if service == "s3":
@@ -211,7 +211,7 @@ class Meter:
                 use.writes += write_units(len(json.dumps(part.get("Item", {}))), together=together)
         self._storage.consistent = params.get("ConsistentRead", False)
 
-    def _answered(self, http_response: Any, model: Any, **_: object) -> None:
+    def _on_response(self, http_response: Any, model: Any, **_: object) -> None:
         if model.name in _READS:
             self.use.reads += read_units(len(http_response.content), consistent=self._storage.consistent)
 

@@ -158,8 +158,8 @@ def _row(c: Calibration, relation: str | None, at: dict[str, Any]) -> list[Any]:
     values = {
         **dict(c),
         "intrinsics": _intrinsics(c.camera_matrix),
-        "distortion_coefficients": _rounded(c.distortion_coefficients),
-        "uncertainty": _rounded((c.uncertainty.rms, c.uncertainty.max)),
+        "distortion_coefficients": _round_significant(c.distortion_coefficients),
+        "uncertainty": _round_significant((c.uncertainty.rms, c.uncertainty.max)),
         "relation": relation,
         "at": at,
     }
@@ -179,10 +179,10 @@ def _json(value: object) -> bytes:
 
 def _intrinsics(matrix: Sequence[Sequence[float]]) -> list[float]:
     (fx, _, cx), (_, fy, cy), _ = matrix
-    return _rounded((fx, fy, cx, cy))
+    return _round_significant((fx, fy, cx, cy))
 
 
-def _rounded(values: Sequence[float]) -> list[float]:
+def _round_significant(values: Sequence[float]) -> list[float]:
     return [float(f"{value:.{_SIGNIFICANT_DIGITS}g}") for value in values]
 
 

@@ -63,7 +63,7 @@ def read_calibrations(context: OpsContext, camera_key: str) -> Iterator[tuple[Ca
     """
     under_key = dict(_stored_under(context, camera_key))
     keys = {camera_key, *(document.camera_key for document, _ in under_key.values())}
-    ids = {calibration_id for key in keys for calibration_id in _indexed(context, key)}
+    ids = {calibration_id for key in keys for calibration_id in _indexed_ids(context, key)}
     folders = {calibration_id.rpartition("-")[0] for calibration_id in ids} - {camera_key}
     found = under_key | {
         calibration_id: known
@@ -87,7 +87,7 @@ def _stored_under(
                 yield calibration_id, (document, tombstone_object(calibration_id) in names)
 
 
-def _indexed(context: OpsContext, camera_key: str) -> Iterator[str]:
+def _indexed_ids(context: OpsContext, camera_key: str) -> Iterator[str]:
     """Yield the ids of the calibrations that the index knows under a key."""
     for sk in context.index.sort_keys(camera_pk(camera_key), "CALIBRATION#"):
         yield sk.rpartition("#")[2]
