@@ -1,7 +1,7 @@
 """Quality report of a calibration, in figures for a page that shows them."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TypeAlias, Union
 
 import numpy as np
 
@@ -10,7 +10,10 @@ from ..fitting.calibration import Calibration
 from ..view import View
 from .assessment import Assessment, Reason, assess, residual_vectors
 
-__all__ = ["Assessment", "Reason", "assess", "describe"]
+__all__ = ["Assessment", "Json", "Reason", "assess", "describe"]
+
+Json: TypeAlias = Union["dict[str, Json]", "list[Json]", str, bool, int, float, None]
+"""Value that JSON can hold."""
 
 
 def describe(
@@ -18,7 +21,7 @@ def describe(
     views: Sequence[View],
     indices: Sequence[int] | None = None,
     held_out: float | None = None,
-) -> dict[str, Any]:
+) -> dict[str, Json]:
     """Describe a calibration for a page that shows it: plain JSON values, rounded to what they carry.
 
     Parameters
@@ -65,7 +68,7 @@ def describe(
                 "residuals": _to_lists(vectors[i], lambda x: round(x, 3)),
                 "rvec": [round(float(x), 6) for x in calibration.poses[i, :3]],
                 "tvec": [_digits(x, 6) for x in calibration.poses[i, 3:]],
-                "cut": np.flatnonzero(~calibration.used[i]).tolist(),
+                "cut": [int(n) for n in np.flatnonzero(~calibration.used[i])],
                 "reason": calibration.cut_views.get(i),
             }
             for i, view in enumerate(views)
@@ -78,5 +81,5 @@ def _digits(value: float, digits: int = 3) -> float | None:
     return float(f"{float(value):.{digits}g}") if np.isfinite(value) else None
 
 
-def _to_lists(values: Array, rounded: Callable[[float], float | None]) -> list[list[float | None]]:
+def _to_lists(values: Array, rounded: Callable[[float], float | None]) -> list[Json]:
     return [[rounded(float(x)) if np.isfinite(x) else None for x in row] for row in values]
