@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -60,7 +60,7 @@ def pins(*locks: Path) -> list[str]:
     return sorted({pin for lock in locks for pin in _PIN.findall(lock.read_text(encoding="utf-8"))})
 
 
-def python(packages: list[str]) -> Audit:
+def python(packages: list[str], pip_audit: Path = PIP_AUDIT) -> Audit:
     """Ask about Python's packages; about one first, for each that is not answered takes its time."""
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as asked:
         for part, timeout_s in ((packages[:1], _PROBE_TIMEOUT_S), (packages, _AUDIT_TIMEOUT_S)):
@@ -68,7 +68,7 @@ def python(packages: list[str]) -> Audit:
             asked.truncate()
             asked.write("\n".join(part))
             asked.flush()
-            command = [str(PIP_AUDIT), "--no-deps", "--disable-pip", "--progress-spinner=off", "-f", "json"]
+            command = [str(pip_audit), "--no-deps", "--disable-pip", "--progress-spinner=off", "-f", "json"]
             audit = Audit.of_pip(_answer([*command, "--timeout", "5", "-r", asked.name], timeout_s))
             if not audit.judged:
                 break
@@ -97,14 +97,16 @@ def report(name: str, audit: Audit) -> str:
     return "\n".join([f"{name}: {audit.judged} packages audited", *audit.vulnerable])
 
 
-def main() -> int:
-    """Print what is known; return 1 where something is vulnerable."""
-    asked: dict[str, Callable[[], Audit]] = {
-        "Python": lambda: python(pins(*(ROOT / lock for lock in LOCKS))),
-        "npm": npm,
-    }
+TOOLS: dict[str, Callable[[], Audit]] = {
+    "Python": lambda: python(pins(*(ROOT / lock for lock in LOCKS))),
+    "npm": npm,
+}
+
+
+def main(tools: Mapping[str, Callable[[], Audit]] = TOOLS) -> int:
+    """Print the findings of the tools; return 1 where something is vulnerable."""
     with ThreadPoolExecutor() as pool:
-        audits = dict(zip(asked, pool.map(lambda ask: ask(), asked.values()), strict=True))
+        audits = dict(zip(tools, pool.map(lambda ask: ask(), tools.values()), strict=True))
     for name, audit in audits.items():
         print(report(name, audit))
     return 1 if any(audit.vulnerable for audit in audits.values()) else 0

@@ -32,17 +32,19 @@ def test_findings_of_the_tools_are_reported() -> None:
     assert report("npm", Audit.of_npm(NPM)).splitlines()[1:] == ["bad: critical"]
 
 
-def test_audit_without_tools_fails() -> None:
+def test_unanswered_audit_is_reported_as_not_audited() -> None:
     nobody = Audit.of_pip({"dependencies": PIP["dependencies"][2:]})
     assert nobody == Audit.of_npm(REFUSED) == Audit(0)
     assert "not audited" in report("npm", nobody)
 
 
-def test_only_vulnerable_packages_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(audit, "PIP_AUDIT", Path("/nowhere/pip-audit"))  # as where it could not be installed
-    for found, status in ((Audit(0), 0), (Audit(90), 0), (Audit(90, ("bad: high",)), 1)):
-        monkeypatch.setattr(audit, "npm", lambda found=found: found)
-        assert audit.main() == status
+@pytest.mark.parametrize(("found", "status"), [(Audit(0), 0), (Audit(90), 0), (Audit(90, ("bad: high",)), 1)])
+def test_only_vulnerable_packages_fail(found: Audit, status: int) -> None:
+    packages = audit.pins(*(ROOT / lock for lock in audit.LOCKS))
+    not_installed = Path("/nowhere/pip-audit")
+    assert (
+        audit.main({"Python": lambda: audit.python(packages, not_installed), "npm": lambda: found}) == status
+    )
 
 
 def test_every_package_of_the_locks_is_asked_about() -> None:
