@@ -1,10 +1,10 @@
 """The offline file answers as a lookup does, or not at all: asked of both, for every label that was seen."""
 
-import csv
 import itertools
 import json
 import shutil
 import subprocess
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,12 +17,12 @@ from calibdb.store import Store
 from infra.local import LocalStack
 from infra.ops.bundle import BundleResult, bundle
 from infra.ops.context import OpsContext
-from tests.helpers.data import ROOT, data_dir, external_data
+from tests.helpers.data import ROOT
+from tests.helpers.service import labels
 from tests.helpers.service.client import Client
 from tests.helpers.service.known import LENS, LINUX, calibration, consensus, fit
 from tests.service.test_lookup import put
 
-pytestmark = external_data
 PLATFORMS = {
     "Linux": LINUX,
     "Firefox": "X11; Linux x86_64; rv:140.0",
@@ -43,6 +43,7 @@ const bundle = new Bundle(data);
 console.log(JSON.stringify(requests.map(({ distortion_model: model, ...key }) => bundle.find(key, model))));
 """
 Asked = dict[str, Any]
+Label = tuple[str, str]  # and platform
 
 
 @dataclass(frozen=True)
@@ -56,19 +57,17 @@ class Both:
     public: bool
 
 
-def labels() -> list[tuple[str, str]]:
-    """Label and platform of everything that was seen."""
-    with (data_dir() / "labels.csv").open() as file:
-        rows = [row for row in csv.DictReader(file) if row["label"]]
-    systems = ((row["platform"].partition("(")[0].partition("/")[0], row["label"]) for row in rows)
-    return [(label, PLATFORMS.get(system, LINUX)) for system, label in systems]
+def reported(source: str) -> list[Label]:
+    """Labels of a source, each with a platform of the system that reports it."""
+    rows = labels.rows(source)
+    return [(row.label, PLATFORMS.get(row.system.partition("(")[0].partition("/")[0], LINUX)) for row in rows]
 
 
-def fill(stack: LocalStack) -> None:
+def fill(stack: LocalStack, known: list[Label]) -> None:
     """Every camera whose label says which it is, at several sizes, some with another model or a zoom."""
     store = Store.of(Settings.from_environment(stack.environment))
     seen: set[str] = set()
-    for number, (label, platform) in enumerate(labels()):
+    for number, (label, platform) in enumerate(known):
         if platform == PLATFORMS["iOS"] and number % 4:
             continue  # one camera in thirty languages
         document = calibration(label, platform, number=number)
@@ -94,11 +93,11 @@ def fill(stack: LocalStack) -> None:
         well_known_ids.refresh_well_known(store, key, Thresholds(min_contributors=1, contributor_period=0))
 
 
-def requests() -> list[Asked]:
+def requests(known: list[Label]) -> list[Asked]:
     """Every label here and elsewhere, without its USB id, too; where it was seen, in all sorts of ways."""
     found: list[Asked] = []
     elsewhere = itertools.cycle(PLATFORMS.values())
-    for number, (label, own) in enumerate(labels()):
+    for number, (label, own) in enumerate(known):
         bare = label.rpartition(" (")[0] or label
         found += [
             {"camera": name, "platform": platform, "img_size": [1280, 720]}
@@ -127,23 +126,29 @@ def offline(data: Any, asked: list[Asked]) -> list[Any]:
     return answers
 
 
-@pytest.fixture(scope="module")
-def filled(stack: LocalStack) -> LocalStack:
-    fill(stack)
-    return stack
+@pytest.fixture(scope="module", params=labels.SOURCES)
+def filled(request: pytest.FixtureRequest) -> Iterator[tuple[LocalStack, list[Label]]]:
+    """A service of its own for each source of labels, and those labels."""
+    known = reported(request.param)
+    with LocalStack() as stack:
+        fill(stack, known)
+        yield stack, known
 
 
 @pytest.fixture(scope="module", params=["1", "3"], ids=["at home", "in public"])
 def both(
-    request: pytest.FixtureRequest, filled: LocalStack, tmp_path_factory: pytest.TempPathFactory
+    request: pytest.FixtureRequest,
+    filled: tuple[LocalStack, list[Label]],
+    tmp_path_factory: pytest.TempPathFactory,
 ) -> Both:
     """Ask both, as many contributors being needed as the parameter says."""
+    stack, known = filled
     path = tmp_path_factory.mktemp("bundle") / "cameras.json"
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MIN_CONTRIBUTORS", request.param)
-        environment = filled.environment | {"MIN_CONTRIBUTORS": request.param}
+        environment = stack.environment | {"MIN_CONTRIBUTORS": request.param}
         written = bundle(OpsContext.of(environment, secret_known=True), path, max_cameras=500)
-        asked, client = requests(), Client(filled)
+        asked, client = requests(known), Client(stack)
         answers = [client.lookup(**each, redirect=False) for each in asked]
     assert {answer.status for answer in answers} == {200, 404}
     told = [answer.json if answer.status == 200 else None for answer in answers]

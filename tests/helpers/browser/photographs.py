@@ -1,0 +1,130 @@
+"""Photographs of a board by a known camera, drawn: what a camera saw needs no camera and no licence."""
+
+from __future__ import annotations
+
+import functools
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from .truth import Truth
+
+Grey = npt.NDArray[np.uint8]
+
+#: of the photographs, as the photos page is given it; of CALIBDB_DATA's, too
+SQUARES, MARKER_RATIO, DICTIONARY = 8, 0.75, "DICT_4X4_1000"
+#: the camera that took them
+CAMERA = Truth(fx=680.0, cx=326.0, cy=236.0, k1=-0.12, size=(640, 480))
+MAKE, MODEL = "Drawn", "Test Camera"
+BLUR, NOISE, JPEG_QUALITY = 0.8, 2.0, 92  # px, grey levels, of 100
+SQUARE = 64  # texture pixels
+SAMPLES = 3  # along each side of a pixel
+
+
+def board_texture(squares: int, square: int, margin: int = 0) -> Grey:
+    """Draw a square board of 4x4 markers."""
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_1000)
+    board = cv2.aruco.CharucoBoard((squares, squares), 1, MARKER_RATIO, dictionary)
+    side = squares * square + 2 * margin
+    return np.asarray(board.generateImage((side, side), marginSize=margin), dtype=np.uint8)
+
+
+def textured_board(size: tuple[int, int]) -> Grey:
+    """Draw a turned board that fills a picture, under texture of 4 to 64 px, so that nothing in it is flat."""
+    width, height = size
+    side = width + height // 4
+    square = side // 24
+    texture = board_texture(24, square)
+    turn = cv2.getRotationMatrix2D((12 * square, 12 * square), 8.0, side / (24 * square))
+    turn[:, 2] += np.array([width / 2, height / 2]) - 12 * square
+    drawn = 128 + 0.68 * (cv2.warpAffine(texture, turn, size, flags=cv2.INTER_LINEAR).astype(float) - 128)
+    rng = np.random.default_rng(0)
+    for period, amplitude in ((4, 8), (16, 8), (64, 12)):  # px, grey levels
+        noise = rng.normal(0, amplitude, (height // period + 2, width // period + 2))
+        drawn += cv2.resize(noise, size, interpolation=cv2.INTER_CUBIC)
+    return np.asarray(np.clip(drawn, 0, 255), dtype=np.uint8)
+
+
+def _poses() -> Iterator[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
+    """Rotation and translation, in squares, of twelve views: tilted by 25 to 45 degrees, all over the image."""
+    rng = np.random.default_rng(2)
+    middle = np.array([SQUARES / 2, SQUARES / 2, 0])
+    for index in range(12):
+        azimuth = 2.4 * index
+        tilt = np.radians(rng.uniform(25, 45)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
+        rotation = cv2.Rodrigues(tilt)[0] @ cv2.Rodrigues(np.array([0, 0, rng.uniform(-0.3, 0.3)]))[0]
+        depth = rng.uniform(11, 16)
+        aside = 0.13 * depth * np.array([np.cos(1.1 * index), 0.7 * np.sin(1.1 * index), 0])
+        yield rotation, np.array([0, 0, depth]) + aside - rotation @ middle
+
+
+@functools.cache
+def _rays() -> npt.NDArray[np.float64]:
+    """Directions x, y, 1 of the camera's pixels at SAMPLES x SAMPLES places in each, row by row."""
+    offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
+    u, v = ((np.arange(side)[:, None] + offsets).ravel() for side in CAMERA.size)
+    q = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 1, 2)
+    exact = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 20, 1e-9)
+    xy = cv2.undistortPoints(q, CAMERA.matrix, CAMERA.distortion, criteria=exact).reshape(-1, 2)
+    return np.column_stack([xy, np.ones(len(xy))])
+
+
+def photograph(
+    rotation: npt.NDArray[np.float64],
+    translation: npt.NDArray[np.float64],
+    seed: int = 0,
+) -> Grey:
+    """Draw the board as the camera sees it, blurred and with noise."""
+    w, h = CAMERA.size
+    rays = _rays()
+    plane = np.column_stack([rotation[:, :2], translation])
+    board = rays @ np.linalg.inv(plane).T
+    # Texture pixels: the origin of the board is the edge of its first square.
+    place = SQUARE * (board[:, :2] / board[:, 2:]) + SQUARE - 0.5
+    maps = np.float32(place).reshape(SAMPLES * h, SAMPLES * w, 2)
+    texture = board_texture(SQUARES, SQUARE, SQUARE)
+    fine = cv2.remap(texture, maps, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=90)
+    grey = fine.astype(float).reshape(h, SAMPLES, w, SAMPLES).mean(axis=(1, 3))
+    blurred = cv2.GaussianBlur(30 + 0.75 * grey, (0, 0), BLUR)
+    noise = np.random.default_rng(seed).normal(0, NOISE, blurred.shape)
+    return np.asarray(np.clip(blurred + noise, 0, 255).round(), dtype=np.uint8)
+
+
+def jpeg(picture: Grey, orientation: int = 1) -> bytes:
+    """Encode a picture as JPEG whose EXIF data names the camera."""
+    words = (MAKE.encode() + b"\0", MODEL.encode() + b"\0")
+    at = 8 + 2 + 3 * 12 + 4  # after the directory
+    entries = (
+        struct.pack("<HHII", 0x010F, 2, len(words[0]), at)
+        + struct.pack("<HHII", 0x0110, 2, len(words[1]), at + len(words[0]))
+        + struct.pack("<HHIHH", 0x0112, 3, 1, orientation, 0)
+    )
+    header = struct.pack("<2sHI", b"II", 42, 8)
+    block = header + struct.pack("<H", 3) + entries + struct.pack("<I", 0) + b"".join(words)
+    body = b"Exif\0\0" + block
+    data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
+    return data[:2] + b"\xff\xe1" + struct.pack(">H", len(body) + 2) + body + data[2:]
+
+
+def draw(folder: Path) -> list[Path]:
+    """Write twelve photographs; every third was taken with the camera turned, which its EXIF data says."""
+    paths = []
+    for index, (rotation, translation) in enumerate(_poses()):
+        path = folder / f"drawn-{index:02}.jpg"
+        path.write_bytes(jpeg(photograph(rotation, translation, seed=index), 6 if index % 3 == 2 else 1))
+        paths.append(path)
+    return paths
+
+
+def draw_other(folder: Path) -> Path:
+    """Write a photograph of another size."""
+    rotation, translation = next(_poses())
+    path = folder / "larger.jpg"
+    path.write_bytes(
+        jpeg(np.asarray(cv2.resize(photograph(rotation, translation), None, fx=2, fy=2), dtype=np.uint8))
+    )
+    return path
