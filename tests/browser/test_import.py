@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, expect
 
-from calibsolver import fit
+from calibsolver import Board, fit
 from calibsolver.formats import ExportSource, write
 from tests.helpers.browser.pictures import picture
-from tests.helpers.solver import populations, synthetic
+from tests.helpers.data import corner_views
 from tests.helpers.solver.export_sources import subject
 
 NAME = "LifeCam HD-3000 (045e:0779)"
@@ -22,14 +22,13 @@ SENT = {
 }  # fmt: skip
 
 
-def captured() -> tuple[ExportSource, tuple[int, int]]:
-    """Keypoints of 16 synthetic views, and the camera that a fit of all of them gives."""
-    camera = synthetic.rectilinear_cameras()[5]
-    views = populations.views(camera, np.random.default_rng(0), count=16)
-    fitted = fit(views, camera.img_size)
-    return ExportSource(
-        fitted.camera, tuple(views), populations.BOARD, NAME, rms=fitted.avg_reprojection_error
-    ), camera.img_size
+def captured(name: str = "opencv_right") -> tuple[ExportSource, tuple[int, int]]:
+    """Keypoints of a real camera's 13 views, and the camera that a fit of all of them gives."""
+    views, size = corner_views(name)
+    board = Board((10, 7))
+    numbered = tuple(board.view(np.arange(len(view)), view.image_points) for view in views)
+    fitted = fit(views, size)
+    return ExportSource(fitted.camera, numbered, board, NAME, rms=fitted.avg_reprojection_error), size
 
 
 def telling(sent: list[Request]) -> list[str]:
@@ -57,13 +56,13 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     give(page, tmp_path, content.filename, content.content)
     if form == "corners-vnl":
         page.locator("#status", has_text="squares of the board").wait_for()
-        assert [page.locator(f"#{side}").input_value() for side in ("columns", "rows")] == ["9", "6"]
+        assert [page.locator(f"#{side}").input_value() for side in ("columns", "rows")] == ["10", "7"]
         page.locator("#width").fill(str(size[0]))
         page.locator("#height").fill(str(size[1]))
         picture(page, "import-table", full=True)
         page.locator("#table button").click()
-    page.locator("#status", has_text="16 views of a board of 9 × 6 squares, 1280 × 720 px").wait_for()
-    expect(page.locator("#views li")).to_have_count(16)
+    page.locator("#status", has_text="13 views of a board of 10 × 7 squares, 640 × 480 px").wait_for()
+    expect(page.locator("#views li")).to_have_count(13)
     assert telling(sent) == [], "nothing is sent before one asks for it"
     picture(page, f"import-{form}", full=True)
     page.locator("#kind").select_option("photographs")
@@ -82,6 +81,20 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     for request in sent:
         if request.post_data is not None:
             assert set(json.loads(request.post_data)) <= SENT
+
+
+def test_keypoints_that_determine_too_little_are_not_stored(page: Page, tmp_path: Path) -> None:
+    """A fit of all 13 views of opencv_left still expects 1.2 px at 640 px; more than 1 px is not stored."""
+    content = write(captured("opencv_left")[0], "photonvision")
+    page.goto("/import/")
+    give(page, tmp_path, content.filename, content.content)
+    page.locator("#kind").select_option("photographs")
+    page.locator("#camera").fill(f"{NAME}, opencv_left")
+    page.locator("#start").click()
+    page.locator("#status", has_text="These corners are not enough").wait_for()
+    expect(page.locator("#status")).to_contain_text("Nothing was stored")
+    expect(page.locator("#verdict")).to_have_count(0)
+    assert page.locator("#views .taken").count() >= 3
 
 
 def test_a_file_without_keypoints_is_explained(page: Page, tmp_path: Path) -> None:
