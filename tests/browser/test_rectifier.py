@@ -13,6 +13,7 @@ from playwright.sync_api import Page
 
 from calibsolver import Camera
 from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.photographs import textured_board
 
 from .conftest import CHROMIUM, executable
 
@@ -76,26 +77,10 @@ def camera(model: str) -> Camera:
 
 @pytest.fixture(scope="module")
 def picture() -> npt.NDArray[np.uint8]:
-    """A turned board that fills the picture, with texture, blurred by 3 px.
-
-    It is so soft that OpenCV's fractions, whole 1/32 px, do not show. Its gradients |dx| + |dy| are no
-    smaller than those of a photograph of a board blurred as much: 16 and 26 grey levels/px at one pixel in
-    ten and one in a thousand.
-    """
-    width, height = LARGEST
-    side = width + height // 4
-    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_1000)
-    board = cv2.aruco.CharucoBoard((24, 24), 1, 0.75, dictionary).generateImage((side, side))
-    turn = cv2.getRotationMatrix2D((side / 2, side / 2), 8.0, 1.0)
-    turn[:, 2] += (width - side) / 2, (height - side) / 2
-    turned = cv2.warpAffine(board, turn, LARGEST, flags=cv2.INTER_LINEAR)
-    rng = np.random.default_rng(0)
-    drawn = 128 + 0.68 * (turned.astype(float) - 128)
-    for period, amplitude in ((4, 8), (16, 8), (64, 12)):  # px, grey levels
-        noise = rng.normal(0, amplitude, (height // period + 2, width // period + 2))
-        drawn += cv2.resize(noise, LARGEST, interpolation=cv2.INTER_CUBIC)
-    soft = cv2.GaussianBlur(np.clip(drawn, 0, 255).astype(np.uint8), (0, 0), 3.0)
+    """A picture so soft that OpenCV's fractions, whole 1/32 px, do not show."""
+    soft = cv2.GaussianBlur(textured_board(LARGEST), (0, 0), 3.0)
     gradient = sum(np.abs(np.gradient(soft.astype(float), axis=axis)) for axis in (0, 1))
+    # Grey levels/px at one pixel in ten and in a thousand of a photograph of a board that is blurred as much.
     assert (np.percentile(gradient[: SIZE[1], : SIZE[0]], (90, 99.9)) > (16, 26)).all()
     return np.asarray(soft, dtype=np.uint8)
 

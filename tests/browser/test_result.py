@@ -14,11 +14,12 @@ from playwright.sync_api import BrowserContext, Download, Page, expect
 
 from calibsolver.formats import FORMAT_NAMES
 from tests.helpers.browser.captures import capture
+from tests.helpers.browser.photographs import textured_board
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.specimens import answer, result
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
-from tests.helpers.data import data_dir
+from tests.helpers.data import data_dir, external_data
 
 KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 RECTIFIED = """async ([calibration, file, balance]) => {
@@ -172,8 +173,17 @@ def test_a_result_goes_back_to_allowed_applications_alone(page: Page) -> None:
     expect(page.locator(".return")).to_have_count(0)
 
 
-def test_a_picture_is_straightened_on_this_device(page: Page) -> None:
-    photograph = sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))[0]
+@pytest.fixture(params=["drawn", pytest.param("real", marks=external_data)])
+def photograph(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A photograph of 1280 x 720 px: drawn, or that of a real camera."""
+    if request.param == "real":
+        return sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))[0]
+    path = tmp_path / "photograph.jpg"
+    cv2.imwrite(str(path), cv2.GaussianBlur(textured_board((1280, 720)), (0, 0), 1.0))
+    return path
+
+
+def test_a_picture_is_straightened_on_this_device(page: Page, photograph: Path) -> None:
     answer(page, "**/v1/calibrations/*", result)
     page.goto("/result/?id=x")
     page.locator("#picture").wait_for()
@@ -188,8 +198,7 @@ def test_a_picture_is_straightened_on_this_device(page: Page) -> None:
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
-def test_the_gpu_straightens_as_opencv_does(page: Page, model: str) -> None:
-    photograph = sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))[0]
+def test_the_gpu_straightens_as_opencv_does(page: Page, photograph: Path, model: str) -> None:
     matrix = [[980.0, 0, 650], [0, 985, 352], [0, 0, 1]]
     coefficients = (
         [-0.28, 0.09, 0.001, -0.0005, -0.01] if model == "rectilinear" else [-0.03, 0.01, -0.004, 0.001]

@@ -34,7 +34,7 @@ def board_texture(squares: int, square: int, margin: int = 0) -> Grey:
 
 
 def textured_board(size: tuple[int, int]) -> Grey:
-    """Draw a turned board that fills a picture, under texture of 4 to 64 px, so that nothing in it is flat."""
+    """Draw a turned board that fills a picture, under texture of 4 to 64 px: nothing in it is flat."""
     width, height = size
     side = width + height // 4
     square = side // 24
@@ -50,7 +50,7 @@ def textured_board(size: tuple[int, int]) -> Grey:
 
 
 def _poses() -> Iterator[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
-    """Rotation and translation, in squares, of twelve views: tilted by 25 to 45 degrees, all over the image."""
+    """Rotation and translation, in squares, of twelve views tilted by 25 to 45 degrees."""
     rng = np.random.default_rng(2)
     middle = np.array([SQUARES / 2, SQUARES / 2, 0])
     for index in range(12):
