@@ -151,7 +151,7 @@ def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page, refus
     page.goto("/calibrate/")
     page.locator("#start").click()
     page.locator("#failure", has_text=said).wait_for()
-    assert page.locator("#failed-virtual").is_visible() == (refusal == "NotFoundError")
+    expect(page.locator("#failed-virtual")).to_be_visible(visible=refusal == "NotFoundError")
     page.evaluate("window.refusal = ''")
     page.locator("#again").click()
     page.locator("#controls:not([hidden])").wait_for()

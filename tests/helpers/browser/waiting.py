@@ -51,7 +51,7 @@ def requests_within(page: Page, seconds: float) -> list[str]:
         return []
 
 
-def wait_until_quiet(page: Page, seconds: float = 2.0) -> None:
+def wait_until_quiet(page: Page, seconds: float = 4.0) -> None:
     """Wait until a page makes no request for so many seconds: what was on its way has arrived."""
     while requests_within(page, seconds):
         pass
