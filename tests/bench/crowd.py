@@ -50,7 +50,7 @@ def main() -> int:
         data_dir = Path(folder) / "data"
         with LocalProcess(data_dir) as server:
             outcome = drive(server.url, DEVELOPMENT_TOKEN, sessions, clients)
-            if server.stop(patience=600) != 0:
+            if server.stop(timeout_s=600) != 0:
                 print("the server did not end well", file=sys.stderr)
                 return 1
         wrong = missing_or_double(data_dir, outcome.heard)

@@ -18,7 +18,7 @@ from playwright.sync_api import (
     sync_playwright,
 )
 
-from tests.helpers.browser.waiting import PATIENCE
+from tests.helpers.browser.waiting import TIMEOUT_S
 from tests.helpers.stack.processes import LocalProcess
 
 ROOT = Path(__file__).parents[2]
@@ -38,7 +38,7 @@ CHROMIUM = [
 ]
 
 
-expect.set_options(timeout=1000 * PATIENCE)
+expect.set_options(timeout=1000 * TIMEOUT_S)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -98,7 +98,7 @@ def context(chromium: Browser, stack: str) -> Iterator[BrowserContext]:
     context = chromium.new_context(
         base_url=stack, viewport={"width": 1440, "height": 900}, service_workers="block"
     )
-    context.set_default_timeout(1000 * PATIENCE)
+    context.set_default_timeout(1000 * TIMEOUT_S)
     yield context
     close(context)
 

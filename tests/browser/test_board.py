@@ -23,7 +23,8 @@ FOUND = """async (dictionaries) => {
     data.forEach((grey, pixel) => picture.data.set([grey, grey, grey, 255], 4 * pixel));
     context.putImageData(picture, 0, 0);
     const detector = await Detector.open(board);
-    const { ids, points } = await detector.detect(context.canvas.transferToImageBitmap(), { full: true });
+    const bitmap = context.canvas.transferToImageBitmap();
+    const { ids, points } = await detector.detect(bitmap, { full: true, timeout: 120_000 });
     detector.close();
     found[dictionary] = ids.map((id, at) => [id, ...points[at]]);
   }

@@ -10,8 +10,8 @@ from tests.helpers.browser.interruptions import (
     ENDLESS,
     FOCUS,
     FULL,
-    KEPT,
     KILL,
+    STORED_VIEWS,
     TURN,
     UNPLUG_WITH_A_VIEW,
     VIRTUAL,
@@ -246,7 +246,7 @@ def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: Browser
 
     page.route("**/v1/session**", refuse)
     before, told = views(page), len(sent)
-    captured = [view["points"] for view in page.evaluate(KEPT) if view["taken"]]
+    captured = [view["points"] for view in page.evaluate(STORED_VIEWS) if view["taken"]]
     with page.expect_request(
         lambda request: request.method == "POST" and request.url.endswith("/v1/session")
     ):

@@ -10,14 +10,14 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Response, Route
 
-from tests.helpers.browser.waiting import PATIENCE, until
+from tests.helpers.browser.waiting import TIMEOUT_S, until
 
 from .conftest import ROOT, close
 
 # Not localhost by name, where the network would come first; browsers take it to this machine all the same.
 HOST = "pages.localhost"
 HEAVIEST = 150_000  # bytes of a page, compressed, without OpenCV
-KEPT = """async () => {
+CACHED_FILES = """async () => {
   const cache = await caches.open("calibdb");
   return (await cache.keys()).map(({ url }) => new URL(url).pathname + new URL(url).search);
 }"""
@@ -29,7 +29,7 @@ VERSION = "async () => (await (await caches.match('/shell.json')).json()).versio
 def visitor(chromium: Browser, stack: str) -> Iterator[BrowserContext]:
     address = stack.replace("127.0.0.1", HOST)
     context = chromium.new_context(base_url=address, viewport={"width": 1440, "height": 900})
-    context.set_default_timeout(1000 * PATIENCE)
+    context.set_default_timeout(1000 * TIMEOUT_S)
     yield context
     close(context)
 
@@ -38,7 +38,7 @@ def kept(page: Page, *, enough: int = 20, name: str = "") -> list[str]:
     """Wait until the worker has kept its files and is in charge; return their names."""
 
     def found() -> list[str]:
-        names: list[str] = page.evaluate(KEPT)
+        names: list[str] = page.evaluate(CACHED_FILES)
         whole = len(names) >= enough and "/shell.json" in names and any(name in each for each in names)
         return names if whole else []
 
@@ -63,7 +63,7 @@ def test_pages_open_without_a_network_and_the_api_is_never_kept(visitor: Browser
     visitor.set_offline(False)
     page.reload()
     page.locator("#status", has_text="cannot be reached").wait_for(state="hidden")
-    assert not [each for each in page.evaluate(KEPT) if "/v1/" in each]
+    assert not [each for each in page.evaluate(CACHED_FILES) if "/v1/" in each]
 
 
 def test_a_new_version_takes_over_whole(visitor: BrowserContext) -> None:
@@ -90,7 +90,7 @@ def test_a_new_version_takes_over_whole(visitor: BrowserContext) -> None:
     # The list is there before its file: nothing of it is taken up.
     page.goto("/board/")
     until(page, lambda: any("kept files stay as they are: board/board.css" in text for text in logged))
-    assert sorted(page.evaluate(KEPT)) == sorted(before)
+    assert sorted(page.evaluate(CACHED_FILES)) == sorted(before)
     deployed = True
     page.goto("/board/")
     found = kept(page, name=digest)

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Playwright
 
 from tests.helpers.browser.elsewhere import serving
-from tests.helpers.browser.waiting import PATIENCE
+from tests.helpers.browser.waiting import TIMEOUT_S
 
 from .conftest import CHROMIUM, ROOT, executable
 
@@ -37,7 +37,7 @@ def test_the_readmes_example_runs_on_another_origin(
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.goto(elsewhere)
-    page.wait_for_url(f"{stack}/calibrate/?**", timeout=1000 * PATIENCE)
+    page.wait_for_url(f"{stack}/calibrate/?**", timeout=1000 * TIMEOUT_S)
     asked = parse_qs(urlsplit(page.url).query)
     assert asked["camera"][0].startswith("fake_device")
     assert asked["img_size"] == ["640x480"]

@@ -6,7 +6,14 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import BrowserContext, Page, Route
 
-from tests.helpers.browser.interruptions import ENDLESS, KEPT, WRITTEN, sent_views, views, wait_for_views
+from tests.helpers.browser.interruptions import (
+    ENDLESS,
+    STORED_VIEWS,
+    WRITTEN,
+    sent_views,
+    views,
+    wait_for_views,
+)
 from tests.helpers.browser.waiting import hear, listen, until
 
 
@@ -17,7 +24,7 @@ from tests.helpers.browser.waiting import hear, listen, until
         *(pytest.param(each, marks=pytest.mark.thorough) for each in ("refused", "busy", "asks to wait")),
     ],
 )
-def test_two_seconds_of_patience_whatever_the_outage(context: BrowserContext, outage: str) -> None:
+def test_two_seconds_timeout_for_every_outage(context: BrowserContext, outage: str) -> None:
     page = context.new_page()
     page.add_init_script(WRITTEN)
     sent = sent_views(page)
@@ -52,7 +59,7 @@ def test_two_seconds_of_patience_whatever_the_outage(context: BrowserContext, ou
     assert {"One moment", "Connection lost. Trying again"} & {text for _, text, _, _ in waiting}
 
     page.locator("#counts", has_text=re.compile("[2-9] of [3-8] saved here")).wait_for()
-    kept = page.evaluate(KEPT)
+    kept = page.evaluate(STORED_VIEWS)
     back.append(outage)
     for route in held:
         route.continue_()
@@ -99,8 +106,8 @@ def test_views_captured_during_an_outage_are_sent_on_return(context: BrowserCont
     there = views(page)
     page.route("**/v1/**", lambda route: route.abort())
     page.locator("#away", has_text="No connection. Continue").wait_for()
-    until(page, lambda: len(page.evaluate(KEPT)) >= there + 3)  # the capture goes on meanwhile
-    kept = page.evaluate(KEPT)
+    until(page, lambda: len(page.evaluate(STORED_VIEWS)) >= there + 3)  # the capture goes on meanwhile
+    kept = page.evaluate(STORED_VIEWS)
     before = len(sent)
     page.unroute("**/v1/**")
     page.locator("#away").wait_for(state="hidden")

@@ -13,7 +13,7 @@ from tests.helpers.data import data_dir, external_data
 pytestmark = external_data
 BOARD = {"squares": [8, 8], "marker_ratio": 0.75, "dictionary": "DICT_4X4_1000", "legacy": False}
 SIZE = (640, 480)
-FEWEST = 6
+MIN_POINTS = 6
 POINTS = np.array([(x, y, 0) for y in range(1, 8) for x in range(1, 8)], dtype=np.float32)
 
 DETECT = """async ([count, board]) => {
@@ -22,7 +22,7 @@ DETECT = """async ([count, board]) => {
   const found = [];
   for (let index = 0; index < count; index++) {
     const picture = await (await fetch(`/photographs/${index}`)).blob();
-    found.push(await detector.detect(await createImageBitmap(picture), { full: true }));
+    found.push(await detector.detect(await createImageBitmap(picture), { full: true, timeout: 120_000 }));
   }
   detector.close();
   return found;
@@ -98,7 +98,7 @@ def assert_equal_to_opencv(calibration: dict[str, Any], views: list[dict[str, An
 
 def test_photographs_give_what_opencv_gives(context: BrowserContext, page: Page, api: httpx.Client) -> None:
     found = detect(context, page)
-    usable = [view for view in found if len(view["ids"]) >= FEWEST]
+    usable = [view for view in found if len(view["ids"]) >= MIN_POINTS]
     assert len(usable) >= 16, "boards that cv2 finds in all 17 photographs"
     assert {tuple(view["size"]) for view in found} == {SIZE}
 

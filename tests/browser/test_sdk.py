@@ -16,7 +16,7 @@ from tests.helpers.browser.captures import agreed, capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.truth import Truth
-from tests.helpers.browser.waiting import PATIENCE
+from tests.helpers.browser.waiting import TIMEOUT_S
 
 from .conftest import CHROMIUM, ROOT, TOKEN, executable
 from .test_ar import WEBCAM
@@ -70,7 +70,7 @@ def test_the_packages_example_runs(playwright: Playwright, project: str, stack: 
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.goto(project)
-    page.wait_for_url(f"{stack}/calibrate/?**", timeout=1000 * PATIENCE)
+    page.wait_for_url(f"{stack}/calibrate/?**", timeout=1000 * TIMEOUT_S)
     assert parse_qs(urlsplit(page.url).query)["camera"][0].startswith("fake_device")
     assert errors == []
     browser.close()

@@ -41,7 +41,7 @@ test("an hour that is used up is said at once", async () => {
   assert.deepEqual([calls.length, waits], [1, []]);
 });
 
-test("patience ends after a minute", async () => {
+test("retries end after a minute", async () => {
   const { api, waits } = service(() => new OfflineError());
   await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);
   assert.equal(waits.reduce((sum, ms) => sum + ms), 60_500);
@@ -55,18 +55,18 @@ test("a refusal is said in the service's words and not repeated", async () => {
 });
 
 test("whoever gets through ends the waiting, also of a call that gave up", async () => {
-  const patience = [];
+  const retries = [];
   const answers = [new OfflineError(), new OfflineError(), new OfflineError(), json(200, {}), json(200, {})];
   const fetch = async () => {
     const answer = answers.shift();
     if (answer instanceof Error) throw answer;
     return answer;
   };
-  const api = new Api("/v1", { fetch, wait: async () => {}, onPatience: (now) => patience.push(now?.attempt ?? 0) });
+  const api = new Api("/v1", { fetch, wait: async () => {}, onRetry: (now) => retries.push(now?.attempt ?? 0) });
   await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
   await api.json("GET", "/session", "sid", { brief: true });
   await api.json("GET", "/session", "sid", { brief: true });
-  assert.deepEqual(patience, [1, 2, 0]);
+  assert.deepEqual(retries, [1, 2, 0]);
 });
 
 test("who accepts and says nothing is given up after one wait, by those who can go on without", async () => {
@@ -83,7 +83,7 @@ test("a server that never answers, or stops in the middle, is one that cannot be
   });
   await new Promise((done) => server.listen(0, "127.0.0.1", done));
   const address = `http://127.0.0.1:${server.address().port}`;
-  const api = new Api(address, { patience: 50 });
+  const api = new Api(address, { timeout: 50 });
   await assert.rejects(api.json("GET", "/none", "sid", { brief: true }), OfflineError);
   await assert.rejects(api.json("GET", "/half", "sid", { brief: true }), OfflineError);
   await assert.rejects(reach(`${address}/none`, { signal: AbortSignal.abort() }), { name: "AbortError" });
@@ -179,7 +179,7 @@ test("views taken while the service is away are sent in their order once it is b
   away = true;
   const began = calls.length;
   await assert.rejects(capture.submit(1, view(2)), isUnavailable);
-  assert.equal(calls.length - began, 3, "two seconds of patience: the page has better to do than to wait");
+  assert.equal(calls.length - began, 3, "a timeout of two seconds: the page has better to do than to wait");
   capture.store(view(3));
   capture.store(view(4));
   assert.equal(capture.waiting, 3);

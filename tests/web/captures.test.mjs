@@ -33,7 +33,7 @@ for (const room of [true, false]) {
       remove: async (about) => void saved.delete(about),
     };
     const captures = new Captures(store, { address: () => "?", onUnsaved: () => unsaved.push(1) });
-    const run = { signal: new AbortController().signal, onPatience() {} };
+    const run = { signal: new AbortController().signal, onRetry() {} };
     const { session } = await captures.open(REQUEST, run);
     for (const id of [1, 2, 3]) await session.submit(id - 1, view(id));
     const fisheye = { ...REQUEST, distortion_model: "fisheye" };

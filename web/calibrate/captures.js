@@ -11,7 +11,7 @@ import { storedSettings, loadSettings } from "../lib/settings.js";
  *
  * @typedef {object} Run
  * @property {AbortSignal} signal
- * @property {(patience: {attempt: number} | null) => void} onPatience
+ * @property {(retry: {attempt: number} | null) => void} onRetry
  */
 
 const RESPONSE_TIMEOUT_MS = 10_000; // ten times as long as a fit of fifteen views takes
@@ -49,7 +49,7 @@ export class Captures {
    */
   async open(request, run) {
     const { api: base, token } = await fetchSettings(run);
-    const api = new Api(base, { ...run, patience: RESPONSE_TIMEOUT_MS });
+    const api = new Api(base, { ...run, timeout: RESPONSE_TIMEOUT_MS });
     const about = captureKey(request);
     const saved = this.#moved.get(about) ?? await this.#store.load(about);
     const same = this.#sessions.get(about);
@@ -94,18 +94,18 @@ export class Captures {
 }
 
 /** Settings of the page; without a network those of the last visit, which the first visit waits for. @param {Run} run */
-async function fetchSettings({ signal, onPatience }) {
+async function fetchSettings({ signal, onRetry }) {
   for (let attempt = 0; ; attempt++) {
     try {
-      const found = await loadSettings({ patience: SETTINGS_TIMEOUT_MS });
-      if (attempt > 0) onPatience(null);
+      const found = await loadSettings({ timeout: SETTINGS_TIMEOUT_MS });
+      if (attempt > 0) onRetry(null);
       return found;
     } catch (error) {
       const last = error instanceof OfflineError && storedSettings();
       if (last) return last;
       if (!(error instanceof OfflineError) || attempt === RETRY_DELAYS_S.length) throw error;
     }
-    onPatience({ attempt: attempt + 1 });
+    onRetry({ attempt: attempt + 1 });
     await new Promise((resolve) => setTimeout(resolve, 1000 * RETRY_DELAYS_S[attempt]));
     signal.throwIfAborted();
   }

@@ -217,9 +217,9 @@ function requestFor(key) {
 
 /** @param {SessionRequest} request @param {AbortSignal} signal */
 async function openSession(request, signal) {
-  const onPatience = (/** @type {{attempt: number} | null} */ retry) =>
+  const onRetry = (/** @type {{attempt: number} | null} */ retry) =>
     signal.aborted || dispatch({ type: "retrying", attempts: retry?.attempt ?? 0 });
-  const { session: opened, state: answer } = await captures.open(request, { signal, onPatience });
+  const { session: opened, state: answer } = await captures.open(request, { signal, onRetry });
   signal.throwIfAborted();
   dispatch({ type: "request", request: opened.request });
   const time = performance.now();

@@ -16,7 +16,7 @@ export function remedy(state) {
 /** The one instruction. @param {State} state */
 export function instruction({ link, detector, ui: { instruction: { code } } }) {
   if (detector.stalled) return t("capture.say_stalled");
-  if (link.attempts > 0 && !link.offline) return t("capture.say_patience");
+  if (link.attempts > 0 && !link.offline) return t("capture.say_retry");
   return code === "" ? "" : t(`capture.say_${code}`);
 }
 
@@ -28,7 +28,7 @@ export function notice(notice) {
 
 /** The step of opening that is waited for. @param {State} state */
 export function opening({ link, detector, ui: { waiting } }) {
-  if (link.attempts > 0) return t("capture.opening_patience");
+  if (link.attempts > 0) return t("capture.opening_retry");
   if (waiting === "camera") return t("capture.opening_camera");
   if (waiting === "service") return t("capture.opening_service");
   return detector.loading < 1 ? t("capture.opening_loading") : t("capture.opening_starting");

@@ -50,7 +50,7 @@ function showList() {
 /** @param {{further?: boolean}} [options] */
 async function look({ further = false } = {}) {
   const own = ++asked;
-  const wait = (/** @type {object | null} */ patience) => own === asked && tell(() => t(patience ? "faults.patience" : "cameras.searching"));
+  const wait = (/** @type {object | null} */ retry) => own === asked && tell(() => t(retry ? "faults.retry" : "cameras.searching"));
   if (!further) wait(null);
   try {
     const answer = await search(input.value.trim(), further ? next : null, wait);
@@ -81,7 +81,7 @@ async function show(key) {
   const waiting = part("waiting", HTMLElement);
   waiting.hidden = false;
   const say = liveRegion(part("waiting-text", HTMLElement));
-  const wait = (/** @type {object | null} */ patience) => say(() => t(patience ? "faults.patience" : "cameras.loading"));
+  const wait = (/** @type {object | null} */ retry) => say(() => t(retry ? "faults.retry" : "cameras.loading"));
   wait(null);
   try {
     shown = await camera(key, wait);

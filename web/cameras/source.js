@@ -33,22 +33,22 @@ import { loadSettings } from "../lib/settings.js";
  * @typedef {{key: string, camera: string, platform: string, modes: Mode[]}} CameraPage
  */
 
-/** @typedef {import("../lib/api.js").Transport["onPatience"]} OnPatience */
+/** @typedef {import("../lib/api.js").Transport["onRetry"]} OnRetry */
 
 /**
- * @param {string} query @param {string | null} next where the last page of answers ended @param {OnPatience} onPatience
+ * @param {string} query @param {string | null} next where the last page of answers ended @param {OnRetry} onRetry
  * @returns {Promise<{cameras: Found[], next: string | null}>}
  */
-export async function search(query, next, onPatience) {
+export async function search(query, next, onRetry) {
   const { api, token } = await loadSettings();
   const parameters = new URLSearchParams({ query, limit: "20", ...(next ? { after: next } : {}) });
-  return new Api(api, { onPatience }).json("GET", `/cameras?${parameters}`, token);
+  return new Api(api, { onRetry }).json("GET", `/cameras?${parameters}`, token);
 }
 
-/** @param {string} key @param {OnPatience} onPatience @returns {Promise<CameraPage>} */
-export async function camera(key, onPatience) {
+/** @param {string} key @param {OnRetry} onRetry @returns {Promise<CameraPage>} */
+export async function camera(key, onRetry) {
   const { api, token } = await loadSettings();
-  return new Api(api, { onPatience }).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
+  return new Api(api, { onRetry }).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
 }
 
 /**

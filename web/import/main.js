@@ -174,10 +174,10 @@ async function start(without = new Set()) {
     };
     tell(() => t("photos.calibrating"));
     const usable = views.filter((each) => each.points.length >= FEWEST_CORNERS && !without.has(each));
-    const onPatience = (/** @type {object | null} */ patience) => {
-      if (mine === turn) tell(() => t(patience ? "faults.patience" : "photos.calibrating"));
+    const onRetry = (/** @type {object | null} */ retry) => {
+      if (mine === turn) tell(() => t(retry ? "faults.retry" : "photos.calibrating"));
     };
-    const { state, numbers } = await calibrate(new Api(address, { onPatience }), token, request, usable, (judgement) => {
+    const { state, numbers } = await calibrate(new Api(address, { onRetry }), token, request, usable, (judgement) => {
       if (mine !== turn) return;
       judgements.set(usable[judgement.view], judgement);
       show();

@@ -10,8 +10,8 @@ export { OfflineError };
  * @property {typeof reach} fetch rejects with OfflineError when there is no network, and only then we may try again
  * @property {(ms: number) => Promise<void>} wait
  * @property {AbortSignal} [signal] after which nothing more is asked
- * @property {number} [patience] ms for one answer; unset: as long as the service may compute
- * @property {(patience: {attempt: number} | null) => void} onPatience told before each new attempt, and when one got through
+ * @property {number} [timeout] ms for one answer; unset: as long as the service may compute
+ * @property {(retry: {attempt: number} | null) => void} onRetry told before each new attempt, and when one got through
  */
 
 /** Seconds between attempts: a minute in all, about as long as a person would wait. */
@@ -53,14 +53,14 @@ export class Api {
     this.#transport = {
       fetch: reach,
       wait: (/** @type {number} */ ms) => new Promise((/** @type {(value: void) => void} */ done) => setTimeout(done, ms)),
-      onPatience: () => {},
+      onRetry: () => {},
       ...transport,
     };
   }
 
   /**
    * @param {string} method @param {string} path "/session" @param {string} credential
-   * @param {{body?: object, accept?: string, brief?: boolean}} [options] brief: two seconds of patience, not a minute
+   * @param {{body?: object, accept?: string, brief?: boolean}} [options] brief: a timeout of two seconds, not a minute
    * @returns {Promise<Response>} one that is ok; rejects with ApiError or OfflineError
    *
    * All calls are safe to repeat: the service answers the same view again in the same way.
@@ -69,13 +69,13 @@ export class Api {
     /** @type {HeadersInit} */
     const headers = { authorization: `Bearer ${credential}`, accept };
     if (body) headers["content-type"] = "application/json";
-    const { signal, patience } = this.#transport;
-    const request = { method, headers, body: body && JSON.stringify(body), signal, patience };
+    const { signal, timeout } = this.#transport;
+    const request = { method, headers, body: body && JSON.stringify(body), signal, timeout };
     const delays = brief ? RETRY_DELAYS_S.slice(0, BRIEF_RETRIES) : RETRY_DELAYS_S;
     const outcome = await retry(() => this.#attempt(path, request), (result, retries) => {
       const response = result instanceof Response ? result : null;
       if (response && !isTransient(response)) {
-        if (this.#vain) this.#transport.onPatience(null);
+        if (this.#vain) this.#transport.onRetry(null);
         this.#vain = false;
         return null;
       }
@@ -84,7 +84,7 @@ export class Api {
       // A used-up hour is not waited for: nobody stands there so long. Nor is silence, where there is better to do.
       const hopeless = asked > MAX_RETRY_AFTER_MS || (brief && result instanceof OfflineError && result.silent);
       if (retries === delays.length || hopeless) return null;
-      this.#transport.onPatience({ attempt: retries + 1 });
+      this.#transport.onRetry({ attempt: retries + 1 });
       return asked || 1000 * delays[retries];
     }, async (wait) => {
       await this.#transport.wait(wait);
@@ -97,7 +97,7 @@ export class Api {
 
   /**
    * The answer, whole: what breaks off on its way is asked for again.
-   * @param {string} path @param {RequestInit & {patience?: number}} request @returns {Promise<Response | OfflineError>}
+   * @param {string} path @param {RequestInit & {timeout?: number}} request @returns {Promise<Response | OfflineError>}
    */
   async #attempt(path, request) {
     try {

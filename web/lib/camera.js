@@ -96,14 +96,14 @@ export async function open(id, { parameters, size: [width, height], place, board
 
 /**
  * Shows what the camera sees.
- * @param {HTMLVideoElement} video @param {MediaStream} stream @param {number} [patience] ms until its first picture
+ * @param {HTMLVideoElement} video @param {MediaStream} stream @param {number} [timeout] ms until its first picture
  */
-export async function play(video, stream, patience = FIRST_FRAME_TIMEOUT_MS) {
+export async function play(video, stream, timeout = FIRST_FRAME_TIMEOUT_MS) {
   video.srcObject = stream;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   let timer;
   const late = new Promise((_, reject) => {
-    timer = setTimeout(() => reject(new CameraError("no_picture")), patience);
+    timer = setTimeout(() => reject(new CameraError("no_picture")), timeout);
   });
   await Promise.race([video.play(), late]).finally(() => clearTimeout(timer));
 }

@@ -68,16 +68,16 @@ export class Detector {
   /**
    * Finds the board's corners. Takes over the frame and closes it.
    * @param {VideoFrame | ImageBitmap} frame
-   * @param {{full?: boolean, probe?: string | null, patience?: number}} [options] full: all threshold windows and a sub-pixel
-   *   second pass, for a view that is kept; probe: what else to look for where no corner is seen; patience: ms
+   * @param {{full?: boolean, probe?: string | null, timeout?: number}} [options] full: all threshold windows and a sub-pixel
+   *   second pass, for a view that is kept; probe: what else to look for where no corner is seen; timeout: ms
    * @returns {Promise<Detection>}
    */
-  detect(frame, { full = false, probe = null, patience = FRAME_TIMEOUT_MS } = {}) {
+  detect(frame, { full = false, probe = null, timeout = FRAME_TIMEOUT_MS } = {}) {
     if (this.closed) {
       frame.close();
       return Promise.reject(new DetectorError("The board detector was closed."));
     }
-    return this.#ask({ frame, full, probe }, [frame], patience);
+    return this.#ask({ frame, full, probe }, [frame], timeout);
   }
 
   /** Number of frames in the worker: above 0, drop the next one rather than queue it. */
@@ -106,11 +106,11 @@ export class Detector {
     this.#worker.postMessage({ close: true });
   }
 
-  /** @param {object} message @param {Transferable[]} transfer @param {number} patience ms @returns {Promise<any>} */
-  #ask(message, transfer, patience = START_TIMEOUT_MS) {
+  /** @param {object} message @param {Transferable[]} transfer @param {number} timeout ms @returns {Promise<any>} */
+  #ask(message, transfer, timeout = START_TIMEOUT_MS) {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
-      const timer = setTimeout(() => this.#silent(id), patience);
+      const timer = setTimeout(() => this.#silent(id), timeout);
       this.#waiting.set(id, { resolve, reject, timer });
       this.#worker.postMessage({ id, ...message }, transfer);
     });

@@ -12,7 +12,7 @@ const STORAGE_KEY = "calibdb.settings";
 export class SettingsError extends Error {}
 
 /**
- * @param {{patience?: number}} [options] patience: ms
+ * @param {{timeout?: number}} [options] timeout: ms
  * @returns {Promise<Settings>} rejects with OfflineError or SettingsError
  */
 export async function loadSettings(options) {

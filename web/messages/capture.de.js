@@ -59,7 +59,7 @@ export default {
   opening_loading: "Die Tafelerkennung wird geladen, beim ersten Mal 12 MB.",
   opening_starting: "Die Tafelerkennung startet.",
   opening_service: "Bei calibDB wird eine Sitzung geöffnet.",
-  opening_patience: "Die Verbindung zu calibDB ist abgebrochen. Neuer Versuch.",
+  opening_retry: "Die Verbindung zu calibDB ist abgebrochen. Neuer Versuch.",
   loading: "Tafelerkennung laden",
   cancel: "Abbrechen",
 
@@ -69,7 +69,7 @@ export default {
   say_wait: "Einen Moment",
   say_enough: "Genug Ansichten. Warten auf calibDB",
   say_away: "Warten auf calibDB",
-  say_patience: "Verbindung weg. Neuer Versuch",
+  say_retry: "Verbindung weg. Neuer Versuch",
   say_stalled: "Die Tafelerkennung startet neu",
   say_hold: "Still halten",
   say_match: "Mit dem Umriss zur Deckung bringen",

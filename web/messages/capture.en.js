@@ -59,7 +59,7 @@ export default {
   opening_loading: "Loading the board detector, 12 MB the first time.",
   opening_starting: "Starting the board detector.",
   opening_service: "Opening a session at calibDB.",
-  opening_patience: "The connection to calibDB is lost. Trying again.",
+  opening_retry: "The connection to calibDB is lost. Trying again.",
   loading: "Loading the board detector",
   cancel: "Cancel",
 
@@ -70,7 +70,7 @@ export default {
   say_wait: "One moment",
   say_enough: "Enough views. Waiting for calibDB",
   say_away: "Waiting for calibDB",
-  say_patience: "Connection lost. Trying again",
+  say_retry: "Connection lost. Trying again",
   say_stalled: "Restarting the board detector",
   say_hold: "Hold still",
   say_match: "Match the outline",

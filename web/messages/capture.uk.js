@@ -63,7 +63,7 @@ export default {
   opening_loading: "Завантажується розпізнавач дошки, першого разу 12 МБ.",
   opening_starting: "Запускається розпізнавач дошки.",
   opening_service: "Відкриття сеансу в calibDB.",
-  opening_patience: "З’єднання з calibDB втрачено. Нова спроба.",
+  opening_retry: "З’єднання з calibDB втрачено. Нова спроба.",
   loading: "Завантаження розпізнавача дошки",
   cancel: "Скасувати",
 
@@ -73,7 +73,7 @@ export default {
   say_wait: "Хвильку",
   say_enough: "Знімків досить. Чекаємо на calibDB",
   say_away: "Чекаємо на calibDB",
-  say_patience: "Зв’язок утрачено. Пробуємо знову",
+  say_retry: "Зв’язок утрачено. Пробуємо знову",
   say_stalled: "Перезапуск пошуку дошки",
   say_hold: "Не рухайте",
   say_match: "Сумістіть із контуром",

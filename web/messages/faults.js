@@ -4,7 +4,7 @@
 export default {
   en: {
     offline: "calibDB cannot be reached. Check the connection and try again.",
-    patience: "calibDB cannot be reached just now. Trying again.",
+    retry: "calibDB cannot be reached just now. Trying again.",
     settings: "The page's settings are missing. Try again later.",
     unforeseen: "Something went wrong in this page ({message}).",
     refused: "calibDB rejected the request ({detail}).",
@@ -19,7 +19,7 @@ export default {
   },
   de: {
     offline: "calibDB ist nicht zu erreichen. Prüfen Sie die Verbindung, und versuchen Sie es noch einmal.",
-    patience: "calibDB ist gerade nicht zu erreichen. Es wird wieder versucht.",
+    retry: "calibDB ist gerade nicht zu erreichen. Es wird wieder versucht.",
     settings: "Die Einstellungen der Seite fehlen. Versuchen Sie es später noch einmal.",
     unforeseen: "Auf dieser Seite ist etwas schiefgegangen ({message}).",
     refused: "calibDB hat die Anfrage abgelehnt ({detail}).",
@@ -34,7 +34,7 @@ export default {
   },
   uk: {
     offline: "calibDB недоступна. Перевірте зв’язок і спробуйте знову.",
-    patience: "calibDB зараз недоступна. Пробуємо знову.",
+    retry: "calibDB зараз недоступна. Пробуємо знову.",
     settings: "Немає налаштувань сторінки. Спробуйте пізніше.",
     unforeseen: "На цій сторінці щось пішло не так ({message}).",
     refused: "calibDB відхилив запит ({detail}).",

@@ -159,7 +159,7 @@ function reasons(errors) {
 /** @param {Detector} finder @param {import("./files.js").Shot} shot @returns {Promise<Picture>} */
 async function find(finder, { name, picture, camera, focal, kind }) {
   const kept = await createImageBitmap(picture, { resizeWidth: Math.min(picture.width, 480), resizeQuality: "high" });
-  const { ids, points, size } = await finder.detect(picture, { full: true, patience: DETECTION_TIMEOUT_MS });
+  const { ids, points, size } = await finder.detect(picture, { full: true, timeout: DETECTION_TIMEOUT_MS });
   const scale = kept.width / size[0];
   const small = thumbnail(kept, points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]));
   kept.close();
@@ -181,10 +181,10 @@ async function start(without = new Set()) {
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,
     };
     tell(() => t("photos.calibrating"));
-    const onPatience = (/** @type {object | null} */ patience) => {
-      if (mine === turn) tell(() => t(patience ? "faults.patience" : "photos.calibrating"));
+    const onRetry = (/** @type {object | null} */ retry) => {
+      if (mine === turn) tell(() => t(retry ? "faults.retry" : "photos.calibrating"));
     };
-    const outcome = await calibrate(new Api(address, { onPatience }), token, request, views, (judgement) => {
+    const outcome = await calibrate(new Api(address, { onRetry }), token, request, views, (judgement) => {
       if (mine !== turn) return;
       judgements.set(views[judgement.view], judgement);
       showPictures();

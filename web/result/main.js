@@ -59,10 +59,10 @@ function leadOn(why) {
 async function show() {
   const id = query.get("id");
   if (!id) return leadOn(() => t("result.no_id"));
-  const onPatience = (/** @type {object | null} */ patience) => say(() => t(patience ? "faults.patience" : "result.loading"));
-  onPatience(null);
+  const onRetry = (/** @type {object | null} */ retry) => say(() => t(retry ? "faults.retry" : "result.loading"));
+  onRetry(null);
   try {
-    const [{ calibration, report }, { return_origins: returnOrigins }] = await Promise.all([load(id, [], { onPatience }), loadSettings()]);
+    const [{ calibration, report }, { return_origins: returnOrigins }] = await Promise.all([load(id, [], { onRetry }), loadSettings()]);
     part("waiting", HTMLElement).hidden = true;
     /** @type {Result} */
     const result = { calibration, report, origin: "stored", returnTo: query.get("return_to"), returnOrigins, explain };

@@ -13,7 +13,7 @@ import numpy as np
 from tests.helpers.service.client import until
 
 from .truth import Truth
-from .waiting import PATIENCE
+from .waiting import TIMEOUT_S
 
 BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
 POINTS = np.array([(x, y, 0.0) for y in range(1, 6) for x in range(1, 9)])
@@ -63,7 +63,7 @@ def agreed(api: httpx.Client, key: dict[str, Any], model: str = "rectilinear") -
         known: dict[str, Any] = answer.json()
         return known if answer.status_code == 200 else None
 
-    known: dict[str, Any] = until(found, PATIENCE)
+    known: dict[str, Any] = until(found, TIMEOUT_S)
     return known
 
 
@@ -74,4 +74,4 @@ def listed(api: httpx.Client, words: str) -> None:
         cameras = api.get("/cameras", params={"query": words}).raise_for_status().json()["cameras"]
         return any(size["models"] for each in cameras for size in each["sizes"])
 
-    until(found, PATIENCE)
+    until(found, TIMEOUT_S)

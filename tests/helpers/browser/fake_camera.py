@@ -11,7 +11,7 @@ import numpy as np
 from playwright.sync_api import Page, Playwright
 
 from ...browser.conftest import CHROMIUM, executable
-from .waiting import PATIENCE
+from .waiting import TIMEOUT_S
 
 WIDTH, HEIGHT = 1280, 720
 SQUARE = 80  # texture pixels
@@ -63,7 +63,7 @@ def camera(playwright: Playwright, url: str, folder: Path, rate: int = 20) -> It
     browser = playwright.chromium.launch(executable_path=executable("chromium"), args=CHROMIUM + flags)
     try:
         page = browser.new_page(base_url=url, service_workers="block")
-        page.set_default_timeout(1000 * PATIENCE)
+        page.set_default_timeout(1000 * TIMEOUT_S)
         yield page
     finally:
         browser.close()

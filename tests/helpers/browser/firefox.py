@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ...browser.conftest import executable
-from .waiting import PATIENCE
+from .waiting import TIMEOUT_S
 
 SCRIPT = Path(__file__).with_name("firefox_evaluate.mjs")
 
@@ -35,7 +35,7 @@ def screen() -> Iterator[str]:
     os.close(tell)
     try:
         with os.fdopen(told) as answer:
-            assert select.select([answer], [], [], PATIENCE)[0], "no screen in time"
+            assert select.select([answer], [], [], TIMEOUT_S)[0], "no screen in time"
             number = answer.readline().strip()
         assert number, "the screen ended as soon as it began"
         yield f":{number}"
@@ -53,7 +53,7 @@ def driven(script: Path, address: str, *, given: str = "", **environment: str) -
         env=os.environ | environment,
         capture_output=True,
         text=True,
-        timeout=3 * PATIENCE,
+        timeout=3 * TIMEOUT_S,
         check=False,
     )
     assert run.returncode == 0, run.stderr

@@ -50,7 +50,7 @@ HIDE = """(hidden) => {
 }"""
 
 # The views on this device.
-KEPT = """() => new Promise((done) => {
+STORED_VIEWS = """() => new Promise((done) => {
   const opening = indexedDB.open("calibdb", 1);
   opening.onsuccess = () => {
     const asking = opening.result.transaction("captures").objectStore("captures").getAll();

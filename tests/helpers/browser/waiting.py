@@ -10,7 +10,7 @@ from playwright.sync_api import Page
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 #: seconds; only what fails is waited for so long: a machine may be slow, or busy with something else
-PATIENCE = 120.0
+TIMEOUT_S = 120.0
 
 # What a page says in some places, written down: what stands for a moment may be over before one asks.
 _LISTEN = """
@@ -29,7 +29,7 @@ _LISTEN = """
 T = TypeVar("T")
 
 
-def until(page: Page, holds: Callable[[], T], seconds: float = PATIENCE) -> T:
+def until(page: Page, holds: Callable[[], T], seconds: float = TIMEOUT_S) -> T:
     """Wait until a condition holds that no locator can express, and return its value.
 
     What is visible in a page is waited for by `expect`. This is for requests that arrived, for storage and

@@ -77,10 +77,10 @@ class LocalProcess:
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
 
-    def stop(self, patience: float = 60) -> int:
+    def stop(self, timeout_s: float = 60) -> int:
         """Ask it to end, what it computes included; return its exit status."""
         self.process.send_signal(signal.SIGTERM)
-        return self.process.wait(patience)
+        return self.process.wait(timeout_s)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
