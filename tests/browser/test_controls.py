@@ -5,7 +5,7 @@ import re
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.helpers.browser.interruptions import ENDLESS, HIDE, UNPLUG, views, wait_for_views
+from tests.helpers.browser.interruptions import ENDLESS, HIDE, UNPLUG, UNSIZED, views, wait_for_views
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.scenes import CAMERA
 from tests.helpers.browser.waiting import hear, listen, until
@@ -54,7 +54,7 @@ PLUG = """(there) => {
 
 def test_language_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> None:
     listen(page)
-    page.goto(f"{ENDLESS}&camera=Another+one")
+    page.goto(f"{UNSIZED}&target_error=0.05&camera=Another+one")
     page.locator("#undo:enabled").wait_for()
     expect(page.locator("#another"), "read by now").to_be_hidden()
     page.reload()

@@ -6,14 +6,12 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import hear, listen
-
-SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))
 
 
 def address(**more: object) -> str:
-    return f"/calibrate/?{SMALL.query(img_size='640x360', error=0, **more)}"
+    return f"/calibrate/?{SMALL.query(error=0, **more)}"
 
 
 WATCH = """async (faults) => {

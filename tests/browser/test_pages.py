@@ -6,7 +6,7 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.helpers.browser.interruptions import ENDLESS, HIDE, SHOWN_TARGET, UNPLUG, VIRTUAL, done
+from tests.helpers.browser.interruptions import ENDLESS, HIDE, SHOWN_TARGET, UNPLUG, UNSIZED, VIRTUAL, done
 from tests.helpers.browser.pictures import picture, violations
 from tests.helpers.browser.waiting import address, hear, listen, until, wait_until_quiet
 
@@ -99,7 +99,7 @@ def test_the_focus_goes_where_the_page_goes(page: Page) -> None:
 
 def test_another_camera_than_was_asked_for_is_said_to_be_one(page: Page) -> None:
     listen(page)
-    page.goto(f"{VIRTUAL}&camera=C920")
+    page.goto(f"{UNSIZED}&camera=C920")
     hear(page, "another", "Requested: C920. Opened: calibDB virtual camera")
     done(page)
     expect(page.locator("#done .another")).to_contain_text("Requested: C920")

@@ -13,14 +13,12 @@ from playwright.sync_api import BrowserContext, Page, Request
 from tests.helpers.browser.firefox import driven
 from tests.helpers.browser.frame_rate import WATCH
 from tests.helpers.browser.interruptions import views
-from tests.helpers.browser.truth import Truth, projection_errors
+from tests.helpers.browser.truth import SMALL, Truth, projection_errors
 from tests.helpers.browser.waiting import address
 
 ROOT = Path(__file__).resolve().parents[2]
 
 TRUTH = Truth()
-#: at half the size, so that three can be tried at once on two cores
-SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))
 RATE = 30  # frames/s
 KEYPOINTS = {"index", "ids", "points"}
 SESSION = {"camera", "platform", "img_size", "zoom", "board", "distortion_model", "track", "target_error"}
@@ -94,7 +92,7 @@ def test_who_trembles_who_is_slow_and_who_goes_the_wrong_way_finishes_too(contex
     for seed, hand in enumerate(("shaky", "slow", "wrong")):
         page = pages[hand] = context.new_page()
         # Another camera each: one that is calibrated in two tabs at once is refused in the second.
-        page.goto(f"/calibrate/?{SMALL.query(hand=hand, seed=seed, img_size='640x360', k3=seed * 1e-6)}")
+        page.goto(f"/calibrate/?{SMALL.query(hand=hand, seed=seed, k3=seed * 1e-6)}")
     for hand, page in pages.items():
         page.bring_to_front()
         page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")

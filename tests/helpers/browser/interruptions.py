@@ -6,9 +6,11 @@ from typing import Any
 
 from playwright.sync_api import Page, Request, expect
 
-from .truth import Truth
+from .truth import SMALL, Truth
 
-VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
+VIRTUAL = f"/calibrate/?{SMALL.query(seed=3)}"
+#: without a size in its address, as most links are
+UNSIZED = f"/calibrate/?{Truth().query(seed=3)}"
 #: not reached in the time that a test takes
 ENDLESS = f"{VIRTUAL}&target_error=0.05"
 #: in its picture; on a machine that is busy, as the plainer outline that slow devices get
