@@ -15,6 +15,7 @@ import { seededRandom, transformPoint } from "../../web/lib/pose.js";
 const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
 const [WIDTH, HEIGHT] = [1280, 720];
 const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
+const PROJECTION = projectionOf(LENS);
 const KEY = { camera: "Test", platform: "X11", img_size: [WIDTH, HEIGHT], zoom: 0 };
 const FRAME = 1000 / 30; // ms
 const LIMIT = 180_000; // ms
@@ -26,7 +27,7 @@ function seen(pose, blur, random) {
   const points = [];
   if (blur === 0) {
     corners(DEFAULT_BOARD).forEach(([x, y], id) => {
-      const [u, v] = projectionOf(LENS).project(transformPoint(pose, [x, y, 0]));
+      const [u, v] = PROJECTION.project(transformPoint(pose, [x, y, 0]));
       if (u < 4 || v < 4 || u > WIDTH - 5 || v > HEIGHT - 5) return;
       ids.push(id);
       points.push([u + NOISE * (random() - 0.5), v + NOISE * (random() - 0.5)]);

@@ -22,7 +22,7 @@ CAMERA = Truth(fx=680.0, cx=326.0, cy=236.0, k1=-0.12, size=(640, 480))
 MAKE, MODEL = "Drawn", "Test Camera"
 BLUR, NOISE, JPEG_QUALITY = 0.8, 2.0, 92  # px, grey levels, of 100
 SQUARE = 64  # texture pixels
-SAMPLES = 3  # along each side of a pixel
+SAMPLES = 2  # along each side of a pixel
 
 
 def board_texture(squares: int, square: int, margin: int = 0) -> Grey:
@@ -68,7 +68,7 @@ def _rays() -> npt.NDArray[np.float64]:
     offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
     u, v = ((np.arange(side)[:, None] + offsets).ravel() for side in CAMERA.size)
     q = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 1, 2)
-    exact = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 20, 1e-9)
+    exact = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 10, 1e-7)
     xy = cv2.undistortPoints(q, CAMERA.matrix, CAMERA.distortion, criteria=exact).reshape(-1, 2)
     return np.column_stack([xy, np.ones(len(xy))])
 
