@@ -7,8 +7,8 @@ export PYTHONPATH := layers/service:layers/solver:.
 # As the functions are given it: of small matrices a second thread waits for the first.
 export OPENBLAS_NUM_THREADS ?= 1
 
-# What the commands need, made once and again when its lock file changes
-SETUP := .venv/.made node_modules/.made web/vendor/api.d.ts
+# What the commands need, made once and again when its lock file changes; Python's and npm's packages at the same time
+SETUP := .setup
 AUDIT := .build/audit/bin/pip-audit
 PYTEST := $(PY) -m pytest
 # Tests share nothing and mostly take one core or wait: two at a time take half the time.
@@ -34,11 +34,22 @@ test: lint ## run everything below up to browser
 	@$(MAKE) --no-print-directory browser
 
 lint: $(SETUP) ## check style, types, the template, and dependencies for known vulnerabilities
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync .ruff .mypy .cfn-lint .tsc .audit
+
+.ruff:
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
+
+.mypy:
 	$(PY) -m mypy
+
+.cfn-lint:
 	.venv/bin/cfn-lint template.yaml
+
+.tsc:
 	npx --no-install tsc -p web
+
+.audit:
 	@test -x $(AUDIT) || ($(PYTHON) -m venv .build/audit && .build/audit/bin/pip install --quiet --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
 	@$(PY) -m infra.ci.audit
 
@@ -103,11 +114,14 @@ ops: .venv/.made ## run the operator's command line; ARGS="token create --origin
 openapi: .venv/.made ## write web/openapi.json
 	$(PY) -m infra.web_build.openapi
 
+.setup:
+	@$(MAKE) --silent --jobs 2 .venv/.made web/vendor/api.d.ts
+
 # ---- the environment (a mark stands inside what it marks, so that removing that is enough to have it made anew)
 .venv/.made: requirements.lock
 	@test -n "$(PYTHON)" || { echo "calibDB needs Python 3.11 to 3.13"; exit 1; }
 	@test -x $(PY) || $(PYTHON) -m venv .venv
-	$(PY) -m pip install --quiet --retries 10 --require-hashes -r requirements.lock
+	$(PY) -m pip install --quiet --no-compile --retries 10 --require-hashes -r requirements.lock
 	@touch $@
 
 node_modules/.made: package-lock.json
