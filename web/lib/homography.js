@@ -1,4 +1,7 @@
 // The board's plane in the image, before any intrinsics are known.
+import { solveLinear } from "./linear-system.js";
+
+const MIN_PIVOT = 1e-9; // of normalised coordinates
 
 /** @typedef {number[]} Homography row-major 3x3 */
 
@@ -19,8 +22,8 @@ export function homography(from, to) {
       for (let i = 0; i < 8; i++) for (let j = 0; j < 9; j++) normal[i][j] += row[i] * row[j];
     }
   });
-  const solution = solve(normal);
-  if (!solution) return null;
+  const { solution, pivot } = solveLinear(normal);
+  if (!(pivot >= MIN_PIVOT)) return null; // NaN too
   const h = [...solution, 1];
   const toPixels = [1 / b.scale, 0, b.x, 0, 1 / b.scale, b.y, 0, 0, 1];
   const fromBoard = [a.scale, 0, -a.scale * a.x, 0, a.scale, -a.scale * a.y, 0, 0, 1];
@@ -40,30 +43,6 @@ function normaliser(points) {
   const spread = points.reduce((sum, point) => sum + Math.hypot(point[0] - x, point[1] - y), 0) / points.length;
   const scale = spread > 0 ? Math.SQRT2 / spread : 1;
   return { x, y, scale, apply: (/** @type {number[]} */ point) => [(point[0] - x) * scale, (point[1] - y) * scale] };
-}
-
-/** Gaussian elimination with partial pivoting. @param {Float64Array[]} rows n x (n+1) */
-function solve(rows) {
-  const n = rows.length;
-  for (let column = 0; column < n; column++) {
-    let pivot = column;
-    for (let row = column + 1; row < n; row++) {
-      if (Math.abs(rows[row][column]) > Math.abs(rows[pivot][column])) pivot = row;
-    }
-    if (Math.abs(rows[pivot][column]) < 1e-9) return null;
-    [rows[column], rows[pivot]] = [rows[pivot], rows[column]];
-    for (let row = column + 1; row < n; row++) {
-      const factor = rows[row][column] / rows[column][column];
-      for (let k = column; k <= n; k++) rows[row][k] -= factor * rows[column][k];
-    }
-  }
-  const solution = new Array(n).fill(0);
-  for (let row = n - 1; row >= 0; row--) {
-    let value = rows[row][n];
-    for (let k = row + 1; k < n; k++) value -= rows[row][k] * solution[k];
-    solution[row] = value / rows[row][row];
-  }
-  return solution;
 }
 
 /** @param {Homography} a @param {Homography} b */
