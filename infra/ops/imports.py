@@ -11,6 +11,7 @@ from pydantic import ValidationError
 import calibsolver
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument, Track, ViewDocument
+from calibdb.schema.session import SetAside
 from calibsolver import CalibrationError, Camera, View, fit, models
 from calibsolver.formats import ImportedFile
 from calibsolver.formats.grid import grid
@@ -26,6 +27,7 @@ from infra.ops.seed import UNKNOWN_ERROR
 MIN_VIEWS = 4
 #: corners that a dictionary of 50 markers has room for, and the dictionary for larger boards
 _MAX_SMALL_CORNERS, _LARGE_DICTIONARY = 100, "DICT_4X4_1000"
+_DEGENERATE = SetAside(reason="degenerate", detail="Its corners lie on a line or in one place.")
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,9 @@ def import_file(
     context.store.calibrations.publish(document)
     reindex.refit(context, mode)
     fitted = document.fits[document.distortion_model]
+    aside = f" ({len(document.set_aside)} set aside: degenerate)" if document.set_aside else ""
     return (
-        f"calibration {document.id}: {len(document.views)} views, {document.distortion_model}, "
+        f"calibration {document.id}: {len(document.views)} views{aside}, {document.distortion_model}, "
         f"{fitted.avg_reprojection_error:.3f} px rms"
     )
 
@@ -108,6 +111,9 @@ def _document(
         ours = [board.view(ids, view.image_points) for ids, view in zip(found.ids, views, strict=True)]
         chosen = model or suggest_model(ours, size).model
         calibration = fit(ours, size, model=chosen)
+        kept = [i for i in range(len(ours)) if calibration.cut_views.get(i) != "degenerate"]
+        if len(kept) < MIN_VIEWS:
+            raise OpsError(f"{path} has {len(kept)} usable views, a calibration needs {MIN_VIEWS}")
     except CalibrationError as error:
         raise OpsError(f"{path}: {error}") from error
     key = identify(reported.camera, reported.platform).key
@@ -126,13 +132,13 @@ def _document(
             target_error=0.3 * size[0] / 1280,
             track=Track(),
             views=tuple(
-                ViewDocument(
-                    index=i,
-                    ids=ids,
-                    points=tuple((float(x), float(y)) for x, y in view.image_points),
-                    rms=float(calibration.view_errors[i]),
-                )
-                for i, (ids, view) in enumerate(zip(found.ids, ours, strict=True))
+                _view(i, found.ids[i], ours[i]).model_copy(update={"rms": float(calibration.view_errors[i])})
+                for i in kept
+            ),
+            set_aside=tuple(
+                _view(i, found.ids[i], ours[i]).model_copy(update={"set_aside": _DEGENERATE})
+                for i in range(len(ours))
+                if i not in kept
             ),
             fits={chosen: FitRecord.model_validate(calibration.record())},
             report=describe(calibration, ours),
@@ -143,6 +149,12 @@ def _document(
     except ValidationError as error:
         what = error.errors(include_url=False)[0]
         raise OpsError(f"{path}: {'.'.join(map(str, what['loc']))}: {what['msg']}") from error
+
+
+def _view(index: int, ids: tuple[int, ...], view: View) -> ViewDocument:
+    return ViewDocument(
+        index=index, ids=ids, points=tuple((float(x), float(y)) for x, y in view.image_points)
+    )
 
 
 def _guess(context: OpsContext, path: Path, reported: ReportedCamera, read: ImportedFile) -> str:

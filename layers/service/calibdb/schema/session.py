@@ -99,8 +99,9 @@ class ViewRequest(Seen):
 class SetAside(Open):
     """Reason for which an accepted view is excluded from the fit."""
 
-    reason: Literal["outlier", "disagrees"] = Field(
-        description="`outlier`: found wrong once others were there; `disagrees`: more views contradict it."
+    reason: Literal["outlier", "disagrees", "degenerate"] = Field(
+        description="`outlier`: found wrong once others were there; `disagrees`: more views contradict it; "
+        "`degenerate`: its corners lie on a line (of imported views)."
     )
     detail: str
 

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit, refine
 from ..fitting.resection import reprojection_score
+from ..fitting.validation import check, degenerate_views, pack
 from ..view import View
 from .agreement import MIN_LEAVE_TWO_OUT_CONTRIBUTORS, compare, leave_two_out_influence, split_into_groups
 
@@ -145,6 +146,7 @@ def pool(
     failure = CalibrationError("no_members", "there is no calibration to pool")
     for member in members:
         try:
+            member = replace(member, views=without_degenerate_views(member.views, img_size))
             fits.append(Fitted(member, fit(member.views, img_size, model)))
         except CalibrationError as error:
             dropped[member.id], failure = error.code, error
@@ -176,6 +178,17 @@ def pool(
         member_errors={f.member.id: float(e) for f, e in zip(group, errors, strict=False)},
         held_out_error=pooled_rms(group, errors) if len(group) > 1 else math.nan,
     )
+
+
+def without_degenerate_views(views: Sequence[View], img_size: tuple[int, int]) -> tuple[View, ...]:
+    """Set aside the views whose points lie on a line or in one place.
+
+    Raises CalibrationError as `fit` does, ``degenerate`` where no view is left.
+    """
+    degenerate = degenerate_views(pack(views, img_size))
+    if degenerate.all():
+        check(views, img_size)  # raises
+    return tuple(view for view, flat in zip(views, degenerate, strict=True) if not flat)
 
 
 def unreliable_reason(

@@ -21,11 +21,12 @@ class Calibration:
     camera
         Model, intrinsics, image size.
     poses
-        (v, 6) rvec|tvec, board -> camera, board units.
+        (v, 6) rvec|tvec, board -> camera, board units; NaN of a degenerate view, which has none.
     avg_reprojection_error
-        px, root of the mean square distance over *all* points given, as cv2.calibrateCamera reports it.
+        px, root of the mean square distance over *all* points given, as cv2.calibrateCamera reports it; those
+        of degenerate views have no pose, and so no distance.
     view_errors
-        (v,) px, the same for each view.
+        (v,) px, the same for each view; NaN of a degenerate one.
     covariance
         (p, p) of (fx fy cx cy distortion...), noise estimated from the residuals.
     noise
@@ -37,7 +38,7 @@ class Calibration:
     prior_used
         Whether the data were too few to go without the prior.
     cut_views
-        Views wholly left out of the fit: index -> why.
+        Views wholly left out of the fit: index -> why (``outlier``, ``mirrored``, ``degenerate``).
     """
 
     camera: Camera

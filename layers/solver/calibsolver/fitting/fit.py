@@ -23,11 +23,12 @@ from . import (
     validation,
 )
 from .calibration import Calibration
+from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
 from .multistart import TOWARDS_OPTIMUM, MultiStart
 from .normal_equations import Poses
 from .observations import Order
-from .validation import MIN_POINTS, check
+from .validation import MIN_POINTS, check, degenerate_views, pack
 
 __all__ = ["MIN_POINTS", "check", "fit"]
 
@@ -55,15 +56,15 @@ def fit(
     Parameters
     ----------
     views
-        At least one; each with at least six points that do not lie on a line.
+        At least one; each with at least six points, and one or more with points that do not lie on a line.
     img_size
         Width and height, px.
     model
         One of `models.NAMES`.
     robust
-        Huber weights on the way, then points beyond 4 sigma are cut and the rest fitted by least squares
-        together with the model's weak prior. Otherwise plain least squares over all points; with the prior
-        only where the points leave something open.
+        Views whose points lie on a line are set aside. Huber weights on the way, then points beyond 4 sigma
+        are cut and the rest fitted by least squares together with the model's weak prior. Otherwise plain
+        least squares over all points; with the prior only where the points leave something open.
     start
         A camera that may be near: where the fit starts first. The result does not depend on it.
 
@@ -74,7 +75,14 @@ def fit(
         ``unknown_model``, ``no_fit``, ``not_converged`` or ``not_believable``: never is nonsense returned.
     """
     camera_model = models.get(model)
-    given = check(views, img_size)
+    views = list(views or ())
+    given = pack(views, img_size)
+    degenerate = degenerate_views(given)
+    if degenerate.any():
+        if degenerate.all() or not robust:
+            check(views, img_size)  # raises: too little is left, or nothing may be left out
+        kept = [views[i] for i in np.flatnonzero(~degenerate)]
+        return with_degenerate_views(fit(kept, img_size, model, start=start), views, degenerate)
     mirrored = validation.mirrored_views(given)
     if mirrored.any() and not robust:
         raise CalibrationError("mirrored", f"view {int(np.argmax(mirrored))} shows the board mirrored")
@@ -90,7 +98,13 @@ def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
 
     For parts of what was fitted before; raises as `fit` does.
     """
-    given = check(views, near.img_size)
+    given = pack(views, near.img_size)
+    degenerate = degenerate_views(given)
+    if degenerate.any():
+        if degenerate.all():
+            check(views, near.img_size)  # raises
+        kept = np.flatnonzero(~degenerate).tolist()
+        return with_degenerate_views(refine([views[i] for i in kept], near, poses[kept]), views, degenerate)
     obs, order = given.sort_canonically()
     mirrored = validation.mirrored_views(given)[order.views]
     problem = Problem(models.get(near.model), obs, near.img_size)

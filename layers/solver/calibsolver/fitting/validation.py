@@ -13,12 +13,21 @@ MIN_POINTS = 6
 """A view has six unknowns of its own; fewer points say nothing about the camera."""
 MIN_FLATNESS_BOARD, MIN_FLATNESS_IMAGE = 0.02, 1e-3
 """Smaller / larger extent of points below which they lie on a line, on the board and in the image."""
+MIN_EXTENT_PX = 4.0
+"""Extent of the points in the image below which they lie in one place."""
 MAX_IMAGE_DISTANCE, MAX_BOARD_DISTANCE = 10.0, 1e9
 """Image sizes from the middle of the image, and units of the board, within which points are."""
 
 
 def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
     """Pack views, or refuse those that no fit could use: CalibrationError, see `fit`."""
+    obs = pack(views, img_size)
+    refuse(degenerate_views(obs), "degenerate", "the points of view {} lie on a line or in one place")
+    return obs
+
+
+def pack(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
+    """Pack views as `check` does, the degenerate ones too."""
     views = list(views or ())
     try:
         w, h = img_size
@@ -34,17 +43,22 @@ def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
                 "too_few_points", f"view {i} has {len(view)} points, {MIN_POINTS} are needed"
             )
     obs = in_range(Observations.of(views), img_size)
-    p, q = obs.points, obs.pixels
-    extent = p.max(axis=2) - p.min(axis=2)
+    extent = obs.points.max(axis=2) - obs.points.min(axis=2)
     refuse(
         extent[:, 2] > 1e-9 * np.maximum(extent[:, 0], extent[:, 1]),
         "not_planar",
         "the points of view {} do not lie on a board",
     )
-    small = (q.max(axis=2) - q.min(axis=2)).max(axis=1) < 4
-    flat = (flatness(p[:, :2], obs.mask) < MIN_FLATNESS_BOARD) | (flatness(q, obs.mask) < MIN_FLATNESS_IMAGE)
-    refuse(small | flat, "degenerate", "the points of view {} lie on a line or in one place")
     return obs
+
+
+def degenerate_views(obs: Observations) -> Mask:
+    """Find the views (v,) whose points lie on a line or in one place: they have no pose of their own."""
+    p, q = obs.points, obs.pixels
+    small = (q.max(axis=2) - q.min(axis=2)).max(axis=1) < MIN_EXTENT_PX
+    flat = (flatness(p[:, :2], obs.mask) < MIN_FLATNESS_BOARD) | (flatness(q, obs.mask) < MIN_FLATNESS_IMAGE)
+    degenerate: Mask = small | flat
+    return degenerate
 
 
 def in_range(obs: Observations, img_size: tuple[int, int]) -> Observations:

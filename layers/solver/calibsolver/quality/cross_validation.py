@@ -9,6 +9,7 @@ from ..arrays import Array, frozen
 from ..errors import CalibrationError
 from ..fitting.fit import fit
 from ..fitting.resection import reprojection_score
+from ..fitting.validation import degenerate_views, pack
 from ..view import View
 
 
@@ -23,7 +24,8 @@ class HeldOut:
     folds
         px, the same for each fold.
     view_errors
-        (v,) px, rms of each view when it was left out; NaN where it never was.
+        (v,) px, rms of each view when it was left out; NaN where it never was: a degenerate view has no pose
+        by which to tell.
     """
 
     rms: float
@@ -58,6 +60,8 @@ def held_out(
     part = np.arange(len(views)) % max(min(folds, len(views)), 1) if split is None else np.asarray(split)
     if part.shape != (len(views),):
         raise ValueError("split must name a part for each view")
+    if len(views):
+        part = np.where(degenerate_views(pack(views, img_size)), -1, part)
     parts = [np.flatnonzero(part == p).tolist() for p in np.unique(part[part >= 0])]
     if not parts or any(len(left) == len(views) for left in parts):
         raise CalibrationError("too_few_views", "without the views left out there are none to fit")

@@ -103,6 +103,7 @@ def not_significantly_worse(one: HeldOut, best: HeldOut) -> bool:
         return True
     # Logarithms: a view that a model cannot follow at all is one vote against it, not a large variance.
     worse = np.log(one.view_errors / best.view_errors)
+    worse = worse[~np.isnan(worse)]  # degenerate views have no error
     freedom = max(len(worse) - 1, 1)
     standard_error = float(np.std(worse)) / np.sqrt(freedom)
     return bool(np.mean(worse) <= (T_NORMAL + T_PER_FREEDOM / freedom) * standard_error)

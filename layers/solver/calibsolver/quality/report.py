@@ -38,9 +38,9 @@ def describe(
     ``verdict`` (level, reasons), ``std`` (standard deviations of the intrinsics), ``error_map`` (predicted
     projection error over the image, px, null where the model has no ray), ``held_out`` (px; null where there
     is none, or more than the image is wide), ``views``: per view its ``index``, ``rms``, ``points`` (px),
-    ``residuals`` (measured minus predicted, px), ``rvec``,
-    ``tvec`` (board -> camera), ``cut`` (numbers of the points left out), ``reason`` (why the whole view was
-    left out, or null).
+    ``residuals`` (measured minus predicted, px), ``rvec``, ``tvec`` (board -> camera), ``cut`` (numbers of
+    the points left out), ``reason`` (why the whole view was left out, or null). A degenerate view has neither
+    pose nor error: null.
     """
     verdict = assess(calibration, views, held_out)
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
@@ -63,10 +63,10 @@ def describe(
         "views": [
             {
                 "index": i if indices is None else indices[i],
-                "rms": round(float(calibration.view_errors[i]), 4),
+                "rms": _digits(calibration.view_errors[i], 5),
                 "points": _to_lists(view.image_points, lambda x: round(x, 2)),
                 "residuals": _to_lists(vectors[i], lambda x: round(x, 3)),
-                "rvec": [round(float(x), 6) for x in calibration.poses[i, :3]],
+                "rvec": [_digits(x, 8) for x in calibration.poses[i, :3]],
                 "tvec": [_digits(x, 6) for x in calibration.poses[i, 3:]],
                 "cut": [int(n) for n in np.flatnonzero(~calibration.used[i])],
                 "reason": calibration.cut_views.get(i),
