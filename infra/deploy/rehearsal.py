@@ -20,8 +20,8 @@ from infra.deploy.__main__ import DeployError, deploy
 from infra.deploy.steps import ROOT, Target
 
 REHEARSAL = Target("rehearsal", "us-east-1", {"AlarmEmail": "operator@example.org"})
-# Of the template, what ministack cannot make: budgets, rules of sampling, and alarms on a sum.
-_UNSUPPORTED = ("Budget", "TraceSampling", "ThrottleAlarm")
+# Of the template, what ministack cannot make: budgets, and alarms on a sum.
+_UNSUPPORTED = ("Budget", "ThrottleAlarm")
 # Nobody delivers the site there, and its functions run on AWS's processors.
 _ONLY_ON_AWS = ("smoke",)
 

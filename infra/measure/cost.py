@@ -1,7 +1,8 @@
 """Price of a million lookups and of a finished calibration on AWS: `python -m infra.measure.cost`.
 
 Calls, durations and sizes are measured on a local stack, whose functions ask the same of storage as they do
-on AWS; prices and what cannot be measured here are in `infra/measure/prices.yaml`.
+on AWS; what is paid without any request is counted in the template. Prices and what cannot be measured here
+are in `infra/measure/prices.yaml`.
 """
 
 from __future__ import annotations
@@ -13,8 +14,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import yaml
@@ -24,92 +23,36 @@ from infra.local import LocalStack, intercept
 from infra.local.stack import DEVELOPMENT_TOKEN
 from infra.local.storage import Answer
 from infra.measure import load_test
+from infra.measure.fixed_costs import FixedCost, fixed_costs, places
+from infra.measure.usage import (
+    PRICES,
+    Usage,
+    price,
+    price_at_edge,
+    price_preflights,
+    read_units,
+    write_units,
+)
 
-PRICES = Path(__file__).with_name("prices.yaml")
 LOOKUPS, CALIBRATION = "a million lookups", "a finished calibration"
 MAX_USD = {LOOKUPS: 2.0, CALIBRATION: 0.0006}  # USD
+MAX_FIXED_USD = 12.0  # USD a month
+#: resources of the template that each kind of cost follows from
+_RESOURCES = {
+    "API": ("HttpApi",),
+    "functions": ("LookupFunction", "SubmitFunction", "NextPoseFunction", "RefitFunction"),
+    "index": ("Table",),
+    "objects": ("KeypointBucket",),
+    "logs": ("AccessLog", "FunctionLog"),
+    "secrets": ("ReadSecretsPolicy",),
+    "transfer": ("HttpApi",),
+    "preflights": ("HttpApi", "LookupFunction"),
+}
 _CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 _POOLED_CALIBRATIONS = 5  # calibrations, that a lookup hits
-_GB = 1e9
 _IDLE_TIMEOUT_S = 120.0  # after which a consensus is surely computed
 _READS = {"GetItem", "Query"}
 _MB_PER_VCPU = 1769  # MB, AWS Lambda developer guide, "Configure Lambda function memory"
-
-
-@dataclass
-class Usage:
-    """Resources that some requests used.
-
-    Attributes
-    ----------
-    requests, sent
-        Through the gateway; bytes of their answers.
-    invocations, seconds, gb_seconds
-        Of all functions; the processor's time that they take here without storage, and what is billed for it.
-    memory
-        Of all invocations together, GB.
-    reads, writes
-        DynamoDB's units.
-    puts, gets, kept
-        S3's requests; bytes of what lasts.
-    calls
-        Of each service, which the functions wait for.
-    """
-
-    requests: int = 0
-    sent: int = 0
-    invocations: int = 0
-    seconds: float = 0.0
-    gb_seconds: float = 0.0
-    memory: float = 0.0
-    reads: float = 0.0
-    writes: float = 0.0
-    puts: int = 0
-    gets: int = 0
-    kept: int = 0
-    waits: list[tuple[str, float]] = field(default_factory=list)  # service, GB of who waits
-
-
-def price(use: Usage, prices: Mapping[str, Any]) -> dict[str, float]:
-    """Price the usage; USD by kind of cost."""
-    assumed = prices["assumed"]
-    waited = sum(assumed[f"{service}_seconds"] * gb for service, gb in use.waits)
-    started = assumed["cold_starts"] * assumed["start_seconds"] * use.memory
-    logged = use.requests * (assumed["access_log_bytes"] + assumed["metric_log_bytes"])
-    return {
-        "API": use.requests * prices["http_api_request"],
-        "functions": use.invocations * prices["lambda_request"]
-        + (use.gb_seconds + waited + started) * prices["lambda_gb_second"],
-        "index": use.reads * prices["dynamodb_read_unit"] + use.writes * prices["dynamodb_write_unit"],
-        "objects": use.puts * prices["s3_put"]
-        + use.gets * prices["s3_get"]
-        + use.kept / _GB * prices["s3_gb_month"] * assumed["months_kept"],
-        "logs and traces": logged / _GB * prices["log_gb"]
-        + use.requests * assumed["traced"] * prices["trace"],
-        "transfer": use.sent / _GB * prices["transfer_gb"],
-    }
-
-
-def price_at_edge(parts: Mapping[str, float], sent: float, prices: Mapping[str, Any]) -> tuple[float, float]:
-    """Price a million requests through CloudFront; USD for cache misses and for cache hits.
-
-    What it fetches from AWS is not paid for as transfer; what it sends is.
-    """
-    known = 1e6 * prices["cloudfront_request"] + sent / _GB * prices["cloudfront_gb"]
-    return sum(parts.values()) - parts["transfer"] + known, known
-
-
-def read_units(answer: int, *, consistent: bool) -> float:
-    """Compute the read units of an answer of so many bytes.
-
-    Source: Amazon DynamoDB developer guide, "Read and write operations".
-    """
-    return max(1, math.ceil(answer / 4096)) * (1.0 if consistent else 0.5)
-
-
-def write_units(item: int, *, together: bool) -> float:
-    """Compute the write units of an item of so many bytes; `together`: in a transaction."""
-    return max(1, math.ceil(item / 1024)) * (2.0 if together else 1.0)
 
 
 class _Storage(threading.local):
@@ -176,7 +119,10 @@ class Meter:
                 self.use.seconds += alone
                 taken = alone / min(1, memory / _MB_PER_VCPU)
                 self.use.gb_seconds += math.ceil(taken * 1e3) / 1e3 * memory / 1024
-                self.use.memory += memory / 1024
+                if memory >= _MB_PER_VCPU:
+                    self.use.solver_memory += memory / 1024
+                else:
+                    self.use.memory += memory / 1024
                 self.use.invocations += 1
 
         timed.spec = function.spec  # type: ignore[attr-defined]  # as a Function has it
@@ -251,29 +197,45 @@ def measure(lookups: int = 200) -> dict[str, Usage]:
     return {LOOKUPS: lookup, CALIBRATION: calibration}
 
 
-def scale_factor(name: str, use: Usage) -> float:
-    """Compute by how much the measured usage is multiplied for the price that `name` stands for."""
-    return 1e6 / use.requests if name == LOOKUPS else 1.0
+def price_of(name: str, use: Usage, prices: Mapping[str, Any]) -> dict[str, float]:
+    """Price what `name` stands for, USD by kind of cost; lookups with the preflights of other origins."""
+    times = 1e6 / use.requests if name == LOOKUPS else 1.0
+    parts = {part: times * usd for part, usd in price(use, prices).items()}
+    if name == LOOKUPS:
+        memory = (use.memory + use.solver_memory) / use.invocations
+        parts["preflights"] = price_preflights(1e6, memory, prices)
+    return parts
+
+
+def report(uses: Mapping[str, Usage], prices: Mapping[str, Any], fixed: list[FixedCost]) -> Iterator[str]:
+    """Yield the prices line by line, each with the lines of the template that it follows from."""
+    for name, use in uses.items():
+        parts = price_of(name, use, prices)
+        yield f"{name}: {sum(parts.values()):.6f} USD, at most {MAX_USD[name]}"
+        for part, usd in parts.items():
+            yield f"  {part:28} {usd:.6f}  {', '.join(places(*_RESOURCES[part]))}"
+        if name == LOOKUPS:
+            sent = 1e6 / use.requests * use.sent
+            asked, known = price_at_edge(parts, sent, prices)
+            enough = max(0.0, (asked - MAX_USD[name]) / (asked - known))
+            yield f"  through CloudFront {asked:.2f} where it must ask, {known:.2f} where it has the answer:"
+            yield f"  at most {MAX_USD[name]} where it has {math.ceil(100 * enough)} % of them"
+    yield f"a month without any request: {sum(f.usd for f in fixed):.2f} USD, at most {MAX_FIXED_USD}"
+    for cost in fixed:
+        yield f"  {cost.what:28} {cost.usd:8.2f}  {', '.join(cost.places)}"
+    yield f"prices of us-east-1, {prices['sources']['month']}; not in it:"
+    for left_out in prices["not_in_it"]:
+        yield f"  {left_out}"
 
 
 def main(say: Callable[[str], None] = print) -> int:
     """Print the prices; return 1 where one is above its bound."""
     prices = yaml.safe_load(PRICES.read_text(encoding="utf-8"))
-    status = 0
-    for name, use in measure().items():
-        times = scale_factor(name, use)
-        parts = {part: times * usd for part, usd in price(use, prices).items()}
-        total = sum(parts.values())
-        say(f"{name}: {total:.6f} USD, at most {MAX_USD[name]}")
-        for part, usd in parts.items():
-            say(f"  {part:16} {usd:.6f}")
-        if name == LOOKUPS:
-            asked, known = price_at_edge(parts, times * use.sent, prices)
-            enough = max(0.0, (asked - MAX_USD[name]) / (asked - known))
-            say(f"  through CloudFront {asked:.2f} where it must ask, {known:.2f} where it has the answer:")
-            say(f"  at most {MAX_USD[name]} where it has {math.ceil(100 * enough)} % of them")
-        status |= total > MAX_USD[name]
-    return status
+    uses, fixed = measure(), fixed_costs(prices)
+    for line in report(uses, prices, fixed):
+        say(line)
+    over = [n for n, use in uses.items() if sum(price_of(n, use, prices).values()) > MAX_USD[n]]
+    return 1 if over or sum(cost.usd for cost in fixed) > MAX_FIXED_USD else 0
 
 
 if __name__ == "__main__":

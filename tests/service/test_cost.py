@@ -1,9 +1,15 @@
 """Price of calls to AWS, by calls and sizes measured here and prices written down."""
 
+import re
+from collections.abc import Iterable
+
 import pytest
 import yaml
 
-from infra.measure.cost import MAX_USD, PRICES, Usage, measure, price, price_at_edge, read_units, write_units
+from infra.local.intrinsics import parse
+from infra.measure.cost import MAX_FIXED_USD, MAX_USD, measure, price_of, report
+from infra.measure.fixed_costs import ROOT, fixed_costs
+from infra.measure.usage import PRICES, Usage, price, price_at_edge, price_preflights, read_units, write_units
 from tests.helpers.service.storage_calls import lasting_tokens
 
 
@@ -16,10 +22,50 @@ def test_a_lookup_and_a_calibration_are_affordable() -> None:
     # One Query each, nothing written, nothing else asked.
     assert [service for service, _ in lookup.waits] == ["dynamodb"] * 100
     assert (lookup.writes, lookup.puts, lookup.gets) == (0, 0, 0)
-    assert 1e4 * sum(price(lookup, prices).values()) <= MAX_USD["a million lookups"]
+    parts = price_of("a million lookups", lookup, prices)
+    assert sum(parts.values()) <= MAX_USD["a million lookups"] == 2.0
+    # One in twenty asks first whether it may; each of these is at least a request.
+    assert parts["preflights"] >= 0.05
+    every_line_names_its_place(report(uses, prices, fixed_costs(prices)))
     assert calibration.kept > 1000
     assert calibration.puts >= 3
     assert sum(price(calibration, prices).values()) <= MAX_USD["a finished calibration"]
+
+
+def every_line_names_its_place(lines: Iterable[str]) -> None:
+    """Each item of the bill names lines of the template, where a resource begins."""
+    items = [line for line in lines if "yaml:" in line]
+    assert len(items) >= 20
+    for item in items:
+        for file, number in re.findall(r"([\w/.]+\.yaml):(\d+)", item):
+            line = (ROOT / file).read_text().splitlines()[int(number) - 1]
+            assert re.fullmatch(r"  \w+:", line), (item, line)
+
+
+def test_fixed_costs_are_bounded_and_the_budget_is_above_them() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    costs = fixed_costs(prices)
+    total = sum(cost.usd for cost in costs)
+    assert 5 < total <= MAX_FIXED_USD == 12.0
+    assert all(cost.places for cost in costs)
+    budget = parse(ROOT / "template.yaml")["Parameters"]["MonthlyBudget"]["Default"]
+    assert 0.8 * budget > 2 * total  # it rings at 80 %
+    assert {"dashboard", "ServerErrorAlarm", "index and its recovery"} <= {cost.what for cost in costs}
+
+
+def test_every_price_has_a_source_and_a_date() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    sources = prices.pop("sources")
+    assert re.fullmatch(r"20\d\d-\d\d", str(sources.pop("month")))
+    assert all(re.fullmatch(r"https://aws\.amazon\.com/[\w/-]+/", page) for page in sources)
+    named = [name for names in sources.values() for name in names]
+    assert sorted(named) == sorted(prices.keys() - {"assumed", "not_in_it"})
+
+
+def test_preflights_are_priced_as_if_the_function_answered_them() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    usd = price_preflights(1e6, 0.5, prices)
+    assert 0.05 * 1.2 < usd < 0.05 * 1.5
 
 
 def test_units_as_dynamodb_counts_them() -> None:
@@ -40,6 +86,7 @@ def test_every_use_has_its_price() -> None:
         (Usage(kept=10**9), 0.023 * 36),
         (Usage(sent=10**9), 0.09),
         (Usage(memory=1000.0), 0.005 * 1.0 * 1000 * 13.3334e-6),
+        (Usage(solver_memory=1000.0), 0.005 * 5.0 * 1000 * 13.3334e-6),
         (Usage(waits=[("dynamodb", 0.5)] * 1000), 0.005 * 500 * 13.3334e-6),
     ):
         assert sum(price(use, prices).values()) == pytest.approx(usd)

@@ -1,12 +1,14 @@
 """Metrics in CloudWatch's embedded format, written only on AWS."""
 
+import ast
 import json
 from typing import Any
 
 import pytest
 
-from calibdb.http.metrics import document
+from calibdb.http.metrics import UNITS, document
 from infra.local import LocalStack
+from tests.helpers.data import ROOT
 from tests.helpers.service.client import CAMERA, Client, Truth
 
 PLATFORM = "X11; Linux x86_64"
@@ -15,11 +17,11 @@ PLATFORM = "X11; Linux x86_64"
 def counted(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines() if line.startswith('{"_aws"')]
     for line in lines:
-        (described,) = line["_aws"]["CloudWatchMetrics"]
-        assert described["Namespace"] == "calibDB"
-        for dimensions in described["Dimensions"]:
-            assert set(dimensions) <= set(line)
-        assert all(isinstance(line[metric["Name"]], int | float) for metric in described["Metrics"])
+        for described in line["_aws"]["CloudWatchMetrics"]:
+            assert described["Namespace"] == "calibDB"
+            for dimensions in described["Dimensions"]:
+                assert set(dimensions) <= set(line)
+            assert all(isinstance(line[metric["Name"]], int | float) for metric in described["Metrics"])
     return lines
 
 
@@ -68,7 +70,30 @@ def test_refusals_by_reason(
     assert client.view(index, ids[:3], points[:3]).json["reason"] == "too_few_points"
     (line,) = [line for line in counted(capsys) if "Refusals" in line]
     assert line["Reason"] == "too_few_points"
-    assert line["_aws"]["CloudWatchMetrics"][0]["Dimensions"] == [["Stack"], ["Stack", "Reason"]]
+    all_of_it, by_reason = line["_aws"]["CloudWatchMetrics"]
+    assert all_of_it["Dimensions"] == [["Stack"]]
+    assert {"Views", "Refusals", "FitTime"} <= {metric["Name"] for metric in all_of_it["Metrics"]}
+    assert by_reason["Dimensions"] == [["Stack", "Reason"]]
+    assert [metric["Name"] for metric in by_reason["Metrics"]] == ["Refusals"]
+
+
+def test_only_refusals_are_counted_by_reason() -> None:
+    """Each pair of a metric and a reason is paid for like a metric of its own."""
+    line = json.loads(document("calibdb", 1.7e9, {"Errors": 1}, reason="internal"))
+    (described,) = line["_aws"]["CloudWatchMetrics"]
+    assert described["Dimensions"] == [["Stack"]]
+    assert line["Reason"] == "internal"
+
+
+def test_every_published_metric_is_listed() -> None:
+    """`make cost` prices the listed ones."""
+    published = set()
+    for path in (*ROOT.glob("functions/*/app.py"), *ROOT.glob("layers/service/calibdb/**/*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("metrics.count", "count"):
+                published |= {word.arg for word in node.keywords if word.arg and word.arg[0].isupper()}
+    assert len(published) >= 6
+    assert published <= set(UNITS)
 
 
 def test_no_metrics_outside_lambda(stack: LocalStack, capsys: pytest.CaptureFixture[str]) -> None:

@@ -207,7 +207,7 @@ def test_packaged_template_names_existing_paths() -> None:
 def test_rehearsal_leaves_out_its_listed_resources_alone() -> None:
     whole = (ROOT / "template.yaml").read_text()
     left = loads(rehearsal.remove_unsupported(whole))["Resources"]
-    assert set(loads(whole)["Resources"]) - set(left) == {"Budget", "TraceSampling", "ThrottleAlarm"}
+    assert set(loads(whole)["Resources"]) - set(left) == {"Budget", "ThrottleAlarm"}
 
 
 def test_oversized_layers_are_named() -> None:

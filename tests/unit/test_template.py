@@ -258,8 +258,16 @@ def test_extra_costs_are_off_by_default(source: dict) -> None:
     defaults = {name: p["Default"] for name, p in source["Parameters"].items()}
     assert (defaults["WafRate"], defaults["DomainName"], defaults["SnapStart"]) == (0, "", "None")
     assert source["Resources"]["RateRule"]["Condition"] == "Firewall"
-    assert source["Globals"]["Function"]["Tracing"] == "Active"
-    assert source["Resources"]["TraceSampling"]["Properties"]["SamplingRule"]["FixedRate"] <= 0.01
+    assert source["Globals"]["Function"]["Tracing"] == {"Ref": "Tracing"}
+    assert defaults["Tracing"] == "PassThrough"
+    assert "AWS::XRay::SamplingRule" not in {r["Type"] for r in source["Resources"].values()}
+    routes = source["Resources"]["HttpApi"]["Properties"]["DefaultRouteSettings"]
+    assert routes["DetailedMetricsEnabled"] is False
+
+
+def test_encryption_of_the_table_is_paid_by_nobody(source: dict) -> None:
+    """Without a specification DynamoDB uses a key of its own; with one, each request of KMS costs."""
+    assert "SSESpecification" not in source["Resources"]["Table"]["Properties"]
 
 
 def test_failed_invocations_reach_the_dead_letter_queue(transformed: dict) -> None:

@@ -11,7 +11,22 @@ import os
 from collections.abc import Mapping
 
 NAMESPACE = "calibDB"
-_MILLISECONDS = {"FitTime"}
+#: every metric and its unit; each costs as much in a month as 150,000 lookups
+UNITS = {
+    "Lookups": "Count",
+    "Hits": "Count",
+    "Misses": "Count",
+    "Redirects": "Count",
+    "Sessions": "Count",
+    "Views": "Count",
+    "Refusals": "Count",
+    "Calibrations": "Count",
+    "ViewsPerSession": "Count",
+    "FitTime": "Milliseconds",
+    "Errors": "Count",
+}
+#: those that are also counted by their reason; of others the log names it
+REASONED = ("Refusals",)
 
 
 def document(stack: str, now: float, values: Mapping[str, float], reason: str | None = None) -> str:
@@ -28,11 +43,14 @@ def document(stack: str, now: float, values: Mapping[str, float], reason: str | 
     reason
         Why, where that is counted apart, too.
     """
-    dimensions = [["Stack"]] + ([["Stack", "Reason"]] if reason is not None else [])
-    units = [{"Name": name, "Unit": "Milliseconds" if name in _MILLISECONDS else "Count"} for name in values]
-    described = {"Namespace": NAMESPACE, "Dimensions": dimensions, "Metrics": units}
+    units = [{"Name": name, "Unit": UNITS.get(name, "Count")} for name in values]
+    described = [{"Namespace": NAMESPACE, "Dimensions": [["Stack"]], "Metrics": units}]
+    reasoned = [metric for metric in units if metric["Name"] in REASONED]
+    if reason is not None and reasoned:
+        by_reason = {"Namespace": NAMESPACE, "Dimensions": [["Stack", "Reason"]], "Metrics": reasoned}
+        described.append(by_reason)
     line: dict[str, object] = {
-        "_aws": {"Timestamp": int(now * 1000), "CloudWatchMetrics": [described]},
+        "_aws": {"Timestamp": int(now * 1000), "CloudWatchMetrics": described},
         "Stack": stack,
         **values,
     }

@@ -1,0 +1,113 @@
+"""What requests use of AWS, and its price."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+PRICES = Path(__file__).with_name("prices.yaml")
+_GB = 1e9
+_LOG_EVENTS = 2  # of a request: the gateway's access log and the function's metrics
+
+
+@dataclass
+class Usage:
+    """Resources that some requests used.
+
+    Attributes
+    ----------
+    requests, sent
+        Through the gateway; bytes of their answers.
+    invocations, seconds, gb_seconds
+        Of all functions; the processor's time that they take here without storage, and what is billed for it.
+    memory, solver_memory
+        Of all invocations together, GB: of functions without and with the solver.
+    reads, writes
+        DynamoDB's units.
+    puts, gets, kept
+        S3's requests; bytes of what lasts.
+    waits
+        Of each service, which the functions wait for.
+    """
+
+    requests: int = 0
+    sent: int = 0
+    invocations: int = 0
+    seconds: float = 0.0
+    gb_seconds: float = 0.0
+    memory: float = 0.0
+    solver_memory: float = 0.0
+    reads: float = 0.0
+    writes: float = 0.0
+    puts: int = 0
+    gets: int = 0
+    kept: int = 0
+    waits: list[tuple[str, float]] = field(default_factory=list)  # service, GB of who waits
+
+
+def price(use: Usage, prices: Mapping[str, Any]) -> dict[str, float]:
+    """Price the usage; USD by kind of cost."""
+    assumed = prices["assumed"]
+    waited = sum(assumed[f"{service}_seconds"] * gb for service, gb in use.waits)
+    started = assumed["cold_starts"] * (
+        assumed["start_seconds"] * use.memory + assumed["solver_start_seconds"] * use.solver_memory
+    )
+    logged = use.requests * (
+        assumed["access_log_bytes"] + assumed["metric_log_bytes"] + _LOG_EVENTS * assumed["log_event_bytes"]
+    )
+    return {
+        "API": use.requests * prices["http_api_request"],
+        "functions": use.invocations * prices["lambda_request"]
+        + (use.gb_seconds + waited + started) * prices["lambda_gb_second"],
+        "index": use.reads * prices["dynamodb_read_unit"] + use.writes * prices["dynamodb_write_unit"],
+        "objects": use.puts * prices["s3_put"]
+        + use.gets * prices["s3_get"]
+        + use.kept / _GB * prices["s3_gb_month"] * assumed["months_kept"],
+        "logs": logged / _GB * prices["log_gb"],
+        "secrets": use.requests * assumed["cold_starts"] * assumed["secrets"] * prices["kms_request"],
+        "transfer": use.sent / _GB * prices["transfer_gb"],
+    }
+
+
+def price_preflights(lookups: float, memory: float, prices: Mapping[str, Any]) -> float:
+    """Price the preflights of so many lookups at the API's own address, USD.
+
+    An HTTP API answers a preflight itself, or invokes the function of an `ANY` route: the dearer is counted.
+    `memory`: GB of the function.
+    """
+    assumed = prices["assumed"]
+    return float(
+        lookups
+        * assumed["preflights"]
+        * (
+            prices["http_api_request"]
+            + prices["lambda_request"]
+            + assumed["preflight_seconds"] * memory * prices["lambda_gb_second"]
+            + (assumed["access_log_bytes"] + assumed["log_event_bytes"]) / _GB * prices["log_gb"]
+        )
+    )
+
+
+def price_at_edge(parts: Mapping[str, float], sent: float, prices: Mapping[str, Any]) -> tuple[float, float]:
+    """Price a million requests through CloudFront; USD for cache misses and for cache hits.
+
+    What it fetches from AWS is not paid for as transfer; what it sends is.
+    """
+    known = 1e6 * prices["cloudfront_request"] + sent / _GB * prices["cloudfront_gb"]
+    return sum(parts.values()) - parts["transfer"] + known, known
+
+
+def read_units(answer: int, *, consistent: bool) -> float:
+    """Compute the read units of an answer of so many bytes.
+
+    Source: Amazon DynamoDB developer guide, "Read and write operations".
+    """
+    return max(1, math.ceil(answer / 4096)) * (1.0 if consistent else 0.5)
+
+
+def write_units(item: int, *, together: bool) -> float:
+    """Compute the write units of an item of so many bytes; `together`: in a transaction."""
+    return max(1, math.ceil(item / 1024)) * (2.0 if together else 1.0)
