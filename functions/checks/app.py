@@ -30,7 +30,7 @@ from calibdb.schema import (
     VoteDocument,
 )
 from calibdb.store import StreamMode
-from calibsolver import Board, CalibrationError, Camera, fit
+from calibsolver import Board, CalibrationError, Camera, DeadlineError, deadline, fit
 from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus import difference
 from calibsolver.fitting.resection import reprojection_score
@@ -74,7 +74,12 @@ def check(call: application.Call) -> Response:
     if wrong:
         raise InvalidError(wrong[:MAX_FIELD_ERRORS])
     mode, known = consensus(call, request)
-    examined = examine(request)
+    try:
+        with deadline.limit(call.seconds_left):
+            examined = examine(request)
+    except DeadlineError as late:
+        slow = "take longer to compute than a request may; send fewer corners in each"
+        raise call.out_of_time(InvalidError.field("views", slow)) from late
     width = request.img_size[0]
     camera = Camera.from_record(known.model_dump())
     views = Board.from_record(request.board.model_dump()).views([v.model_dump() for v in examined.views])

@@ -22,16 +22,38 @@ def show(call: application.Call) -> Response:
     document = store.get(call.path("id"))
     if document is not None and (reason := store.withdrawal(document)) is not None:
         raise GoneError("This calibration was withdrawn.", kind="withdrawn", extensions={"reason": reason})
+    if asked.plain and not asked.without:
+        return application.json_response(found(call, document), headers=AS_IT_IS)
+    # Here and not above: who only wants to see a calibration need not wait for the solver.
+    from calibsolver import DeadlineError, deadline
+
+    try:
+        with deadline.limit(call.seconds_left):
+            return computed(call, document, asked)
+    except DeadlineError as error:
+        name = "without" if asked.without else "format"
+        slow = "takes longer to compute than a request may; ask for a larger picture, or another format"
+        raise call.out_of_time(InvalidError.field(name, slow)) from error
+
+
+def found(call: application.Call, document: CalibrationDocument | None) -> ReportedCalibration:
+    """Return the calibration of a document, or else the consensus asked for; raises NotFoundError."""
+    known = to_reported(document) if document is not None else consensus(call, call.path("id"))
+    if known is None:
+        raise NotFoundError("The database has no calibration with this id.")
+    return known
+
+
+def computed(call: application.Call, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
+    """Answer with what is computed for the call: without some views, or as a file."""
     if document is not None and asked.without:
         document = refit_without(document, asked.without)
-    found = to_reported(document) if document is not None else consensus(call, call.path("id"))
-    if found is None:
-        raise NotFoundError("The database has no calibration with this id.")
+    known = found(call, document)
     if asked.without:
         if document is None:
             raise InvalidError.field("without", "a consensus has no views of its own")
-        found = found.model_copy(update={"id": None})  # it is stored nowhere
-    return application.json_response(found, headers=AS_IT_IS) if asked.plain else file(found, document, asked)
+        known = known.model_copy(update={"id": None})  # it is stored nowhere
+    return application.json_response(known, headers=AS_IT_IS) if asked.plain else file(known, document, asked)
 
 
 def to_reported(document: CalibrationDocument) -> ReportedCalibration:
@@ -72,7 +94,6 @@ def consensus(call: application.Call, calibration_id: str) -> ReportedCalibratio
 
 def file(found: ReportedCalibration, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
     """Return the calibration as a file, and in its headers how far that is from the calibration."""
-    # Here and not above: who only wants to see a calibration need not wait for the solver.
     from calibsolver import Board, CalibrationError, Camera, View, formats, image_transform
 
     board: Board | None = None

@@ -7,10 +7,11 @@ from typing import Literal
 from pydantic import JsonValue
 from starlette.responses import Response
 
+from calibdb.errors import ConflictError
 from calibdb.http import application
 from calibdb.rules import session_rules
 from calibdb.schema import Pose, SessionDocument
-from calibsolver import Camera, guidance
+from calibsolver import Camera, DeadlineError, deadline, guidance
 from calibsolver.capture import Capture, exclusions
 from calibsolver.guidance import overlay
 
@@ -36,7 +37,13 @@ def show(call: application.Call) -> Response:
         changed = choose(session_rules.without_target(document))
         return changed, changed
 
-    document = call.service.store.sessions.update(sid, call.service.now, change)
+    try:
+        with deadline.limit(call.seconds_left):
+            document = call.service.store.sessions.update(sid, call.service.now, change)
+    except DeadlineError as error:
+        raise call.out_of_time(
+            ConflictError("The views take longer to compute than a request may; undo one.", kind="too-slow")
+        ) from error
     headers = {"Vary": "Accept, Authorization"}
     if media_type == "application/json":
         pose = Pose.model_validate({**(document.target or {}), "index": document.next_index})

@@ -7,7 +7,8 @@ a client that repeats a view whose answer it missed completes what a crash left 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from pydantic import JsonValue
@@ -15,6 +16,7 @@ from starlette.responses import Response
 
 import calibsolver
 from calibdb.access.tokens import contributor, source
+from calibdb.errors import ConflictError
 from calibdb.http import application, metrics
 from calibdb.rules import session_rules
 from calibdb.rules.session_state import state, view_answer
@@ -26,7 +28,7 @@ from calibdb.schema import (
     ViewRequest,
 )
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
-from calibsolver import View, guidance
+from calibsolver import DeadlineError, View, deadline, guidance
 from calibsolver.capture import Capture, Estimate, Exclusion, exclusions
 from calibsolver.quality import report
 
@@ -51,7 +53,8 @@ def submit(call: application.Call) -> Response:
             return judged.document, (document, judged)
         return judged.document, (judged.document or document, judged)
 
-    document, judged = service.store.sessions.update(ticket.sid, service.now, change)
+    with in_time(call):
+        document, judged = service.store.sessions.update(ticket.sid, service.now, change)
     if document.finish is not None:
         publish(call, document)
     return application.json_response(view_answer(document, judged.reason, judged.hint))
@@ -75,8 +78,24 @@ def remove(call: application.Call) -> Response:
         )
         return changed, changed
 
-    document = call.service.store.sessions.update(sid, call.service.now, change)
+    with in_time(call):
+        document = call.service.store.sessions.update(sid, call.service.now, change)
     return application.json_response(state(document))
+
+
+@contextmanager
+def in_time(call: application.Call) -> Iterator[None]:
+    """Compute within the call's time; raises ConflictError or UnavailableError where that is too short."""
+    try:
+        with deadline.limit(call.seconds_left):
+            yield
+    except DeadlineError as error:
+        raise call.out_of_time(
+            ConflictError(
+                "These corners take longer to compute than a request may; send fewer of them in each view.",
+                kind="too-slow",
+            )
+        ) from error
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ SERVICE = ROOT / "layers/service/calibdb"
 
 #: modules of the solver that belong to no package: the public values, of which these two know the models
 CAMERA = {"camera", "image_transform"}
-VALUES = {"arrays", "board", "errors", "phrasing", "rotation", "view"}
+VALUES = {"arrays", "board", "deadline", "errors", "phrasing", "rotation", "view"}
 _FITTED = {"values", "models", "camera", "fitting"}
 #: what each package of the solver may import, itself aside
 SOLVER_ARROWS: dict[str, set[str]] = {

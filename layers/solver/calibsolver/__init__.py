@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from .board import Board
 from .camera import Camera
-from .errors import CalibrationError
+from .errors import CalibrationError, DeadlineError
 from .fitting.calibration import Calibration
 from .fitting.fit import fit
 from .fitting.uncertainty import Uncertainty
@@ -22,6 +22,7 @@ __all__ = [
     "Calibration",
     "CalibrationError",
     "Camera",
+    "DeadlineError",
     "Uncertainty",
     "View",
     "capture",

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hmac
+import math
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -23,6 +25,7 @@ from calibdb.errors import (
     MalformedError,
     TooLargeError,
     UnauthenticatedError,
+    UnavailableError,
 )
 from calibdb.http.content_negotiation import negotiate
 from calibdb.schema.fields import MAX_INDEX
@@ -31,6 +34,10 @@ from calibdb.service import Service
 
 MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
 
+MAX_COMPUTE_S = 5.0
+"""Processor time of one request: no computation of a camera that anybody holds takes it."""
+MIN_REMAINING_S = 1.5
+"""Time of an invocation that is kept for storage and the answer."""
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -43,6 +50,36 @@ class Call:
     request: Request
     body: bytes
     service: Service
+    processor_s: Callable[[], float] = time.thread_time
+    """Processor time that this thread has used so far, s."""
+    begun_s: float = field(default_factory=time.thread_time)
+    """The same when the call began."""
+
+    def seconds_left(self) -> float:
+        """Return the s left to compute: of the request's processor time, or of the invocation if less.
+
+        An invocation ends at the function's timeout, answered or not.
+        """
+        return min(self._processor_s_left(), self._remaining_s_left())
+
+    def out_of_time(self, error: CalibdbError) -> CalibdbError:
+        """Return the error of a computation that did not end: `error`, if it never would.
+
+        Where the request has not used its processor time, it was the machine that was busy: UnavailableError.
+        """
+        if self._processor_s_left() <= 0:
+            return error
+        return UnavailableError("The service is too busy to compute this now; try again.")
+
+    def _processor_s_left(self) -> float:
+        return self.begun_s + MAX_COMPUTE_S - self.processor_s()
+
+    def _remaining_s_left(self) -> float:
+        context = self.request.scope.get("aws.context")
+        if context is None:
+            return math.inf
+        remaining: int = context.get_remaining_time_in_millis()
+        return remaining / 1000 - MIN_REMAINING_S
 
     def json(self, model: type[Model]) -> Model:
         """Return the body as `model`.

@@ -9,6 +9,7 @@ from ..fitting.calibration import Calibration
 from ..phrasing import format_factor
 from ..quality.model_selection import suggest_model
 from ..view import View
+from .consistency import thin
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def find_better_model(views: Sequence[View], calibration: Calibration) -> str | 
     if len(views) < 3:
         return None
     try:
-        model = suggest_model(views, calibration.camera.img_size).model
+        model = suggest_model([thin(view) for view in views], calibration.camera.img_size).model
     except CalibrationError:
         return None
     return model if model != calibration.camera.model else None

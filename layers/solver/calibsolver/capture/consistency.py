@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, IntArray
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
@@ -33,6 +33,9 @@ SAME_POSE_WIDTHS = 0.02
 """Mean distance of corners / image width below which two views show one pose, and count as one."""
 CACHE_SIZE = 24
 """Fits that are cached: those used last."""
+MAX_TRIAL_POINTS = 64
+"""Points of a view that take part in trials of consistency: two cameras differ by more than the rest would
+show."""
 
 
 class Consistency:
@@ -52,15 +55,21 @@ class Consistency:
         self.start = start
         self.min_error = MIN_ERROR_WIDTHS * img_size[0]
         self._fits: OrderedDict[tuple[int, ...], tuple[tuple[View, ...], Calibration | None]] = OrderedDict()
+        self._thinned: dict[int, tuple[View, View]] = {}
 
-    def fit(self, views: Sequence[View]) -> Calibration | None:
-        """Fit `views`; None where there is no believable camera, or nothing to fit."""
+    def fit(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
+        """Fit `views`; None where there is no believable camera, or nothing to fit.
+
+        Starts at `near`, or where the fit to one view less ended, or else the one to fewer points.
+        """
         if not views:
             return None
         key = tuple(id(view) for view in views)
         if key not in self._fits:
-            before = self._fits.get(key[:-1], ((), None))[1]
-            start = before.camera if before else self.start
+            near = near or self._fits.get(key[:-1], ((), None))[1]
+            if near is None and any(self._thin(view) is not view for view in views):
+                near = self.fit_trial(views)
+            start = near.camera if near else self.start
             try:
                 found: Calibration | None = fit(views, self.img_size, self.model, start=start)
             except CalibrationError:
@@ -70,9 +79,23 @@ class Consistency:
                 self._fits.popitem(last=False)
         return self._fits[key][1]
 
-    def is_consistent(self, others: Sequence[View], view: View) -> bool:
-        """Whether one camera explains `view` together with the `others` about as well as without it."""
-        after = self.fit([*others, view])
+    def fit_trial(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
+        """Fit `views` as `fit` does, to MAX_TRIAL_POINTS points of each."""
+        return self.fit([self._thin(view) for view in views], near)
+
+    def _thin(self, view: View) -> View:
+        """Return the thinned view, the same for the same view."""
+        if id(view) not in self._thinned:
+            self._thinned[id(view)] = view, thin(view)
+        return self._thinned[id(view)][1]
+
+    def is_consistent(self, others: Sequence[View], view: View, near: Calibration | None = None) -> bool:
+        """Whether one camera explains `view` together with the `others` about as well as without it.
+
+        `near`: a trial fit that the one of the `others` starts from.
+        """
+        before = self.fit_trial(others, near)
+        after = self.fit_trial([*others, view], before)
         if after is None or (len(others) in after.cut_views):
             return False
         inliers = after.used[-1]
@@ -80,7 +103,6 @@ class Consistency:
             return False
         if not others:
             return bool(inlier_rms(after) <= 10 * self.min_error)
-        before = self.fit(others)
         if before is None:
             return True
         # The view adds to the error of all: its own error, and the increase of the others'.
@@ -88,10 +110,15 @@ class Consistency:
         rms = np.sqrt(added / max(int(inliers.sum()), 1))
         return bool(rms <= MAX_ERROR_RATIO * max(inlier_rms(before), self.min_error))
 
-    def find_consistent_views(self, view: View, candidates: Sequence[View]) -> list[View]:
-        """Collect the views that agree with `view` and each other: it first, then the newest first."""
+    def find_consistent_views(self, view: View, candidates: Sequence[View], more_than: int = 0) -> list[View]:
+        """Collect the views that agree with `view` and each other: it first, then the newest first.
+
+        Ends where no more than `more_than` of them can be found any more.
+        """
         consistent = [view]
-        for other in reversed(candidates):
+        for left, other in zip(range(len(candidates), 0, -1), reversed(candidates), strict=True):
+            if len(consistent) + left <= more_than:
+                break
             if not any(self.is_same_pose(other, one) for one in consistent) and self.is_consistent(
                 consistent, other
             ):
@@ -103,20 +130,30 @@ class Consistency:
 
         Without it the rest and `view` agree, and clearly better than all of `views` agree with it.
         """
-        whole = self.fit(views)
+        whole = self.fit_trial(views)
         if whole is None or len(views) < 2:
             return None
+        largest = inlier_rms(whole) / MIN_IMPROVEMENT
+        if self.min_error > largest:
+            return None  # they agree so well that none of them can be the wrong one
         best: tuple[float, int] | None = None
         for i in range(len(views)):
             rest = [*views[:i], *views[i + 1 :]]
+            without = self.fit_trial(rest, whole)
+            # The points of `view` add to the squared error of the rest.
+            if without is not None and self._rms_with_perfect(without, view) > largest:
+                continue
             if not self.is_consistent(rest, view):
                 continue
-            together = self.fit([*rest, view])
+            together = self.fit_trial([*rest, view])
             if together is not None and (best is None or inlier_rms(together) < best[0]):
                 best = inlier_rms(together), i
-        if best is None or max(best[0], self.min_error) * MIN_IMPROVEMENT > inlier_rms(whole):
-            return None
-        return best[1]
+        return best[1] if best is not None and best[0] <= largest else None
+
+    def _rms_with_perfect(self, calibration: Calibration, view: View) -> float:
+        """Error of a trial fit, px rms over the inliers, were the points of `view` added without error."""
+        count = sum(u.sum() for u in calibration.used) + len(self._thin(view))
+        return float(np.sqrt(squared_errors(calibration).sum() / count))
 
     def find_outlier_view(self, views: Sequence[View]) -> int | None:
         """Find an accepted view that is not consistent with the others: its index, or None."""
@@ -141,12 +178,28 @@ class Consistency:
         ):
             distance = np.linalg.norm(one.image_points - other.image_points, axis=1)
         else:
-            same = np.linalg.norm(one.object_points[:, None] - other.object_points[None], axis=2) < 1e-6
-            i, k = np.nonzero(same)
+            i, k = common_points(one, other)
             if len(i) < 0.5 * min(len(one), len(other)):
                 return False
             distance = np.linalg.norm(one.image_points[i] - other.image_points[k], axis=1)
         return bool(distance.mean() < SAME_POSE_WIDTHS * self.img_size[0])
+
+
+def thin(view: View) -> View:
+    """Return the view with MAX_TRIAL_POINTS of its points, from all over it; itself if it has no more."""
+    if len(view) <= MAX_TRIAL_POINTS:
+        return view
+    kept = np.linspace(0, len(view) - 1, MAX_TRIAL_POINTS).round().astype(np.int64)
+    return View(view.object_points[kept], view.image_points[kept])
+
+
+def common_points(one: View, other: View) -> tuple[IntArray, IntArray]:
+    """List the points of the board that two views share: indices (m,) into each."""
+    places = [np.round(view.object_points * 1e6) + 0.0 for view in (one, other)]  # -0.0 is 0.0
+    index = {place.tobytes(): n for n, place in enumerate(places[0])}
+    pairs = [(index[p.tobytes()], n) for n, p in enumerate(places[1]) if p.tobytes() in index]
+    shared = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    return shared[:, 0], shared[:, 1]
 
 
 def squared_errors(calibration: Calibration) -> Array:

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from .. import models, rotation
+from .. import deadline, models, rotation
 from ..board import Board
 from ..camera import Camera
 from ..fitting import initial_guess, normal_equations
@@ -28,12 +29,16 @@ MIN_VIEWS = 4
 """Views before a capture may converge: fewer can agree by chance."""
 MAX_VIEWS = 15
 """Views after which a capture ends with the accuracy that was reached."""
+MAX_POINTS = 20_000
+"""Points of all views with which it ends likewise: where the whole board would be one view too many."""
 MAX_MEDIAN_ERROR_WIDTHS = 0.15
 """Median error / image width of a view with its pose alone fitted; no lens explains more."""
 MAX_DETECTOR_NOISE_WIDTHS = 0.75 / 1280
 """Noise of a corner's coordinate / image width; no detector has more in a picture that shows markers."""
 UNCERTAINTY_INFLATION = 1.1
 """Factor on the predicted error that is reported and compared with the target."""
+MAX_CONFLICT_S, MAX_ADVICE_S = 1.0, 1.0
+"""Time for the views that conflict with others, and for another model, where the time is limited."""
 MIN_GAIN_SHARE = 0.2
 """Share of the gain predicted for the target that a view must bring."""
 
@@ -127,7 +132,7 @@ class Capture:
         on_target = u.rms < self.target_error
         if isinstance(self.guide, PoseSelection):
             on_target = self.guide.is_done([views[i] for i in active])
-        full = len(active) >= MAX_VIEWS
+        full = len(active) >= MAX_VIEWS or sum(map(len, views)) + len(self.board.points) > MAX_POINTS
         converged = (on_target and len(active) >= MIN_VIEWS) or full
         span = np.log(self._initial_rms / self.target_error)
         near = float(np.clip(np.log(self._initial_rms / max(u.rms, 1e-9)) / span, 0, 1)) if span > 0 else 1.0
@@ -203,7 +208,11 @@ class Capture:
             return self._refuse("outlier", view, target)
         all_views, excluded_before = [*views, view], dict(excluded)
         if not self.consistency.is_consistent(others, view):
-            resolved = self._resolve_conflict(views, active, view, excluded, quarantined)
+            resolved = deadline.compute_within(
+                MAX_CONFLICT_S,
+                lambda: self._resolve_conflict(views, active, view, excluded, quarantined),
+                None,
+            )
             if resolved is None:
                 quarantine = bool(others) and self.consistency.is_consistent([], view)
                 return replace(self._refuse("outlier", view, target), quarantine=quarantine)
@@ -229,8 +238,9 @@ class Capture:
         wrong = self.consistency.find_conflicting_view([views[i] for i in active], view)
         if wrong is not None:
             return {**excluded, active[wrong]: EXCLUDED_OUTLIER}
-        group = self.consistency.find_consistent_views(view, [*quarantined, *views])
-        if len(group) <= min(len(active), MAX_OUTVOTED_VIEWS):
+        outvoted = min(len(active), MAX_OUTVOTED_VIEWS)
+        group = self.consistency.find_consistent_views(view, [*quarantined, *views], outvoted)
+        if len(group) <= outvoted:
             return None
         members = {id(member) for member in group}
         return {
@@ -244,7 +254,10 @@ class Capture:
         result = dict(excluded)
         while True:
             active = [i for i in range(len(views)) if i not in result]
-            wrong = self.consistency.find_outlier_view([views[i] for i in active])
+            kept = [views[i] for i in active]
+            wrong = deadline.compute_within(
+                MAX_CONFLICT_S, partial(self.consistency.find_outlier_view, kept), None
+            )
             if wrong is None:
                 return result
             result[active[wrong]] = EXCLUDED_OUTLIER
@@ -274,7 +287,7 @@ class Capture:
         disagrees = ratio > MAX_PREDICTION_RATIO
         if not (disagrees or noisy or len(estimate.excluded) > len(excluded_before)):
             return estimate
-        better = find_better_model(views, calibration)
+        better = deadline.compute_within(MAX_ADVICE_S, partial(find_better_model, views, calibration), None)
         advice = (*estimate.advice, *describe_disagreement(ratio if disagrees else None, better))
         estimate = replace(estimate, advice=advice, suggested_model=better)
         if not disagrees or count >= MAX_VIEWS:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .. import deadline
 from ..arrays import Array, Mask
 from ..models import Model
 from . import normal_equations, prior
@@ -166,6 +167,7 @@ class Problem:
         tolerance_abs = self.obs.count * (ROUNDOFF * self.img_size[0]) ** 2
         predicted = sigma = previous_predicted = np.inf
         for iteration in range(options.iterations):
+            deadline.check()
             sigma = max(robust_sigma(state, counted), sigma_floor)
             objective = Objective(
                 plain, HUBER_SIGMAS * sigma if options.robust else np.inf, sigma * sigma * options.with_prior

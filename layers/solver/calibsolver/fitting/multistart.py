@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .. import deadline
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
@@ -77,6 +78,7 @@ class MultiStart:
         """Rank the optima that the starts lead to, the best first; stop at one within the prior."""
         found: list[State] = []
         for first in self.starts(trial):
+            deadline.check()
             state = trial.at(first.k, first.poses)
             good = mask if first.weights is None else mask & (first.weights > 0)
             if not (state.is_finite and good.any()):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import models
+from .. import deadline, models
 from ..arrays import Array, frozen
 from ..camera import Camera
 from ..errors import CalibrationError
@@ -80,6 +80,7 @@ def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
         active = np.isfinite(cost)
         views = np.arange(len(cost))
         for _ in range(MAX_ITERATIONS):
+            deadline.check()
             if not active.all():  # only the views that are still on their way are worked on
                 views, damping, rows = views[active], damping[active], rows[:, :, active]
                 obs = obs.subset(np.flatnonzero(active))

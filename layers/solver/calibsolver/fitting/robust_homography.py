@@ -6,6 +6,7 @@ view's points is least (Rousseeuw 1984; Fischler & Bolles 1981), then the one th
 
 import numpy as np
 
+from .. import deadline
 from ..arrays import Array, Mask
 from .homography import Homographies
 
@@ -44,6 +45,7 @@ def fit_homographies_lmeds(
     center = (rays @ weights[:, :, None]) / np.maximum(weights.sum(axis=1), 1.0)[:, None, None]
     extent = np.sqrt(((rays - center) ** 2 * weights[:, None]).sum(axis=(1, 2)) / weights.sum(axis=1))
     for i in np.flatnonzero(~(error <= allowed * extent) & (usable.sum(axis=1) > SAMPLE_SIZE)):
+        deadline.check()
         agree, best = lmeds_inliers(points[i], rays[i], usable[i])
         if best < error[i] / 2:
             weights[i] = agree

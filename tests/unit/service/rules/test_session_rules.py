@@ -131,3 +131,9 @@ def test_stored_view_equals_the_request(points: list[tuple[float, float]]) -> No
         session_rules.is_idempotent_replay(read, ViewRequest.model_validate_json(sent.model_dump_json()))
         is True
     )
+
+
+def test_bound_of_points_is_the_solvers() -> None:
+    from calibsolver.capture import rules
+
+    assert session_rules.MAX_POINTS == rules.MAX_POINTS
