@@ -146,10 +146,12 @@ def bundle(context: OpsContext, asked: Namespace) -> None:
 
 def import_file(context: OpsContext, asked: Namespace) -> None:
     """Store a calibration file of another tool."""
+    from calibsolver.formats.hints import Hints
     from infra.ops.imports import ReportedCamera, import_file
 
     camera = ReportedCamera(asked.camera, asked.platform, asked.zoom)
-    context.echo(import_file(context, asked.file, camera, asked.img_size, asked.squares, asked.model))
+    hints = Hints(asked.img_size, asked.camera_number, asked.squares)
+    context.echo(import_file(context, asked.file, camera, hints, asked.model))
 
 
 def seed(context: OpsContext, asked: Namespace) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -15,6 +15,7 @@ from calibdb.schema.session import SetAside
 from calibsolver import CalibrationError, Camera, View, fit, models
 from calibsolver.formats import ImportedFile
 from calibsolver.formats.grid import grid
+from calibsolver.formats.hints import Hints
 from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
 from infra.ops import reindex
@@ -43,8 +44,7 @@ def import_file(
     context: OpsContext,
     path: Path,
     reported: ReportedCamera,
-    img_size: tuple[int, int] | None = None,
-    squares: tuple[int, int] | None = None,
+    hints: Hints = Hints(),  # noqa: B008 - a value that never changes
     model: str = "",
 ) -> str:
     """Store what a file holds, and say what it was.
@@ -55,13 +55,15 @@ def import_file(
 
     Raises OpsError where the file, or what it holds, cannot be used; nothing is stored then.
     """
-    read = read_file(path, squares)
+    if model and model not in models.NAMES:
+        raise OpsError(f"there is no distortion model {model!r}")
+    read = read_file(path, replace(hints, model=model))
     identity = identify(reported.camera, reported.platform)
     if identity.ambiguous or identity.virtual:
         raise OpsError(f"{reported.camera!r} does not say which camera it is")
     if not read.views:
-        return _guess(context, path, reported, read)
-    size = read.camera.img_size if read.camera else read.img_size or img_size
+        return _guess(context, path, reported, read, hints.number)
+    size = read.camera.img_size if read.camera else read.img_size or hints.img_size
     if size is None:
         raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
     document = _document(context, path, reported, read.views, size, model)
@@ -98,8 +100,6 @@ def _document(
     """Fit the keypoints, and put everything that is known into a document."""
     if len(views) < MIN_VIEWS:
         raise OpsError(f"{path} has {len(views)} views, a calibration needs {MIN_VIEWS}")
-    if model and model not in models.NAMES:
-        raise OpsError(f"there is no distortion model {model!r}")
     try:
         found = grid(views)
         board = calibsolver.Board(
@@ -157,7 +157,7 @@ def _view(index: int, ids: tuple[int, ...], view: View) -> ViewDocument:
     )
 
 
-def _guess(context: OpsContext, path: Path, reported: ReportedCamera, read: ImportedFile) -> str:
+def _guess(context: OpsContext, path: Path, reported: ReportedCamera, read: ImportedFile, number: int) -> str:
     camera = read.camera
     if camera is None:
         raise OpsError(f"{path} holds neither a camera nor keypoints")
@@ -176,7 +176,14 @@ def _guess(context: OpsContext, path: Path, reported: ReportedCamera, read: Impo
             measured=1,
         )
     )
-    return f"a first guess: {camera.model}, without keypoints; no lookup answers with it"
+    fx, fy = (camera.matrix[i, i] for i in range(2))
+    size = f"{camera.img_size[0]} x {camera.img_size[1]}"
+    said = f"a first guess: {camera.model}, {size}, fx {fx:.6g}, fy {fy:.6g}"
+    said += ", without keypoints; no lookup answers with it"
+    if len(read.cameras) > 1:
+        said += f"; camera {number} ({read.cameras[number]}) of {len(read.cameras)} in the file: "
+        said += f"--camera-number takes another, 0 to {len(read.cameras) - 1}"
+    return said
 
 
 def _record(camera: Camera) -> dict[str, object]:

@@ -110,17 +110,26 @@ def _add_files(groups: Subparsers) -> None:
         "store a calibration file: with keypoints as a calibration, else as a first guess",
     )
     imported.add_argument(
-        "file", type=Path, help="PhotonVision, mrcal, OpenCV, ROS, Kalibr, Gyroflow, calibDB"
+        "file", type=Path, help="OpenCV, ROS, Kalibr, camodocal, PhotonVision, mrcal, Gyroflow, COLMAP, …"
     )
     imported.add_argument("--camera", required=True, help="label, as a browser reports it")
     imported.add_argument("--platform", required=True, help="platform, as a browser reports it")
     imported.add_argument("--zoom", type=float, default=0.0, help="zoom of the track (0)")
     imported.add_argument(
-        "--img-size", type=_size, metavar="WxH", help="for tables of corners, which lack it"
+        "--img-size", type=_size, metavar="WxH", help="size of the pictures, for files that lack it"
+    )
+    imported.add_argument(
+        "--camera-number",
+        type=_number,
+        default=0,
+        metavar="N",
+        help="of a file with several cameras, from 0 (0)",
     )
     imported.add_argument("--squares", type=_size, metavar="WxH", help="of the board, for tables of corners")
     imported.add_argument(
-        "--model", default="", help="model to fit to keypoints; default: the one that suits them"
+        "--model",
+        default="",
+        help="model to fit to keypoints (default: the one that suits them), or of unnamed coefficients",
     )
 
     seed = _command(groups, "seed", commands.seed, "store published calibrations (CSV) as first guesses")
@@ -155,6 +164,12 @@ def _hours(text: str) -> float:
 def _count(text: str) -> int:
     if not (text.isdecimal() and int(text) > 0):
         raise argparse.ArgumentTypeError("a whole number from 1")
+    return int(text)
+
+
+def _number(text: str) -> int:
+    if not (text.isdecimal() and len(text) < 4):
+        raise argparse.ArgumentTypeError("a whole number from 0")
     return int(text)
 
 

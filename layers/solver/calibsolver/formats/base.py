@@ -118,9 +118,12 @@ class ImportedFile:
         Width and height, px; None where the file does not say.
     name
         The camera's name in the file, or "".
+    cameras
+        Names of all cameras in the file, in the order of their numbers, where there are several.
     """
 
     camera: Camera | None
     views: tuple[View, ...] = ()
     img_size: tuple[int, int] | None = None
     name: str = ""
+    cameras: tuple[str, ...] = ()

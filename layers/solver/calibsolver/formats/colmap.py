@@ -1,12 +1,28 @@
 """COLMAP's cameras.txt. Its image origin is the *corner* of the top-left pixel: half a pixel more."""
 
+import re
+
 import numpy as np
 
 from . import text
-from .base import Conversion, ExportSource, ModelConstraint
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
+from .coefficients import camera_from_opencv
 from .format import Format
 
 HALF = 0.5
+MODELS = {
+    "SIMPLE_PINHOLE": ("f cx cy", False),
+    "PINHOLE": ("fx fy cx cy", False),
+    "SIMPLE_RADIAL": ("f cx cy k1", False),
+    "RADIAL": ("f cx cy k1 k2", False),
+    "OPENCV": ("fx fy cx cy k1 k2 p1 p2", False),
+    "FULL_OPENCV": ("fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6", False),
+    "SIMPLE_RADIAL_FISHEYE": ("f cx cy k1", True),
+    "RADIAL_FISHEYE": ("f cx cy k1 k2", True),
+    "OPENCV_FISHEYE": ("fx fy cx cy k1 k2 k3 k4", True),
+}
+"""Parameters of the models that are known here, and whether they are of the angle."""
+_LINE = re.compile(r"^\s*\d+\s+([A-Z][A-Z_]{2,40})\s+(\d+)\s+(\d+)\s+([-+.eE\d\s]+)$", re.MULTILINE)
 
 
 class Colmap(Format):
@@ -33,3 +49,31 @@ class Colmap(Format):
             self.comment(source, conversion),
             f"1 {model} {c.img_size[0]} {c.img_size[1]} {' '.join(text.number(p) for p in params)}",
         )
+
+
+def lines_of_cameras(content: str) -> list[dict[str, object]]:
+    """Return the cameras of a cameras.txt, for `read`; none where it is no such file."""
+    return [
+        {"colmap_model": model, "size": [int(w), int(h)], "params": params.split()}
+        for model, w, h, params in _LINE.findall(content)
+    ]
+
+
+def read(data: object) -> ImportedFile:
+    """Read one camera of `lines_of_cameras`; CalibrationError ``malformed``."""
+    model = str(text.member(data, "colmap_model"))
+    if model not in MODELS:
+        raise text.refuse(f"COLMAP's {model} is not supported; {', '.join(MODELS)} are")
+    names, fisheye = MODELS[model]
+    count = len(names.split())
+    values = dict(
+        zip(names.split(), text.floats(text.member(data, "params"), "PARAMS", count, count), strict=True)
+    )
+    w, h = (text.count(side, "WIDTH, HEIGHT") for side in text.member(data, "size"))
+    fx, fy = values.get("fx", values.get("f")), values.get("fy", values.get("f"))
+    matrix = np.array(
+        [[fx, 0, values["cx"] - HALF], [0, fy, values["cy"] - HALF], [0, 0, 1.0]], dtype=np.float64
+    )
+    order = ("k1", "k2", "k3", "k4") if fisheye else ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
+    d = np.array([values.get(name, 0.0) for name in order])
+    return ImportedFile(camera_from_opencv(matrix, d, (w, h), fisheye))

@@ -1,11 +1,17 @@
 """Gyroflow's lens profile."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import make_camera
+from .coefficients import camera_from_opencv, make_camera, pad_coefficients
 from .format import Format
+
+MIN_STRETCH, MAX_STRETCH = 0.01, 4.0
+"""Anamorphic factors: up to the first there is none, beyond the second no lens has it."""
 
 
 class Gyroflow(Format):
@@ -50,21 +56,52 @@ class Gyroflow(Format):
         )
 
 
-def read(data: object) -> ImportedFile:
-    """Read a parsed profile; CalibrationError ``malformed``."""
-    size = (
+def read(data: Mapping[str, Any]) -> ImportedFile:
+    """Read a parsed profile; CalibrationError ``malformed``.
+
+    Anamorphic lenses: the profile is of the picture stretched to its proper width and height; the camera's
+    own picture is that one, compressed again. A digital lens (GoPro's SuperView and the like) bends the
+    picture once more, as no camera model does.
+    """
+    stretched = (
         text.count(text.member(data, "calib_dimension", "w"), "calib_dimension.w"),
         text.count(text.member(data, "calib_dimension", "h"), "calib_dimension.h"),
     )
-    data = data if isinstance(data, dict) else {}
-    model = data.get("distortion_model", "opencv_fisheye")
-    if model not in ("opencv_fisheye", "", None):
-        raise text.refuse(f"distortion_model {model!r} is not supported, opencv_fisheye is")
+    digital = data.get("digital_lens") or ("gopro_superview" if data.get("is_superview") is True else "")
+    if digital:
+        raise text.refuse(
+            f"the camera's picture is bent by a digital lens ({str(digital)[:40]}), which no camera model "
+            "holds: use a profile of a mode without it"
+        )
     params = text.member(data, "fisheye_params")
     matrix = text.floats(text.member(params, "camera_matrix"), "camera_matrix", 9, 9).reshape(3, 3)
-    d = text.floats(text.member(params, "distortion_coeffs"), "distortion_coeffs", 4, 4)
+    d = text.floats(text.member(params, "distortion_coeffs"), "distortion_coeffs", 0, 12)
     if not data.get("asymmetrical"):
-        matrix[:2, 2] = (size[0] / 2, size[1] / 2)  # the program would not use the one that is written
-    brand, name = (str(data.get(key, "")) for key in ("camera_brand", "camera_model"))
-    full = name if name.lower().startswith(brand.lower()) else f"{brand} {name}"
-    return ImportedFile(make_camera("fisheye", matrix, d, size), name=full.strip())
+        matrix[:2, 2] = (
+            stretched[0] / 2,
+            stretched[1] / 2,
+        )  # the program would not use the one that is written
+    stretch = np.array([_stretch(data, "input_horizontal_stretch"), _stretch(data, "input_vertical_stretch")])
+    size = (max(1, round(stretched[0] / stretch[0])), max(1, round(stretched[1] / stretch[1])))
+    matrix[:2] /= stretch[:, None]
+    brand, name = (str(data.get(key) or "") for key in ("camera_brand", "camera_model"))
+    full = (name if name.lower().startswith(brand.lower()) else f"{brand} {name}").strip()
+    model = data.get("distortion_model") or "opencv_fisheye"
+    if model == "opencv_fisheye":
+        return ImportedFile(make_camera("fisheye", matrix, pad_coefficients(d, 4), size), name=full)
+    if model == "opencv_standard":
+        return ImportedFile(camera_from_opencv(matrix, d, size, fisheye=False), name=full)
+    raise text.refuse(
+        f"distortion_model {str(model)[:40]!r} is not supported, opencv_fisheye and opencv_standard are"
+    )
+
+
+def _stretch(data: Mapping[str, Any], key: str) -> float:
+    """Factor by which the camera's picture is stretched; Gyroflow, too, takes none and nearly 0 for 1."""
+    value = data.get(key)
+    stretch = float(text.floats(value, key, 1, 1)[0]) if value is not None else 1.0
+    if stretch <= MIN_STRETCH:
+        return 1.0
+    if not 1 / MAX_STRETCH <= stretch <= MAX_STRETCH:
+        raise text.refuse(f"{key} {stretch:g} is that of no lens")
+    return stretch

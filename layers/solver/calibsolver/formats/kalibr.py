@@ -7,6 +7,9 @@ from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import make_camera, pad_coefficients
 from .format import Format
 
+INTRINSICS_COUNTS = {"pinhole": 4, "omni": 5}
+"""Numbers of intrinsics by camera_model."""
+
 
 class Kalibr(Format):
     """One camera, `cam0`: pinhole-radtan, pinhole-equidistant or omni-radtan."""
@@ -40,24 +43,28 @@ class Kalibr(Format):
         )
 
 
-def read(data: object) -> ImportedFile:
-    """Read the first camera of a parsed camchain; CalibrationError ``malformed``."""
-    cam = text.member(data, "cam0")
+def read(cam: object) -> ImportedFile:
+    """Read one camera of a parsed camchain; CalibrationError ``malformed``."""
     w, h = text.floats(text.member(cam, "resolution"), "resolution", 2, 2)
-    kind, model = text.member(cam, "camera_model"), text.member(cam, "distortion_model")
-    values = text.floats(text.member(cam, "intrinsics"), "intrinsics", 4, 5)
-    d = text.floats(text.member(cam, "distortion_coeffs"), "distortion_coeffs", 0, 5)
+    kind = str(text.member(cam, "camera_model")).lower()
+    members = cam if isinstance(cam, dict) else {}
+    model = str(members.get("distortion_model", "")).lower()
+    values = text.floats(text.member(cam, "intrinsics"), "intrinsics", 4, 6)
+    d = text.floats(members.get("distortion_coeffs", []), "distortion_coeffs", 0, 8)
     fx, fy, cx, cy = values[-4:]
     matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
-    size = (int(w), int(h))
-    wanted = {"radtan": 4, "equidistant": 4, "none": 0}.get(str(model))
-    if wanted is None or len(d) != wanted or (kind == "omni") != (len(values) == 5):
-        raise text.refuse(f"{kind} with {model} and {len(d)} coefficients is no model of Kalibr's")
-    if kind == "pinhole" and model == "equidistant":
-        return ImportedFile(make_camera("fisheye", matrix, d, size))
-    if kind == "pinhole":
-        return ImportedFile(make_camera("rectilinear", matrix, pad_coefficients(d, 5), size))
-    if kind == "omni" and model in ("radtan", "none"):
-        full = np.concatenate([values[:1], pad_coefficients(d, 4)])
-        return ImportedFile(make_camera("omnidirectional", matrix, full, size))
-    raise text.refuse(f"Kalibr's {kind} with {model} is not supported")
+    size = (text.count(w, "resolution"), text.count(h, "resolution"))
+    if model in ("", "none") and not d.any():
+        model, d = "radtan", np.zeros(4)
+    if len(values) == INTRINSICS_COUNTS.get(kind) and len(d) == 4:
+        if kind == "pinhole" and model in ("equidistant", "equi"):
+            return ImportedFile(make_camera("fisheye", matrix, d, size))
+        if kind == "pinhole" and model == "radtan":
+            return ImportedFile(make_camera("rectilinear", matrix, pad_coefficients(d, 5), size))
+        if kind == "omni" and model == "radtan":
+            full = np.concatenate([values[:1], d])
+            return ImportedFile(make_camera("omnidirectional", matrix, full, size))
+    raise text.refuse(
+        f"Kalibr's {kind} with {model} and {len(d)} coefficients is not supported; pinhole with radtan or "
+        "equidistant, and omni with radtan, of four coefficients are"
+    )

@@ -18,10 +18,22 @@ from ..fitting import resection
 from ..view import View
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import make_camera, pad_coefficients
+from .coefficients import camera_from_opencv
 from .format import Format
 
-SIZES = {"LENSMODEL_PINHOLE": 0, "LENSMODEL_OPENCV4": 4, "LENSMODEL_OPENCV5": 5, "LENSMODEL_OPENCV8": 8}
+SIZES = {
+    "LENSMODEL_PINHOLE": 0,
+    "LENSMODEL_OPENCV4": 4,
+    "LENSMODEL_OPENCV5": 5,
+    "LENSMODEL_OPENCV8": 8,
+    "LENSMODEL_OPENCV12": 12,  # where the thin prism's four are zero
+}
+OLD_NAMES = {
+    "distortion_model": "lensmodel",
+    "lens_model": "lensmodel",
+    "icam_intrinsics_optimization_inputs": "icam_intrinsics",
+}
+"""Members by the names that mrcal 1 gave them."""
 MAX_UNZIPPED_BYTES = 64_000_000
 """Bytes that the measurements in a file may unpack to."""
 
@@ -130,20 +142,21 @@ def read(content: str) -> ImportedFile:
         )
     except (ValueError, SyntaxError, MemoryError, RecursionError) as error:
         raise text.refuse(f"the file is no Python dictionary: {type(error).__name__}") from None
-    lens_model = text.member(data, "lensmodel")
+    if isinstance(data, dict):  # what versions up to 1 called them
+        data = {OLD_NAMES.get(key, key): value for key, value in data.items() if isinstance(key, str)}
+    lens_model = str(text.member(data, "lensmodel")).replace("DISTORTION_", "LENSMODEL_")
+    lens_model = lens_model.replace("LENSMODEL_NONE", "LENSMODEL_PINHOLE")
     if lens_model not in SIZES:
-        raise text.refuse(f"lensmodel {lens_model!r} is none of {', '.join(SIZES)}")
-    k = text.floats(
-        text.member(data, "intrinsics"), "intrinsics", 4 + SIZES[lens_model], 4 + SIZES[lens_model]
-    )
+        raise text.refuse(f"lensmodel {lens_model[:60]!r} is none of {', '.join(SIZES)}")
+    count = 4 + SIZES[lens_model]
+    k = text.floats(text.member(data, "intrinsics"), "intrinsics", count, count)
     w, h = text.floats(text.member(data, "imagersize"), "imagersize", 2, 2)
     matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1.0]])
-    model = "rational" if SIZES[lens_model] == 8 else "rectilinear"
-    d = k[4:] if SIZES[lens_model] == 8 else pad_coefficients(k[4:], 5)
+    camera = camera_from_opencv(matrix, k[4:], (int(w), int(h)), fisheye=False)
     packed = data.get("optimization_inputs")
     number = data.get("icam_intrinsics", 0)
     views = _views(packed, number if isinstance(number, int) else 0) if isinstance(packed, bytes) else ()
-    return ImportedFile(make_camera(model, matrix, d, (int(w), int(h))), views)
+    return ImportedFile(camera, views)
 
 
 def _views(packed: bytes, number: int) -> tuple[View, ...]:
@@ -175,6 +188,7 @@ def _views(packed: bytes, number: int) -> tuple[View, ...]:
 def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
     """Read a corners.vnl of a board of so many squares; CalibrationError ``malformed``."""
     found: defaultdict[str, list[tuple[int, Array]]] = defaultdict(list)
+    blank: defaultdict[str, int] = defaultdict(int)
     counted: defaultdict[str, int] = defaultdict(int)
     board = Board(squares)
     for line in content.splitlines():
@@ -186,13 +200,15 @@ def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
         corner = counted[fields[0]]
         counted[fields[0]] += 1
         if "-" in fields[1:3] or (len(fields) > 3 and fields[3] in ("-", "-1")):
+            blank[fields[0]] += 1
             continue
         try:
             q = text.floats([float(fields[1]), float(fields[2])], "a corner", 2, 2)
         except ValueError:
             raise text.refuse(f"{fields[1]} {fields[2]} are no pixels") from None
         found[fields[0]].append((corner, q))
-    wrong = [name for name, corners in counted.items() if corners != board.corner_count]
+    # A picture without a board is a single line `img.jpg - - -`.
+    wrong = [n for n, lines in counted.items() if lines != board.corner_count and (lines, blank[n]) != (1, 1)]
     if wrong or not counted:
         raise text.refuse(
             f"every picture must have {board.corner_count} lines, one for each corner of the board"
@@ -201,3 +217,13 @@ def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
         board.view([i for i, _ in seen], np.array([q for _, q in seen])) for seen in found.values() if seen
     ]
     return ImportedFile(None, tuple(views))
+
+
+def is_corners(content: str) -> bool:
+    """Whether it looks like a table of corners: the first line that says something has a name and a place."""
+    for line in content.splitlines():
+        fields = line.split()
+        if not fields or fields[0].startswith("#"):
+            continue
+        return len(fields) in (3, 4) and all(f == "-" or text.number_list(f) is not None for f in fields[1:])
+    return False

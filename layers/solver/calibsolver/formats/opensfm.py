@@ -3,7 +3,8 @@
 import numpy as np
 
 from . import text
-from .base import Conversion, ExportSource, ModelConstraint
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
+from .coefficients import camera_from_opencv
 from .format import Format
 
 
@@ -34,3 +35,28 @@ class OpenSfm(Format):
         if conversion.warning:
             value["warning"] = conversion.warning
         return text.dump({source.name or "camera": value})
+
+
+def read(data: object) -> ImportedFile:
+    """Read one parsed camera; CalibrationError ``malformed``."""
+    kind = text.member(data, "projection_type")
+    size = (
+        text.count(text.member(data, "width"), "width"),
+        text.count(text.member(data, "height"), "height"),
+    )
+    if kind not in ("brown", "perspective", "simple_radial", "radial", "fisheye", "fisheye_opencv"):
+        raise text.refuse(f"OpenSfM's projection_type {str(kind)[:40]!r} is not supported")
+    values = dict(data) if isinstance(data, dict) else {}
+
+    def value(*names: str) -> float:
+        found = next((values[name] for name in names if name in values), 0.0)
+        return float(text.floats(found, names[0], 1, 1)[0])
+
+    side, fisheye = max(size), kind in ("fisheye", "fisheye_opencv")
+    fx, fy = value("focal_x", "focal") * side, value("focal_y", "focal", "focal_x") * side
+    cx, cy = value("c_x") * side + (size[0] - 1) / 2, value("c_y") * side + (size[1] - 1) / 2
+    names = ("k1", "k2", "k3", "k4") if fisheye else ("k1", "k2", "p1", "p2", "k3")
+    d = np.array([value(name) for name in names])
+    return ImportedFile(
+        camera_from_opencv(np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]]), d, size, fisheye)
+    )

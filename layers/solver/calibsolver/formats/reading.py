@@ -1,40 +1,87 @@
 """Other tools' files read: what kind one is, and what it says."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
-from . import gyroflow, kalibr, mrcal, native, opencv, photonvision, ros, text
+from . import colmap, document, mrcal, native, numpy_archive, plain_text, storage_xml, text
 from .base import ImportedFile
+from .hints import Hints
 
 
-def read(data: object) -> ImportedFile:
-    """Read a parsed JSON or YAML file, whichever of the known kinds it is.
+def read(data: object, hints: Hints = Hints()) -> ImportedFile:  # noqa: B008 - a value that never changes
+    """Read a camera of parsed JSON, YAML, XML or other structure, whichever of the known kinds it is.
 
     Raises CalibrationError ``malformed``, which says what is missing or wrong.
     """
-    if not isinstance(data, Mapping):
-        raise text.refuse("the file is no object with members")
-    if "cam0" in data:
-        return kalibr.read(data)
-    if "fisheye_params" in data:
-        return gyroflow.read(data)
-    if "cameraIntrinsics" in data:
-        return photonvision.read(data)
-    if data.get("distortion_model") in ros.ROS_MODELS.values():
-        return ros.read(data)
-    if "img_size" in data:
+    if isinstance(data, Mapping) and {"img_size", "camera_matrix", "distortion_coefficients"} <= data.keys():
         return native.read(data)
-    if "camera_matrix" in data:
-        return opencv.read(data)
-    raise text.refuse("the file is of no kind that is known here")
+    found = document.cameras(data)
+    if not found:
+        raise document.describe_unknown(data)
+    if not 0 <= hints.number < len(found):
+        raise text.refuse(
+            f"there is no camera {hints.number}: the file has {len(found)}, counted from 0 "
+            f"({', '.join(each.name or 'unnamed' for each in found[:8])})"
+        )
+    read_camera = found[hints.number]
+    imported = read_camera.read(hints)
+    if imported.camera and hints.img_size and imported.camera.img_size != hints.img_size:
+        w, h = imported.camera.img_size
+        raise text.refuse(
+            f"the file says that its pictures are {w} x {h}, not {hints.img_size[0]} x {hints.img_size[1]}"
+        )
+    names = tuple(each.name for each in found) if len(found) > 1 else ()
+    return replace(imported, cameras=names)
 
 
-def read_text(content: str, squares: tuple[int, int] | None = None) -> ImportedFile:
-    """Read a .cameramodel, or a table of corners of a board of so many squares.
+def is_text_kind(content: str) -> bool:
+    """Whether `read_text` reads it: it is neither JSON nor YAML."""
+    return (
+        content.lstrip().startswith("<")
+        or is_mrcal(content)
+        or plain_text.is_ros_ini(content)
+        or bool(colmap.lines_of_cameras(content))
+        or plain_text.is_assignments(content)
+        or plain_text.numbers_alone(content) is not None
+        or mrcal.is_corners(content)
+    )
+
+
+def is_mrcal(content: str) -> bool:
+    """Whether it is a .cameramodel: a Python dictionary with a lens model, under today's or an older name."""
+    return any(
+        f"{quote}{name}{quote}" in content
+        for name in ("lensmodel", "lens_model", "distortion_model")
+        for quote in ("'",)
+    ) or ('"lensmodel":  ' in content)
+
+
+def read_text(content: str, hints: Hints = Hints()) -> ImportedFile:  # noqa: B008 - a value that never changes
+    """Read a text of another form: XML, mrcal's .cameramodel, ROS's .ini and ost.txt, COLMAP's cameras.txt,
+    `name = value` lines, a matrix of numbers alone, or a table of corners.
 
     Raises CalibrationError ``malformed``.
-    """
-    if "lensmodel" in content:
+    """  # noqa: D205 - a list of names
+    if content.lstrip().startswith("<"):
+        return read(storage_xml.parse(content), hints)
+    if is_mrcal(content):
         return mrcal.read(content)
-    if squares is None:
-        raise text.refuse("a table of corners does not say what board it is of: give its squares")
-    return mrcal.read_corners(content, squares)
+    if plain_text.is_ros_ini(content):
+        return read(plain_text.ros_ini(content), hints)
+    if cameras := colmap.lines_of_cameras(content):
+        return read(cameras, hints)
+    if plain_text.is_assignments(content):
+        return read(plain_text.assignments(content), hints)
+    if camera := plain_text.numbers_alone(content):
+        return read(camera, hints)
+    if hints.squares is None:
+        raise text.refuse(
+            "a table of corners does not say what board it is of: give its squares (--squares 9x6), one more "
+            "each way than there are corners"
+        )
+    return mrcal.read_corners(content, hints.squares)
+
+
+def read_archive(raw: bytes, hints: Hints = Hints()) -> ImportedFile:  # noqa: B008 - a value that never changes
+    """Read an archive of numpy arrays (.npz); CalibrationError ``malformed``."""
+    return read(numpy_archive.parse(raw), hints)

@@ -1,6 +1,8 @@
 """Numbers and files as text, in full precision."""
 
 import json
+import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -70,8 +72,26 @@ def has_member(data: object, key: str) -> bool:
     return isinstance(data, dict) and key in data
 
 
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?f?"
+MAX_NUMBERS_TEXT = 100_000
+"""Characters of numbers in one text."""
+
+
+def number_list(value: str) -> list[float] | None:
+    """Return the numbers of a text of numbers alone ("640, 480", "[1.5 2; 3 4]"); None for any other."""
+    if len(value) > MAX_NUMBERS_TEXT or not any(c.isdigit() for c in value[:100]):
+        return None
+    words = re.split(r"[\s,;\[\](){}]+", value.strip(" \t\r\n,;[](){}"))
+    if not all(re.fullmatch(_NUMBER, word) for word in words):
+        return None
+    return [float(word.rstrip("f").replace("d", "e").replace("D", "e")) for word in words]
+
+
 def floats(value: object, name: str, min_count: int = 0, max_count: int = 1_000_000) -> Array:
-    """Return nested lists of numbers as one flat array; ``malformed`` for anything else, NaN among it."""
+    """Return nested lists of numbers as one flat array; ``malformed`` for anything else, NaN among it.
+
+    Numbers may be written as texts: in some files they are.
+    """
     flat: list[float] = []
 
     def take(item: object, depth: int) -> None:
@@ -80,10 +100,13 @@ def floats(value: object, name: str, min_count: int = 0, max_count: int = 1_000_
         if isinstance(item, list | tuple):
             for part in item:
                 take(part, depth + 1)
+        elif isinstance(item, str) and (parts := number_list(item)) is not None:
+            take(parts, depth + 1)
         elif isinstance(item, bool) or not isinstance(item, int | float):
             raise refuse(f"{name} must be numbers, not {type(item).__name__}")
         elif not -MAX_NUMBER < item < MAX_NUMBER:  # NaN is neither
-            raise refuse(f"{name} holds a number that is none of a camera's")
+            what = "NaN" if math.isnan(item) else "a number"
+            raise refuse(f"{name} holds {what}, which is none of a camera's")
         else:
             flat.append(float(item))
 

@@ -1,0 +1,47 @@
+"""Agisoft Metashape's calibration XML. Its centre is an offset; its P1 and P2 are OpenCV's p2 and p1."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from . import text
+from .base import ImportedFile
+from .coefficients import camera_from_opencv
+from .members import Members
+
+
+def is_calibration(members: Members) -> bool:
+    """Whether a mapping is such a calibration."""
+    return all(name in members for name in ("projection", "width", "height", "f"))
+
+
+def read(data: Mapping[Any, Any]) -> ImportedFile:
+    """Read a parsed calibration; CalibrationError ``malformed``.
+
+    Source of the model: Agisoft Metashape user manual, appendix "Camera models". Pixels are counted from the
+    image's corner, so that half a pixel comes off.
+    """
+    members = Members(data)
+
+    def value(name: str) -> float:
+        return float(text.floats(members.get(name) if name in members else 0.0, name, 1, 1)[0])
+
+    kind = str(members.get("projection")).lower()
+    if kind not in ("frame", "fisheye"):
+        raise text.refuse(f"the projection {kind[:40]!r} is not supported, frame and fisheye are")
+    size = (text.count(members.get("width"), "width"), text.count(members.get("height"), "height"))
+    if (
+        value("b2")
+        or (kind == "frame" and value("k4"))
+        or (kind == "fisheye" and (value("p1") or value("p2")))
+    ):
+        raise text.refuse("skew (b2), k4 of a frame camera, or p1 and p2 of a fisheye are not supported")
+    if value("p3") or value("p4"):
+        raise text.refuse("p3 and p4 are not supported")
+    f, cx, cy = value("f"), size[0] / 2 + value("cx") - 0.5, size[1] / 2 + value("cy") - 0.5
+    matrix = np.array([[f + value("b1"), 0, cx], [0, f, cy], [0, 0, 1.0]])
+    names = ("k1", "k2", "p2", "p1", "k3") if kind == "frame" else ("k1", "k2", "k3", "k4")
+    return ImportedFile(
+        camera_from_opencv(matrix, np.array([value(n) for n in names]), size, kind == "fisheye")
+    )

@@ -1,0 +1,275 @@
+"""Cameras under the names that calibration programs use: a matrix and coefficients, or single numbers.
+
+OpenCV's samples and tools, ROS, camodocal (VINS), ORB-SLAM, Basalt, RealSense, KITTI, MATLAB and many scripts
+differ in the spelling and nesting of the same few numbers.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from . import text
+from .base import ImportedFile
+from .coefficients import camera_from_opencv, make_camera, pad_coefficients
+from .hints import Hints
+from .members import Members, image_size
+from .model_names import stated_model
+from .spellings import (
+    CENTRE,
+    CENTRE_PAIRS,
+    COEFFICIENTS,
+    DISTORTION,
+    EXPLICIT_MATRIX,
+    FISHEYE_COEFFICIENTS,
+    FOCAL,
+    FOCAL_PAIRS,
+    MATRIX,
+    NESTED,
+)
+
+MAX_SKEW_PX = 0.05
+"""Effect of a matrix's skew at the image's edge that nobody sees; cameras have none."""
+
+
+def is_camera(members: Members) -> bool:
+    """Whether a mapping holds a camera."""
+    return _matrix_key(members) is not None or _scalar_intrinsics(_flat(members)) is not None
+
+
+def read(data: Mapping[Any, Any], hints: Hints, size: tuple[int, int] | None = None) -> ImportedFile:
+    """Read one camera; `size` counts where the camera itself states none. CalibrationError ``malformed``."""
+    members = Members(data)
+    size = image_size(members) or image_size(_flat(members)) or size or hints.img_size
+    if size is None:
+        raise text.refuse("the file does not say the size of the pictures: give it (--img-size 1280x720)")
+    flat = _flat(members)
+    matrix, xi = _matrix(members, flat)
+    if matrix[2, 0] != 0 and matrix[0, 2] == 0:  # columns first
+        matrix = matrix.T.copy()
+    if "radialdistortion" in members and ("intrinsicmatrix" in members or "principalpoint" in members):
+        matrix[:2, 2] -= 1  # MATLAB's: pixels are counted from 1
+        size = _matlab_size(members) or size
+    d, named = _distortion(members, flat)
+    model = stated_model(flat, distorted=bool(np.any(d)) or any(named.values())) or hints.model or None
+    if xi is None and "xi" in flat:
+        xi = float(text.floats(_data(flat.get("xi")), "xi", 1, 1)[0])
+    _check_focal(matrix, size)
+    matrix = _without_skew(matrix, size)
+    name = flat.get("cameraname", "name", "camera", "label")
+    camera = _camera(
+        matrix, _ordered(named, model, d), size, "omnidirectional" if xi is not None else model, xi
+    )
+    return ImportedFile(camera, name=name if isinstance(name, str) else "")
+
+
+def _camera(matrix: Array, d: Array, size: tuple[int, int], model: str | None, xi: float | None) -> Any:
+    if model == "omnidirectional":
+        if xi is None and len(d) != 5:
+            raise text.refuse("an omnidirectional camera needs xi")
+        full = d if xi is None else np.concatenate([[xi], pad_coefficients(d, 4)])
+        return make_camera("omnidirectional", matrix, full, size)
+    if model == "rational" and len(d) < 8:
+        return make_camera("rational", matrix, pad_coefficients(d, 8), size)
+    return camera_from_opencv(matrix, d, size, fisheye=model == "fisheye")
+
+
+def _data(value: Any) -> Any:
+    """Return what an OpenCV or ROS matrix holds, and any other value as it is."""
+    if isinstance(value, Mapping):
+        inner = Members(value)
+        found = inner.get("data", "values", "value", "elements")
+        return value if found is None else found
+    return value
+
+
+def _numbers(value: Any) -> Array | None:
+    """Return the numbers of a value that holds some, and nothing else."""
+    held = _data(value)
+    if isinstance(held, Mapping) or held is None or isinstance(held, bool):
+        return None
+    if isinstance(held, str) and text.number_list(held) is None:
+        return None
+    if isinstance(held, list | tuple) and (len(held) > 16 or not held):
+        return None
+    return text.floats(held, "a matrix")
+
+
+def _matrix_key(members: Members) -> str | None:
+    """Return the name of the camera matrix: of a list of 3 x 3 numbers, or of four or five intrinsics."""
+    for key in MATRIX:
+        value = _data(members.get(key))
+        if not isinstance(value, list | tuple | str):
+            continue
+        if isinstance(value, str) and text.number_list(value) is None:
+            continue
+        count = len(_flatten(value))
+        if count in (9, 12) or (
+            count in (4, 5) and key in ("intrinsics", "intrinsic", "intrinsicparameters")
+        ):
+            return key
+        if key in EXPLICIT_MATRIX and (count or not isinstance(value, str)):
+            return key  # called so, and not one: its reader says why
+    return None
+
+
+def _flatten(value: Any, depth: int = 0) -> list[Any]:
+    if isinstance(value, str):
+        numbers = text.number_list(value)
+        return [value] if numbers is None else list(numbers)
+    if not isinstance(value, list | tuple):
+        return [value]
+    if depth > 3 or len(value) > 100:
+        return []
+    return [part for item in value for part in _flatten(item, depth + 1)]
+
+
+def _matrix(members: Members, flat: Members) -> tuple[Array, float | None]:
+    """Camera matrix (3, 3), and xi where it stands among the intrinsics."""
+    key = _matrix_key(members)
+    if key is not None:
+        name = members.spelling(key)
+        held = _data(members.get(key))
+        values = text.floats(held, name, 0, 12)
+        if len(values) == 9:
+            return values.reshape(3, 3), None
+        if len(values) == 12:  # a projection matrix [K | 0]
+            return values.reshape(3, 4)[:, :3].copy(), None
+        if len(values) in (4, 5) and key not in EXPLICIT_MATRIX:
+            fx, fy, cx, cy = values[-4:]
+            return np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]]), float(values[0]) if len(
+                values
+            ) == 5 else None
+        raise text.refuse(f"{name} must be 9 to 9 numbers, not {len(values)}")
+    found = _scalar_intrinsics(flat)
+    if found is None:
+        raise text.refuse("the file has no camera matrix")
+    fx, fy, cx, cy = found
+    return np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]]), None
+
+
+def _flat(members: Members) -> Members:
+    """Return the members, and those of the members that hold parts of a camera."""
+    found: dict[str, Any] = dict(members.items())
+    for key in NESTED:
+        inner = members.get(key)
+        if isinstance(inner, Mapping):
+            for name, value in Members(inner).items():
+                found.setdefault(name, value)
+                if isinstance(value, Mapping) and name in NESTED:
+                    for deeper, number in Members(value).items():
+                        found.setdefault(deeper, number)
+    return Members(found)
+
+
+def _scalar_intrinsics(flat: Members) -> tuple[float, float, float, float] | None:
+    """Find fx fy cx cy that stand under names of their own, or in pairs."""
+    focal = _two(flat, FOCAL, FOCAL_PAIRS)
+    centre = _two(flat, CENTRE, CENTRE_PAIRS)
+    return None if focal is None or centre is None else (*focal, *centre)
+
+
+def _two(
+    flat: Members, single: tuple[tuple[str, str], ...], pairs: tuple[str, ...]
+) -> tuple[float, float] | None:
+    for x, y in single:
+        if x in flat and (y in flat or x in ("fx", "flx")):
+            values = (flat.get(x), flat.get(y) if y in flat else flat.get(x))
+            if all(_is_number(value) for value in values):
+                found = text.floats(list(values), f"{flat.spelling(x)}, {flat.spelling(y)}", 2, 2)
+                return float(found[0]), float(found[1])
+    for key in pairs:
+        value = _data(flat.get(key))
+        if isinstance(value, Mapping):
+            inner = Members(value)
+            value = [inner.get("x", "fx", "cx", "u"), inner.get("y", "fy", "cy", "v")]
+        if _is_number(value) and key in FOCAL_PAIRS:
+            value = [value, value]
+        if (
+            isinstance(value, list | tuple | str)
+            and len(_flatten(value)) == 2
+            and all(map(_is_number, _flatten(value)))
+        ):
+            found = text.floats(value, flat.spelling(key), 2, 2)
+            return float(found[0]), float(found[1])
+    return None
+
+
+def _is_number(value: Any) -> bool:
+    if isinstance(value, str):
+        return len(text.number_list(value) or []) == 1
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _distortion(members: Members, flat: Members) -> tuple[Array, dict[str, float]]:
+    """Coefficients in OpenCV's order; or, where they stand under names of their own, by name."""
+    for key in DISTORTION:
+        held = _data(members.get(key))
+        if (
+            held is None
+            or isinstance(held, Mapping)
+            or (isinstance(held, str) and text.number_list(held) is None)
+        ):
+            continue
+        if isinstance(held, bool) or (isinstance(held, list) and any(isinstance(v, Mapping) for v in held)):
+            continue
+        return text.floats(held, members.spelling(key), 0, 14), {}
+    radial = _data(flat.get("radialdistortion", "radial", "radialdistortioncoefficients", "kr"))
+    if (
+        isinstance(radial, list | tuple | str)
+        and (values := _flatten(radial))
+        and all(map(_is_number, values))
+    ):
+        k = text.floats(radial, "radial distortion", 1, 6)
+        tangential = _data(
+            flat.get("tangentialdistortion", "tangential", "kt", "tangentialdistortioncoefficients")
+        )
+        p = text.floats(tangential, "tangential distortion", 0, 2) if tangential is not None else np.zeros(2)
+        return np.concatenate([pad_coefficients(k[:2], 2), pad_coefficients(p, 2), k[2:]]), {}
+    named = {}
+    for name in COEFFICIENTS:
+        value = flat.get(name)
+        if value is not None and _is_number(value):
+            named[name] = float(text.floats(value, flat.spelling(name), 1, 1)[0])
+    return np.zeros(0), named
+
+
+def _ordered(named: dict[str, float], model: str | None, d: Array) -> Array:
+    """Put named coefficients into OpenCV's order."""
+    if not named:
+        return d
+    names = COEFFICIENTS
+    if model == "fisheye":
+        # camodocal counts the powers of the angle from k2 on
+        names = FISHEYE_COEFFICIENTS[1:] if "k1" not in named and "k5" in named else FISHEYE_COEFFICIENTS[:4]
+    if over := [name for name, value in named.items() if name not in names and value]:
+        raise text.refuse(f"a {model or 'rectilinear'} camera with a coefficient {over[0]} is not supported")
+    found = np.array([named.get(name, 0.0) for name in names])
+    found = found if model == "fisheye" else np.trim_zeros(found, "b")
+    return pad_coefficients(found, 8) if len(found) in (6, 7) else found
+
+
+def _matlab_size(members: Members) -> tuple[int, int] | None:
+    """Image size as MATLAB has it: rows first."""
+    size = _numbers(members.get("imagesize"))
+    if size is None or len(size) < 2:
+        return None
+    return text.count(float(size[1]), "ImageSize"), text.count(float(size[0]), "ImageSize")
+
+
+def _check_focal(matrix: Array, size: tuple[int, int]) -> None:
+    """Refuse lengths in millimetres or image widths: here they are px."""
+    if 0 < matrix[0, 0] < 0.02 * size[0] and 0 < matrix[1, 1] < 0.1 * size[1]:
+        raise text.refuse(
+            f"a focal length of {matrix[0, 0]:g} in a picture {size[0]} wide: it must be in pixels, "
+            "not in millimetres or image widths"
+        )
+
+
+def _without_skew(matrix: Array, size: tuple[int, int]) -> Array:
+    """Leave out a skew that nobody sees."""
+    if matrix[0, 1] and matrix[1, 1] > 0 and abs(matrix[0, 1]) * size[1] / matrix[1, 1] < MAX_SKEW_PX:
+        matrix = matrix.copy()
+        matrix[0, 1] = 0.0
+    return matrix

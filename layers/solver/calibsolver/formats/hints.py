@@ -1,0 +1,26 @@
+"""What the reader of a file may be told that the file does not say."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Hints:
+    """Facts beside a file.
+
+    Attributes
+    ----------
+    img_size
+        Width and height of the pictures, px, for files that do not state them.
+    number
+        Which camera of a file that has several, from 0.
+    squares
+        Columns and rows of the board, for tables of corners.
+    model
+        Distortion model of coefficients that could be of two: four without a name are k1 k2 p1 p2, or a
+        fisheye's k1 to k4.
+    """
+
+    img_size: tuple[int, int] | None = None
+    number: int = 0
+    squares: tuple[int, int] | None = None
+    model: str = ""

@@ -1,0 +1,129 @@
+"""Names that other tools give to distortion models, and the model of ours that each of them is."""
+
+from . import text
+from .members import Members, normalise
+
+MODEL_NAMES = {
+    "rectilinear": (
+        *("plumbbob", "radtan", "radialtangential", "brown", "brownconrady", "opencv", "opencv4", "opencv5"),
+        *("opencvstandard", "opencvpinhole", "opencvradtan", "rectilinear", "standard", "perspective"),
+        *("pinhole", "pinholeradtan", "pinholebrown", "simplepinhole", "simpleradial", "radial", "rectified"),
+        *("none", "noop", "nodistortion", "pinholecamera"),
+    ),
+    "rational": (
+        *(
+            "rationalpolynomial",
+            "rational",
+            "opencv8",
+            "fullopencv",
+            "pinholefull",
+            "radtan8",
+            "pinholeradtan8",
+        ),
+    ),
+    "fisheye": (
+        *("equidistant", "equi", "fisheye", "opencvfisheye", "fisheyeopencv", "kannalabrandt", "kb", "kb4"),
+        *("kannalabrandt4", "kannalabrandt8", "kb8", "pinholeequi", "pinholeequidistant", "equidistant4"),
+        *("kannalabrandtcamera", "fisheyecamera", "pinholefisheye"),
+    ),
+    "omnidirectional": (
+        *("omni", "mei", "omnidir", "omnidirectional", "unified", "ucm", "omniradtan", "catadioptric"),
+        *("cata", "meicamera", "catacamera"),
+    ),
+}
+"""Names, normalised, by our model."""
+
+FOREIGN_NAMES = {
+    *("fov", "atan", "ds", "doublesphere", "eucm", "extendedunified", "scaramuzza", "ocam", "ocamcalib"),
+    *(
+        "cahvor",
+        "cahvore",
+        "poly3",
+        "poly5",
+        "ptlens",
+        "thinprismfisheye",
+        "thinprism",
+        "ftheta",
+        "spherical",
+    ),
+    *("inversebrownconrady", "modifiedbrownconrady", "equirectangular", "cylindrical", "kannalabrandt6"),
+    *(
+        "division",
+        "simpledivision",
+        "stereographic",
+        "lonlat",
+        "latlon",
+        "radtanthinprismfisheye",
+        "fisheye624",
+    ),
+    *("fisheye62", "splined", "genericpolynomial", "pinholefov", "omnifov", "orthographic", "equisolid"),
+    *("equisolidangle", "omnieucm", "radialfisheye", "simpleradialfisheye"),
+}
+"""Names of models that none of ours is, normalised. Other words in members such as `model` are ignored."""
+
+_STATED = ("distortionmodel", "modeltype", "distortiontype", "distmodel", "projectionmodel", "projectiontype")
+_CAMERA = (
+    "cameramodel",
+    "cameratype",
+    "type",
+    "model",
+    "intrinsicstype",
+    "lensmodel",
+    "lens",
+    "cameramodeltype",
+)
+_FLAGS = ("fisheyemodel", "fisheye", "isfisheye", "usefisheye", "useopencvfisheye", "fisheyelens")
+
+
+def stated_model(members: Members, *, distorted: bool = True) -> str | None:
+    """Return the model of ours that a camera's members name; None where they name none.
+
+    Without distortion the variants of Brown's model are all the same.
+    Raises CalibrationError ``malformed`` for a model that none of ours is.
+    """
+    distortion = _named(members, _STATED, strict=True, distorted=distorted)
+    camera = _named(members, _CAMERA, strict=False, distorted=distorted)
+    if camera == "omnidirectional" and distortion not in (None, camera):
+        if distortion == "rectilinear":  # the mirror's model, radial and tangential terms after it
+            return camera
+        raise text.refuse(f"an omnidirectional camera with {distortion} distortion is not supported")
+    if distortion == "rectilinear" and camera is not None:
+        return camera
+    if distortion or camera:
+        return distortion or camera
+    flag = members.get(*_FLAGS)
+    if isinstance(flag, int | float | str) and str(flag).strip().lower() in ("1", "1.0", "true", "yes"):
+        return "fisheye"
+    return None
+
+
+def our_model(name: str) -> str | None:
+    """Return our model that some tool calls `name`; None where it is none that is known here."""
+    plain = _plain(name)
+    return next((model for model, names in MODEL_NAMES.items() if plain in names), None)
+
+
+def _plain(name: str) -> str:
+    plain = normalise(name)
+    for prefix in ("distortion", "lensmodel"):
+        plain = plain.removeprefix(prefix)
+    return plain.removesuffix("model").removesuffix("distortion")
+
+
+def _named(members: Members, keys: tuple[str, ...], *, strict: bool, distorted: bool) -> str | None:
+    for key in keys:
+        value = members.get(key)
+        if not isinstance(value, str) or not value.strip():
+            continue
+        plain = _plain(value)
+        found = our_model(value)
+        if found is None and not distorted and plain.endswith("brownconrady"):
+            found = "rectilinear"
+        if found:
+            return found
+        if strict or plain in FOREIGN_NAMES or plain.startswith("splined"):
+            raise text.refuse(
+                f"{members.spelling(key)} {value[:60]!r} is not supported; rectilinear (plumb_bob, radtan), "
+                "rational, fisheye (equidistant, Kannala-Brandt) and omnidirectional (Mei) are"
+            )
+    return None
