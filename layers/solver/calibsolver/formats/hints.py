@@ -1,4 +1,4 @@
-"""What the reader of a file may be told that the file does not say."""
+"""Facts that a file may not state and its reader may be told: image size, camera, board, model."""
 
 from dataclasses import dataclass
 
