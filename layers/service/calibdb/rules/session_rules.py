@@ -37,6 +37,7 @@ from calibdb.schema.session import SetAside
 
 MAX_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
 MAX_SKIPPED_TARGETS = 8  # targets remembered as unwanted
+PIXELS_OF_TARGET = ("ids", "corners", "outline")  # how a target was seen, not where it was
 MAX_QUARANTINED_VIEWS = 4  # refused views kept in quarantine
 ViewStatus = tuple[float | None, SetAside | None]  # of a view: its error in px, and why it is set aside
 
@@ -213,7 +214,11 @@ def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> S
 
 def without_target(document: SessionDocument) -> SessionDocument:
     """Close the open target and count it among those the user did not want."""
-    unwanted = document.skipped if document.target is None else (*document.skipped, document.target)
+    unwanted = document.skipped
+    if document.target is not None:
+        # Only its pose counts from now on: corners of a dense board are many times as long as all the rest.
+        pose = {**document.target, **{name: [] for name in PIXELS_OF_TARGET}}
+        unwanted = (*unwanted, pose)
     return document.model_copy(update={"target": None, "skipped": unwanted[-MAX_SKIPPED_TARGETS:]})
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from calibdb.schema.fields import LARGEST_SIDE, ImgSize, Index, Open
+from calibdb.schema.fields import LARGEST_SIDE, Index, Open, Whole, camera_like
 
 # The names are the API's. `calibsolver.formats` has a class for each.
 FormatName = Literal[
@@ -51,7 +51,11 @@ def _indices(value: Any) -> Any:
     return tuple(int(part) for part in parts)
 
 
+MIN_SIDE_PX = 64
+"""Side of a part that is cut out, and of a picture after a resize: of less no lens can be told."""
 Position = Annotated[int, Field(ge=0, le=LARGEST_SIDE)]
+Side = Annotated[int, Field(strict=True, ge=MIN_SIDE_PX, le=LARGEST_SIDE), Whole]
+Size = Annotated[tuple[Side, Side], AfterValidator(camera_like)]
 
 
 class ExportQuery(Open):
@@ -60,12 +64,12 @@ class ExportQuery(Open):
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     format: FormatName = Field("calibdb", description="File format.")
-    crop: Annotated[tuple[Position, Position, Position, Position] | None, _numbers(",", 4)] = Field(
+    crop: Annotated[tuple[Position, Position, Side, Side] | None, _numbers(",", 4)] = Field(
         None,
-        description="Left, top, width and height of the part that is cut out first, px.",
+        description="Left, top, width and height of the part that is cut out first, px; at least 64 x 64.",
         examples=["160,0,960,720"],
     )
-    resize: Annotated[ImgSize | None, _numbers("x", 2)] = Field(
+    resize: Annotated[Size | None, _numbers("x", 2)] = Field(
         None, description="Width and height to which the picture, or the part, is then scaled."
     )
     rotate: Annotated[

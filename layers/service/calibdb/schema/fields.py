@@ -83,7 +83,8 @@ Whole = BeforeValidator(_whole)
 Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE), Whole]
 
 
-def _camera_like(size: tuple[int, int]) -> tuple[int, int]:
+def camera_like(size: tuple[int, int]) -> tuple[int, int]:
+    """Return the size of an image; raises PydanticCustomError for one that no camera takes."""
     if size[0] * size[1] > MAX_PIXELS:
         raise PydanticCustomError(
             "too_many_pixels", "the image has too many pixels; {most} are allowed", {"most": MAX_PIXELS}
@@ -96,7 +97,7 @@ def _camera_like(size: tuple[int, int]) -> tuple[int, int]:
 
 
 ImgSize = Annotated[
-    tuple[Side, Side], Field(description="Width and height, px."), AfterValidator(_camera_like)
+    tuple[Side, Side], Field(description="Width and height, px."), AfterValidator(camera_like)
 ]
 Zoom = Annotated[
     float,

@@ -3,6 +3,8 @@
 import re
 from dataclasses import replace
 
+import numpy as np
+
 from .. import image_transform as transforms
 from ..errors import CalibrationError
 from ..view import View
@@ -46,6 +48,8 @@ FORMATS: dict[str, Format] = {
     )
 }
 FORMAT_NAMES = tuple(FORMATS)
+MIN_SIDE_PX = 16
+"""Side of a picture that a file is written of."""
 
 __all__ = [
     "FORMATS",
@@ -73,12 +77,22 @@ def write(source: ExportSource, name: str, transform: transforms.Transform | Non
         )
     if transform is not None:
         source = transform_source(source, transform)
-    conversion = form.convert(source)
     width, height = source.camera.img_size
+    if min(width, height) < MIN_SIDE_PX:
+        raise CalibrationError(
+            "not_representable", f"of a picture of {width} x {height} px no lens can be told"
+        )
+    try:
+        conversion = form.convert(source)
+        content = form.write(source, conversion)
+    except np.linalg.LinAlgError:
+        raise CalibrationError(
+            "not_representable", "this part of the picture leaves the camera undetermined"
+        ) from None
     # Several formats are YAML: files of one camera are to lie side by side.
     kind = "" if name == native.NativeJson.name else f"-{name}"
     return ExportedFile(
-        content=form.write(source, conversion),
+        content=content,
         media_type=form.media_type,
         filename=f"{slug(source.name)}-{width}x{height}{kind}{form.suffix}",
         error=conversion.error,

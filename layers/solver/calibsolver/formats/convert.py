@@ -26,6 +26,8 @@ MAX_ERROR_WIDTHS = 0.05
 """Image widths: a conversion that is further off somewhere is none."""
 SAMPLE_GRID = (33, 25)
 """Columns and rows of the pixels at which two cameras are compared, those of the image's edge among them."""
+SYNTHETIC_GRID = (19, 15)
+"""Columns and rows of the pixels of noise-free views: eighteen views see each of them several times."""
 RIM_MARGIN = 1e-6
 """Share by which what is called the rim of a model's domain lies inside it."""
 
@@ -162,7 +164,9 @@ def fitted(source: ExportSource, constraint: ModelConstraint) -> Camera:
     first = embed(source.camera, constraint.model)
     used: tuple[Mask, ...] = tuple(np.ones(len(view), dtype=bool) for view in views)
     if first is None:
-        calibration = fit(views, source.camera.img_size, model=constraint.model, robust=measured)
+        calibration = fit(
+            views, source.camera.img_size, constraint.model, robust=measured, start=source.camera
+        )
         first, used = calibration.camera, calibration.used
         if not (constraint.zero or constraint.equal_focal):
             return first
@@ -215,7 +219,8 @@ def synthetic(camera: Camera, widest: float = math.pi) -> tuple[View, ...]:
     off the axis.
     """
     w, h = camera.img_size
-    x, y = np.meshgrid(np.linspace(0, w - 1, 33), np.linspace(0, h - 1, 25))
+    columns, rows = SYNTHETIC_GRID
+    x, y = np.meshgrid(np.linspace(0, w - 1, columns), np.linspace(0, h - 1, rows))
     q = np.stack([x.ravel(), y.ravel()], axis=1)
     rays = camera.unproject(q)
     good = rays[:, 2] > np.cos(widest)  # false, too, where there is no ray

@@ -1,0 +1,103 @@
+"""Deadline of a request: where the budget of time ends, the answer says so and nothing is half done."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from starlette.requests import Request
+
+from calibdb.errors import ConflictError, UnavailableError
+from calibdb.http import call as calls
+from calibdb.http.call import Call
+from infra.local import LocalStack
+from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+
+NO_TIME = {"MAX_COMPUTE_S": 0.0}
+
+
+@pytest.fixture(scope="module")
+def calibration(stack: LocalStack) -> str:
+    found: str = Truth(seed=1).calibrate(Client(stack))["calibration_id"]
+    return found
+
+
+def without_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(calls, "MAX_COMPUTE_S", 0.0)
+
+
+def test_view_that_takes_too_long_is_a_conflict_and_changes_nothing(
+    running: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pose = running.pose().json
+    before = running.state()
+    seen = Truth().see(pose)
+    with monkeypatch.context() as patch:
+        without_time(patch)
+        answer = running.view(0, *seen)
+    assert (answer.status, answer.json["type"].rpartition("/")[2]) == (409, "too-slow")
+    assert "fewer" in answer.json["detail"]
+    assert running.state() == before
+    assert running.view(0, *seen).json["accepted"]
+
+
+def test_undo_that_takes_too_long_is_a_conflict_and_changes_nothing(
+    running: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    truth = Truth()
+    for index in range(2):
+        assert running.view(index, *truth.see(running.pose().json)).json["accepted"]
+    before = running.state()
+    with monkeypatch.context() as patch:
+        without_time(patch)
+        assert running.call("DELETE", "/v1/session/views/1").status == 409
+    assert running.state() == before
+
+
+@pytest.mark.parametrize(
+    ("query", "field"), [("format=gyroflow", "format"), ("without=0", "without"), ("format=kalibr", "format")]
+)
+def test_export_that_takes_too_long_is_unprocessable(
+    client: Client, calibration: str, monkeypatch: pytest.MonkeyPatch, query: str, field: str
+) -> None:
+    without_time(monkeypatch)
+    answer = client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN, query=query)
+    assert answer.status == 422
+    assert [error["field"] for error in answer.json["errors"]] == [field]
+
+
+def test_check_that_takes_too_long_is_unprocessable(
+    stack: LocalStack, calibration: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert calibration
+    stack.wait_until_idle()
+    client, truth = Client(stack), Truth(seed=2)
+    client.open()
+    ids, points = truth.see(client.pose().json)
+    body = {**CAMERA, "views": [{"ids": ids, "points": points}]}
+    without_time(monkeypatch)
+    answer = client.call("POST", "/v1/checks", body)
+    assert answer.status == 422
+    assert [error["field"] for error in answer.json["errors"]] == ["views"]
+
+
+def made(remaining_ms: int, used_s: float) -> Call:
+    context = SimpleNamespace(get_remaining_time_in_millis=lambda: remaining_ms)
+    request = Request({"type": "http", "headers": [], "aws.context": context})
+    service: Any = None
+    return Call(request, b"", service, processor_s=lambda: used_s, begun_s=0.0)
+
+
+@pytest.mark.parametrize(
+    ("remaining_ms", "used_s", "left"),
+    [(10_000, 0.0, 5.0), (10_000, 4.0, 1.0), (3_000, 0.0, 1.5), (0, 0, -1.5)],
+)
+def test_time_left_is_the_lesser_of_processor_and_invocation(
+    remaining_ms: int, used_s: float, left: float
+) -> None:
+    assert made(remaining_ms, used_s).seconds_left() == pytest.approx(left)
+
+
+def test_busy_machine_is_no_fault_of_the_request() -> None:
+    reason = ConflictError("too slow")
+    assert isinstance(made(0, 1.0).out_of_time(reason), UnavailableError)
+    assert made(0, 5.0).out_of_time(reason) is reason
