@@ -12,8 +12,6 @@ from calibdb.http.call import Call
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 
-NO_TIME = {"MAX_COMPUTE_S": 0.0}
-
 
 @pytest.fixture(scope="module")
 def calibration(stack: LocalStack) -> str:
@@ -69,7 +67,7 @@ def test_check_that_takes_too_long_is_unprocessable(
     stack: LocalStack, calibration: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert calibration
-    stack.wait_until_idle()
+    stack.wait_until_idle(60)
     client, truth = Client(stack), Truth(seed=2)
     client.open()
     ids, points = truth.see(client.pose().json)
