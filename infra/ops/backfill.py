@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from calibdb.errors import UnavailableError
 from calibdb.schema import DISTORTION_MODELS, BackfillAnswer, RefitRequest
 from calibdb.store import clients
-from infra.ops.context import OpsContext
+from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
 from infra.ops.errors import OpsError
 
 BATCH_SIZE = 1000  # names that the state machine hands on together
@@ -30,7 +30,7 @@ class BackfillResult:
     failed: int
 
 
-def backfill(context: OpsContext, after: str = "") -> BackfillResult:
+def backfill(context: OpsContext, after: str = "", *, dry_run: bool = False) -> BackfillResult:
     """Bring every consensus up to date.
 
     Parameters
@@ -39,23 +39,37 @@ def backfill(context: OpsContext, after: str = "") -> BackfillResult:
         The deployment.
     after
         Key of a camera: it and those before it, in the order of the keys, are left out.
+    dry_run
+        Only list what would be checked.
     """
-    modes = changed = failed = 0
-    names = context.objects.names("calibrations/")
+    changed = failed = 0
+    requests = list(_all_requests(context, after))
+    if dry_run:
+        for request in requests:
+            context.echo(f"{_describe(request)}: would be checked")
+        return BackfillResult(len(requests), 0, 0)
+    for request in context.track(requests, "consensuses", len(requests)):
+        found = _refit(context, request)
+        failed += found is None
+        changed += found or 0
+        context.echo(f"{_describe(request)}: {'failed' if found is None else f'{found} changed'}")
+    return BackfillResult(len(requests), changed, failed)
+
+
+def _all_requests(context: OpsContext, after: str) -> Iterator[RefitRequest]:
+    """Yield one request for each mode of each camera."""
+    names = context.track(context.objects.names(CALIBRATIONS_PREFIX), "listing")
     wanted = (name for name in names if not after or name.split("/")[1] > after)
     done: RefitRequest | None = None
     for batch in _batches(wanted):
         for request in _requests(context, batch):
-            if request == done:  # on the border of two batches
-                continue
-            done = request
-            modes += 1
-            found = _refit(context, request)
-            failed += found is None
-            changed += found or 0
-            size = f"{request.img_size[0]}x{request.img_size[1]}"
-            context.echo(f"{request.camera} {size}: {'failed' if found is None else f'{found} changed'}")
-    return BackfillResult(modes, changed, failed)
+            if request != done:  # on the border of two batches
+                done = request
+                yield request
+
+
+def _describe(request: RefitRequest) -> str:
+    return f"{request.camera} {request.img_size[0]}x{request.img_size[1]}"
 
 
 def _refit(context: OpsContext, request: RefitRequest) -> int | None:

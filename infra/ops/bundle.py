@@ -22,7 +22,7 @@ from calibdb.lookup.camera_lookup import resolve, unanswerable_reason
 from calibdb.lookup.selection import choose
 from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.fields import ImgSize
-from infra.ops.context import OpsContext
+from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 
 #: platforms to which cameras can be attached, one of each system
 DESKTOP_PLATFORMS = {
@@ -60,7 +60,10 @@ def bundle(context: OpsContext, path: Path, max_cameras: int) -> BundleResult:
     """Write the `most` cameras with the most contributors; their order is the same for the same database."""
     read = functools.cache(context.store.cameras.known)
     names = _labels(context)
-    reliable = {key: [c for c in read(key).consensuses if c.reliable] for key in names}
+    reliable = {
+        key: [c for c in read(key).consensuses if c.reliable]
+        for key in context.track(names, "consensuses", len(names))
+    }
     popular = sorted((key for key, found in reliable.items() if found), key=lambda k: (_rank(reliable[k]), k))
     chosen = popular[:max_cameras]
     labels: dict[str, int] = {}
@@ -98,7 +101,8 @@ def bundle(context: OpsContext, path: Path, max_cameras: int) -> BundleResult:
 def _labels(context: OpsContext) -> dict[str, set[tuple[str, str]]]:
     """Collect labels and platforms with which each camera was calibrated; a label also without its USB id."""
     found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
-    for document, withdrawn in context.store.calibrations.everything():
+    total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
+    for document, withdrawn in context.track(context.store.calibrations.everything(), "calibrations", total):
         if not withdrawn:
             key = current_key(document.camera_key, document.camera, document.platform)
             label = public_label(document.camera)
@@ -125,7 +129,7 @@ def _meanings(
         resolved = resolve(read, identity, c.img_size, c.zoom, c.distortion_model, private=private)
         return resolved.key if resolved.choice.found else None
 
-    for key, (names, reliable) in cameras.items():
+    for key, (names, reliable) in context.track(cameras.items(), "cameras", len(cameras)):
         for label, own in names:
             system = system_of(own)
             here = {system.text: own} if system.is_one_device else {}

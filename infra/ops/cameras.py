@@ -5,35 +5,83 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
 from calibdb.camera_key.visible import visible
-from calibdb.schema import CalibrationDocument
+from calibdb.schema import CalibrationDocument, ConsensusDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
 from infra.ops import reindex
-from infra.ops.context import OpsContext
+from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
 from infra.ops.errors import OpsError
 
-_FOLDER = "calibrations/"
+
+@dataclass(frozen=True)
+class CameraCount:
+    """Numbers of the stored and of the withdrawn calibrations under one key."""
+
+    key: str
+    calibrations: int
+    withdrawn: int
+
+    @property
+    def line(self) -> str:
+        """Describe the camera in a line."""
+        text = f"{self.key}  {self.calibrations} calibration{'' if self.calibrations == 1 else 's'}"
+        return text + (f", {self.withdrawn} withdrawn" if self.withdrawn else "")
 
 
-def describe_all(context: OpsContext, text: str) -> list[str]:
-    """Describe each camera in a line whose key contains `text`: key and number of calibrations."""
+@dataclass(frozen=True)
+class Mode:
+    """Everything that is known of a camera at one size and zoom. `True`: a withdrawn calibration."""
+
+    mode: StreamMode
+    consensuses: tuple[ConsensusDocument, ...]
+    calibrations: tuple[tuple[CalibrationDocument, bool], ...]
+
+
+@dataclass(frozen=True)
+class CameraDetail:
+    """A camera with all its modes."""
+
+    camera: str
+    platform: str
+    modes: tuple[Mode, ...]
+
+    def record(self) -> dict[str, Any]:
+        """Convert to plain values, for JSON."""
+        return {
+            "camera": self.camera,
+            "platform": self.platform,
+            "modes": [
+                {
+                    "img_size": known.mode.img_size,
+                    "zoom": known.mode.zoom,
+                    "consensuses": [
+                        c.model_dump(mode="json", exclude={"layout", "basis", "pooled"})
+                        for c in known.consensuses
+                    ],
+                    "calibrations": [calibration_record(*one) for one in known.calibrations],
+                }
+                for known in self.modes
+            ],
+        }
+
+
+def count_all(context: OpsContext, text: str) -> list[CameraCount]:
+    """Count the calibrations of each camera whose key contains `text`."""
     counts: Counter[str] = Counter()
     withdrawn: Counter[str] = Counter()
-    for name in context.objects.names(_FOLDER):
+    for name in context.track(context.objects.names(CALIBRATIONS_PREFIX), "calibrations"):
         key = name.split("/")[1]
         if text.lower() in key:
             (withdrawn if name.endswith(WITHDRAWN) else counts)[key] += 1
-    return [
-        f"{key}  {count} calibration{'' if count == 1 else 's'}"
-        + (f", {withdrawn[key]} withdrawn" if withdrawn[key] else "")
-        for key, count in sorted(counts.items())
-    ]
+    return [CameraCount(key, count, withdrawn[key]) for key, count in sorted(counts.items())]
 
 
-def describe(context: OpsContext, camera_key: str) -> Iterator[str]:
-    """Yield the lines of one camera: its consensuses, and every calibration.
+def detail(context: OpsContext, camera_key: str) -> CameraDetail:
+    """Read one camera: its consensuses, and every calibration.
 
     A key of earlier rules shows the camera that is known under today's.
 
@@ -45,15 +93,19 @@ def describe(context: OpsContext, camera_key: str) -> Iterator[str]:
     found = list(read_calibrations(context, camera_key))
     if not found:
         raise OpsError(f"nothing is known of a camera {camera_key}")
-    # Stored before labels were cleaned, it may hold what a terminal would obey.
-    yield visible(f"{found[-1][0].camera}, {found[-1][0].platform}")
     modes: dict[StreamMode, list[tuple[CalibrationDocument, bool]]] = {}
     for document, withdrawn in found:
         modes.setdefault(reindex.mode_of(document), []).append((document, withdrawn))
-    for mode, members in modes.items():
-        yield f"{mode.img_size[0]} x {mode.img_size[1]}, zoom {mode.zoom:g}"
-        yield from (f"  {line}" for line in _describe_consensuses(context, mode))
-        yield from (f"  {_describe_calibration(document, withdrawn)}" for document, withdrawn in members)
+    newest = found[-1][0]
+    return CameraDetail(
+        # Stored before labels were cleaned, it may hold what a terminal would obey.
+        visible(newest.camera),
+        visible(newest.platform),
+        tuple(
+            Mode(mode, tuple(context.store.consensuses.at(mode)), tuple(members))
+            for mode, members in modes.items()
+        ),
+    )
 
 
 def read_calibrations(context: OpsContext, camera_key: str) -> Iterator[tuple[CalibrationDocument, bool]]:
@@ -78,7 +130,7 @@ def _stored_under(
     context: OpsContext, camera_key: str
 ) -> Iterator[tuple[str, tuple[CalibrationDocument, bool]]]:
     """Yield id, document and whether it was withdrawn of each calibration in the folder of a key."""
-    names = set(context.objects.names(f"{_FOLDER}{camera_key}/"))
+    names = set(context.objects.names(f"{CALIBRATIONS_PREFIX}{camera_key}/"))
     for name in names:
         calibration_id = name.rpartition("/")[2].removesuffix(".json")
         if not name.endswith(WITHDRAWN):
@@ -93,25 +145,65 @@ def _indexed_ids(context: OpsContext, camera_key: str) -> Iterator[str]:
         yield sk.rpartition("#")[2]
 
 
-def _describe_consensuses(context: OpsContext, mode: StreamMode) -> Iterator[str]:
-    for consensus in context.store.consensuses.at(mode):
-        known = consensus.calibration
-        what = "reliable" if consensus.reliable else f"not reliable ({consensus.reason})"
-        line = f"{consensus.distortion_model}: {what}"
-        if known is not None:
-            line += (
-                f"; {known.calibrations} of {consensus.total} agree, "
-                f"{known.contributors} contributor{'' if known.contributors == 1 else 's'}, "
-                f"fx {known.camera_matrix[0][0]:.1f}, rms {known.avg_reprojection_error:.2f} px"
-            )
-        yield line
+def title(mode: StreamMode) -> str:
+    """Name size and zoom of a mode."""
+    return f"{mode.img_size[0]} x {mode.img_size[1]}, zoom {mode.zoom:g}"
 
 
-def _describe_calibration(document: CalibrationDocument, withdrawn: bool) -> str:
+def describe_consensus(consensus: ConsensusDocument) -> str:
+    """Describe a consensus in a line: how many agree, or why nothing is reliable."""
+    known = consensus.calibration
+    what = "reliable" if consensus.reliable else f"not reliable ({consensus.reason})"
+    line = f"{consensus.distortion_model}: {what}"
+    if known is not None:
+        line += (
+            f"; {known.calibrations} of {consensus.total} agree, "
+            f"{known.contributors} contributor{'' if known.contributors == 1 else 's'}, "
+            f"fx {known.camera_matrix[0][0]:.1f}, rms {known.avg_reprojection_error:.2f} px"
+        )
+    return line
+
+
+def calibration_record(document: CalibrationDocument, withdrawn: bool) -> dict[str, Any]:
+    """Select what a listing tells of a calibration, as plain values."""
     fit = document.fits[document.distortion_model]
-    day = time.strftime("%Y-%m-%d %H:%M", time.gmtime(document.time))
+    return {
+        "id": document.id,
+        "time": document.time,
+        "contributor": document.contributor,
+        "distortion_model": document.distortion_model,
+        "fx": fit.camera_matrix[0][0],
+        "rms": fit.avg_reprojection_error,
+        "views": len(document.views),
+        "withdrawn": withdrawn,
+    }
+
+
+def calibration_row(document: CalibrationDocument, withdrawn: bool) -> tuple[object, ...]:
+    """Select the cells of a table: id, time, contributor, model, views, fx, rms, whether withdrawn."""
+    told = calibration_record(document, withdrawn)
     return (
-        f"{document.id}  {day}  contributor {document.contributor[:12]}  {document.distortion_model}  "
-        f"fx {fit.camera_matrix[0][0]:.1f}  rms {fit.avg_reprojection_error:.2f} px"
+        told["id"],
+        format_time(told["time"]),
+        told["contributor"][:12],
+        told["distortion_model"],
+        told["views"],
+        f"{told['fx']:.1f}",
+        f"{told['rms']:.2f}",
+        "withdrawn" if withdrawn else "",
+    )
+
+
+def format_time(seconds: int) -> str:
+    """Format unix seconds to the minute, UTC."""
+    return time.strftime("%Y-%m-%d %H:%M", time.gmtime(seconds))
+
+
+def describe_calibration(document: CalibrationDocument, withdrawn: bool) -> str:
+    """Describe a calibration in a line."""
+    told = calibration_record(document, withdrawn)
+    return (
+        f"{told['id']}  {format_time(told['time'])}  contributor {told['contributor'][:12]}  "
+        f"{told['distortion_model']}  fx {told['fx']:.1f}  rms {told['rms']:.2f} px"
         f"{'  withdrawn' if withdrawn else ''}"
     )

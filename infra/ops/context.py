@@ -10,7 +10,11 @@ from dataclasses import dataclass
 
 from calibdb.settings import Settings
 from calibdb.store import Objects, Store, clients
+from calibdb.store.keys import WITHDRAWN
+from infra.console.progress import Track, untracked
 from infra.ops.index import Index
+
+CALIBRATIONS_PREFIX = "calibrations/"
 
 
 @dataclass(frozen=True)
@@ -25,10 +29,16 @@ class OpsContext:
     now: int  # unix seconds
     random_hex: Callable[[int], str]  # of so many bytes
     echo: Callable[[str], None]
+    track: Track = untracked
 
     @classmethod
     def of(
-        cls, environment: Mapping[str, str], *, secret_known: bool, echo: Callable[[str], None] = print
+        cls,
+        environment: Mapping[str, str],
+        *,
+        secret_known: bool,
+        echo: Callable[[str], None] = print,
+        track: Track = untracked,
     ) -> OpsContext:
         """Make the context of the deployment that `environment` names."""
         settings = Settings.from_environment(environment)
@@ -41,4 +51,10 @@ class OpsContext:
             now=int(time.time()),
             random_hex=secrets.token_hex,
             echo=echo,
+            track=track,
         )
+
+
+def count_objects(context: OpsContext, prefix: str) -> int:
+    """Count the objects under a prefix without their tombstones: how many documents there are to read."""
+    return sum(not name.endswith(WITHDRAWN) for name in context.objects.names(prefix))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import hmac
 from collections.abc import Callable, Iterator
@@ -13,7 +14,7 @@ from pyarrow import parquet
 
 from calibdb.camera_key import public_label, public_platform
 from calibdb.schema import CalibrationDocument, VoteDocument
-from infra.ops.context import OpsContext
+from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.errors import OpsError
 from infra.ops.restore import CALIBRATIONS, VOTES
 
@@ -103,7 +104,8 @@ def dump(context: OpsContext, folder: Path) -> tuple[int, int]:
 
 
 def _public(context: OpsContext, alias: Callable[[str], str]) -> Iterator[CalibrationDocument]:
-    for document, withdrawn in context.store.calibrations.everything():
+    total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
+    for document, withdrawn in context.track(context.store.calibrations.everything(), "calibrations", total):
         if not withdrawn:
             yield document.model_copy(
                 update={
@@ -118,7 +120,7 @@ def _public(context: OpsContext, alias: Callable[[str], str]) -> Iterator[Calibr
 def _votes(context: OpsContext, alias: Callable[[str], str], path: Path) -> int:
     count = 0
     with path.open("w", encoding="utf-8") as lines:
-        for vote in context.store.votes.all():
+        for vote in context.track(context.store.votes.all(), "votes"):
             named: VoteDocument = vote.model_copy(
                 update={
                     "camera": public_label(vote.camera),

@@ -46,8 +46,10 @@ def import_file(
     reported: ReportedCamera,
     hints: Hints = Hints(),  # noqa: B008 - a value that never changes
     model: str = "",
+    *,
+    dry_run: bool = False,
 ) -> str:
-    """Store what a file holds, and say what it was.
+    """Store what a file holds, and say what it was; with `dry_run`, only say it.
 
     With keypoints of a board it is a calibration like any other: fitted anew, pooled, audited. Without, it is
     a first guess for a capture, and no lookup ever answers with it. The same file twice is one calibration;
@@ -62,7 +64,7 @@ def import_file(
     if identity.ambiguous or identity.virtual:
         raise OpsError(f"{reported.camera!r} does not say which camera it is")
     if not read.views:
-        return _guess(context, path, reported, read, hints.number)
+        return _guess(context, path, reported, read, hints.number, dry_run=dry_run)
     size = read.camera.img_size if read.camera else read.img_size or hints.img_size
     if size is None:
         raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
@@ -73,8 +75,9 @@ def import_file(
     for known in context.store.calibrations.read([c.id for c in counted]):
         if known.id != document.id and fingerprint(known) == taken:
             raise OpsError(f"these keypoints are known already: calibration {known.id}")
-    context.store.calibrations.publish(document)
-    reindex.refit(context, mode)
+    if not dry_run:
+        context.store.calibrations.publish(document)
+        reindex.refit(context, mode)
     fitted = document.fits[document.distortion_model]
     aside = f" ({len(document.set_aside)} set aside: degenerate)" if document.set_aside else ""
     return (
@@ -157,7 +160,15 @@ def _view(index: int, ids: tuple[int, ...], view: View) -> ViewDocument:
     )
 
 
-def _guess(context: OpsContext, path: Path, reported: ReportedCamera, read: ImportedFile, number: int) -> str:
+def _guess(
+    context: OpsContext,
+    path: Path,
+    reported: ReportedCamera,
+    read: ImportedFile,
+    number: int,
+    *,
+    dry_run: bool,
+) -> str:
     camera = read.camera
     if camera is None:
         raise OpsError(f"{path} holds neither a camera nor keypoints")
@@ -165,17 +176,17 @@ def _guess(context: OpsContext, path: Path, reported: ReportedCamera, read: Impo
         record = FitRecord.model_validate(_record(camera))
     except ValidationError as error:
         raise OpsError(f"{path}: {error.errors(include_url=False)[0]['msg']}") from error
-    context.store.priors.keep(
-        PriorDocument(
-            camera_key=identify(reported.camera, reported.platform).key,
-            camera=public_label(reported.camera),
-            platform=public_platform(reported.platform),
-            zoom=reported.zoom,
-            fit=record,
-            source=path.name,
-            measured=1,
-        )
+    prior = PriorDocument(
+        camera_key=identify(reported.camera, reported.platform).key,
+        camera=public_label(reported.camera),
+        platform=public_platform(reported.platform),
+        zoom=reported.zoom,
+        fit=record,
+        source=path.name,
+        measured=1,
     )
+    if not dry_run:
+        context.store.priors.keep(prior)
     fx, fy = (camera.matrix[i, i] for i in range(2))
     size = f"{camera.img_size[0]} x {camera.img_size[1]}"
     said = f"a first guess: {camera.model}, {size}, fx {fx:.6g}, fy {fy:.6g}"

@@ -11,10 +11,10 @@ from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import session_rules
 from calibdb.schema import CalibrationDocument, RefitRequest
-from calibdb.store import Calibrations, Condition, Priors, StreamMode, Table, Tokens, Votes, clients
+from calibdb.store import Calibrations, Condition, Priors, Sessions, StreamMode, Table, Tokens, Votes, clients
 from calibdb.store.names import with_current_key
 from calibdb.store.table import Item
-from infra.ops.context import OpsContext
+from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.index import Key
 
 # What a computation writes; everything else beside a camera follows from single objects.
@@ -36,20 +36,30 @@ class ReindexResult:
 
 
 class _RecordingTable(Table):
-    """A table that records the keys of what it writes."""
+    """A table that records the keys of what it writes; with `dry_run` it writes nothing."""
 
-    def __init__(self, context: OpsContext) -> None:
+    def __init__(self, context: OpsContext, *, dry_run: bool) -> None:
         settings = context.settings
         super().__init__(functools.partial(clients.dynamodb, settings.region), settings.table_name)
         self.written: set[Key] = set()
+        self._dry_run = dry_run
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
-        """Write the item as `Table` does."""
-        self.written.add((str(item["pk"]), str(item["sk"])))
+        """Write the item as `Table` does; where nothing is written, tell whether it would be new."""
+        key = str(item["pk"]), str(item["sk"])
+        self.written.add(key)
+        if self._dry_run:
+            return condition is None or self.get(*key) is None
         return super().put(item, condition)
 
+    def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
+        """Remove the item as `Table` does."""
+        return True if self._dry_run else super().delete(pk, sk, condition)
 
-def reindex(context: OpsContext, only: Iterable[StreamMode] | None = None) -> ReindexResult:
+
+def reindex(
+    context: OpsContext, only: Iterable[StreamMode] | None = None, *, dry_run: bool = False
+) -> ReindexResult:
     """Make the index name exactly what is in the bucket, and recompute outdated consensuses.
 
     Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
@@ -62,30 +72,35 @@ def reindex(context: OpsContext, only: Iterable[StreamMode] | None = None) -> Re
         The deployment.
     only
         Modes whose consensus is computed again; None: all.
+    dry_run
+        Write nothing and compute nothing; count what would be written and removed.
     """
     # First, so that what is published from here on cannot be mistaken for something that the bucket lacks.
     indexed = set(context.index.keys("CAMERA"))
-    published = publish_finished(context)
-    table = _RecordingTable(context)
+    published = publish_finished(context, dry_run=dry_run)
+    table = _RecordingTable(context, dry_run=dry_run)
     calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
     modes: Counter[StreamMode] = Counter()
-    for document, withdrawn in calibrations.everything():
+    total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
+    for document, withdrawn in context.track(calibrations.everything(), "calibrations", total):
         calibrations.index(document, withdrawn=withdrawn)
         modes[mode_of(document)] += not withdrawn
     cast = 0
-    for vote in votes.all():
+    for vote in context.track(votes.all(), "votes"):
         votes.index(vote)
         cast += 1
     issued = Tokens(table, context.objects).reindex()
     priors = Priors(table, context.objects)
     for prior in priors.all():
         priors.index(prior)
-    sessions = context.store.sessions.index(context.now)
+    sessions = Sessions(table, context.objects).index(context.now)
     computed = {(known.pk, known.text) for known in modes}
     stale = {key for key in indexed if key not in table.written and _computed_of(key) not in computed}
-    context.index.remove(stale)
+    if not dry_run:
+        context.index.remove(stale)
     consensuses = failed = 0
-    for wanted in modes if only is None else [known for known in only if known in modes]:
+    wanted_modes = [] if dry_run else list(modes if only is None else (m for m in only if m in modes))
+    for wanted in context.track(wanted_modes, "consensuses", len(wanted_modes)):
         found = refit(context, wanted)
         failed += found is None
         consensuses += found or 0
@@ -103,16 +118,17 @@ def reindex(context: OpsContext, only: Iterable[StreamMode] | None = None) -> Re
     )
 
 
-def publish_finished(context: OpsContext) -> int:
+def publish_finished(context: OpsContext, *, dry_run: bool = False) -> int:
     """Publish what converged and, for a crash, was not published; return how many calibrations.
 
     The client that repeats its last view does the same; one that never comes back cannot.
     """
     published = 0
-    for session in context.store.sessions.all():
+    for session in context.track(context.store.sessions.all(), "sessions"):
         finish = session.finish
         if finish is not None and context.store.calibrations.get(finish.calibration_id) is None:
-            context.store.calibrations.publish(session_rules.to_calibration(session))
+            if not dry_run:
+                context.store.calibrations.publish(session_rules.to_calibration(session))
             published += 1
     return published
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,33 +18,43 @@ CALIBRATIONS, VOTES = "calibrations.jsonl", "votes.jsonl"
 Document = TypeVar("Document", bound=BaseModel)
 
 
-def load(context: OpsContext, folder: Path) -> tuple[int, int]:
+def load(context: OpsContext, folder: Path, *, dry_run: bool = False) -> tuple[int, int]:
     """Store what `dump` wrote and have every consensus computed; return how many calibrations and votes.
 
     What is there already under its id stays as it is, so that a load that was cut short is simply repeated.
-    Into a stack that is not empty: contributors of a dump are other ones than those known here.
+    Into a stack that is not empty: contributors of a dump are other ones than those known here. With
+    `dry_run`, the files are only read.
 
     Raises OpsError, and has stored nothing, where a line is no calibration or no vote.
     """
     if not (folder / CALIBRATIONS).is_file():
         raise OpsError(f"{folder} holds no {CALIBRATIONS}: it is not the folder of a dump")
-    for _ in chain(_lines(folder / CALIBRATIONS, CalibrationDocument), _lines(folder / VOTES, VoteDocument)):
-        pass  # every line is read once before the first is stored
+    # Every line is read once before the first is stored.
+    calibrations = sum(1 for _ in context.track(_calibrations(folder), "reading calibrations"))
+    votes = sum(1 for _ in context.track(_votes(folder), "reading votes"))
+    if dry_run:
+        return calibrations, votes
     modes = set()
-    calibrations = votes = 0
-    for document in _lines(folder / CALIBRATIONS, CalibrationDocument):
+    for document in context.track(_calibrations(folder), "calibrations", calibrations):
         context.store.calibrations.publish(document)
         modes.add(reindex.mode_of(document))
-        calibrations += 1
-    for vote in _lines(folder / VOTES, VoteDocument):
+    for vote in context.track(_votes(folder), "votes", votes):
         context.store.votes.cast(vote)
-        votes += 1
+    ordered = sorted(modes, key=lambda mode: (mode.camera_key, mode.text))
     failed = sum(
-        reindex.refit(context, mode) is None for mode in sorted(modes, key=lambda m: (m.camera_key, m.text))
+        reindex.refit(context, mode) is None for mode in context.track(ordered, "consensuses", len(ordered))
     )
     if failed:
         raise OpsError(f"of {failed} modes the consensus could not be computed; run `reindex`")
     return calibrations, votes
+
+
+def _calibrations(folder: Path) -> Iterator[CalibrationDocument]:
+    return _lines(folder / CALIBRATIONS, CalibrationDocument)
+
+
+def _votes(folder: Path) -> Iterator[VoteDocument]:
+    return _lines(folder / VOTES, VoteDocument)
 
 
 def _lines(path: Path, model: type[Document]) -> Iterator[Document]:

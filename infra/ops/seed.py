@@ -41,7 +41,16 @@ class _Row:
     fit: FitRecord
 
 
-def seed(context: OpsContext, path: Path, camera: str, platform: str, model: str, source: str) -> SeedResult:
+def seed(
+    context: OpsContext,
+    path: Path,
+    camera: str,
+    platform: str,
+    model: str,
+    source: str,
+    *,
+    dry_run: bool = False,
+) -> SeedResult:
     """Store a guess for every camera, size, zoom and model in a CSV file.
 
     Columns: `w h fx fy cx cy`, the coefficients by their names, optionally `zoom` and `distortion_model`,
@@ -60,6 +69,8 @@ def seed(context: OpsContext, path: Path, camera: str, platform: str, model: str
         Of rows that name none.
     source
         Kept with every guess.
+    dry_run
+        Store nothing; count what would be stored.
     """
     groups: dict[tuple[str, tuple[int, int], float, str], list[_Row]] = defaultdict(list)
     skipped: Counter[str] = Counter()
@@ -77,23 +88,23 @@ def seed(context: OpsContext, path: Path, camera: str, platform: str, model: str
         groups[identity.key, row.fit.img_size, row.zoom, row.fit.distortion_model].append(row)
     priors = 0
     cameras = set()
-    for (key, _, zoom, _), members in groups.items():
+    for (key, _, zoom, _), members in context.track(groups.items(), path.name, len(groups)):
         focals = sorted(_focal(row) for row in members)
         if focals[-1] > _MAX_FOCAL_RATIO * focals[0]:
             skipped["several lenses or modes under one name"] += len(members)
             continue
         middle = sorted(members, key=_focal)[len(members) // 2]
-        context.store.priors.keep(
-            PriorDocument(
-                camera_key=key,
-                camera=public_label(middle.camera),
-                platform=public_platform(middle.platform),
-                zoom=zoom,
-                fit=middle.fit,
-                source=source or path.name,
-                measured=len(members),
-            )
+        prior = PriorDocument(
+            camera_key=key,
+            camera=public_label(middle.camera),
+            platform=public_platform(middle.platform),
+            zoom=zoom,
+            fit=middle.fit,
+            source=source or path.name,
+            measured=len(members),
         )
+        if not dry_run:
+            context.store.priors.keep(prior)
         priors += 1
         cameras.add(key)
     return SeedResult(priors, len(cameras), rows, skipped)

@@ -31,19 +31,23 @@ def create(context: OpsContext, origins: Sequence[str], plan: str) -> str:
             return f"cdb_{token_id}_{secret}"
 
 
-def describe(context: OpsContext) -> list[str]:
-    """Describe each token in a line, oldest first."""
-    return [
-        "  ".join(
-            (
-                token.id,
-                time.strftime("%Y-%m-%d", time.gmtime(token.created)),
-                token.plan,
-                " ".join(token.origins) or "any origin",
-            )
-        )
-        for token in sorted(context.store.tokens.all(), key=lambda token: (token.created, token.id))
-    ]
+def list_all(context: OpsContext) -> list[ApiToken]:
+    """List the tokens that work, oldest first."""
+    return sorted(context.store.tokens.all(), key=lambda token: (token.created, token.id))
+
+
+def describe(token: ApiToken) -> tuple[str, str, str, str]:
+    """Describe a token in words: id, day, plan, origins."""
+    day = time.strftime("%Y-%m-%d", time.gmtime(token.created))
+    return token.id, day, token.plan, " ".join(token.origins) or "any origin"
+
+
+def get(context: OpsContext, token_id: str) -> ApiToken:
+    """Read a token; raises OpsError where there is none."""
+    token = context.store.tokens.get(token_id)
+    if token is None:
+        raise OpsError(f"there is no token {token_id}")
+    return token
 
 
 def rotate(context: OpsContext, token_id: str, grace: float) -> str:
@@ -51,7 +55,7 @@ def rotate(context: OpsContext, token_id: str, grace: float) -> str:
 
     At most two secrets work: a second rotation within the grace ends the first secret at once.
     """
-    token = _get_token(context, token_id)
+    token = get(context, token_id)
     secret = context.random_hex(_SECRET_BYTES)
     context.store.tokens.change(
         replace(
@@ -66,14 +70,7 @@ def rotate(context: OpsContext, token_id: str, grace: float) -> str:
 
 def revoke(context: OpsContext, token_id: str) -> None:
     """Refuse the token from now on, for good: its id is never another's."""
-    context.store.tokens.revoke(_get_token(context, token_id), context.now)
-
-
-def _get_token(context: OpsContext, token_id: str) -> ApiToken:
-    token = context.store.tokens.get(token_id)
-    if token is None:
-        raise OpsError(f"there is no token {token_id}")
-    return token
+    context.store.tokens.revoke(get(context, token_id), context.now)
 
 
 def _check(origin: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections import Counter
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ from calibdb.schema import CalibrationDocument, SessionDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from infra.ops import reindex
-from infra.ops.context import OpsContext
+from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.errors import OpsError
 
 _MIN_DIGITS = 12  # hex digits of a contributor that name one
@@ -31,18 +32,24 @@ def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
 
     The calibration stays, a tombstone beside it. False when it was withdrawn before.
     """
-    document = _calibration(context, calibration_id)
+    document = get(context, calibration_id)
     done = context.store.calibrations.withdraw(document, reason, context.now)
     _refit(context, reindex.mode_of(document))
     return done
 
 
-def restore(context: OpsContext, calibration_id: str) -> None:
-    """Include a withdrawn calibration again."""
-    document = _calibration(context, calibration_id)
+def get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[CalibrationDocument, str]:
+    """Read a withdrawn calibration and the name of its tombstone; raises OpsError where it is not one."""
+    document = get(context, calibration_id)
     tombstone = tombstone_object(calibration_id)
     if tombstone is None or context.objects.get(tombstone) is None:
         raise OpsError(f"{calibration_id} is not withdrawn")
+    return document, tombstone
+
+
+def restore(context: OpsContext, calibration_id: str) -> None:
+    """Include a withdrawn calibration again."""
+    document, tombstone = get_withdrawn(context, calibration_id)
     context.objects.purge_all_versions([tombstone])
     mode = reindex.mode_of(document)
     # Its item is marked, and nothing unmarks an item: it is made anew.
@@ -71,36 +78,46 @@ def find_contributors_at(context: OpsContext, address: str, token_id: str | None
     return {contributor(context.settings.contributor_secret, address, token) for token in tokens} & known
 
 
-def forget(context: OpsContext, contributors: set[str]) -> ForgetResult:
+def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False) -> ForgetResult:
     """Remove everything that these contributors sent, in every version, and what was computed from it.
 
     A session belongs to the contributor who started it and to the one who sent its last view. Copies that
-    others made by `dump` remain.
+    others made by `dump` remain. With `dry_run`, nothing is removed, only counted.
     """
     affected: set[StreamMode] = set()
     counts: Counter[str] = Counter()
+
+    def purge(name: str | None) -> None:
+        if name is not None and not dry_run:
+            context.objects.purge_all_versions([name])
+
     # Sessions first: what is published follows from them, and must not be published again.
-    for session in list(context.store.sessions.all()):
+    for session in list(context.track(context.store.sessions.all(), "sessions")):
         if _contributors_of(session) & contributors:
-            context.store.sessions.purge(session.session)
+            if not dry_run:
+                context.store.sessions.purge(session.session)
             counts["sessions"] += 1
-    for document, _ in list(context.store.calibrations.everything()):
+    total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
+    for document, _ in list(context.track(context.store.calibrations.everything(), "calibrations", total)):
         if document.contributor in contributors:
-            names = (calibration_object(document.id), tombstone_object(document.id))
-            context.objects.purge_all_versions([name for name in names if name])
+            purge(calibration_object(document.id))
+            purge(tombstone_object(document.id))
             affected.add(reindex.mode_of(document))
             counts["calibrations"] += 1
-    for vote in list(context.store.votes.all()):
+    for vote in list(context.track(context.store.votes.all(), "votes")):
         if vote.contributor in contributors:
-            context.objects.purge_all_versions([vote_object(vote.camera_key, vote.id)])
+            purge(vote_object(vote.camera_key, vote.id))
             key = current_key(vote.camera_key, vote.camera, vote.platform)
             affected.add(StreamMode(key, vote.img_size, vote.zoom))
             counts["votes"] += 1
+    done = ForgetResult(counts["calibrations"], counts["sessions"], counts["votes"])
+    if dry_run:
+        return done
     # Their shares of the hour.
     used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("QUOTA#"))
     context.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
     reindex.reindex(context, only=affected)
-    return ForgetResult(counts["calibrations"], counts["sessions"], counts["votes"])
+    return done
 
 
 def _contributors(context: OpsContext) -> set[str]:
@@ -116,7 +133,8 @@ def _contributors_of(session: SessionDocument) -> set[str]:
     return {who for who in (session.contributor, last) if who is not None}
 
 
-def _calibration(context: OpsContext, calibration_id: str) -> CalibrationDocument:
+def get(context: OpsContext, calibration_id: str) -> CalibrationDocument:
+    """Read a calibration; raises OpsError where there is none."""
     document = context.store.calibrations.get(calibration_id)
     if document is None:
         raise OpsError(f"there is no calibration {calibration_id}")

@@ -1,0 +1,51 @@
+"""Commands about single calibrations."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from infra.ops.options import DryRun, complete_reason
+from infra.ops.session import opened
+
+app = typer.Typer(help="Withdraw and restore single calibrations.", no_args_is_help=True)
+Ids = Annotated[list[str], typer.Argument(metavar="ID...", help="As `camera show` prints them.")]
+
+
+@app.command("withdraw")
+def withdraw(
+    ids: Ids,
+    reason: Annotated[
+        str,
+        typer.Option(
+            help="Stored with it; the API tells its first word if that is `wrong`, `abuse` or `privacy`.",
+            autocompletion=complete_reason,
+        ),
+    ] = "",
+    dry_run: DryRun = False,
+) -> None:
+    """Exclude calibrations from all consensuses."""
+    with opened() as run:
+        from infra.ops import withdrawal
+
+        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+            if dry_run:
+                withdrawal.get(run.context, calibration_id)
+                run.output.line(f"would be withdrawn: {calibration_id}")
+            elif not withdrawal.withdraw(run.context, calibration_id, reason):
+                run.output.line("it was withdrawn before")
+
+
+@app.command("restore")
+def restore(ids: Ids, dry_run: DryRun = False) -> None:
+    """Include withdrawn calibrations again."""
+    with opened() as run:
+        from infra.ops import withdrawal
+
+        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+            if dry_run:
+                withdrawal.get_withdrawn(run.context, calibration_id)
+                run.output.line(f"would be restored: {calibration_id}")
+            else:
+                withdrawal.restore(run.context, calibration_id)

@@ -1,0 +1,84 @@
+"""Commands that show cameras."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from infra.ops.options import Json
+from infra.ops.session import Run, opened
+
+if TYPE_CHECKING:
+    from infra.ops.cameras import CameraDetail
+
+app = typer.Typer(help="List cameras, and show one.", no_args_is_help=True)
+_COLUMNS = ("id", "time (UTC)", "contributor", "model", "#views", "#fx (px)", "#rms (px)", "withdrawn")
+
+
+@app.command("list")
+def list_cameras(
+    text: Annotated[str, typer.Argument(help="Only those whose key contains this text.")] = "",
+    as_json: Json = False,
+) -> None:
+    """List the cameras that were calibrated."""
+    with opened(as_json=as_json) as run:
+        from infra.ops import cameras
+
+        found = cameras.count_all(run.context, text)
+        run.output.table(
+            ("camera", "#calibrations", "#withdrawn"),
+            ((one.key, one.calibrations, one.withdrawn) for one in found),
+            (one.line for one in found),
+        )
+        run.output.value(
+            [{"key": one.key, "calibrations": one.calibrations, "withdrawn": one.withdrawn} for one in found]
+        )
+
+
+@app.command("show")
+def show_camera(
+    key: Annotated[str, typer.Argument(help="As `camera list` prints it.")],
+    plot: Annotated[
+        bool, typer.Option("--plot", help="Draw the members of each consensus and the other groups.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Show consensuses and calibrations of one camera."""
+    with opened(as_json=as_json) as run:
+        from infra.ops import cameras
+
+        found = cameras.detail(run.context, key)
+        run.output.value(found.record())
+        for text, rows, lines in _sections(found):
+            run.output.line(text)
+            if lines:
+                run.output.table(_COLUMNS, rows, lines)
+        if plot:
+            _draw(run, found)
+
+
+def _sections(found: CameraDetail) -> Iterator[tuple[str, list[tuple[object, ...]], list[str]]]:
+    """Yield lines, and after the consensuses of each mode the rows and the lines of its calibrations."""
+    from infra.ops import cameras
+
+    yield f"{found.camera}, {found.platform}", [], []
+    for known in found.modes:
+        texts = [
+            cameras.title(known.mode),
+            *(f"  {cameras.describe_consensus(c)}" for c in known.consensuses),
+        ]
+        rows = [cameras.calibration_row(*one) for one in known.calibrations]
+        lines = [f"  {cameras.describe_calibration(*one)}" for one in known.calibrations]
+        yield "\n".join(texts), rows, lines
+
+
+def _draw(run: Run, found: CameraDetail) -> None:
+    from infra.ops import plots
+
+    width = min(100, shutil.get_terminal_size().columns)
+    for known in found.modes:
+        if plots.points_by_group(run.context, known):
+            run.output.line(plots.draw(run.context, known, width))

@@ -1,0 +1,71 @@
+"""Commands about contributors."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+from infra.console.output import confirm
+from infra.ops.errors import OpsError
+from infra.ops.options import DryRun, Json, Yes
+from infra.ops.session import Run, opened
+
+app = typer.Typer(help="Remove the data of contributors.", no_args_is_help=True)
+
+
+@app.callback()
+def contributor() -> None:
+    """Keep `forget` a verb of its own, although it is the only one."""
+
+
+@app.command("forget")
+def forget(
+    contributor_id: Annotated[
+        str | None,
+        typer.Argument(metavar="ID", help="As `camera show` prints it; its first 12 digits are enough."),
+    ] = None,
+    address: Annotated[str | None, typer.Option(help="Instead: the IP address of the contributor …")] = None,
+    token: Annotated[
+        str | None, typer.Option(help="… and the id of the token; without it, all tokens are tried.")
+    ] = None,
+    dry_run: DryRun = False,
+    yes: Yes = False,
+    as_json: Json = False,
+) -> None:
+    """Remove everything that a contributor sent, for good."""
+    with opened(as_json=as_json) as run:
+        from infra.ops import withdrawal
+
+        contributors = _find(run, contributor_id, address, token)
+        ask = not yes and sys.stdin.isatty()
+        if dry_run or ask:
+            counted = withdrawal.forget(run.context, contributors, dry_run=True)
+            found = f"{counted.calibrations} calibrations, {counted.sessions} sessions, {counted.votes} votes"
+            run.output.value(asdict(counted))
+            if dry_run:
+                run.output.line(f"would be removed: {found}")
+                return
+            confirm(f"Remove {found} for good?", yes=yes)
+        done = withdrawal.forget(run.context, contributors)
+        run.output.line(
+            f"removed {done.calibrations} calibrations, {done.sessions} sessions, {done.votes} votes"
+        )
+        run.output.value(asdict(done))
+
+
+def _find(run: Run, contributor_id: str | None, address: str | None, token: str | None) -> set[str]:
+    """Find the contributors that are meant; raises OpsError where nothing came from them."""
+    from infra.ops import withdrawal
+
+    if contributor_id is not None and address is None:
+        return {withdrawal.find_contributor(run.context, contributor_id)}
+    if address is None or contributor_id is not None:
+        raise OpsError("name either a contributor or an address")
+    if not run.context.secret_known:
+        raise OpsError("set CONTRIBUTOR_SECRET: without it, addresses cannot be matched with contributors")
+    if found := withdrawal.find_contributors_at(run.context, address, token):
+        return found
+    raise OpsError("nothing came from there")

@@ -1,0 +1,141 @@
+"""Commands that write and read files: dumps, bundles, calibrations of other tools."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from infra.ops.errors import OpsError
+from infra.ops.options import DryRun, Json, complete_model, parse_size
+from infra.ops.session import opened
+
+Folder = Annotated[Path, typer.Argument(metavar="FOLDER")]
+Size = typer.Option(parser=parse_size, metavar="WxH")
+
+
+def dump(folder: Folder, as_json: Json = False) -> None:
+    """Write all calibrations and keypoints to a new folder (CC0)."""
+    with opened(as_json=as_json) as run:
+        from infra.ops.dump import dump
+
+        calibrations, votes = dump(run.context, folder)
+        run.output.line(f"{calibrations} calibrations and {votes} votes written to {folder}")
+        run.output.value({"calibrations": calibrations, "votes": votes, "folder": str(folder)})
+
+
+def load(folder: Folder, dry_run: DryRun = False, as_json: Json = False) -> None:
+    """Store the content of a dump."""
+    with opened(as_json=as_json) as run:
+        from infra.ops.restore import load
+
+        calibrations, votes = load(run.context, folder, dry_run=dry_run)
+        done = "would be stored" if dry_run else "stored"
+        run.output.line(f"{calibrations} calibrations and {votes} votes {done}")
+        run.output.value({"calibrations": calibrations, "votes": votes})
+
+
+def bundle(
+    file: Annotated[Path, typer.Argument(metavar="FILE")],
+    most: Annotated[int, typer.Option(min=1, metavar="CAMERAS", help="Number of cameras.")] = 500,
+    as_json: Json = False,
+) -> None:
+    """Write the reliable calibrations of the most common cameras to one file."""
+    with opened(as_json=as_json) as run:
+        from infra.ops.bundle import bundle
+
+        done = bundle(run.context, file, most)
+        run.output.value(asdict(done))
+        run.output.table(
+            ("#bytes", "camera"),
+            ((size, camera) for camera, size in done.cameras.items()),
+            (f"{size:6} bytes  {camera}" for camera, size in done.cameras.items()),
+        )
+        run.output.line(
+            f"{len(done.cameras)} cameras, {done.calibrations} calibrations, {done.labels} labels written to "
+            f"{file}: {done.size} bytes, {done.compressed} compressed"
+        )
+
+
+def import_files(
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FILE...", help="PhotonVision, mrcal, OpenCV, ROS, Kalibr, Gyroflow, calibDB."
+        ),
+    ],
+    camera: Annotated[str, typer.Option(help="Label, as a browser reports it.")],
+    platform: Annotated[str, typer.Option(help="Platform, as a browser reports it.")],
+    zoom: Annotated[float, typer.Option(help="Zoom of the track.")] = 0.0,
+    img_size: Annotated[tuple[int, int] | None, Size] = None,
+    squares: Annotated[tuple[int, int] | None, Size] = None,
+    model: Annotated[
+        str,
+        typer.Option(
+            help="Model to fit to keypoints; default: the one that suits them.", autocompletion=complete_model
+        ),
+    ] = "",
+    dry_run: DryRun = False,
+    as_json: Json = False,
+) -> None:
+    """Store calibration files: with keypoints as a calibration, else as a first guess.
+
+    --img-size and --squares are for tables of corners, which lack them. Of several files each is stored or
+    refused by itself.
+    """
+    with opened(as_json=as_json) as run:
+        from infra.ops.imports import ReportedCamera, import_file
+
+        reported = ReportedCamera(camera, platform, zoom)
+        told: list[dict[str, str]] = []
+        run.output.value(told)
+        failed: list[str] = []
+        for file in run.context.track(files, "files", len(files)):
+            try:
+                done = import_file(run.context, file, reported, img_size, squares, model, dry_run=dry_run)
+            except (OpsError, OSError) as error:
+                if len(files) == 1:
+                    raise
+                failed.append(str(file))
+                told.append({"file": str(file), "error": str(error)})
+                print(f"calibDB: {error}", file=sys.stderr)
+                continue
+            told.append({"file": str(file), "result": done})
+            run.output.line(done if len(files) == 1 else f"{file}: {done}")
+        if failed:
+            run.output.finish()
+            raise OpsError(f"{len(failed)} of {len(files)} files could not be used: {', '.join(failed)}")
+
+
+def seed(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...")],
+    camera: Annotated[
+        str, typer.Option(help="Label, made of columns, such as '{brand} {model} {lens}'.")
+    ] = "{camera}",
+    platform: Annotated[str, typer.Option(help="Platform, in the same way.")] = "{platform}",
+    model: Annotated[
+        str, typer.Option(help="Model of rows that name none.", autocompletion=complete_model)
+    ] = "rectilinear",
+    source: Annotated[str, typer.Option(help="Source of the file; stored with each guess.")] = "",
+    dry_run: DryRun = False,
+    as_json: Json = False,
+) -> None:
+    """Store published calibrations (CSV) as first guesses."""
+    with opened(as_json=as_json) as run:
+        from infra.ops.seed import seed
+
+        told = []
+        for file in files:
+            done = seed(run.context, file, camera, platform, model, source, dry_run=dry_run)
+            name = f"{file}: " if len(files) > 1 else ""
+            would = " would be stored" if dry_run else ""
+            run.output.line(
+                f"{name}{done.rows} rows: {done.priors} first guesses for {done.cameras} cameras{would}"
+            )
+            for reason, count in done.skipped.items():
+                run.output.line(f"{count} skipped: {reason}")
+            told.append({"file": str(file), **asdict(done)})
+        run.output.value(told)

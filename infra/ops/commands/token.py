@@ -1,0 +1,97 @@
+"""Commands about API tokens."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from infra.console.output import confirm
+from infra.ops.options import DryRun, Json, Yes, complete_plan
+from infra.ops.session import opened
+
+app = typer.Typer(help="Issue, list, rotate and revoke API tokens.", no_args_is_help=True)
+TokenId = Annotated[str, typer.Argument(metavar="ID", help="As `token list` prints it.")]
+
+
+@app.command("create")
+def create_token(
+    origin: Annotated[
+        list[str] | None, typer.Option(help="Origin that may use the token; repeatable. None: any.")
+    ] = None,
+    plan: Annotated[
+        str, typer.Option(help="Plan, which limits its use in an hour.", autocompletion=complete_plan)
+    ] = "free",
+    as_json: Json = False,
+) -> None:
+    """Issue a token; it is shown once."""
+    with opened(as_json=as_json) as run:
+        from infra.ops import tokens
+
+        token = tokens.create(run.context, origin or [], plan)
+        run.output.line(token)
+        run.output.value({"token": token})
+
+
+@app.command("list")
+def list_tokens(as_json: Json = False) -> None:
+    """List all tokens, without their secrets."""
+    with opened(as_json=as_json) as run:
+        from infra.ops import tokens
+
+        found = tokens.list_all(run.context)
+        rows = [tokens.describe(token) for token in found]
+        run.output.table(("id", "created", "plan", "origins"), rows, ("  ".join(row) for row in rows))
+        run.output.value(
+            [
+                {
+                    "id": token.id,
+                    "created": token.created,
+                    "plan": token.plan,
+                    "origins": token.origins,
+                    "former_until": token.former_until or None,
+                }
+                for token in found
+            ]
+        )
+
+
+@app.command("revoke")
+def revoke_token(token_id: TokenId, dry_run: DryRun = False, yes: Yes = False) -> None:
+    """Revoke a token for good, within a minute."""
+    with opened() as run:
+        from infra.ops import tokens
+
+        token = tokens.get(run.context, token_id)
+        known = "  ".join(tokens.describe(token))
+        if dry_run:
+            run.output.line(f"would be revoked: {known}")
+            return
+        confirm(f"Revoke for good: {known}?", yes=yes)
+        tokens.revoke(run.context, token_id)
+
+
+@app.command("rotate")
+def rotate_token(
+    token_id: TokenId,
+    grace: Annotated[
+        float,
+        typer.Option(min=0, max=24 * 366, metavar="HOURS", help="Time for which the old secret still works."),
+    ] = 24,
+    dry_run: DryRun = False,
+    yes: Yes = False,
+    as_json: Json = False,
+) -> None:
+    """Give a token a new secret; it is shown once."""
+    with opened(as_json=as_json) as run:
+        from infra.ops import tokens
+
+        token = tokens.get(run.context, token_id)
+        known = "  ".join(tokens.describe(token))
+        if dry_run:
+            run.output.line(f"would get a new secret: {known}")
+            return
+        confirm(f"End the present secret in {grace:g} hours: {known}?", yes=yes)
+        fresh = tokens.rotate(run.context, token_id, grace)
+        run.output.line(fresh)
+        run.output.value({"token": fresh})
