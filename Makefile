@@ -146,13 +146,8 @@ lock: $(UV) ## write the lock files anew
 	npm install --package-lock-only
 	node infra/ci/lock.mjs
 
-LAYER = env -u PYTHONPATH $(MAKE) --silent UV=$(abspath $(UV)) COMPILE="node $(abspath infra/deploy/compile.mjs)"
-
 layers: $(UV) .venv/.made node_modules/.made ## build both layers for arm64 in .build/layers
-	@rm -rf .build/layers
-	@$(LAYER) -C layers/service build-ServiceLayer ARTIFACTS_DIR=$(abspath .build/layers/service)
-	@$(LAYER) -C layers/solver build-SolverLayer ARTIFACTS_DIR=$(abspath .build/layers/solver)
-	@$(PY) -m infra.deploy.layers
+	@UV=$(abspath $(UV)) $(PY) -m infra.deploy.layers --build
 
 MINISTACK := .build/ministack/bin/hypercorn
 

@@ -18,12 +18,17 @@ DURATIONS = ROOT / ".build" / "durations.json"
 Step = TypeVar("Step")
 
 
+def _say(text: str) -> None:
+    # Before what a step prints itself.
+    print(text, flush=True)
+
+
 def announced(
     work: str,
     steps: Sequence[Step],
     text: Callable[[Step], str],
     *,
-    say: Callable[[str], None] = print,
+    say: Callable[[str], None] = _say,
     clock: Callable[[], float] = time.monotonic,
     path: Path = DURATIONS,
 ) -> Iterator[Step]:
@@ -66,12 +71,16 @@ def _left(expected: Sequence[float | None]) -> str:
 
 
 def _read(path: Path) -> dict[str, dict[str, float]]:
-    """Read the durations; a file that is absent or damaged holds none."""
+    """Read the durations; what is absent or damaged is left out."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return {
+        work: {text: seconds for text, seconds in steps.items() if isinstance(seconds, int | float)}
+        for work, steps in (found.items() if isinstance(found, dict) else ())
+        if isinstance(steps, dict)
+    }
 
 
 def _write(path: Path, work: str, durations: dict[str, float]) -> None:

@@ -16,6 +16,7 @@ from collections.abc import Collection, Sequence
 import boto3
 
 from calibdb.settings import SettingsError, Thresholds
+from infra.console.steps import announced
 from infra.deploy import aws, smoke
 from infra.deploy.site import uploads
 from infra.deploy.steps import ROOT, TEMPLATE, Step, Target, package_template, steps
@@ -95,10 +96,9 @@ def deploy(target: Target, template: str | None = None, leave_out: Collection[st
     source = (ROOT / "template.yaml").read_text(encoding="utf-8") if template is None else template
     TEMPLATE.parent.mkdir(parents=True, exist_ok=True)
     TEMPLATE.write_text(package_template(source), encoding="utf-8")
-    for number, step in enumerate(steps(target), 1):
-        if step.kind not in leave_out:
-            print(f"{number}. {step.text}", flush=True)
-            _do(step, target)
+    wanted = [step for step in steps(target) if step.kind not in leave_out]
+    for step in announced(f"deploy {target.stack}", wanted, lambda step: step.text):
+        _do(step, target)
 
 
 def _do(step: Step, target: Target) -> None:

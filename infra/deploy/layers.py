@@ -1,14 +1,20 @@
 """Check of the built layers against Lambda's limits and size budgets.
 
-`python -m infra.deploy.layers` checks `.build/layers`.
+`python -m infra.deploy.layers` checks `.build/layers`; with `--build` it makes them first.
 """
 
 from __future__ import annotations
 
+import argparse
+import os
+import shutil
+import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from infra.console.steps import announced
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILT = ROOT / ".build" / "layers"
@@ -70,8 +76,33 @@ def problems(service: Built, solver: Built, functions: float) -> Iterator[str]:
             yield f"{name}: {share} of its modules are compiled"
 
 
-def main() -> int:
-    """Print the sizes; return 1 where something is wrong."""
+def build() -> None:
+    """Build both layers by the rules of their own Makefiles; raises CalledProcessError."""
+    shutil.rmtree(BUILT, ignore_errors=True)
+    node = shutil.which("node") or "node"
+    # `make` sets PYTHONPATH to the layers' sources, which the build must not see.
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    wanted = [("service", "build-ServiceLayer"), ("solver", "build-SolverLayer")]
+    for name, target in announced("layers", wanted, lambda step: f"install and compile the {step[0]} layer"):
+        command = [
+            *("make", "--silent", "-C", str(ROOT / "layers" / name), target),
+            f"ARTIFACTS_DIR={BUILT / name}",
+            f"UV={os.environ.get('UV', 'uv')}",
+            f"COMPILE={node} {ROOT / 'infra' / 'deploy' / 'compile.mjs'}",
+        ]
+        subprocess.run(command, env=environment, check=True)  # noqa: S603 - our own command
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Build, if asked to, and print the sizes; return 1 where something is wrong."""
+    parser = argparse.ArgumentParser(prog="python -m infra.deploy.layers")
+    parser.add_argument("--build", action="store_true", help="build both layers first")
+    if parser.parse_args(arguments).build:
+        try:
+            build()
+        except subprocess.CalledProcessError as error:
+            print(f"calibDB: {error}", file=sys.stderr)
+            return 1
     layers = {name: Built.of(BUILT / name) for name in ("service", "solver")}
     functions = Built.of(ROOT / "functions").megabytes
     for name, layer in layers.items():

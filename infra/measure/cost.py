@@ -19,6 +19,7 @@ from typing import Any
 import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
+from infra.console.progress import track
 from infra.local import LocalStack, intercept
 from infra.local.stack import DEVELOPMENT_TOKEN
 from infra.local.storage import Answer
@@ -184,7 +185,7 @@ def measure(lookups: int = 200) -> dict[str, Usage]:
     with LocalStack() as stack:
         meter = Meter(stack)
         with meter.running():
-            for seed in range(_POOLED_CALIBRATIONS):
+            for seed in track(range(_POOLED_CALIBRATIONS), "captures", _POOLED_CALIBRATIONS):
                 run_capture(meter, seed)
             stack.wait_until_idle(_IDLE_TIMEOUT_S)
         with meter.running() as calibration:
@@ -192,7 +193,7 @@ def measure(lookups: int = 200) -> dict[str, Usage]:
             stack.wait_until_idle(_IDLE_TIMEOUT_S)
         meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
         with meter.running() as lookup:
-            for _ in range(lookups):
+            for _ in track(range(lookups), "lookups", lookups):
                 meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
     return {LOOKUPS: lookup, CALIBRATION: calibration}
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import http.client
 import json
+import queue
 import random
 import socket
 import sys
@@ -28,6 +29,7 @@ import numpy as np
 
 from calibsolver import Board, Camera
 from calibsolver import rotation as rotations
+from infra.console.progress import track
 
 FAULT_RATE = 0.2  # share of the requests
 _TIMEOUT_S = 60.0  # s for one answer
@@ -174,17 +176,26 @@ def drive(
     """
     lines = [Line(url, random.Random(f"{seed}/{n}"), faults) for n in range(clients)]  # noqa: S311
 
+    ended: queue.SimpleQueue[None] = queue.SimpleQueue()
+
     def client(n: int) -> list[CaptureRecord]:
-        return [
-            capture(
-                lines[n], token, seed + k, f"Load camera {k % cameras:03d}", lines[n].rng.random() < finished
-            )
-            for k in range(n, sessions, clients)
-        ]
+        heard = []
+        try:
+            for k in range(n, sessions, clients):
+                camera, finish = f"Load camera {k % cameras:03d}", lines[n].rng.random() < finished
+                heard.append(capture(lines[n], token, seed + k, camera, finish))
+                ended.put(None)
+        finally:  # a client that broke off must not be waited for
+            for _ in range(len(range(n, sessions, clients)) - len(heard)):
+                ended.put(None)
+        return heard
 
     start = time.perf_counter()
     with ThreadPoolExecutor(clients) as pool:
-        heard = [capture for each in pool.map(client, range(clients)) for capture in each]
+        running = [pool.submit(client, n) for n in range(clients)]
+        for _ in track(range(sessions), "captures", sessions):
+            ended.get()
+        heard = [capture for each in running for capture in each.result()]
     return Outcome(
         heard,
         sum((line.counts for line in lines), Counter()),

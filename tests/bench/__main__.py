@@ -1,11 +1,13 @@
 """`make bench`: the budgets as a table. `make bench ONLY=solver,lookup` runs a part."""
 
+import functools
 import importlib
 import os
 import pkgutil
 import sys
 from collections.abc import Callable, Iterable
 
+from infra.console.steps import announced
 from tests import bench
 from tests.bench.table import Row, render
 
@@ -14,11 +16,10 @@ def main() -> int:
     """Run every tests/bench/bench_*.py's rows() and print one table."""
     only = set(filter(None, os.environ.get("ONLY", "").split(",")))
     names = [m.name for m in pkgutil.iter_modules(bench.__path__) if m.name.startswith("bench_")]
+    wanted = [name for name in names if not only or name.removeprefix("bench_") in only]
     rows: list[Row] = []
-    for name in names:
-        if only and name.removeprefix("bench_") not in only:
-            continue
-        print(f"{name.removeprefix('bench_')} …", file=sys.stderr, flush=True)
+    say = functools.partial(print, file=sys.stderr, flush=True)
+    for name in announced("bench", wanted, lambda name: name.removeprefix("bench_"), say=say):
         measure: Callable[[], Iterable[Row]] = importlib.import_module(f"tests.bench.{name}").rows
         rows += measure()
     print(render(rows))

@@ -18,6 +18,7 @@ import numpy as np
 
 from calibsolver import CalibrationError, fit, models
 from calibsolver.fitting.resection import reprojection_score
+from infra.console.progress import track
 from tests.bench import corners, document
 
 TIMEOUT = 25.0
@@ -108,7 +109,7 @@ def opencv(data: corners.Corners, model: str) -> Outcome:
 
 def main() -> int:
     results: dict[tuple[str, str], tuple[Outcome, Outcome]] = {}
-    for name in corners.NAMES:
+    for name in track(corners.NAMES, "corner sets", len(corners.NAMES)):
         data = corners.load(name)
         for model in models.NAMES:
             results[name, model] = ours(data, model), opencv(data, model)

@@ -15,6 +15,7 @@ import numpy as np
 
 from calibsolver import CalibrationError, Camera
 from calibsolver.consensus import Member, pool
+from infra.console.progress import track
 from tests.bench import document
 from tests.helpers.solver import attacks, populations, synthetic
 
@@ -51,7 +52,9 @@ def poisoning(cameras: int) -> str:
     """Table of rates: what was answered where 40 % of a camera's calibrations are lies."""
     rows = []
     for variation, share in ((0.0, 1.0), (0.001, 0.2), (0.003, 0.2)):
-        rows.append(row(variation, [run_trial(i, variation) for i in range(int(cameras * share))]))
+        number = int(cameras * share)
+        trials = [run_trial(i, variation) for i in track(range(number), f"variation {variation}", number)]
+        rows.append(row(variation, trials))
         print(*rows[-1], flush=True)
     return document.table(HEADER, rows)
 

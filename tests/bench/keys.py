@@ -19,11 +19,13 @@ from calibdb.camera_key import Identity, identify
 from calibdb.camera_key.system import system_of
 from calibsolver import Camera
 from calibsolver.consensus.agreement import compare
+from infra.console.steps import announced
 from tests.bench import document
 from tests.helpers.data import ROOT, data_dir
 
 DOCUMENT = ROOT / "docs" / "camera-keys.md"
 SAME_LENS_WIDTHS = 0.01  # of the width, rms over the image: what may pass for one lens
+LENSES = ["known fields", "cameras calibrated by several people", "pairs of one lens"]
 MAX_COMPARED = 12  # calibrations of one camera that are compared
 
 
@@ -171,10 +173,13 @@ def main() -> None:
     """Measure, and write the tables."""
     found = labels()
     header = ["key", "wrong pairs", "precision", "recall, evident", "recall, all"]
-    document.replace("ways", document.table(header, compared(found)), DOCUMENT)
-    document.replace("facts", document.table(["", ""], facts(found)), DOCUMENT)
-    header = ["known fields", "cameras calibrated by several people", "pairs of one lens"]
-    document.replace("lenses", document.table(header, lenses()), DOCUMENT)
+    parts: dict[str, Callable[[], str]] = {
+        "ways": lambda: document.table(header, compared(found)),
+        "facts": lambda: document.table(["", ""], facts(found)),
+        "lenses": lambda: document.table(LENSES, lenses()),
+    }
+    for name, table in announced("keys", list(parts.items()), lambda step: step[0]):
+        document.replace(name, table(), DOCUMENT)
 
 
 if __name__ == "__main__":

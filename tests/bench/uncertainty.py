@@ -3,6 +3,7 @@
 import numpy as np
 
 from calibsolver import models
+from infra.console.progress import track
 from tests.bench import document
 from tests.helpers.solver import intervals
 
@@ -11,7 +12,7 @@ CAPTURES = 200
 
 def main() -> int:
     rows = []
-    for model in models.NAMES:
+    for model in track(models.NAMES, "models", len(models.NAMES)):
         for views in (5, 8):
             found = intervals.measure(model, CAPTURES, views)
             cover = dict(
