@@ -10,7 +10,7 @@ from infra.ops.options import DryRun, complete_reason
 from infra.ops.session import opened
 
 app = typer.Typer(help="Withdraw and restore single calibrations.", no_args_is_help=True)
-Ids = Annotated[list[str], typer.Argument(metavar="ID...", help="As `camera show` prints them.")]
+Ids = Annotated[list[str], typer.Argument(metavar="ID", help="As `camera show` prints them.")]
 
 
 @app.command("withdraw")

@@ -14,7 +14,6 @@ from infra.ops.options import DryRun, Json, complete_model, parse_size
 from infra.ops.session import opened
 
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER")]
-Size = typer.Option(parser=parse_size, metavar="WxH")
 
 
 def dump(folder: Folder, as_json: Json = False) -> None:
@@ -64,18 +63,28 @@ def import_files(
     files: Annotated[
         list[Path],
         typer.Argument(
-            metavar="FILE...", help="PhotonVision, mrcal, OpenCV, ROS, Kalibr, Gyroflow, calibDB."
+            metavar="FILE", help="OpenCV, ROS, Kalibr, camodocal, PhotonVision, mrcal, Gyroflow, COLMAP, …"
         ),
     ],
     camera: Annotated[str, typer.Option(help="Label, as a browser reports it.")],
     platform: Annotated[str, typer.Option(help="Platform, as a browser reports it.")],
     zoom: Annotated[float, typer.Option(help="Zoom of the track.")] = 0.0,
-    img_size: Annotated[tuple[int, int] | None, Size] = None,
-    squares: Annotated[tuple[int, int] | None, Size] = None,
+    img_size: Annotated[
+        tuple[int, int] | None,
+        typer.Option(parser=parse_size, metavar="WxH", help="Size of the pictures, for files that lack it."),
+    ] = None,
+    camera_number: Annotated[
+        int, typer.Option(min=0, max=999, metavar="N", help="Of a file with several cameras, from 0.")
+    ] = 0,
+    squares: Annotated[
+        tuple[int, int] | None,
+        typer.Option(parser=parse_size, metavar="WxH", help="Of the board, for tables of corners."),
+    ] = None,
     model: Annotated[
         str,
         typer.Option(
-            help="Model to fit to keypoints; default: the one that suits them.", autocompletion=complete_model
+            help="Model to fit to keypoints (default: the one that suits them), or of unnamed coefficients.",
+            autocompletion=complete_model,
         ),
     ] = "",
     dry_run: DryRun = False,
@@ -83,19 +92,20 @@ def import_files(
 ) -> None:
     """Store calibration files: with keypoints as a calibration, else as a first guess.
 
-    --img-size and --squares are for tables of corners, which lack them. Of several files each is stored or
-    refused by itself.
+    Of several files each is stored or refused by itself.
     """
     with opened(as_json=as_json) as run:
+        from calibsolver.formats.hints import Hints
         from infra.ops.imports import ReportedCamera, import_file
 
         reported = ReportedCamera(camera, platform, zoom)
+        hints = Hints(img_size, camera_number, squares)
         told: list[dict[str, str]] = []
         run.output.value(told)
         failed: list[str] = []
         for file in run.context.track(files, "files", len(files)):
             try:
-                done = import_file(run.context, file, reported, img_size, squares, model, dry_run=dry_run)
+                done = import_file(run.context, file, reported, hints, model, dry_run=dry_run)
             except (OpsError, OSError) as error:
                 if len(files) == 1:
                     raise
@@ -111,7 +121,7 @@ def import_files(
 
 
 def seed(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE")],
     camera: Annotated[
         str, typer.Option(help="Label, made of columns, such as '{brand} {model} {lens}'.")
     ] = "{camera}",
