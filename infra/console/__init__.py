@@ -1,1 +1,1 @@
-"""What a person at a terminal sees: tables, progress with the time left, questions, plots."""
+"""Terminal: tables, progress with the time left, announced steps, questions."""

@@ -1,4 +1,4 @@
-"""What requests use of AWS, and its price."""
+"""Usage of AWS by requests, and its price."""
 
 from __future__ import annotations
 

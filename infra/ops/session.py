@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Run:
-    """What a command works with."""
+    """Storage and output of a running command."""
 
     context: OpsContext
     output: Output

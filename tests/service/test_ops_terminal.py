@@ -94,7 +94,8 @@ def test_dry_run_changes_nothing(
     guess.write_bytes(formats.write(subject("rectilinear"), "ros").content)
     rows = tmp_path / "rows.csv"
     rows.write_text(
-        "camera,platform,w,h,fx,fy,cx,cy,k1,k2,p1,p2,k3\nC920 (046d:082d),Linux,640,480,500,500,320,240,0,0,0,0,0\n"
+        "camera,platform,w,h,fx,fy,cx,cy,k1,k2,p1,p2,k3\n"
+        "C920 (046d:082d),Linux,640,480,500,500,320,240,0,0,0,0,0\n"
     )
     before = everything(folder)
     for command, said in (
