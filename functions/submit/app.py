@@ -1,7 +1,8 @@
-"""Submit: decide on a view, fit the camera anew and choose the next pose; or undo a view.
+"""Submit: decide on a view, fit the camera anew and choose the next pose; undo a view; finish a recording.
 
-The view that makes the session converge ends it: the calibration is published and its consensus asked for.
-The session's own document says so first. Everything after that follows from this document and is idempotent:
+The view that makes a live session converge ends it; a recorded session, whose views are all there already, is
+ended by its client. Then the calibration is published and its consensus asked for. The session's own document
+says so first. Everything after that follows from this document and is idempotent:
 a client that repeats a view whose answer it missed completes what a crash left undone.
 """
 
@@ -9,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pydantic import JsonValue
 from starlette.responses import Response
@@ -98,6 +99,32 @@ def in_time(call: application.Call) -> Iterator[None]:
         ) from error
 
 
+def finish(call: application.Call) -> Response:
+    """End a recorded session with the views that agree, and answer with its state."""
+    ticket = call.session(charge="views")
+    service = call.service
+    secret = service.settings.contributor_secret
+    who = contributor(secret, call.address, ticket.token)
+    where = source(secret, call.address)
+
+    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
+        if document.finish is not None:
+            return None, document
+        session_rules.require_finishable(document)
+        rules, views, excluded = solver_values(document)
+        estimate = replace(rules.estimate(views, excluded), progress=1.0, converged=True)
+        changed = session_rules.with_estimate(
+            document, to_estimate_document(estimate, service.now), view_statuses(estimate)
+        )
+        ended = end(changed, estimate, views, service.now, who, where)
+        return ended, ended
+
+    with in_time(call):
+        document = service.store.sessions.update(ticket.sid, service.now, change)
+    publish(call, document)
+    return application.json_response(state(document))
+
+
 @dataclass(frozen=True)
 class Judged:
     """Result of a view: the session document to store if it changes, and the reason of a refusal."""
@@ -110,10 +137,7 @@ class Judged:
 def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, where: str) -> Judged:
     """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
     rules, views, excluded = solver_values(document)
-    if document.target is not None:
-        target = guidance.TargetPose.from_dict(document.target)
-    else:  # nobody asked where to hold the board
-        target = rules.next_target(views, rules.estimate(views, excluded))
+    target = None if document.capture == "recorded" else open_target(document, rules, views, excluded)
     seen = rules.board.view(view.ids, view.points)
     quarantined = rules.board.views([known.model_dump() for known in document.doubted])
     decision = rules.judge(views, target, seen, excluded, quarantined)
@@ -127,18 +151,36 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, wher
         )
     everything = [*views, seen]
     following = None
-    if not estimate.converged:
+    if not estimate.converged and document.capture == "live":
         unreached = targets((*document.unreached, *document.skipped))
         following = rules.next_target(everything, estimate, unreached=unreached).to_dict()
     changed = session_rules.with_view(
         document, view, to_estimate_document(estimate, now), view_statuses(estimate), following
     )
-    if estimate.converged and estimate.calibration is not None:
-        indices = [known.index for known in changed.views if known.set_aside is None]
-        used = [one for i, one in enumerate(everything) if i not in estimate.excluded]
-        described = report.describe(estimate.calibration, used, indices)
-        changed = session_rules.with_finish(changed, now, who, calibsolver.__version__, described, where)
+    if estimate.converged:
+        changed = end(changed, estimate, everything, now, who, where)
     return Judged(changed)
+
+
+def open_target(
+    document: SessionDocument, rules: Capture, views: Sequence[View], excluded: dict[int, Exclusion]
+) -> guidance.TargetPose:
+    """Return the session's open target, chosen now if nobody asked where to hold the board."""
+    if document.target is not None:
+        return guidance.TargetPose.from_dict(document.target)
+    return rules.next_target(views, rules.estimate(views, excluded))
+
+
+def end(
+    document: SessionDocument, estimate: Estimate, views: Sequence[View], now: int, who: str, where: str
+) -> SessionDocument:
+    """Return the document of a session that ends with this estimate of its views."""
+    if estimate.calibration is None:
+        return document
+    indices = [known.index for known in document.views if known.set_aside is None]
+    used = [one for i, one in enumerate(views) if i not in estimate.excluded]
+    described = report.describe(estimate.calibration, used, indices)
+    return session_rules.with_finish(document, now, who, calibsolver.__version__, described, where)
 
 
 def measure(begun: float, ended: float, judged: Judged) -> None:
@@ -203,4 +245,5 @@ def to_estimate_document(estimate: Estimate, now: int) -> EstimateDocument:
 handler = application.handler(
     application.route("/v1/session/views", POST=submit),
     application.route("/v1/session/views/{index}", DELETE=remove),
+    application.route("/v1/session/finish", POST=finish),
 )

@@ -155,6 +155,15 @@ OPERATIONS = (
     ),
     Operation(
         "post",
+        "/v1/session/finish",
+        "finishSession",
+        "End a recorded session with the views that agree; again is answered again",
+        {200: _STATE},
+        (*_ASKED, 404, 409),
+        _SESSION,
+    ),
+    Operation(
+        "post",
         "/v1/lookup",
         "lookup",
         "The calibration of a camera",

@@ -79,7 +79,7 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
         if request.url.startswith("blob:") or body is None:
             continue
         assert set(json.loads(body)) <= {
-            "camera", "platform", "img_size", "zoom", "distortion_model", "board", "target_error",
+            "camera", "platform", "img_size", "zoom", "distortion_model", "board", "capture",
             "index", "ids", "points",
         }  # fmt: skip
 

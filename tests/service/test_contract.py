@@ -34,6 +34,7 @@ def test_a_new_session_has_the_contracts_defaults(client: Client) -> None:
         "board": BOARD,
         "guidance": "projection-uncertainty",
         "target_error": pytest.approx(0.3),
+        "capture": "live",
         "views": [],
         "progress": 0,
         "uncertainty": None,

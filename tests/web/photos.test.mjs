@@ -101,41 +101,47 @@ test("the photograph that shows something new comes first, the copy last", () =>
   assert.ok([flat, copy].includes(order[3]));
 });
 
-/** A service that takes views 0, 2 and 3, and expects less error with each. */
+/** A service that refuses view 1 until it has taken another, never takes view 5, and expects less error with each. */
 function service({ reached }) {
   const calls = [];
-  let [taken, target, sessions] = [0, 0, 0];
+  const bodies = [];
+  let taken = [];
+  let done = false;
   const state = () => ({
-    status: taken > 0 && reached[taken - 1] <= target ? "converged" : "capturing", calibration_id: taken > 0 && reached[taken - 1] <= target ? "id" : null,
-    uncertainty: taken ? { rms: reached[taken - 1] } : null,
+    status: done ? "converged" : "capturing", calibration_id: done ? "id" : null, views: taken.map((id, index) => ({ index, id, set_aside: null })),
+    uncertainty: taken.length ? { rms: reached[taken.length - 1] } : null,
   });
   const api = {
     async json(method, path, credential, { body } = {}) {
       calls.push(`${method} ${path}`);
-      if (path === "/auth") return { session_id: `s${++sessions}` };
-      if (path === "/session" && method === "POST") [taken, target] = [0, body.target_error];
-      if (path === "/session/pose") return { index: taken };
+      bodies.push(body);
+      if (path === "/auth") return { session_id: "s" };
+      if (path === "/session/pose") return { index: taken.length };
+      if (path === "/session/finish") done = true;
       if (path !== "/session/views") return state();
-      const accepted = body.ids[0] !== 1;
-      if (accepted) taken += 1;
-      return { ...state(), accepted, reason: accepted ? null : "no_information" };
+      const [id] = body.ids;
+      assert.equal(body.index, taken.length);
+      const reason = id === 5 ? "degenerate" : id === 1 && taken.length < 2 ? "outlier" : null;
+      if (!reason) taken = [...taken, id];
+      return { ...state(), accepted: !reason, reason };
     },
   };
-  return { api, calls, sessions: () => sessions };
+  return { api, calls, bodies };
 }
-const views = [0, 1, 2, 3].map((id) => ({ ids: [id], points: [[id, id]] }));
+const views = [0, 1, 5, 2, 3].map((id) => ({ ids: [id], points: [[id, id]] }));
 const request = { camera: "A", platform: "photographs", img_size: [1280, 720] };
 
-test("all views that help are used, and the error that they reach is what the session is after", async () => {
-  const { api, sessions } = service({ reached: [3, 1, 0.5] });
+test("every view that agrees counts, however little it adds", async () => {
+  const { api, calls, bodies } = service({ reached: [3, 1, 0.5, 0.5] });
   const judged = [];
   const { state, wanted, numbers } = await calibrate(api, "t", request, views, (judgement) => judged.push(judgement));
   assert.equal(state.status, "converged");
-  assert.deepEqual([...numbers], [[0, 0], [1, 2], [2, 3]], "which of them the session calls by which index");
+  assert.deepEqual([...numbers], [[0, 0], [1, 3], [2, 4], [3, 1]], "which of them the session calls by which index");
   assert.equal(wanted, null);
-  assert.equal(sessions(), 2);
-  assert.deepEqual(judged.filter(({ accepted }) => accepted).map(({ view, before, after }) => [view, before, after]), [[0, null, 3], [2, 3, 1], [3, 1, 0.5]]);
-  assert.ok(judged.some(({ view, accepted }) => view === 1 && !accepted));
+  assert.equal(bodies[1].capture, "recorded");
+  assert.deepEqual(judged.filter(({ accepted }) => accepted).map(({ view, before, after }) => [view, before, after]), [[0, null, 3], [3, 3, 1], [4, 1, 0.5], [1, 0.5, 0.5]]);
+  assert.equal(judged.filter(({ view }) => view === 2).length, 1, "what no other view can mend is offered once");
+  assert.equal(calls.filter((call) => call === "POST /session/finish").length, 1);
 });
 
 test("what was used is shown first, in the order in which the error fell", () => {
@@ -144,11 +150,11 @@ test("what was used is shown first, in the order in which the error fell", () =>
 });
 
 test("views that do not lead far enough are not stored; what would help is asked for", async () => {
-  const { api, calls } = service({ reached: [9, 7, 5] });
+  const { api, calls } = service({ reached: [9, 7, 5, 4] });
   const { state, wanted } = await calibrate(api, "t", request, views, () => {});
   assert.equal(state.calibration_id, null);
-  assert.deepEqual(wanted, { index: 3 });
-  assert.ok(!calls.includes("DELETE /session"));
+  assert.deepEqual(wanted, { index: 4 });
+  assert.ok(!calls.includes("POST /session/finish"));
 });
 
 test("a file that cannot be read is told apart by its name where it has no type", () => {

@@ -7,7 +7,7 @@ import { sayChosen } from "../lib/file-input.js";
 import { number, onLanguage, sized, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { rankByNovelty } from "../lib/rank.js";
-import { calibrate } from "../lib/series.js";
+import { MAX_VIEWS, calibrate } from "../lib/series.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 import { platformHere } from "../sdk/calibdb.js";
@@ -34,8 +34,6 @@ import { card, guessView } from "./views.js";
  * @property {Numbered[]} views those that tell most, best first
  * @property {number} count of views in the file
  */
-
-const MOST = 30; // views offered: the service ends a session after 15
 
 openPage({ import: words, photos, result });
 const query = new URLSearchParams(location.search);
@@ -141,7 +139,7 @@ function ask(content, squares) {
 function accept(views, size) {
   const { board, views: numbered } = prepare(views, size);
   const candidates = numbered.map((each) => ({ ...each, outline: observedOutline(board, each) }));
-  measured = { board, size, views: rankByNovelty(candidates, size, MOST), count: views.length };
+  measured = { board, size, views: rankByNovelty(candidates, size, MAX_VIEWS), count: views.length };
   summarise();
 }
 

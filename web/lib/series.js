@@ -1,5 +1,4 @@
-// A calibration from views that are all there already. The service is a guided capture's: it judges each view by what it
-// adds to those before it, and a calibration is stored when the error it is after is reached.
+// A calibration from views that are all there already: every view counts that agrees with the others.
 
 /**
  * @typedef {import("./api.js").Api} Api
@@ -23,62 +22,57 @@
  * poor.
  */
 const WORTHWHILE = 2;
-const UNREACHABLE_ERROR_PX = 0.01; // so that every view enters that helps
-const MIN_TARGET_ERROR_PX = 1e-3; // px that the service takes
-const MARGIN = 1.001; // the same views come to the same error but for the last digits
+const MIN_VIEWS = 4; // that agree, of which the service makes a calibration
+export const MAX_VIEWS = 100; // offered, so that a video ends within a user's share of requests
+const MAX_POINTS = 20_000; // of all views, that a session holds
 
 /**
- * All views that help are taken first; then, if they are good enough, once more for the error that they reach.
+ * Offers all views, and ends the session with those that agree if they are good enough.
  * @param {Api} api @param {string} token @param {SessionRequest} request @param {View[]} views best first
  * @param {(judgement: Judgement) => void} onJudgement
  * @returns {Promise<Outcome>} rejects as Api does
  */
 export async function calibrate(api, token, request, views, onJudgement) {
-  const scale = request.img_size[0] / 1280;
-  const first = await offer(api, token, { ...request, target_error: Math.max(MIN_TARGET_ERROR_PX, UNREACHABLE_ERROR_PX * scale) }, views, onJudgement);
-  if (first.state.status === "converged") return { state: first.state, wanted: null, numbers: first.taken };
-  const reached = first.state.uncertainty?.rms ?? Infinity;
-  if (first.taken.size === 0 || reached > WORTHWHILE * scale) {
-    const wanted = await api.json("GET", "/session/pose", first.credential);
-    return { state: first.state, wanted, numbers: first.taken };
+  const { session_id: credential } = await api.json("POST", "/auth", token);
+  /** @type {SessionState} */
+  const begun = await api.json("POST", "/session", credential, { body: { ...request, capture: "recorded" } });
+  const { state, numbers } = await offer(api, credential, begun, views, onJudgement);
+  const used = state.views.filter((view) => !view.set_aside).length;
+  if (used < MIN_VIEWS || (state.uncertainty?.rms ?? Infinity) > (WORTHWHILE * request.img_size[0]) / 1280) {
+    return { state, wanted: await api.json("GET", "/session/pose", credential), numbers };
   }
-  await api.json("DELETE", "/session", first.credential);
-  const used = [...first.taken.values()];
-  const second = await offer(api, token, { ...request, target_error: MARGIN * reached }, used.map((view) => views[view]), () => {});
-  const numbers = new Map([...second.taken].map(([index, view]) => [index, used[view]]));
-  if (second.state.status === "converged") return { state: second.state, wanted: null, numbers };
-  return { state: second.state, wanted: await api.json("GET", "/session/pose", second.credential), numbers };
+  return { state: await api.json("POST", "/session/finish", credential), wanted: null, numbers };
 }
 
 /**
- * Offers views to a new session, those refused again beside later targets, until it is done or none is taken any more.
- * @param {Api} api @param {string} token @param {SessionRequest} request @param {View[]} views
+ * Offers views to a session. Those that contradict the ones before them are offered again until none is taken any more:
+ * the first views may be the wrong ones, or too few to tell.
+ * @param {Api} api @param {string} credential @param {SessionState} state @param {View[]} views
  * @param {(judgement: Judgement) => void} onJudgement
  */
-async function offer(api, token, request, views, onJudgement) {
-  const { session_id: credential } = await api.json("POST", "/auth", token);
-  /** @type {SessionState} */
-  let state = await api.json("POST", "/session", credential, { body: request });
+async function offer(api, credential, state, views, onJudgement) {
   /** @type {Map<number, number>} numbers of views by their indices, in the order in which they were taken */
-  const taken = new Map();
-  const waiting = new Set(views.keys());
-  for (let more = true; more && state.status === "capturing";) {
+  const numbers = new Map();
+  let room = MAX_POINTS;
+  let waiting = [...views.keys()].filter((view) => (room -= views[view].points.length) >= 0);
+  for (let more = true; more && waiting.length;) {
     more = false;
-    for (const view of [...waiting]) {
+    /** @type {number[]} */
+    const contradicting = [];
+    for (const view of waiting) {
       const { ids, points } = views[view];
-      const { index } = await api.json("GET", "/session/pose", credential);
+      const index = numbers.size;
       const before = state.uncertainty?.rms ?? null;
       /** @type {ViewAnswer} */
       const answer = await api.json("POST", "/session/views", credential, { body: { index, ids, points } });
       state = answer;
       onJudgement({ view, accepted: answer.accepted, reason: answer.reason, before, after: answer.uncertainty?.rms ?? null });
       if (answer.accepted) {
-        taken.set(index, view);
-        waiting.delete(view);
+        numbers.set(index, view);
         more = true;
-      }
-      if (state.status === "converged") break;
+      } else if (answer.reason === "outlier") contradicting.push(view);
     }
+    waiting = contradicting;
   }
-  return { state, taken, credential };
+  return { state, numbers };
 }

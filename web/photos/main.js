@@ -23,7 +23,7 @@ import { card, thumbnail } from "./card.js";
 import { UnreadableError, shots } from "./files.js";
 import { groups } from "./group.js";
 import { sortByGain, rankByNovelty } from "../lib/rank.js";
-import { calibrate } from "../lib/series.js";
+import { MAX_VIEWS, calibrate } from "../lib/series.js";
 
 /**
  * @typedef {import("./card.js").Picture} Picture
@@ -32,7 +32,6 @@ import { calibrate } from "../lib/series.js";
  */
 
 const DETECTION_TIMEOUT_MS = 120_000; // ms for the board in one picture: they may have a hundred times the pixels of a frame
-const MOST = 30; // views offered: the service ends a session after 15
 
 openPage({ photos: words, result, capture });
 const query = new URLSearchParams(location.search);
@@ -175,7 +174,7 @@ async function start(without = new Set()) {
   try {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
     if (mine !== turn) return;
-    const views = rankByNovelty(group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture)), group.size, MOST);
+    const views = rankByNovelty(group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture)), group.size, MAX_VIEWS);
     const request = {
       camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,

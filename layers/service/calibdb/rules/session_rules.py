@@ -36,6 +36,8 @@ from calibdb.schema import (
 from calibdb.schema.session import SetAside
 
 MAX_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
+MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends by itself long before
+MIN_RECORDED_VIEWS = 4  # that agree, to end a recorded session with: fewer can agree by chance
 MAX_SKIPPED_TARGETS = 8  # targets remembered as unwanted
 PIXELS_OF_TARGET = ("ids", "corners", "outline")  # how a target was seen, not where it was
 MAX_QUARANTINED_VIEWS = 4  # refused views kept in quarantine
@@ -70,6 +72,7 @@ def begin(
         guidance=request.guidance,
         target_error=TARGET_ERROR_PER_WIDTH * request.img_size[0] if target is None else target,
         track=request.track,
+        capture=request.capture,
         prior=seed,
     )
 
@@ -100,7 +103,7 @@ def is_same_start(running: SessionDocument, asked: SessionDocument) -> bool:
         "guidance",
         "target_error",
     )
-    return all(getattr(running, n) == getattr(asked, n) for n in (*names, "track"))
+    return all(getattr(running, n) == getattr(asked, n) for n in (*names, "track", "capture"))
 
 
 def is_idempotent_replay(document: SessionDocument, view: ViewRequest) -> bool:
@@ -130,6 +133,11 @@ def validate_view(document: SessionDocument, view: ViewRequest) -> None:
     if sum(len(v.ids) for v in document.views) + len(view.ids) > MAX_POINTS:
         raise ConflictError(
             f"The session is full: it holds at most {MAX_POINTS} points.", kind="session-full"
+        )
+    if document.capture == "recorded" and len(document.views) >= MAX_RECORDED_VIEWS:
+        raise ConflictError(
+            f"The session is full: it holds at most {MAX_RECORDED_VIEWS} views; finish it.",
+            kind="session-full",
         )
 
 
@@ -207,6 +215,20 @@ def with_views(
     )
 
 
+def with_estimate(
+    document: SessionDocument, estimate: EstimateDocument, statuses: Sequence[ViewStatus]
+) -> SessionDocument:
+    """Replace the estimate of the document; what it advised stays."""
+    known = document.estimate
+    kept = {"suggested_model": known.suggested_model, "advice": known.advice}
+    return document.model_copy(
+        update={
+            "views": _with_statuses(document.views, statuses),
+            "estimate": estimate.model_copy(update=kept),
+        }
+    )
+
+
 def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> SessionDocument:
     """Open `target` in the document."""
     return document.model_copy(update={"target": dict(target)})
@@ -226,6 +248,21 @@ def require_open(document: SessionDocument) -> None:
     """Raise ConflictError when the session has converged."""
     if document.finish is not None:
         raise _already_converged()
+
+
+def require_finishable(document: SessionDocument) -> None:
+    """Raise ConflictError unless the session is a recorded one with enough views that agree."""
+    if document.capture != "recorded":
+        raise ConflictError(
+            "A live capture ends by itself at its target error; start a session with capture=recorded.",
+            kind="live-capture",
+        )
+    used = sum(view.set_aside is None for view in document.views)
+    if used < MIN_RECORDED_VIEWS or document.estimate.fit is None:
+        raise ConflictError(
+            f"A calibration needs {MIN_RECORDED_VIEWS} views that agree; {used} are in. Submit more views.",
+            kind="too-few-views",
+        )
 
 
 def with_finish(
@@ -272,6 +309,7 @@ def to_calibration(document: SessionDocument) -> CalibrationDocument:
         guidance=document.guidance,
         target_error=document.target_error,
         track=document.track,
+        capture=document.capture,
         views=tuple(view for view in document.views if view.set_aside is None),
         set_aside=tuple(view for view in document.views if view.set_aside is not None),
         fits={document.distortion_model: fit},

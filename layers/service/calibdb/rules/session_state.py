@@ -41,6 +41,7 @@ def _members(document: SessionDocument) -> dict[str, Any]:
         "board": document.board,
         "guidance": document.guidance,
         "target_error": document.target_error,
+        "capture": document.capture,
         "views": tuple(
             ViewState(index=v.index, points=len(v.ids), rms=v.rms, set_aside=v.set_aside)
             for v in document.views

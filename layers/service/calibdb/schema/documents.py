@@ -8,7 +8,7 @@ from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, FitRecord, Uncertainty
-from calibdb.schema.fields import DistortionModel, Guidance, ImgSize, Members, Open, Pixel
+from calibdb.schema.fields import CaptureKind, DistortionModel, Guidance, ImgSize, Members, Open, Pixel
 from calibdb.schema.lookup import Reason
 from calibdb.schema.session import Advice, SetAside, Track
 
@@ -60,6 +60,7 @@ class CaptureDocument(Open):
     guidance: Guidance
     target_error: float
     track: Track
+    capture: CaptureKind = "live"
 
 
 class SessionDocument(CaptureDocument):

@@ -57,6 +57,9 @@ def _canonical(zoom: float) -> float:
     return round(zoom, 6) + 0.0  # + 0.0 turns -0.0 into 0.0: equal zooms are written alike
 
 
+# A board before a running camera; or views that are all there already: of photographs, a video, a file.
+CaptureKind = Literal["live", "recorded"]
+
 # The names, and the order of the coefficients, are the API's. `calibsolver.models` has one file for each.
 DistortionModel = Literal["rectilinear", "fisheye", "rational", "omnidirectional"]
 DISTORTION_MODELS: tuple[str, ...] = get_args(DistortionModel)

@@ -9,6 +9,7 @@ from pydantic import Field
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, Uncertainty
 from calibdb.schema.fields import (
+    CaptureKind,
     DistortionModel,
     Guidance,
     ImgSize,
@@ -88,6 +89,12 @@ class SessionRequest(Strict):
         None, description="px over the image at which the session ends; default 0.3 at 1280 px image width."
     )
     track: Track = Track()
+    capture: CaptureKind = Field(
+        "live",
+        description="`recorded`: the views are all there already (photographs, a video, corners that another "
+        "program found). Every view that agrees with the others is accepted, whatever it adds, and "
+        "`POST /v1/session/finish` ends the session.",
+    )
 
 
 class ViewRequest(Seen):
@@ -143,6 +150,7 @@ class SessionState(Open):
     board: Board
     guidance: Guidance
     target_error: float
+    capture: CaptureKind = "live"
     views: tuple[ViewState, ...]
     progress: float = Field(ge=0, le=1)
     uncertainty: Uncertainty | None

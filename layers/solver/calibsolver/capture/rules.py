@@ -56,6 +56,8 @@ class Capture:
         px, predicted rms projection error over the image at which the capture ends.
     seed
         Initial camera, as others have measured it; fits start there, and it is no part of the result.
+    recorded
+        The views are all there already: the capture does not end by itself, at whatever error or number.
     """
 
     def __init__(
@@ -66,6 +68,7 @@ class Capture:
         guidance: str = "projection-uncertainty",
         target_error: float = 0.3,
         seed: Camera | None = None,
+        recorded: bool = False,
     ) -> None:
         if guidance not in GUIDES:
             raise ValueError(f"unknown guidance {guidance!r}")
@@ -73,6 +76,7 @@ class Capture:
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model).name
         self.target_error = float(target_error)
+        self.recorded = recorded
         self.seed = seed if seed is not None and self._is_usable_seed(seed) else None
         self.guide = GUIDES[guidance](board, self.img_size, self.model, self.seed)
         self.consistency = Consistency(self.img_size, self.model, self.seed)
@@ -87,8 +91,9 @@ class Capture:
         Parameters
         ----------
         record
-            `board` (see `Board.from_record`), `img_size`, `distortion_model`, `guidance`, `target_error`, and
-            `prior`, the seed as a calibration record (see `Camera.from_record`), None or missing.
+            `board` (see `Board.from_record`), `img_size`, `distortion_model`, `guidance`, `target_error`,
+            `capture` (``live`` or ``recorded``; missing: live), and `prior`, the seed as a calibration record
+            (see `Camera.from_record`), None or missing.
         """
         w, h = record["img_size"]
         seed = record.get("prior")
@@ -99,6 +104,7 @@ class Capture:
             guidance=record["guidance"],
             target_error=record["target_error"],
             seed=Camera.from_record(seed) if seed is not None else None,
+            recorded=record.get("capture") == "recorded",
         )
 
     def _is_usable_seed(self, seed: Camera) -> bool:
@@ -133,11 +139,11 @@ class Capture:
         if isinstance(self.guide, PoseSelection):
             on_target = self.guide.is_done([views[i] for i in active])
         full = len(active) >= MAX_VIEWS or sum(map(len, views)) + len(self.board.points) > MAX_POINTS
-        converged = (on_target and len(active) >= MIN_VIEWS) or full
+        converged = ((on_target and len(active) >= MIN_VIEWS) or full) and not self.recorded
         span = np.log(self._initial_rms / self.target_error)
         near = float(np.clip(np.log(self._initial_rms / max(u.rms, 1e-9)) / span, 0, 1)) if span > 0 else 1.0
         progress = 1.0 if converged else min(0.95 * near, len(active) / MIN_VIEWS, 0.95)
-        advice = (LIMIT_REACHED,) if full and not on_target else ()
+        advice = (LIMIT_REACHED,) if full and not (on_target or self.recorded) else ()
         return Estimate(calibration, tuple(errors), u, progress, converged, excluded, advice)
 
     def reconcile(self, views: Sequence[View], excluded: Mapping[int, Exclusion]) -> Estimate:
@@ -169,7 +175,7 @@ class Capture:
     def judge(
         self,
         views: Sequence[View],
-        target: TargetPose,
+        target: TargetPose | None,
         view: View,
         excluded: Mapping[int, Exclusion] | None = None,
         quarantined: Sequence[View] = (),
@@ -179,7 +185,8 @@ class Capture:
         Parameters
         ----------
         target
-            The open target pose.
+            The open target pose, of whose gain a view must bring a share; None for a recorded view: nothing
+            was asked of it, and it counts if it agrees with the others.
         excluded
             Exclusions of accepted views, by index.
         quarantined
@@ -195,7 +202,7 @@ class Capture:
     def _decide(
         self,
         views: list[View],
-        target: TargetPose,
+        target: TargetPose | None,
         view: View,
         excluded: dict[int, Exclusion],
         quarantined: Sequence[View],
@@ -294,8 +301,10 @@ class Capture:
             return estimate
         return replace(estimate, converged=False, progress=min(estimate.progress, 0.95))
 
-    def _is_informative(self, target: TargetPose, view: View, gain: float) -> bool:
-        """Whether a consistent view brings enough of what was predicted for the target."""
+    def _is_informative(self, target: TargetPose | None, view: View, gain: float) -> bool:
+        """Whether a consistent view brings enough of what was predicted for the target, if there is one."""
+        if target is None:
+            return True
         if isinstance(self.guide, PoseSelection):
             return self.guide.is_reached(target, view)
         return gain >= MIN_GAIN_SHARE * target.gain
@@ -330,7 +339,7 @@ class Capture:
         return error if np.isfinite(error) else None
 
     def _refuse(
-        self, reason: Reason, view: View, target: TargetPose, before: Calibration | None = None
+        self, reason: Reason, view: View, target: TargetPose | None, before: Calibration | None = None
     ) -> ViewDecision:
         """Refuse the view with a hint how to do better."""
         hints: dict[Reason, Hint] = {
@@ -339,8 +348,8 @@ class Capture:
             "mirrored": Hint.of("unmirror"),
             "outlier": Hint.of("hold_still"),
         }
-        if reason in hints:
-            return ViewDecision(False, reason, None, hints[reason])
+        if reason in hints or target is None:
+            return ViewDecision(False, reason, None, hints.get(reason))
         camera = before.camera if before else self._initial_camera
         pose = reprojection_score(camera, [view]).poses[0]
         actual = Placement.of(self.board, camera, rotation.matrix(pose[:3]), pose[3:])

@@ -1,0 +1,96 @@
+"""Sessions of views that are all there already: every view that agrees counts, and the client ends them."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from calibsolver import Board, View, fit
+from calibsolver.formats.grid import grid
+from tests.helpers.data import available, corner_views
+from tests.helpers.service.client import Client, Truth
+
+NAMES = available(["opencv_left", "pv_charuco_480"])
+"""The second: 16 photographs of which a guided capture's rule used nine."""
+
+
+def recorded(client: Client, name: str) -> tuple[list[tuple[int, ...]], list[View]]:
+    """Start a recorded session of a real corner set; ids and views on the session's board."""
+    views, size = corner_views(name)
+    found = grid(views)
+    board = Board(found.squares, dictionary="DICT_4X4_1000")
+    told = {"squares": list(found.squares), "dictionary": "DICT_4X4_1000"}
+    opened = client.open(camera=f"Recorded {name}", img_size=list(size), board=told, capture="recorded")
+    assert opened.status == 201, opened.body
+    assert opened.json["capture"] == "recorded"
+    return list(found.ids), [board.view(i, v.image_points) for i, v in zip(found.ids, views, strict=True)]
+
+
+def offer(client: Client, index: int, ids: tuple[int, ...], view: View) -> dict[str, Any]:
+    answer = client.view(index, list(ids), view.image_points.tolist())
+    assert answer.status == 200, answer.body
+    judged: dict[str, Any] = answer.json
+    return judged
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_real_view_that_agrees_counts(client: Client, name: str) -> None:
+    ids, views = recorded(client, name)
+    taken: list[View] = []
+    for i, view in zip(ids, views, strict=True):
+        answer = offer(client, len(taken), i, view)
+        assert answer["status"] == "capturing", "no error and no number of views ends it"
+        assert answer["reason"] != "no_information"
+        taken += [view] if answer["accepted"] else []
+    assert (
+        len(taken) >= len(views) - 1
+    )  # a photograph of another board, or blurred, may contradict the others
+    ended = client.call("POST", "/v1/session/finish")
+    assert (ended.status, ended.json["status"]) == (200, "converged")
+    used = [v for v, state in zip(taken, ended.json["views"], strict=True) if state["set_aside"] is None]
+    assert len(used) >= len(views) - 1
+    expected = fit(used, tuple(ended.json["img_size"]))
+    assert np.allclose(ended.json["calibration"]["camera_matrix"], expected.camera.matrix, rtol=1e-4)
+    assert client.call("POST", "/v1/session/finish").json == ended.json, "again is answered again"
+    token = client.api_token
+    stored = client.call("GET", f"/v1/calibrations/{ended.json['calibration_id']}", token=token).json
+    assert len(stored["report"]["views"]) == len(used)
+
+
+def test_view_that_adds_little_counts_where_it_is_recorded_only(client: Client) -> None:
+    truth = Truth()
+    views = []
+    live = client.open(camera="Live").json
+    assert live["capture"] == "live"
+    for _ in range(3):
+        pose = client.pose().json
+        views.append(truth.see(pose))
+        assert client.view(pose["index"], *views[-1]).json["accepted"]
+    far = truth.see({"rvec": [0.0, 0, 0], "tvec": [-4, -3, 25]})
+    little = client.view(client.pose().json["index"], *far).json
+    assert (little["accepted"], little["reason"]) == (False, "no_information")
+    assert client.call("POST", "/v1/session/finish").status == 409
+    client.open(camera="Recorded", capture="recorded")
+    for index, view in enumerate([*views, far]):
+        assert client.view(index, *view).json["accepted"]
+
+
+def test_recorded_session_refuses_what_no_camera_saw(client: Client) -> None:
+    client.open(camera="Recorded badly", capture="recorded")
+    truth = Truth()
+    ids, points = truth.see({"rvec": [0.3, 0.4, 0], "tvec": [-4, -3, 9]})
+    row = [n for n, i in enumerate(ids) if i // 8 == 2]
+    line = client.view(0, [ids[n] for n in row], [points[n] for n in row]).json
+    assert (line["accepted"], line["reason"]) == (False, "degenerate")
+    few = client.call("POST", "/v1/session/finish")
+    assert (few.status, few.json["type"].rpartition("/")[2].rpartition("#")[2]) == (409, "too-few-views")
+    assert client.view(0, ids, points).json["accepted"]
+    assert client.call("POST", "/v1/session/finish").status == 409
+
+
+def test_recorded_and_live_are_different_sessions(client: Client) -> None:
+    start = {"camera": "One", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
+    client.open(camera="One", capture="recorded")
+    assert client.call("POST", "/v1/session", {**start, "capture": "recorded"}).status == 201
+    assert client.call("POST", "/v1/session", start).status == 409
+    assert client.call("POST", "/v1/session", {**start, "capture": "video"}).status == 422
