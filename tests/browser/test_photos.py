@@ -44,10 +44,10 @@ def series(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
         ratio = photographs.CAMERA.fx / photographs.CAMERA.size[0]
         named = f"{photographs.MAKE} {photographs.MODEL}"
         drawn = photographs.draw(folder)
-        return Series(drawn, photographs.draw_other(folder), ratio, 0.003, named, fewest=5)
+        return Series(drawn, photographs.draw_other(folder), ratio, 0.003, named, fewest=11)
     small, large = (sorted((data_dir() / "photos" / f"charuco_{size}").glob("*.jpg")) for size in SIZES)
     # What plain OpenCV makes of all of them: fx/w = 1.06.
-    return Series(small[5:], large[0], 1.06, 0.02, "", fewest=6)
+    return Series(small[5:], large[0], 1.06, 0.02, "", fewest=11)
 
 
 def calibrate(page: Page) -> None:
