@@ -28,6 +28,15 @@ EXCLUDED_OUTLIER = Exclusion("outlier", "Views that came later show that its cor
 EXCLUDED_MINORITY = Exclusion("disagrees", "More views agree with each other than with this one.")
 
 
+REFUSAL_HINTS: Mapping[Reason, Hint] = {
+    "too_few_points": Hint.of("show_more"),
+    "degenerate": Hint.of("closer"),
+    "mirrored": Hint.of("unmirror"),
+    "outlier": Hint.of("hold_still"),
+}
+"""Hint after a refusal that does not depend on the target."""
+
+
 def exclusions(records: Iterable[Mapping[str, Any]]) -> dict[int, Exclusion]:
     """Exclusions by index of views given as plain values: `set_aside` holds one, or is None or missing."""
     return {

@@ -16,14 +16,22 @@ from ..fitting.observations import Observations
 from ..fitting.resection import reprojection_score
 from ..fitting.uncertainty import Uncertainty
 from ..guidance import GUIDES, MIN_NOISE_WIDTHS, IntrinsicsPosterior, PoseSelection
-from ..guidance.hints import Hint, Placement, largest_difference
+from ..guidance.hints import Placement, largest_difference
+from ..guidance.posterior import is_usable_seed
 from ..guidance.target import TargetPose
 from ..quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from ..view import View
 from .admission import Reason, rejection_reason
 from .advice import LIMIT_REACHED, describe_disagreement, find_better_model
 from .consistency import MAX_OUTVOTED_VIEWS, Consistency
-from .decision import EXCLUDED_MINORITY, EXCLUDED_OUTLIER, Estimate, Exclusion, ViewDecision
+from .decision import (
+    EXCLUDED_MINORITY,
+    EXCLUDED_OUTLIER,
+    REFUSAL_HINTS,
+    Estimate,
+    Exclusion,
+    ViewDecision,
+)
 
 MIN_VIEWS = 4
 """Views before a capture may converge: fewer can agree by chance."""
@@ -77,7 +85,8 @@ class Capture:
         self.model = models.get(model).name
         self.target_error = float(target_error)
         self.recorded = recorded
-        self.seed = seed if seed is not None and self._is_usable_seed(seed) else None
+        usable = seed is not None and is_usable_seed(seed, self.model, self.img_size)
+        self.seed = seed if usable else None
         self.guide = GUIDES[guidance](board, self.img_size, self.model, self.seed)
         self.consistency = Consistency(self.img_size, self.model, self.seed)
         # Progress is measured from here: the first view brings the error that the prior predicts to some px.
@@ -106,15 +115,6 @@ class Capture:
             seed=Camera.from_record(seed) if seed is not None else None,
             recorded=record.get("capture") == "recorded",
         )
-
-    def _is_usable_seed(self, seed: Camera) -> bool:
-        """Whether a seed is of this model and image size, and a believable camera."""
-        (w, h), k = self.img_size, seed.intrinsics
-        if (seed.model, seed.img_size) != (self.model, self.img_size) or not np.isfinite(k).all():
-            return False
-        with np.errstate(all="ignore"):
-            focal = seed.focal[0]
-        return bool(0.1 * w < focal < 20 * w and abs(k[2] - w / 2) < w / 4 and abs(k[3] - h / 2) < h / 4)
 
     def camera(self, estimate: Estimate | None) -> Camera:
         """Camera to draw with: the estimate's, or the initial one where there is none."""
@@ -342,14 +342,8 @@ class Capture:
         self, reason: Reason, view: View, target: TargetPose | None, before: Calibration | None = None
     ) -> ViewDecision:
         """Refuse the view with a hint how to do better."""
-        hints: dict[Reason, Hint] = {
-            "too_few_points": Hint.of("show_more"),
-            "degenerate": Hint.of("closer"),
-            "mirrored": Hint.of("unmirror"),
-            "outlier": Hint.of("hold_still"),
-        }
-        if reason in hints or target is None:
-            return ViewDecision(False, reason, None, hints.get(reason))
+        if reason in REFUSAL_HINTS or target is None:
+            return ViewDecision(False, reason, None, REFUSAL_HINTS.get(reason))
         camera = before.camera if before else self._initial_camera
         pose = reprojection_score(camera, [view]).poses[0]
         actual = Placement.of(self.board, camera, rotation.matrix(pose[:3]), pose[3:])

@@ -92,3 +92,13 @@ class IntrinsicsPosterior:
         before = symmetric_inverse(self.information)
         after = symmetric_inverse(self.information + information / self.noise**2)
         return float(np.sum((before - after) * w))
+
+
+def is_usable_seed(seed: Camera, model_name: str, img_size: tuple[int, int]) -> bool:
+    """Whether a seed is of this model and image size, and a believable camera."""
+    (w, h), k = img_size, seed.intrinsics
+    if (seed.model, seed.img_size) != (model_name, img_size) or not np.isfinite(k).all():
+        return False
+    with np.errstate(all="ignore"):
+        focal = seed.focal[0]
+    return bool(0.1 * w < focal < 20 * w and abs(k[2] - w / 2) < w / 4 and abs(k[3] - h / 2) < h / 4)
