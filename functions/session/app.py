@@ -23,6 +23,8 @@ def start(call: application.Call) -> Response:
     who = call.service.contributor(call.address, ticket.token)
 
     def begin(version: int) -> SessionDocument:
+        if version > 1:  # started anew, it can be published anew: a capture as any other
+            call.service.charge(call.service.token_of(ticket), "sessions", call.address)
         return session_rules.begin(request, sid, version, now, find_seed(store, request), who)
 
     document, made = store.sessions.start(sid, now, begin)

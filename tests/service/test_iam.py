@@ -95,6 +95,8 @@ def use(stack: LocalStack) -> None:
     assert client.pose("skip=1").status == 200
     assert client.state()["status"] == "capturing"
     assert client.call("DELETE", "/v1/session").status == 204
+    started_anew = {**CAMERA, "camera": "Well known", "platform": PLATFORM}
+    assert client.call("POST", "/v1/session", started_anew).status == 201
     state = Truth(seed=12).calibrate(client, camera="Captured here", platform=PLATFORM)
     stack.wait_until_idle(60)
     assert store(stack).consensuses.of(state["calibration_id"].rpartition("-")[0])

@@ -86,6 +86,26 @@ def test_starting_and_forgetting_again_and_again_counts(client: Client, token: s
         assert_used_up(client.call(method, "/v1/session", body))
 
 
+def test_starting_anew_under_one_session_id_counts_as_a_session(client: Client, token: str) -> None:
+    client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    statuses = []
+    for n in range(3):  # the first start is what was counted when the session was opened
+        statuses.append(client.call("POST", "/v1/session", {**CAMERA, "camera": f"Camera {n}"}).status)
+        if n < 2:
+            assert client.call("DELETE", "/v1/session").status == 204
+    assert statuses == [201, 201, 201]
+    assert_used_up(client.call("POST", "/v1/auth", token=token))
+
+
+def test_start_beyond_the_sessions_of_the_plan_is_refused(client: Client, token: str) -> None:
+    for _ in range(3):
+        client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    assert client.call("POST", "/v1/session", CAMERA).status == 201
+    assert client.call("DELETE", "/v1/session").status == 204
+    assert_used_up(client.call("POST", "/v1/session", CAMERA))
+    assert client.call("GET", "/v1/session").status == 404
+
+
 def test_lookups(client: Client, token: str) -> None:
     body = {**CAMERA, "redirect": False}
     answers = [client.call("POST", "/v1/lookup", body, token=token) for _ in range(6)]

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from calibdb.access.plans import PLANS, Kind, Plan, plan
+from calibdb.access.plans import NETWORK_SHARES, PLANS, Kind, Plan, plan
 from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
-from calibdb.access.tokens import ApiToken, SessionIds, Ticket, contributor, matches, parse
+from calibdb.access.tokens import ApiToken, SessionIds, Ticket, contributor, matches, network, parse
 from calibdb.errors import ForbiddenError, TooManyError
 from calibdb.settings import Settings
 from calibdb.store import Store
@@ -99,21 +99,28 @@ class Service:
 
     def count_lookup(self, token: ApiToken, address: str) -> None:
         """Count a read with an API token, in memory; raises TooManyError."""
-        self._tokens.count_lookup(token, address)
+        self._tokens.count_lookup(token, *self._shares(token, address))
 
     def charge(self, token: ApiToken, kind: Kind, address: str) -> None:
-        """Count a call against this hour's share of the contributor, then of all; raises TooManyError.
+        """Count a call against this hour's share of the contributor, of their line, of all; TooManyError.
 
         In this order, so that who has used up their own share takes nothing from the others any more.
         """
         allowed = plan(token.plan, self._plans)
         now = self.now
-        for limit, who in (
-            (getattr(allowed.each, kind), self.contributor(address, token.id)),
-            (getattr(allowed.together, kind), ""),
-        ):
-            if limit is not None and not self.store.quotas.take(token.id, kind, now, limit, who):
+        each, together = getattr(allowed.each, kind), getattr(allowed.together, kind)
+        who, line = self._shares(token, address)
+        limits = [(each, who), (together, "")]
+        if line is not None and each is not None:
+            limits.insert(1, (NETWORK_SHARES * each, line))
+        for limit, name in limits:
+            if limit is not None and not self.store.quotas.take(token.id, kind, now, limit, name):
                 raise TooManyError(retry_after(now))
+
+    def _shares(self, token: ApiToken, address: str) -> tuple[str, str | None]:
+        """Keyed hashes of a contributor and, of IPv6, of their line."""
+        secret = self.settings.contributor_secret
+        return self.contributor(address, token.id), network(secret, address, token.id)
 
 
 @functools.lru_cache(maxsize=8)

@@ -8,6 +8,9 @@ from typing import Literal
 
 HOUR_S = 3600  # period of all plans
 
+NETWORK_SHARES = 3
+"""Users whose share the contributors of one IPv6 line have together."""
+
 Kind = Literal["sessions", "views", "poses", "lookups"]
 
 
@@ -36,8 +39,8 @@ class Plan:
 
 # A capture is four to six views and a few refused ones; who calibrates all cameras in the house needs ten
 # captures an hour. For each view the page asks twice where to hold the board: in numbers and as a picture.
-# The token of a page is public: one stranger who copies it gets the share of one user, and many of them
-# exhaust that page's plan, nobody else's.
+# The token of a page is public: one stranger who copies it gets the share of one user, of three if their line
+# has IPv6, and many of them exhaust that page's plan, nobody else's.
 _EACH = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
 _NONE = Allowance(None, None, None, None)
 

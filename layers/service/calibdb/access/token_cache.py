@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from calibdb.access.plans import HOUR_S, PLANS, Kind, Plan, plan
+from calibdb.access.plans import HOUR_S, NETWORK_SHARES, PLANS, Kind, Plan, plan
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
 
@@ -110,8 +110,8 @@ class TokenCache:
         self._flush(known, now)
         return token
 
-    def count_lookup(self, token: ApiToken, source: str) -> None:
-        """Count a lookup from `source`; raises TooManyError where the hour's are used up."""
+    def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> None:
+        """Count a lookup from `source` on the line `network`; TooManyError where the hour's are used up."""
         allowed = plan(token.plan, self._plans)
         if allowed.together.lookups is None:
             return
@@ -123,13 +123,18 @@ class TokenCache:
             if known.hour != int(now // HOUR_S):
                 known.hour, known.used_up = int(now // HOUR_S), False
                 known.sources.clear()
-            who = hash(source)  # differs from process to process: no address is kept
-            used = known.sources.get(who, 0)
-            if known.used_up or (allowed.each.lookups is not None and used >= allowed.each.lookups):
+            # Hashes differ from process to process: no address is kept.
+            shares = {hash(source): 1} | ({} if network is None else {hash((network,)): NETWORK_SHARES})
+            each = allowed.each.lookups
+            if known.used_up or (
+                each is not None
+                and any(known.sources.get(who, 0) >= share * each for who, share in shares.items())
+            ):
                 raise TooManyError(retry_after(now))
-            if len(known.sources) >= _MAX_SOURCES:
+            if len(known.sources) + len(shares) > _MAX_SOURCES:
                 known.sources.clear()
-            known.sources[who] = used + 1
+            for who in shares:
+                known.sources[who] = known.sources.get(who, 0) + 1
             known.lookups += 1
 
     def _flush(self, known: _Entry, now: float) -> None:

@@ -159,6 +159,17 @@ def source(secret: str, address: str) -> str:
     return hmac.new(secret.encode(), f"source\n{_site(address, 48)}".encode(), hashlib.sha256).hexdigest()
 
 
+def network(secret: str, address: str, token_id: str) -> str | None:
+    """Return the keyed hash that stands for an IPv6 line and a token; None of an IPv4 address.
+
+    The line is the first 48 bits, as in `source`: a home is commonly given the first 56, which are 256
+    contributors. An IPv4 address is one contributor already.
+    """
+    if ":" not in (line := _site(address, 48)):
+        return None
+    return hmac.new(secret.encode(), f"network\n{line}\n{token_id}".encode(), hashlib.sha256).hexdigest()
+
+
 def _site(address: str, bits: int = 64) -> str:
     try:
         parsed = ipaddress.ip_address(address)

@@ -220,3 +220,37 @@ def test_a_session_ends_within_a_minute_of_its_tokens_revocation(
 )
 def test_contributor_is_address_and_token(one: str, other: str, same: bool) -> None:
     assert (contributor("secret", one, "t") == contributor("secret", other, "t")) is same
+
+
+def granted(service: Service, kind: Any, addresses: list[str]) -> list[bool]:
+    token, out = service._tokens.get("t"), []
+    assert token is not None
+    for address in addresses:
+        try:
+            if kind == "lookups":
+                service.count_lookup(token, address)
+            else:
+                service.charge(token, kind, address)
+            out.append(True)
+        except TooManyError:
+            out.append(False)
+    return out
+
+
+@pytest.mark.parametrize(("kind", "each"), [("sessions", 2), ("views", 2), ("lookups", 20)])
+def test_one_ipv6_line_has_the_share_of_three_users(
+    tokens: Tokens, quotas: Quotas, clock: Clock, kind: str, each: int
+) -> None:
+    wide = Plan(Allowance(1_000, 1_000, 10_000, 1_000), Allowance(sessions=2, views=2, lookups=20, poses=2))
+    settings = Settings.from_environment(ENVIRONMENT)
+    store = replace(Store.of(settings), tokens=cast(Any, tokens), quotas=cast(Any, quotas))
+    service = Service.build(settings, store, clock, plans={"small": wide, "free": wide})
+    subnets = [f"2001:db8:1:{n:x}::{host}" for n in range(256) for host in range(1, each + 1)]
+    got = granted(service, kind, subnets)
+    assert sum(got) == 3 * each
+    assert got == sorted(got, reverse=True)
+    # one subnet is one user, and its hosts are no more
+    assert sum(granted(service, kind, [f"2001:db8:2:0::{n:x}" for n in range(1, 100)])) == each
+    # of IPv4 every address is a user, and another line is another
+    assert all(granted(service, kind, [f"192.0.2.{n}" for n in range(50)]))
+    assert all(granted(service, kind, [f"2001:db8:{n:x}::1" for n in range(3, 50)]))
