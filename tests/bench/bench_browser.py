@@ -25,7 +25,7 @@ RATE = 30  # frames/s of the rectifier's video
 
 
 def rows() -> Iterator[Row]:
-    path = shutil.which("chromium")
+    path = shutil.which("chromium") or shutil.which("chromium-headless-shell")
     if path is None:
         return
     with LocalStack() as stack, stack.serve() as url, sync_playwright() as playwright:

@@ -55,6 +55,11 @@ def executable(name: str) -> str:
     return path
 
 
+def chromium_path() -> str:
+    """Path of Chromium: its headless shell, where that is installed, opens a page for a third of the time."""
+    return shutil.which("chromium-headless-shell") or executable("chromium")
+
+
 @pytest.fixture(scope="session")
 def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a running calibDB with an empty database."""
@@ -79,7 +84,7 @@ def playwright() -> Iterator[Playwright]:
 
 @pytest.fixture(scope="session")
 def chromium(playwright: Playwright) -> Iterator[Browser]:
-    browser = playwright.chromium.launch(executable_path=executable("chromium"), args=CHROMIUM)
+    browser = playwright.chromium.launch(executable_path=chromium_path(), args=CHROMIUM)
     yield browser
     browser.close()
 

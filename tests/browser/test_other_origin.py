@@ -11,7 +11,7 @@ from playwright.sync_api import Playwright
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.waiting import TIMEOUT_S
 
-from .conftest import CHROMIUM, ROOT, executable
+from .conftest import CHROMIUM, ROOT, chromium_path
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 
@@ -31,7 +31,7 @@ def test_the_readmes_example_runs_on_another_origin(
     playwright: Playwright, elsewhere: str, stack: str
 ) -> None:
     browser = playwright.chromium.launch(
-        executable_path=executable("chromium"), args=[*CHROMIUM, *FAKE_CAMERA]
+        executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA]
     )
     page = browser.new_page()
     errors: list[str] = []

@@ -18,7 +18,7 @@ from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import TIMEOUT_S
 
-from .conftest import CHROMIUM, ROOT, TOKEN, executable
+from .conftest import CHROMIUM, ROOT, TOKEN, chromium_path
 from .test_ar import WEBCAM
 
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
@@ -64,7 +64,7 @@ def project(tmp_path: Path, stack: str) -> Iterator[str]:
 
 def test_the_packages_example_runs(playwright: Playwright, project: str, stack: str) -> None:
     browser = playwright.chromium.launch(
-        executable_path=executable("chromium"), args=[*CHROMIUM, *FAKE_CAMERA]
+        executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA]
     )
     page = browser.new_page()
     errors: list[str] = []

@@ -33,7 +33,7 @@ def assert_true(calibration: dict[str, Any], views: int, seconds: float, frames:
         f"projection error mean {errors.mean():.3f}, max {errors.max():.3f} px"
     )
     assert views <= 6
-    assert frames > 50
+    assert frames >= 5 * views  # of one that is held still there are several
     assert min(seconds, frames / RATE) <= 40  # a machine that looks at fewer has more time
     assert errors.mean() < 0.4
 

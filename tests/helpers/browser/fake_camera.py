@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from playwright.sync_api import Page, Playwright
 
-from ...browser.conftest import CHROMIUM, executable
+from ...browser.conftest import CHROMIUM, chromium_path
 from .waiting import TIMEOUT_S
 
 WIDTH, HEIGHT = 1280, 720
@@ -60,7 +60,7 @@ def camera(playwright: Playwright, url: str, folder: Path, rate: int = 20) -> It
         "--use-fake-device-for-media-stream",
         f"--use-file-for-fake-video-capture={source}",
     ]
-    browser = playwright.chromium.launch(executable_path=executable("chromium"), args=CHROMIUM + flags)
+    browser = playwright.chromium.launch(executable_path=chromium_path(), args=CHROMIUM + flags)
     try:
         page = browser.new_page(base_url=url, service_workers="block")
         page.set_default_timeout(1000 * TIMEOUT_S)
