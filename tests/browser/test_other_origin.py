@@ -30,9 +30,7 @@ def elsewhere(tmp_path: Path, stack: str) -> Iterator[str]:
 def test_the_readmes_example_runs_on_another_origin(
     playwright: Playwright, elsewhere: str, stack: str
 ) -> None:
-    browser = playwright.chromium.launch(
-        executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA]
-    )
+    browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
     page = browser.new_page()
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))

@@ -63,9 +63,7 @@ def project(tmp_path: Path, stack: str) -> Iterator[str]:
 
 
 def test_the_packages_example_runs(playwright: Playwright, project: str, stack: str) -> None:
-    browser = playwright.chromium.launch(
-        executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA]
-    )
+    browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
     page = browser.new_page()
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
