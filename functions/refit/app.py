@@ -14,8 +14,9 @@ import functools
 import math
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
+from calibdb.camera_key import public_label, public_platform
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import quality_gates
@@ -181,12 +182,13 @@ def pool(
     except CalibrationError:
         found = "too_few" if len(documents) < rule.min_calibrations else "disagree"
         return stored(found=found, reason=found), GroupsDocument(pooled=pool_digest)
-    newest = max((d for d in documents if d.id in agreed.members), key=lambda d: (d.time, d.id))
+    group = [d for d in documents if d.id in agreed.members]
+    newest = max(group, key=lambda d: (d.time, d.id))
     calibration = Calibration.of(
         FitRecord.model_validate(agreed.calibration.record()),
         id=consensus_id(mode.camera_key, mode.img_size, mode.zoom, model),
-        camera=newest.camera,
-        platform=newest.platform,
+        camera=most_contributed(group, "camera"),
+        platform=most_contributed(group, "platform"),
         zoom=mode.zoom,
         calibration_time=newest.time,
         calibrations=len(agreed.members),
@@ -204,6 +206,18 @@ def pool(
         stored(found=agreed.reason, confirmable=confirmable, calibration=calibration),
         GroupsDocument(pooled=pool_digest, groups=agreed.groups, errors=errors),
     )
+
+
+def most_contributed(group: Sequence[CalibrationDocument], name: Literal["camera", "platform"]) -> str:
+    """Return the text that most contributors of a group sent, by today's rules; of equals the oldest.
+
+    So nobody names a camera that others calibrated.
+    """
+    public = {"camera": public_label, "platform": public_platform}[name]
+    contributors: dict[str, set[str]] = {}
+    for document in sorted(group, key=lambda d: (d.time, d.id)):
+        contributors.setdefault(public(getattr(document, name)), set()).add(document.counted_as)
+    return max(contributors, key=lambda text: len(contributors[text]))  # the first of equals
 
 
 def is_consistent(

@@ -230,3 +230,27 @@ def test_concurrent_last_view_ends_the_session_once(stack: LocalStack, at_rest: 
     )["Contents"]
     assert [entry["Key"] for entry in files] == [f"calibrations/{key}/{calibration_id}.json"]
     until(lambda: [c.total for c in at_rest.consensuses.of(key)] == [1] * MODELS, 30)
+
+
+def test_consensus_bears_the_label_of_most_contributors_not_of_the_newest(at_rest: Store) -> None:
+    label = "Named by many (1234:5678)"
+    documents = [calibration(label, n, views=3) for n in range(4)]
+    for n in (4, 5, 6):  # one contributor, often, and newer than all
+        newer = calibration(label, n, views=3)
+        documents.append(
+            newer.model_copy(
+                update={
+                    "camera": "NAMED BY MANY (1234:5678)",
+                    "platform": "Linux; Android 14; SM-X1",
+                    "contributor": "f" * 64,
+                    "source": "f" * 64,
+                }
+            )
+        )
+    for document in documents:
+        at_rest.calibrations.publish(document)
+    (found,) = at_rest.refit.now(asked(mode_of(documents[0]), "rectilinear")).models.values()
+    assert found is not None
+    assert found.calibration is not None
+    assert found.calibration.calibrations == 7
+    assert (found.calibration.camera, found.calibration.platform) == (label, documents[0].platform)

@@ -7,8 +7,9 @@ import unicodedata
 from dataclasses import dataclass
 
 from calibdb.camera_key.apple import CAMERA_WORDS, in_english
+from calibdb.camera_key.confusable import in_latin
 from calibdb.camera_key.names import without_maker
-from calibdb.camera_key.owner import without_owner, without_telephone
+from calibdb.camera_key.owner import without_owner, without_path, without_telephone
 from calibdb.camera_key.virtual import program, spelling_of
 from calibdb.camera_key.visible import visible
 
@@ -24,6 +25,8 @@ _ANDROID = re.compile(r"^camera2 (?=[01], facing )")
 
 # Apple's phones are called what their owners like, in any grammar: of such labels only known words are kept.
 _APPLE = re.compile(r"iphone|ipad|ipod|desk view|schreibtischansicht", re.IGNORECASE)
+_APPLE_DEVICE = re.compile(r"iphone|ipad|ipod", re.IGNORECASE)
+_MODEL_WORD = re.compile(r"[1-9][0-9]?e?|xs|xr|x|se|pro|max|plus|mini|air", re.IGNORECASE)
 _APPLE_WORDS = re.compile(
     r"(?:iphone|ipad|ipod)|[0-9]+(?:\.[0-9]+)?mm|f/[0-9]+(?:\.[0-9]+)?|"
     r"(?<![a-z0-9])(?:apple|[1-9][0-9]?e?|xs|xr|x|se|pro|max|plus|mini|air|ultra|wide|dual|triple|"
@@ -54,17 +57,20 @@ def public_label(label: str) -> str:
 
 
 def _public(text: str) -> str:
+    text = in_latin(text)
     found = _ID.search(text)
     usb_id = f" {found[0].strip()}" if found else ""
     name = text[: found.start()].strip() if found else text
     # First of all, for what is left of a number is a number: `iPhone +49 170 1234567` is no iPhone 49.
-    name = without_telephone(name)
+    name = without_telephone(without_path(name))
+    if (match := _REPEATED.match(name)) and match[1].startswith(match[2]):
+        name = match[1]
     if posing := program(_plain(text)):
         return spelling_of(posing, name)
     if _APPLE.search(name):
-        return " ".join(_APPLE_WORDS.findall(name)) + usb_id
+        return " ".join(_apple_words(name)) + usb_id
     if in_english(name.casefold()):
-        return text
+        return f"{name}{usb_id}"
     return (without_owner(name) or "camera") + usb_id
 
 
@@ -78,13 +84,22 @@ def read(label: str, system: str) -> Label:
             usb_id = f"{match[1]}:{match[2]}"
     if posing := program(text):
         return Label(posing, None, virtual=True)
-    if (match := _REPEATED.match(text)) and (match[1].startswith(match[2]) or match[2].startswith(match[1])):
-        text = match[1]
     if system in ("ios", "macos"):
         text = in_english(text) or text
     if _APPLE.search(text):
         text = _english_camera(text)
     return Label(without_maker(_ANDROID.sub("camera ", text)), usb_id, virtual=False)
+
+
+def _apple_words(name: str) -> list[str]:
+    """List the known words of an Apple device's name. A model's stand behind it: Max before is a person."""
+    device = _APPLE_DEVICE.search(name)
+    words = []
+    for match in _APPLE_WORDS.finditer(name):
+        before = device is not None and match.start() < device.start()
+        if not (before and _MODEL_WORD.fullmatch(match[0])):
+            words.append(match[0])
+    return words
 
 
 def _plain(text: str) -> str:

@@ -13,6 +13,12 @@ _ADDRESS = re.compile(
     r"|(?<![\w:])(?:[0-9a-f]{0,4}[:]){2,}[0-9a-f:.]*(?![\w:])",
     re.IGNORECASE,
 )
+# Folders: of a path only the file's own name is left.
+_FOLDERS = re.compile(
+    r"(?<![\w.])[a-z]:[\\/](?:[^\\/]*[\\/])*|\\\\(?:[^\\]*\\)+|(?<!\S)(?:file://)?[~.]{0,2}/(?:[^/\s]*/)+",
+    re.IGNORECASE,
+)
+_URL = re.compile(r"\b[a-z][a-z0-9+.-]{1,15}://\S*|\bwww\.\S+", re.IGNORECASE)
 # As people write telephone numbers: with the country's, with the 0 of long distance, in America's groups.
 # Digits on end without any of these are as often what tells two cameras apart, and stay.
 _BETWEEN = r"[\s().,/\u2010-\u2015-]{0,3}"
@@ -42,6 +48,11 @@ _SHORT_TAIL = re.compile(
     rf"^(.*\b(?:{_PRODUCTS}|tablet|phone|webcam|{'|'.join(CAMERA_WORDS)})\b.*?) +(?:de|di|da|do) +(.*)$",
     re.IGNORECASE,
 )
+
+
+def without_path(name: str) -> str:
+    """Return a camera's name without folders, which may bear a user's name, and without URLs."""
+    return " ".join(_URL.sub(" ", _FOLDERS.sub(" ", name)).split())
 
 
 def without_telephone(name: str) -> str:

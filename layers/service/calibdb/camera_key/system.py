@@ -22,7 +22,9 @@ _KNOWN = re.compile(
     re.IGNORECASE,
 )
 # A device's model has a number or is a make's own name: words alone may be anybody's.
+# Nor is it the address of a site.
 _DEVICE = re.compile(
+    r"(?!.*[a-z]\.[a-z]{2})"
     r"(?=.*[0-9]|(?:google )?pixel\b|nexus\b|moto\b|redmi\b|poco\b|nokia\b)[^\W_][\w ()+./,&-]{0,47}?"
     r"(?: build/[\w.-]{1,40})?",
     re.IGNORECASE,

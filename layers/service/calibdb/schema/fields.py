@@ -23,6 +23,7 @@ SMALLEST_SIDE, LARGEST_SIDE = 16, 16384  # px
 MAX_PIXELS = 2**26  # an overlay is drawn at the size of the image
 LONGEST = 8  # sides of an image: no camera's is a strip
 MAX_INDEX = 100_000
+MAX_LABEL, MAX_RAW_LABEL = 256, 4096  # characters of a label, and of one that holds invisible ones, too
 
 
 class Strict(BaseModel):
@@ -67,12 +68,16 @@ Guidance = Literal["projection-uncertainty", "pose-selection"]
 
 
 def _in_one_line(text: object) -> object:
+    if isinstance(text, str) and len(text) > MAX_RAW_LABEL:  # before every character of it is looked at
+        raise PydanticCustomError(
+            "string_too_long", "String should have at most {most} characters", {"most": MAX_LABEL}
+        )
     return visible(text) if isinstance(text, str) else text
 
 
 Label = Annotated[
     str,
-    StringConstraints(strip_whitespace=True, min_length=1, max_length=256),
+    StringConstraints(strip_whitespace=True, min_length=1, max_length=MAX_LABEL),
     BeforeValidator(_in_one_line),
 ]
 

@@ -2,9 +2,11 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from .. import deadline
 from .. import image_transform as transforms
 from ..errors import CalibrationError
 from ..view import View
@@ -48,6 +50,8 @@ FORMATS: dict[str, Format] = {
     )
 }
 FORMAT_NAMES = tuple(FORMATS)
+MAX_CONVERSION_S = 2.5
+"""Time for a conversion, where the time is limited: of a picture that people take it is a fifth of it."""
 MIN_SIDE_PX = 16
 """Side of a picture that a file is written of."""
 
@@ -83,7 +87,9 @@ def write(source: ExportSource, name: str, transform: transforms.Transform | Non
             "not_representable", f"of a picture of {width} x {height} px no lens can be told"
         )
     try:
-        conversion = form.convert(source)
+        conversion = deadline.compute_within(MAX_CONVERSION_S, partial(form.convert, source), None)
+        if conversion is None:
+            raise CalibrationError("not_representable", "no camera that it can hold was found in time")
         content = form.write(source, conversion)
     except np.linalg.LinAlgError:
         raise CalibrationError(
