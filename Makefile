@@ -20,7 +20,7 @@ ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 COMMA := ,
 words_of = $(subst $(COMMA), ,$(1))
 
-.PHONY: help run test lint unit service browser thorough bench ops openapi lock layers deploy verify clean
+.PHONY: help run test lint unit service browser thorough bench ops release openapi lock layers deploy verify clean
 
 help: ## list the commands
 	@sed -nE 's/^([a-z]+):.*## (.*)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -110,6 +110,9 @@ cost:
 
 ops: .venv/.made ## run the operator's command line; ARGS="token create --origin https://page.example"
 	@$(PY) -m infra.ops $(ARGS)
+
+release: $(SETUP) $(UV) ## ARGS="bump 0.2.0" sets the version; ARGS="build --tag v0.2.0" builds the artifacts of a clean checkout
+	@$(PY) -m infra.release $(ARGS)
 
 openapi: .venv/.made ## write web/openapi.json
 	$(PY) -m infra.web_build.openapi

@@ -4,4 +4,5 @@ Contains no geometry and imports neither numpy nor OpenCV. Results of the solver
 models of `calibdb.schema`.
 """
 
+#: version of the whole project, and its only place
 __version__ = "0.1.0"

@@ -15,6 +15,7 @@ from .view import View
 if TYPE_CHECKING:
     from . import capture, consensus, fitting, formats, guidance, models, quality
 
+# Of the solver alone: another one has every stored consensus computed anew.
 __version__ = "0.1.0"
 
 __all__ = [

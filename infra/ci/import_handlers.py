@@ -1,0 +1,52 @@
+"""Import of every handler from the built layers alone, on Lambda's processor and Python.
+
+`python3.13 infra/ci/import_handlers.py FOLDER`; it needs nothing but the standard library and `.build/layers`
+in FOLDER, so that it runs in Lambda's own image.
+"""
+
+from __future__ import annotations
+
+import platform
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+_FUNCTION = re.compile(r"^  \w+:\n    Type: AWS::Serverless::Function\n(?:(?:    .*)?\n)+", re.MULTILINE)
+_PROGRAM = "import sys; sys.path[:0] = {paths!r}; import app; assert callable(app.handler)"
+
+
+def functions(template: str) -> Iterator[tuple[str, bool]]:
+    """Yield the folder of each function of a template, and whether it has the solver's layer."""
+    for block in _FUNCTION.findall(template):
+        if folder := re.search(r"CodeUri: (functions/\w+)/", block):
+            yield folder[1], "SolverLayer" in block
+
+
+def problem(root: Path, folder: str, *, solver: bool) -> str | None:
+    """Import one handler in a process of its own; return what went wrong, None where nothing did.
+
+    Only the function's folder, its layers and the standard library are on the path.
+    """
+    layers = ["service", "solver"] if solver else ["service"]
+    paths = [str(root / folder), *(str(root / ".build" / "layers" / name / "python") for name in layers)]
+    command = [sys.executable, "-I", "-S", "-B", "-c", _PROGRAM.format(paths=paths)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own program
+    return done.stderr.strip().rpartition("\n")[2] if done.returncode else None
+
+
+def main(root: Path) -> int:
+    """Import all handlers; return 1 where one cannot be imported, or where there is none."""
+    found = list(functions((root / "template.yaml").read_text(encoding="utf-8")))
+    print(f"{platform.machine()}, Python {platform.python_version()}: {len(found)} handlers")
+    failed = 0
+    for folder, solver in found:
+        what = problem(root, folder, solver=solver)
+        failed += what is not None
+        print(f"{folder}: {what or 'imported'}")
+    return 1 if failed or not found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1])))

@@ -1,0 +1,84 @@
+"""Artifacts of a release: source, SDK, layers, notes, checksums."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import zipfile
+from pathlib import Path
+
+from infra.console.steps import announced
+from infra.release import changelog
+from infra.release.checkout import ROOT, version
+
+RELEASE = ROOT / ".build" / "release"
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # of every entry, so that equal layers make equal archives
+
+
+def build() -> list[Path]:
+    """Build every artifact of the checkout, whose cleanness the caller has checked; return their paths.
+
+    Raises CalledProcessError where a command fails.
+    """
+    shutil.rmtree(RELEASE, ignore_errors=True)
+    RELEASE.mkdir(parents=True)
+    name = f"calibdb-{version()}"
+    parts = {
+        "archive the source": lambda: _source(name),
+        "pack the SDK": _sdk,
+        "build the layers": lambda: _layers(name),
+        "write notes and checksums": _summaries,
+    }
+    for _, part in announced("release", list(parts.items()), lambda step: step[0]):
+        part()
+    return sorted(RELEASE.iterdir())
+
+
+def _source(name: str) -> None:
+    archive = RELEASE / f"{name}-source.tar.gz"
+    _run("git", "archive", "--format=tar.gz", f"--prefix={name}/", f"--output={archive}", "HEAD")
+
+
+def _sdk() -> None:
+    """Pack the SDK under the version of the release, in a copy: the checkout stays clean."""
+    with tempfile.TemporaryDirectory() as folder:
+        _run("npm", "run", "--silent", "prepack", folder=ROOT / "web" / "sdk")
+        copy = Path(shutil.copytree(ROOT / "web" / "sdk", Path(folder) / "sdk"))
+        package = json.loads((copy / "package.json").read_text(encoding="utf-8"))
+        stamped = {**package, "version": version(), "scripts": {}}
+        (copy / "package.json").write_text(json.dumps(stamped, indent=2) + "\n", encoding="utf-8")
+        _run("npm", "pack", "--silent", "--ignore-scripts", "--pack-destination", str(RELEASE), folder=copy)
+
+
+def _layers(name: str) -> None:
+    _run("make", "--silent", "layers")
+    for layer in ("service", "solver"):
+        folder = ROOT / ".build" / "layers" / layer
+        with zipfile.ZipFile(
+            RELEASE / f"{name}-{layer}-layer-arm64.zip", "w", zipfile.ZIP_DEFLATED
+        ) as archive:
+            for path in sorted(folder.rglob("*")):
+                if path.is_file():
+                    entry = zipfile.ZipInfo(path.relative_to(folder).as_posix(), _EPOCH)
+                    entry.compress_type = zipfile.ZIP_DEFLATED
+                    entry.external_attr = (0o755 if os.access(path, os.X_OK) else 0o644) << 16
+                    archive.writestr(entry, path.read_bytes())
+
+
+def _summaries() -> None:
+    text = changelog.notes((ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), version())
+    sums = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in _built()]
+    (RELEASE / "NOTES.md").write_text(text, encoding="utf-8")
+    (RELEASE / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
+
+
+def _built() -> list[Path]:
+    return sorted(path for path in RELEASE.iterdir() if path.is_file())
+
+
+def _run(*command: str, folder: Path = ROOT) -> None:
+    subprocess.run(command, cwd=folder, check=True)  # noqa: S603 - our own commands

@@ -1,0 +1,76 @@
+"""The checkout that a release or a deployment is made of."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+#: the one place of the version; the OpenAPI document and the packed SDK follow it
+VERSION_FILE = Path("layers/service/calibdb/__init__.py")
+_VERSION = re.compile(r'^__version__ = "(\d+\.\d+\.\d+)"$', re.MULTILINE)
+_MAX_NAMED = 5  # files that a message names
+
+
+class CheckoutError(ValueError):
+    """The checkout is not one to release or deploy."""
+
+
+def version(root: Path = ROOT) -> str:
+    """Read the version of the checkout."""
+    match = _VERSION.search((root / VERSION_FILE).read_text(encoding="utf-8"))
+    if match is None:
+        raise CheckoutError(f"{VERSION_FILE} holds no version such as 1.2.3")
+    return match[1]
+
+
+def set_version(fresh: str, root: Path = ROOT) -> None:
+    """Write another version; raises CheckoutError where it is not higher than the present one."""
+    if not re.fullmatch(r"\d+\.\d+\.\d+", fresh):
+        raise CheckoutError(f"{fresh} is no version such as 1.2.3")
+    if _parts(fresh) <= _parts(version(root)):
+        raise CheckoutError(f"{fresh} is not higher than {version(root)}")
+    path = root / VERSION_FILE
+    path.write_text(_VERSION.sub(f'__version__ = "{fresh}"', path.read_text(encoding="utf-8")), "utf-8")
+
+
+def check_clean(root: Path = ROOT) -> None:
+    """Raise CheckoutError where a file differs from the commit, or is not in it.
+
+    What git ignores (environments, builds) does not count; nothing of it is in an artifact.
+    """
+    changed = _git(root, "status", "--porcelain", "--untracked-files=all").splitlines()
+    if changed:
+        names = ", ".join(line[3:] for line in changed[:_MAX_NAMED])
+        more = f" and {len(changed) - _MAX_NAMED} more" if len(changed) > _MAX_NAMED else ""
+        raise CheckoutError(f"the checkout differs from its commit: {names}{more}; commit or stash it")
+
+
+def check_tag(tag: str, root: Path = ROOT) -> None:
+    """Raise CheckoutError where the tag is not of this version or not on this commit."""
+    if tag != f"v{version(root)}":
+        raise CheckoutError(f"the tag {tag} is not v{version(root)}, the version in {VERSION_FILE}")
+    if commit(root, tag) != commit(root, "HEAD"):
+        raise CheckoutError(f"{tag} is another commit than the one that is checked out")
+
+
+def commit(root: Path, name: str) -> str:
+    """Find the commit of a tag or branch."""
+    return _git(root, "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}").strip()
+
+
+def _parts(text: str) -> tuple[int, ...]:
+    return tuple(map(int, text.split(".")))
+
+
+def _git(root: Path, *arguments: str) -> str:
+    done = subprocess.run(  # noqa: S603 - our own command
+        ["git", "-C", str(root), *arguments],  # noqa: S607
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        raise CheckoutError(f"git {' '.join(arguments)} failed: {done.stderr.strip() or 'no such commit'}")
+    return done.stdout
