@@ -1,10 +1,12 @@
-"""Clustering of calibrations by projection difference: a forward search, and leave-two-out influence.
+"""Clustering of calibrations by projection difference: a forward search.
 
 Two calibrations are compared by their rays of the same pixels. A rotation of the camera frame is no
 difference: it cannot be measured, and every pose absorbs it.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -23,75 +25,144 @@ SMALL_SAMPLE_INFLATION = 14.0
 """Inflation of the variance among m members: the factor is 1 + (SMALL_SAMPLE_INFLATION / (m - 1))^2."""
 SPECIMEN_VARIANCE_RATIO = 4.0
 """Variance / variance that noise explains, from which specimens or sessions clearly differ."""
-MIN_LEAVE_TWO_OUT_CONTRIBUTORS = 5
-"""Contributors of whom two can be left out so that the others still show how much they differ."""
+SPECIMEN_SPREAD_WIDTHS = 0.00083
+"""Prior standard deviation between specimens, rms over the image / image width: 0.25 % of the focal length,
+where calibrations of real specimens of one product differ by 0.1 to 0.4 %."""
+SPECIMEN_SPREAD_MEMBERS = 2.0
+"""Degrees of freedom that this prior is worth."""
 MIN_BIMODAL_SIZE = 8
 """Calibrations from which a sample is tested for two modes."""
 MAX_UNCERTAINTY_RATIO = 2.0
 """Uncertainty / median uncertainty that a calibration is granted: vague ones do not agree with everything."""
 
 
-def compare(calibrations: Sequence[Calibration]) -> Array:
-    """Differences (c, c) between the projections of calibrations of one image size, px rms over the image.
+@dataclass(frozen=True, eq=False)
+class Projections:
+    """Projections of calibrations of one image size, sampled on a grid of pixels.
 
-    The rays of the same pixels are aligned by the best rotation (Kabsch 1976); the difference is the
-    remaining angle times the local magnification. Infinite where two share less than half of the image.
+    Attributes
+    ----------
+    cameras
+        Cameras of the c calibrations.
+    rays
+        (c, n, 3) unit rays of the pixels, camera frame; 0 where a camera has none.
+    scale
+        (c, n) local magnification, px per radian; 0 where a camera has no ray.
+    defined
+        (c, n) whether a camera has a ray.
+    mse
+        (c,) mean square error over the image that each calibration predicts of itself, px^2.
     """
-    return _differences([c.camera for c in calibrations])
+
+    cameras: tuple[Camera, ...]
+    rays: Array
+    scale: Array
+    defined: Mask
+    mse: Array
+
+    @classmethod
+    def of(cls, calibrations: Sequence[Calibration]) -> "Projections":
+        """Sample calibrations."""
+        mse = np.array([c.uncertainty(COMPARISON_GRID).rms for c in calibrations]) ** 2
+        return cls.of_cameras([c.camera for c in calibrations], mse)
+
+    @classmethod
+    def of_cameras(cls, cameras: Sequence[Camera], mse: Array | None = None) -> "Projections":
+        """Sample cameras; without `mse` (c,) they are exact."""
+        q = pixel_grid(cameras[0].img_size, COMPARISON_GRID).reshape(2, -1)
+        rays, scale = [], []
+        for c in cameras:
+            model, k = models.get(c.model), c.intrinsics
+            v = model.unproject(k, q)
+            with np.errstate(all="ignore"):
+                _, _, by_p = model.jacobian(k, v)
+                # Area magnification px^2 per steradian: the Jacobian is 0 along the ray.
+                g = np.einsum("ian,ibn->nab", by_p, by_p)
+                scale.append(np.sqrt(np.sqrt(np.maximum(np.linalg.det(g), 0))))
+            rays.append(v.T)
+        v, px = np.stack(rays), np.stack(scale)
+        defined = np.isfinite(v[:, :, 0]) & np.isfinite(px)
+        return cls(
+            tuple(cameras),
+            np.where(defined[:, :, None], v, 0.0),
+            np.where(defined, px, 0.0),
+            defined,
+            np.zeros(len(v)) if mse is None else mse,
+        )
+
+    def __len__(self) -> int:
+        return len(self.cameras)
+
+    def subset(self, indices: Sequence[int] | IntArray) -> "Projections":
+        """Projections of some of the calibrations."""
+        chosen = np.asarray(indices, dtype=np.intp)
+        out = Projections(
+            tuple(self.cameras[i] for i in chosen),
+            self.rays[chosen],
+            self.scale[chosen],
+            self.defined[chosen],
+            self.mse[chosen],
+        )
+        if "differences" in self.__dict__:
+            out.__dict__["differences"] = self.differences[np.ix_(chosen, chosen)]
+        return out
+
+    @cached_property
+    def differences(self) -> Array:
+        """Differences (c, c) between projections, px rms over the image.
+
+        The rays of the same pixels are aligned by the best rotation (Kabsch 1976); the difference is the
+        remaining angle times the local magnification. Infinite where two share less than half of the image.
+        """
+        v, px, defined = self.rays, self.scale, self.defined
+        both = defined[:, None, :] & defined[None, :, :]
+        count = both.sum(axis=2)
+        m = np.einsum("anb,cnd->acbd", v, v)
+        r = rotation.nearest(m)  # v_a ~ r v_c
+        out = np.empty((len(v), len(v)))
+        for a in range(len(v)):
+            aligned = np.einsum("cij,cnj->cni", r[a], v)
+            angle2 = np.sum((v[a] - aligned) ** 2, axis=2)
+            square = angle2 * (px[a] * px) * both[a]
+            out[a] = np.sqrt(square.sum(axis=1) / np.maximum(count[a], 1))
+        out[count < MIN_SHARED_IMAGE * v.shape[1]] = np.inf
+        np.fill_diagonal(out, 0.0)
+        return out
+
+    @property
+    def medoid(self) -> int:
+        """Index of the calibration that lies closest to all the others."""
+        return int(np.argmin(self.differences.sum(axis=1)))
+
+    @property
+    def bounded_mse(self) -> Array:
+        """`mse` (c,), bounded by the median's."""
+        bounded: Array = np.minimum(self.mse, MAX_UNCERTAINTY_RATIO**2 * np.median(self.mse))
+        return bounded
+
+
+def compare(calibrations: Sequence[Calibration]) -> Array:
+    """Differences (c, c) between the projections of calibrations of one image size (see `Projections`)."""
+    return Projections.of_cameras([c.camera for c in calibrations]).differences
 
 
 def difference(one: Camera, other: Camera) -> float:
     """Difference between the projections of two cameras, px rms over the image, as `compare` measures it."""
-    return float(_differences([one, other])[0, 1])
+    return float(Projections.of_cameras([one, other]).differences[0, 1])
 
 
-def _differences(cameras: Sequence[Camera]) -> Array:
-    v, px, defined = _unproject_grid(cameras)
-    both = defined[:, None, :] & defined[None, :, :]
-    count = both.sum(axis=2)
-    m = np.einsum("anb,cnd->acbd", v, v)
-    r = rotation.nearest(m)  # v_a ~ r v_c
-    out = np.empty((len(v), len(v)))
-    for a in range(len(v)):
-        aligned = np.einsum("cij,cnj->cni", r[a], v)
-        angle2 = np.sum((v[a] - aligned) ** 2, axis=2)
-        square = angle2 * (px[a] * px) * both[a]
-        out[a] = np.sqrt(square.sum(axis=1) / np.maximum(count[a], 1))
-    out[count < MIN_SHARED_IMAGE * v.shape[1]] = np.inf
-    np.fill_diagonal(out, 0.0)
-    return out
-
-
-def _unproject_grid(cameras: Sequence[Camera]) -> tuple[Array, Array, Mask]:
-    """Unproject a grid of pixels: unit rays (c, n, 3), px per radian (c, n), and a mask; 0 outside it."""
-    q = pixel_grid(cameras[0].img_size, COMPARISON_GRID).reshape(2, -1)
-    rays, scale = [], []
-    for c in cameras:
-        model, k = models.get(c.model), c.intrinsics
-        v = model.unproject(k, q)
-        with np.errstate(all="ignore"):
-            _, _, by_p = model.jacobian(k, v)
-            # Area magnification px^2 per steradian: the Jacobian is 0 along the ray.
-            g = np.einsum("ian,ibn->nab", by_p, by_p)
-            scale.append(np.sqrt(np.sqrt(np.maximum(np.linalg.det(g), 0))))
-        rays.append(v.T)
-    v, px = np.stack(rays), np.stack(scale)
-    defined = np.isfinite(v[:, :, 0]) & np.isfinite(px)
-    return np.where(defined[:, :, None], v, 0.0), np.where(defined, px, 0.0), defined
-
-
-def displacement_fields(calibrations: Sequence[Calibration], reference: int) -> Array:
+def displacement_fields(projections: Projections, reference: int) -> Array:
     """Displacements (c, n) of projections from those of one of the calibrations, px.
 
     Both coordinates of all pixels of a grid in one row, over the root of the number of pixels: the length of
     the difference of two rows is the rms difference of two calibrations. The rotation of the camera frame
     that makes it least is removed from every row.
     """
-    v, _, defined = _unproject_grid([c.camera for c in calibrations])
+    v, defined = projections.rays, projections.defined
     shared = defined.all(axis=0).mean() >= MIN_SHARED_IMAGE
     common = defined.mean(axis=0) >= 1 - 1e-9 if shared else defined[reference]
     v = v[:, common]
-    base = calibrations[reference].camera
+    base = projections.cameras[reference]
     model, k = models.get(base.model), base.intrinsics
     _, _, by_p = model.jacobian(k, v[reference].T)
     b = by_p.transpose(2, 1, 0)  # (n, 2, 3)
@@ -105,7 +176,7 @@ def displacement_fields(calibrations: Sequence[Calibration], reference: int) -> 
 
 
 def split_into_groups(
-    calibrations: Sequence[Calibration], limit: float, harmless: float, weights: Array | None = None
+    projections: Projections, limit: float, harmless: float, weights: Array | None = None
 ) -> list[list[int]]:
     """Split calibrations into groups that agree, largest first; of equals the tightest first.
 
@@ -119,25 +190,17 @@ def split_into_groups(
     weights
         (c,) weights of the calibrations in sizes and majorities; None: equal ones.
     """
-    differences = compare(calibrations)
-    weights = np.ones(len(calibrations)) if weights is None else weights
-    own = predicted_mse(calibrations)
+    differences, own = projections.differences, projections.bounded_mse
+    weights = np.ones(len(projections)) if weights is None else weights
     bound = np.sqrt(limit**2 + MEMBER_SIGMAS**2 * (own[:, None] + own))
-    left, found = list(range(len(calibrations))), []
+    left, found = list(range(len(projections))), []
     while left:
         d = differences[np.ix_(left, left)]
         near = [left[i] for i in largest_neighbourhood(d < bound[np.ix_(left, left)], d, weights[left])]
-        group = forward_search([calibrations[i] for i in near], limit, harmless, weights[near])
+        group = forward_search(projections.subset(near), limit, harmless, weights[near])
         found.append([near[i] for i in group])
         left = [i for i in left if i not in found[-1]]
     return sorted(found, key=lambda group: -_total(weights[group]))
-
-
-def predicted_mse(calibrations: Sequence[Calibration]) -> Array:
-    """Mean square error (c,), px^2, that each calibration predicts of itself, bounded by the median's."""
-    own = np.array([c.uncertainty(COMPARISON_GRID).rms for c in calibrations]) ** 2
-    bounded: Array = np.minimum(own, MAX_UNCERTAINTY_RATIO**2 * np.median(own))
-    return bounded
 
 
 def _total(weights: Array) -> float:
@@ -154,7 +217,7 @@ def largest_neighbourhood(agree: Mask, differences: Array, weights: Array) -> li
 
 
 def forward_search(
-    calibrations: Sequence[Calibration], limit: float, harmless: float, weights: Array | None = None
+    projections: Projections, limit: float, harmless: float, weights: Array | None = None
 ) -> list[int]:
     """Find the calibrations that belong to the densest majority: their indices.
 
@@ -170,13 +233,14 @@ def forward_search(
     limit, harmless, weights
         As of `split_into_groups`; the weights (c,) decide what half and majority are.
     """
-    count = len(calibrations)
+    count = len(projections)
     if count < 3:
         return list(range(count))
     weights = np.ones(count) if weights is None else weights
-    own = predicted_mse(calibrations)
-    x = displacement_fields(calibrations, int(np.argmin(compare(calibrations).sum(axis=1))))
-    members = _densest_half(x, weights)
+    own = projections.bounded_mse
+    x = displacement_fields(projections, projections.medoid)
+    prior2 = (SPECIMEN_SPREAD_WIDTHS * projections.cameras[0].img_size[0]) ** 2
+    members = densest_half(x, weights)
     while len(members) < count:
         m = len(members)
         d2 = np.sum((x - np.average(x[members], axis=0, weights=weights[members])) ** 2, axis=1)
@@ -187,7 +251,11 @@ def forward_search(
         # Where noise alone may explain the variance, it is not inflated: few members are no excuse then.
         specimens_differ = variance > SPECIMEN_VARIANCE_RATIO * noise2
         inflation = 1 + ((SMALL_SAMPLE_INFLATION / (m - 1)) ** 2 if specimens_differ else 0.0)
-        between = min(MEMBER_SIGMAS**2 * max(variance - noise2, 0.0) * inflation, limit**2)
+        beyond_noise = max(variance - noise2, 0.0) * inflation
+        shrunk = (SPECIMEN_SPREAD_MEMBERS * prior2 + (m - 1) * beyond_noise) / (
+            SPECIMEN_SPREAD_MEMBERS + m - 1
+        )
+        between = min(MEMBER_SIGMAS**2 * max(beyond_noise, shrunk), limit**2)
         explained = MEMBER_SIGMAS**2 * (own[nearest] + noise2 / m) + between * (1 + 1 / m)
         if d2[nearest] > max(explained, harmless**2):
             break
@@ -198,51 +266,6 @@ def forward_search(
     ):
         members = members[part]
     return sorted(int(i) for i in members)
-
-
-def leave_two_out_influence(
-    calibrations: Sequence[Calibration], contributors: Sequence[str]
-) -> tuple[float, float]:
-    """Leave-two-out influence of contributors on the mean of the calibrations, and the specimens' spread.
-
-    Every contributor weighs the same. The influence, px rms over the image, is the distance by which the
-    mean moves without the two contributors that move it most; infinite where there are only two. The spread,
-    px, is 0 where noise explains that of the densest majority, else the standard deviation of the other
-    contributors beyond their noise; of fewer than five contributors, that of the densest majority.
-    """
-    names, who = np.unique(np.asarray(contributors), return_inverse=True)
-    if len(names) < 3:
-        return np.inf, 0.0
-    weights = 1 / np.bincount(who)[who]
-    x = displacement_fields(calibrations, int(np.argmin(compare(calibrations).sum(axis=1))))
-    noise2 = predicted_mse(calibrations)
-    means = np.stack([np.average(x[who == c], axis=0) for c in range(len(names))])
-    shift, others = max_leave_two_out_shift(means)
-    members = _densest_half(x, weights)
-    variance, expected = _variance(x[members], weights[members]), float(np.mean(noise2[members]))
-    if variance <= SPECIMEN_VARIANCE_RATIO * expected:
-        return shift, 0.0
-    if len(names) >= MIN_LEAVE_TWO_OUT_CONTRIBUTORS:
-        own2 = [np.mean(noise2[who == c]) / np.sum(who == c) for c in others]
-        variance, expected = _variance(means[others], np.ones(len(others))), float(np.mean(own2))
-    return shift, float(np.sqrt(max(variance - expected, 0.0)))
-
-
-def _variance(x: Array, weights: Array) -> float:
-    """Mean square distance of rows (c, n) from their weighted mean."""
-    return float(np.sum((x - np.average(x, axis=0, weights=weights)) ** 2)) / max(len(x) - 1, 1)
-
-
-def max_leave_two_out_shift(x: Array) -> tuple[float, IntArray]:
-    """Largest shift of the mean of rows (c, n), c >= 3, when two are left out; indices of the other rows."""
-    # Without a and b the mean of c rows lies at -(a + b) / (c - 2) from that of all.
-    centered = x - x.mean(axis=0)
-    square = np.sum(centered**2, axis=1)
-    pairs = square[:, None] + square + 2 * centered @ centered.T
-    np.fill_diagonal(pairs, -1.0)
-    worst = np.unravel_index(np.argmax(pairs), pairs.shape)
-    others = np.setdiff1d(np.arange(len(x)), worst)
-    return float(np.sqrt(max(pairs[worst], 0.0))) / (len(x) - 2), others
 
 
 def _split_bimodal(x: Array, harmless: float, weights: Array) -> IntArray | None:
@@ -270,7 +293,7 @@ def _split_bimodal(x: Array, harmless: float, weights: Array) -> IntArray | None
     return side
 
 
-def _densest_half(x: Array, weights: Array) -> IntArray:
+def densest_half(x: Array, weights: Array) -> IntArray:
     """Find the rows with most of the weight that lie closest together around one of them: their indices."""
     d = np.linalg.norm(x[:, None] - x[None], axis=2)
     order = np.argsort(d, axis=1)

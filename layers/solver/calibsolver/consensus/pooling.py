@@ -4,51 +4,40 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from ..arrays import Array
-from ..camera import Camera
+from ..arrays import Array, IntArray
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
-from ..fitting.fit import fit, refine
-from ..fitting.resection import reprojection_score
+from ..fitting.fit import fit
 from ..fitting.validation import check, degenerate_views, pack
 from ..view import View
-from .agreement import MIN_LEAVE_TWO_OUT_CONTRIBUTORS, compare, leave_two_out_influence, split_into_groups
+from .agreement import Projections, compare, split_into_groups
+from .location import ContributorFields
+from .pooled_fit import (
+    Fitted,
+    Member,
+    cross_validate_contributors,
+    cross_validate_views,
+    fit_location,
+    fit_views,
+)
+
+__all__ = ["Consensus", "Member", "Rule", "pool"]
 
 UnreliableReason = Literal["too_few", "disagree", "few_contributors"]
 
-FOLDS = 5
-"""Parts of a group that are left out in turn."""
-MAX_INFLUENCE_WIDTHS = 0.0004
-"""Leave-two-out influence on the answer / image width, where contributors are told apart: half a pixel of
-1,280; or, where specimens differ, `null_quantile` times the others' spread beyond their noise."""
-NULL_QUANTILES, NULL_QUANTILE_SCALE = (3.0, 1.73, 1.23, 0.97, 0.81, 0.7), 5.5
-"""Leave-two-out influence / spread of the others that seven of eight honest sets do not exceed by chance.
-
-The sets differ along one direction, and have five, six ... ten contributors; for larger ones the quantile
-is the scale / (contributors - 2)."""
-SMALL_SAMPLE_NULL_QUANTILE = 3.5
-"""The same of three or four contributors, over the spread of the densest majority."""
-
-
-@dataclass(frozen=True, eq=False)
-class Member:
-    """Views of one calibration of the camera, with the ids of the calibration and of its contributor."""
-
-    id: str
-    contributor: str
-    views: tuple[View, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Fitted:
-    """A member and the calibration fitted to its views."""
-
-    member: Member
-    calibration: Calibration
+MIN_INFLUENCE_LIMIT_WIDTHS = 0.5 / 1280
+"""Shift of the answer / image width that two contributors may cause, however much they differ."""
+MAX_INFLUENCE_WIDTHS = 1 / 1280
+"""Shift of the answer / image width that two contributors may cause at most."""
+MAX_INFLUENCE_ON_FIVE_WIDTHS = 1.25 / 1280
+"""The same where there are no more than five contributors."""
+INFLUENCE_PER_SPREAD = 3.5
+"""Shift that two contributors may cause / spread of the densest majority, between those limits."""
 
 
 @dataclass(frozen=True)
@@ -152,19 +141,23 @@ def pool(
             dropped[member.id], failure = error.code, error
     if not fits:
         raise failure
-    limits = rule.max_projection_spread * img_size[0], rule.max_harmless_spread * img_size[0]
-    weights = member_weights(members, rule)
-    groups = [
-        [fits[i] for i in indices]
-        for indices in split_into_groups(
-            [f.calibration for f in fits], *limits, np.array([weights[f.member.id] for f in fits])
-        )
-    ]
-    group = groups[0]
-    entering = balance_contributors([f.member for f in group], rule)
-    pooled = fit([view for member in entering for view in member.views], img_size, model)
-    errors = cross_validate_members(group, pooled.camera) if len(group) > 1 else np.empty(0)
-    reason = unreliable_reason(group, errors, members, img_size, rule)
+    agreement = _Agreement(fits, img_size, rule)
+    indices = agreement.groups[0]
+    group = [fits[i] for i in indices]
+    shares = _weights(group, rule)
+    if rule.min_contributors < 2 or len(group) < 2:
+        pooled = fit_views(group, img_size, model)
+        errors = cross_validate_views(group, pooled.camera) if len(group) > 1 else np.empty(0)
+        is_stable = rule.min_contributors < 2
+    else:
+        fields = agreement.fields
+        pooled, distance = fit_location(fits, indices, fields, fields.locate(indices))
+        errors = cross_validate_contributors(fits, indices, fields)
+        one, two = fields.leave_out_influence(indices, agreement.regroup)
+        contributors = len({f.member.contributor for f in group})
+        allowed = max_influence(contributors, fields.majority_spread(indices), img_size[0])
+        is_stable = max(one, two, distance) <= allowed
+    reason = unreliable_reason(group, errors, members, img_size, rule, is_stable=is_stable)
     return Consensus(
         calibration=pooled,
         members=tuple(f.member.id for f in group),
@@ -172,11 +165,11 @@ def pool(
         reliable=reason is None,
         total=len(members),
         reason=reason,
-        groups=tuple(tuple(f.member.id for f in part) for part in groups),
+        groups=tuple(tuple(fits[i].member.id for i in part) for part in agreement.groups),
         dropped=dropped,
-        spread=rms_spread(pooled, [f.calibration for f in group]) if len(group) > 1 else math.nan,
+        spread=rms_spread(pooled, group, shares) if len(group) > 1 else math.nan,
         member_errors={f.member.id: float(e) for f, e in zip(group, errors, strict=False)},
-        held_out_error=pooled_rms(group, errors) if len(group) > 1 else math.nan,
+        held_out_error=float(np.sqrt(np.average(errors**2, weights=shares))) if len(group) > 1 else math.nan,
     )
 
 
@@ -191,12 +184,42 @@ def without_degenerate_views(views: Sequence[View], img_size: tuple[int, int]) -
     return tuple(view for view, flat in zip(views, degenerate, strict=True) if not flat)
 
 
+class _Agreement:
+    """Agreement of the members of one camera under a rule."""
+
+    def __init__(self, fits: Sequence[Fitted], img_size: tuple[int, int], rule: Rule) -> None:
+        self.fits = fits
+        self.rule = rule
+        self.limits = rule.max_projection_spread * img_size[0], rule.max_harmless_spread * img_size[0]
+        self.projections = Projections.of([f.calibration for f in fits])
+        self.groups = self._split(np.arange(len(fits)))
+
+    @cached_property
+    def fields(self) -> ContributorFields:
+        """Displacement fields of all contributors, from the middle of the largest group."""
+        group = self.groups[0]
+        reference = group[self.projections.subset(group).medoid]
+        contributors = [f.member.contributor for f in self.fits]
+        return ContributorFields(self.projections, contributors, reference)
+
+    def regroup(self, indices: IntArray) -> Sequence[int]:
+        """Largest group among some of the members."""
+        return self._split(indices)[0]
+
+    def _split(self, indices: IntArray) -> list[list[int]]:
+        weights = _weights([self.fits[i] for i in indices], self.rule)
+        groups = split_into_groups(self.projections.subset(indices), *self.limits, weights)
+        return [[int(indices[i]) for i in part] for part in groups]
+
+
 def unreliable_reason(
     group: Sequence[Fitted],
     errors: Array,
     members: Sequence[Member],
     img_size: tuple[int, int],
     rule: Rule,
+    *,
+    is_stable: bool,
 ) -> UnreliableReason | None:
     """Reason why the group among all `members` is not reliable; None where it is.
 
@@ -204,6 +227,8 @@ def unreliable_reason(
     ----------
     errors
         (m,) px rms of the group's members, each held out; empty where the group is one member.
+    is_stable
+        Whether no two contributors move the answer by more than allowed.
     """
     if len(members) < rule.min_calibrations:
         return "too_few"
@@ -216,23 +241,19 @@ def unreliable_reason(
         return "disagree"
     if not is_spread_within(group, img_size, rule):
         return "disagree"
-    contributors = [f.member.contributor for f in group]
-    if len(set(contributors)) < rule.min_contributors:
+    if len({f.member.contributor for f in group}) < rule.min_contributors:
         return "few_contributors"
-    if rule.min_contributors > 1:
-        influence, spread = leave_two_out_influence([f.calibration for f in group], contributors)
-        by_chance = null_quantile(len(set(contributors))) * spread
-        if influence > max(MAX_INFLUENCE_WIDTHS * img_size[0], by_chance):
-            return "disagree"
-    return None
+    return None if is_stable else "disagree"
 
 
-def null_quantile(contributors: int) -> float:
-    """Quantile 7/8 of the leave-two-out influence of so many honest contributors / spread of the others."""
-    if contributors < MIN_LEAVE_TWO_OUT_CONTRIBUTORS:
-        return SMALL_SAMPLE_NULL_QUANTILE
-    i = contributors - MIN_LEAVE_TWO_OUT_CONTRIBUTORS
-    return NULL_QUANTILES[i] if i < len(NULL_QUANTILES) else NULL_QUANTILE_SCALE / (contributors - 2)
+def max_influence(contributors: int, spread: float, width: int) -> float:
+    """Shift of the answer, px rms, that two of so many contributors may cause.
+
+    `spread`, px: standard deviation of their densest majority. Where they agree closely they determine the
+    camera so well that a larger shift is a mistake, or a lie.
+    """
+    most = MAX_INFLUENCE_ON_FIVE_WIDTHS if contributors <= 5 else MAX_INFLUENCE_WIDTHS
+    return min(max(INFLUENCE_PER_SPREAD * spread, MIN_INFLUENCE_LIMIT_WIDTHS * width), most * width)
 
 
 def member_weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
@@ -243,30 +264,16 @@ def member_weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
     return {member.id: 1 / counts[member.contributor] for member in members}
 
 
-def balance_contributors(group: Sequence[Member], rule: Rule) -> list[Member]:
-    """Select the members for the pooled fit: each contributor's first ones, no more than the median count."""
-    if rule.min_contributors < 2:
-        return list(group)
-    counts = Counter(member.contributor for member in group)
-    median = sorted(counts.values())[(len(counts) - 1) // 2]
-    entered: Counter[str] = Counter()
-    selected = []
-    for member in group:
-        entered[member.contributor] += 1
-        if entered[member.contributor] <= median:
-            selected.append(member)
-    return selected
+def _weights(fits: Sequence[Fitted], rule: Rule) -> Array:
+    """Weights (m,) as of `member_weights`."""
+    weights = member_weights([f.member for f in fits], rule)
+    return np.array([weights[f.member.id] for f in fits])
 
 
-def rms_spread(pooled: Calibration, group: Sequence[Calibration]) -> float:
-    """Root mean square over the group of the differences from the pooled projections, px."""
-    return float(np.sqrt(np.mean(compare([pooled, *group])[0, 1:] ** 2)))
-
-
-def pooled_rms(group: Sequence[Fitted], errors: Array) -> float:
-    """Root mean square over all points of the errors (m,) of members, px."""
-    points = [sum(len(view) for view in f.member.views) for f in group]
-    return float(np.sqrt(np.average(errors**2, weights=points)))
+def rms_spread(pooled: Calibration, group: Sequence[Fitted], weights: Array) -> float:
+    """Weighted root mean square of the differences of the members' projections from the pooled ones, px."""
+    away = compare([pooled, *(f.calibration for f in group)])[0, 1:]
+    return float(np.sqrt(np.average(away**2, weights=weights)))
 
 
 def is_spread_within(group: Sequence[Fitted], img_size: tuple[int, int], rule: Rule) -> bool:
@@ -277,25 +284,3 @@ def is_spread_within(group: Sequence[Fitted], img_size: tuple[int, int], rule: R
     focal = std[:2] / k[:, :2].mean(axis=0)
     center = std[2:] / np.asarray(img_size)
     return bool((focal < rule.max_focal_spread).all() and (center < rule.max_center_spread).all())
-
-
-def cross_validate_members(group: Sequence[Fitted], pooled: Camera) -> Array:
-    """Rms (m,), px, of each member's views under intrinsics fitted without it, the poses alone fitted anew.
-
-    At most FOLDS fits, each from where that of all, `pooled`, ended: with a member up to a fifth of the group
-    is left out, so that a large group takes no longer. Infinite where the others alone give no fit.
-    """
-    errors = np.full(len(group), np.inf)
-    views = [view for f in group for view in f.member.views]
-    owner = np.repeat(np.arange(len(group)), [len(f.member.views) for f in group])
-    poses = reprojection_score(pooled, views).poses
-    for fold in range(min(FOLDS, len(group))):
-        held_out = range(fold, len(group), FOLDS)
-        others = np.flatnonzero(~np.isin(owner, held_out))
-        try:
-            camera = refine([views[i] for i in others], pooled, poses[others]).camera
-        except CalibrationError:
-            continue
-        for i in held_out:
-            errors[i] = reprojection_score(camera, group[i].member.views).rms
-    return errors

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from calibsolver import fit
-from calibsolver.consensus.agreement import compare, forward_search, max_leave_two_out_shift
-from calibsolver.consensus.pooling import Member, null_quantile, pool
+from calibsolver.consensus.agreement import Projections, compare, forward_search
+from calibsolver.consensus.pooling import Member, pool
 from tests.helpers.data import external_data
 from tests.helpers.solver import attacks, populations, synthetic
 
@@ -24,25 +24,11 @@ def test_lying_minority_does_not_move_the_consensus(kind: str) -> None:
 
 
 @pytest.mark.parametrize("number", [810, 938])
-def test_answer_is_withheld_when_two_contributors_move_it(number: int) -> None:
-    """Lies where noise might excuse them: the two of 1,000 cameras that moved by over half a pixel."""
+def test_answer_is_not_moved_where_noise_might_excuse_lies(number: int) -> None:
+    """The two of 1,000 cameras whose lies moved a fit to all points by over half a pixel."""
     rng = np.random.default_rng((7, number))
     found = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)))
-    assert found.moved > attacks.MOVED
-    assert found.attacked is not None
-    assert (found.clean.reliable or found.clean.total < 5, found.attacked.reason) == (True, "disagree")
-
-
-@pytest.mark.parametrize("contributors", [5, 6, 7, 8, 9, 10, 11, 12, 13, 20, 30])
-def test_leave_two_out_refuses_one_honest_set_in_eight(contributors: int) -> None:
-    """Made-up differences along one direction: one set in eight is refused, give or take the simulation."""
-    rng = np.random.default_rng(contributors)
-    refused, sets = 0, 1000
-    for _ in range(sets):
-        x = rng.normal(size=(contributors, 1))
-        far, others = max_leave_two_out_shift(x)
-        refused += far > null_quantile(contributors) * float(np.std(x[others], ddof=1))
-    assert 0.09 < refused / sets < 0.16
+    assert not found.wrong
 
 
 def test_two_contributors_are_never_reliable() -> None:
@@ -78,6 +64,6 @@ def test_forward_search_does_not_depend_on_order() -> None:
     c = [fit(populations.views(attacks.vary(camera, 0.002, rng), rng), camera.img_size) for _ in range(6)]
     order = rng.permutation(6)
     np.testing.assert_allclose(compare([c[i] for i in order]), compare(c)[np.ix_(order, order)], atol=1e-9)
-    assert {int(order[i]) for i in forward_search([c[i] for i in order], 12.8, 0.8)} == set(
-        forward_search(c, 12.8, 0.8)
+    assert {int(order[i]) for i in forward_search(Projections.of([c[i] for i in order]), 12.8, 0.8)} == set(
+        forward_search(Projections.of(c), 12.8, 0.8)
     )
