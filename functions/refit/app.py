@@ -21,6 +21,7 @@ from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import quality_gates
 from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
+from calibdb.rules.sources import family
 from calibdb.rules.votes import Finding, OwnCamera, decide_vote, tally, with_votes
 from calibdb.schema import (
     DISTORTION_MODELS,
@@ -46,7 +47,7 @@ from calibsolver.fitting.resection import reprojection_score
 MAX_ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
 MAX_ATTEMPTS = 5  # while other writers keep winning the conditional put
 
-METHOD = 3  # of pooling and counting: what another one computed is computed anew
+METHOD = 4  # of pooling and counting: what another one computed is computed anew
 
 Consensuses = dict[str, ConsensusDocument | None]
 
@@ -267,7 +268,9 @@ def member(document: CalibrationDocument) -> consensus.Member | None:
     No session ends like that. An imported calibration may, and must not stand in the way of the others.
     """
     try:
-        return consensus.Member(document.id, document.counted_as, tuple(views_of(document)))
+        return consensus.Member(
+            document.id, document.counted_as, tuple(views_of(document)), family(document.counted_as)
+        )
     except ValueError:
         return None
 

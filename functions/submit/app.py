@@ -30,7 +30,7 @@ from calibdb.schema import (
 )
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
 from calibsolver import DeadlineError, View, deadline, guidance
-from calibsolver.capture import Capture, Estimate, Exclusion, exclusions
+from calibsolver.capture import Capture, Estimate, Exclusion, ViewDecision, exclusions
 from calibsolver.quality import report
 
 
@@ -141,14 +141,12 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, wher
     seen = rules.board.view(view.ids, view.points)
     quarantined = rules.board.views([known.model_dump() for known in document.doubted])
     decision = rules.judge(views, target, seen, excluded, quarantined)
+    if decision.seed_rejected:
+        document, rules = session_rules.without_seed(document), rules.without_seed()
     estimate = decision.estimate
     if not decision.accepted or estimate is None:
         hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
-        return Judged(
-            session_rules.with_quarantined(document, view) if decision.quarantine else None,
-            decision.reason,
-            hint,
-        )
+        return Judged(refused_document(document, view, decision), decision.reason, hint)
     everything = [*views, seen]
     following = None
     if not estimate.converged and document.capture == "live":
@@ -181,6 +179,15 @@ def end(
     used = [one for i, one in enumerate(views) if i not in estimate.excluded]
     described = report.describe(estimate.calibration, used, indices)
     return session_rules.with_finish(document, now, who, calibsolver.__version__, described, where)
+
+
+def refused_document(
+    document: SessionDocument, view: ViewRequest, decision: ViewDecision
+) -> SessionDocument | None:
+    """Return the document to store after a refusal; None where nothing changes."""
+    if decision.quarantine:
+        return session_rules.with_quarantined(document, view)
+    return document if decision.seed_rejected else None
 
 
 def measure(begun: float, ended: float, judged: Judged) -> None:

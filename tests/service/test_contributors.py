@@ -16,7 +16,7 @@ from tests.helpers.service.client import CAMERA, EDGE, Answer, Client, Truth, un
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 
 TOKENS = ("cdb_a_secret", "cdb_b_secret", "cdb_c_secret")
-CHECKERS = ("192.0.2.1", "192.0.2.2", "2001:db8:7::1")
+CHECKERS = ("192.0.2.1", "192.0.2.2", "192.0.2.3")
 DAY = 86_400
 
 
@@ -123,6 +123,19 @@ def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: Local
     assert third["calibration"]["spread"] is None, "of one there is none"
     found = Client(stack).lookup(camera=camera, platform=PLATFORM)
     assert (found.status, found.json["reliable"], found.json["calibrations"]) == (200, True, 1)
+
+
+def test_addresses_of_both_families_count_by_one(stack: LocalStack) -> None:
+    """A line of the network has two: a capture and three checks from one home and one telephone."""
+    camera, home = "Of one line", Client(stack, api_token=TOKENS[0], address="203.0.113.7")
+    state = Truth(seed=1, fx=1300, fy=1298).calibrate(home, camera=camera, platform=PLATFORM)
+    known = store(stack).consensuses
+    until(lambda: len(known.of(str(state["calibration_id"]).rpartition("-")[0])) >= 4, 30)
+    for seed, address in enumerate(("2001:db8:aaaa::7", "198.51.100.9", "2001:db8:bbbb::9")):
+        answer = check(stack, address, camera, seed, fx=1300.0).json
+        assert (answer["fits"], answer["counted"]) == ("fits", True)
+    assert answer["votes"] == {"agree": 2, "disagree": 0}
+    assert answer["calibration"]["reliable"] is False
 
 
 @pytest.mark.parametrize(("noise", "lie"), [(0.2, 1.02), (0.5, 1.05), (1.0, 1.1)])

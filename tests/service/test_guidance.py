@@ -10,6 +10,8 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.client import Client, Truth, until
+from tests.helpers.service.known import consensus, fit
+from tests.helpers.service.published import PLATFORM, held
 
 
 def store(stack: LocalStack) -> Store:
@@ -128,19 +130,35 @@ def test_capture_ends_after_fifteen_views_with_advice(client: Client) -> None:
     assert state["calibration_id"]
 
 
-def test_capture_starts_from_the_known_consensus(stack: LocalStack, client: Client) -> None:
-    name = "Camera that others measured"
-    Truth(fx=600.0, fy=600.0).calibrate(client, camera=name)
-    key = client.state()["calibration_id"].rpartition("-")[0]
-    until(lambda: any(c.distortion_model == "rectilinear" for c in store(stack).consensuses.of(key)))
-    fresh = Client(stack)
-    fresh.open(camera=name, target_error=0.2)
-    pose = fresh.pose().json
-    unknown = Client(stack)
-    unknown.open(camera="Camera that nobody measured")
+def test_capture_starts_from_a_reliable_consensus(stack: LocalStack, client: Client) -> None:
+    """One that is not reliable may be one person's of another camera: nobody starts from it."""
+    distances = []
+    for name, reason in (("Camera that others measured", None), ("Camera that one measured", "too_few")):
+        known = consensus(fit((1280, 720), 600.0), camera=name, platform=PLATFORM, reason=reason)
+        assert store(stack).consensuses.put(known, None, None)
+        fresh = Client(stack)
+        fresh.open(camera=name, platform=PLATFORM, target_error=0.2)
+        distances.append(fresh.pose().json["tvec"][2])
+        assert fresh.state()["calibration"] is None
+    client.open(camera="Camera that nobody measured")
     # Through a wider lens the same picture is seen from nearer.
-    assert pose["tvec"][2] < 0.75 * unknown.pose().json["tvec"][2]
-    assert fresh.state()["calibration"] is None
+    assert distances[0] < 0.75 * client.pose().json["tvec"][2]
+    assert distances[1] == client.pose().json["tvec"][2]
+
+
+def test_seed_that_does_not_pose_the_first_view_is_dropped(stack: LocalStack, client: Client) -> None:
+    """A reliable consensus of a long lens under the name of an ordinary camera harms no capture."""
+    name = "Camera with a false consensus"
+    known = consensus(fit((1280, 720), 4000.0), camera=name, platform=PLATFORM)
+    assert store(stack).consensuses.put(known, None, None)
+    client.open(camera=name, platform=PLATFORM)
+    assert latest(stack, name).prior is not None
+    truth = Truth(seed=6)
+    for ids, points in held(truth, 3):
+        answer = client.view(client.pose().json["index"], ids, points).json
+        assert answer["reason"] not in ("outlier", "degenerate")
+        assert latest(stack, name).prior is None
+    assert abs(client.state()["calibration"]["camera_matrix"][0][0] / 950 - 1) < 0.02
 
 
 def test_the_published_method_can_be_chosen(client: Client) -> None:

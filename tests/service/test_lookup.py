@@ -136,7 +136,7 @@ def test_uncomputable_model_is_tried_once(stack: LocalStack, store: Store) -> No
 def test_second_usb_id_makes_a_name_ambiguous(
     stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Once as many calibrated it as it takes; one capture with an invented id ends nothing."""
+    """Once its calibrations, too, are reliable; captures with an invented id end nothing."""
     monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
     rules = Thresholds(min_contributors=3, contributor_period=0)
     label = "Twofold X3"
@@ -147,15 +147,17 @@ def test_second_usb_id_makes_a_name_ambiguous(
     assert ask(stack, label).status == 200
     for number, status in ((1, 200), (2, 200), (3, 307)):
         store.calibrations.publish(calibration(other, number=number))
+        if number == 3:
+            put(store, consensus(camera=other))
         well_known_ids.refresh_well_known(store, camera_key(other, LINUX), rules)
         with storage_calls(stack) as asked:
             answer = ask(stack, label)
         assert (answer.status, len(asked)) == (status, 2 if status == 200 else 1)
     assert (answer.json["reason"], answer.json["detail"]) == ("unknown_camera", camera_lookup.SEVERAL)
     assert ask(stack, known).status == 200
-    # and back, when one of the three is withdrawn
-    document = calibration(other, number=3)
-    store.calibrations.withdraw(document, "a test", 0)
+    # and back, when too few agree any more
+    assert store.consensuses.drop(consensus(camera=other))
+    put(store, consensus(camera=other, reason="too_few", calibrations=2))
     well_known_ids.refresh_well_known(store, camera_key(other, LINUX), rules)
     assert ask(stack, label).status == 200
 

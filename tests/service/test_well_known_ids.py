@@ -9,6 +9,7 @@ from calibdb.camera_key import camera_key, identify
 from calibdb.lookup import well_known_ids
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
+from calibdb.store.cameras import Standing, rivals
 from infra.local import LocalStack
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
 from tests.helpers.service.stores import with_methods
@@ -44,17 +45,17 @@ def test_overtaken_refresh_reads_again(store: Store, reliable: bool) -> None:
         well_known_ids.refresh_well_known(store, key, RULES)
     overtaken: list[bool] = []
 
-    def slow(camera: str, names: Iterable[str], *, well_known: bool) -> bool:
+    def slow(camera: str, names: Iterable[str], standing: Standing | None) -> bool:
         if not overtaken:
-            overtaken.append(well_known)
+            overtaken.append(standing is not None)
             if reliable:
                 put(store, stored)
             else:
                 assert store.consensuses.drop(stored)
             well_known_ids.refresh_well_known(store, key, RULES)
-        return store.cameras.set_well_known(camera, names, well_known=well_known)
+        return store.cameras.set_standing(camera, names, standing)
 
-    slowed = replace(store, cameras=with_methods(store.cameras, set_well_known=slow))
+    slowed = replace(store, cameras=with_methods(store.cameras, set_standing=slow))
     well_known_ids.refresh_well_known(slowed, key, RULES)
     assert overtaken == [not reliable], "it had seen what was there before"
     assert well_known(store, label) is reliable
@@ -69,3 +70,34 @@ def test_id_is_well_known_by_one_reliable_size(store: Store) -> None:
     put(store, consensus(small, camera=label), consensus(camera=label, reason="too_few"))
     well_known_ids.refresh_well_known(store, camera_key(label, LINUX), RULES)
     assert well_known(store, label)
+
+
+def test_id_whose_calibrations_disagree_is_not_well_known(store: Store) -> None:
+    """Three contributors, and no two of them agree: whoever invents an id needs more than addresses."""
+    label = "Invented X9 (dead:0032)"
+    for number in range(3):
+        store.calibrations.publish(calibration(label, number=number))
+    alone = consensus(camera=label, reason="too_few", calibrations=1)
+    put(store, alone.model_copy(update={"total": 3}))
+    well_known_ids.refresh_well_known(store, camera_key(label, LINUX), RULES)
+    assert not well_known(store, label)
+    assert store.consensuses.drop(alone)
+    put(store, consensus(camera=label, reason="too_few", calibrations=3))
+    well_known_ids.refresh_well_known(store, camera_key(label, LINUX), RULES)
+    assert well_known(store, label), "three that agree are some evidence"
+
+
+@pytest.mark.parametrize(
+    ("leader", "rival", "both"),
+    [
+        (Standing(True, 5), Standing(False, 4), False),
+        (Standing(True, 20), Standing(True, 3), False),
+        (Standing(True, 9), Standing(True, 3), True),
+        (Standing(False, 3), Standing(False, 3), True),
+    ],
+)
+def test_rival_needs_reliability_and_a_third_of_the_contributors(
+    leader: Standing, rival: Standing, both: bool
+) -> None:
+    assert rivals({"a": leader, "b": rival}) == (("a", "b") if both else ("a",))
+    assert rivals({}) == ()

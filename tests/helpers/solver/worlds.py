@@ -72,7 +72,7 @@ def lie(camera: Camera, kind: str, rng: np.random.Generator) -> Camera:
 
 
 def member(name: str, camera: Camera, rng: np.random.Generator, corners: int | None = None) -> Member:
-    """One calibration by a contributor of their own, with a board, a noise and a number of views of theirs."""
+    """One calibration by a contributor with a board, a noise and a number of views of their own."""
     board = draw_board(rng, corners)
     count = int(rng.integers(VIEWS[0], VIEWS[1] + 1))
     count = max(min(count, MAX_POINTS // len(board.points)), VIEWS[0])
@@ -93,7 +93,7 @@ def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def views(board: Board, camera: Camera, rng: np.random.Generator, noise: float, count: int) -> Sequence[View]:
-    """Views as a guided capture ends with: the board in all parts of the image, tilted by 35 to 50 degrees."""
+    """Views as a guided capture ends with: in all parts of the image, tilted by 35 to 50 degrees."""
     w, h = camera.img_size
     middle = board.outline.mean(axis=0)
     least = min(16, len(board.points))

@@ -17,6 +17,7 @@ from typing import Any
 from itsdangerous import BadData, TimestampSigner, URLSafeTimedSerializer
 
 from calibdb.errors import ForbiddenError
+from calibdb.schema.fields import IPV6_SOURCE
 
 SESSION_LIFETIME_S = 30 * 60  # seconds; a capture takes two minutes, a distracted one ten
 TOKEN_PATTERN = re.compile(r"cdb_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
@@ -154,9 +155,12 @@ def source(secret: str, address: str) -> str:
 
     By it contributors are counted, since tokens are for the asking. Of an IPv6 address only the first 48 bits
     count, the most that one site is given (RFC 6177, 2): whoever has them has 65,536 households' worth.
-    An IPv4 address counts whole.
+    An IPv4 address counts whole. The hash of an IPv6 site begins with `IPV6_SOURCE`: one line often has an
+    address of either family, and must not count twice (`calibdb.rules.sources`).
     """
-    return hmac.new(secret.encode(), f"source\n{_site(address, 48)}".encode(), hashlib.sha256).hexdigest()
+    site = _site(address, 48)
+    hashed = hmac.new(secret.encode(), f"source\n{site}".encode(), hashlib.sha256).hexdigest()
+    return (IPV6_SOURCE if ":" in site else "") + hashed
 
 
 def network(secret: str, address: str, token_id: str) -> str | None:

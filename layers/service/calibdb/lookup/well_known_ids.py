@@ -1,8 +1,8 @@
 """Well-known USB ids: those that are calibrated well enough to say which camera a name means.
 
 Anybody can invent a USB id. So an id counts under its name, beside others, only once the database has a
-reliable consensus for it, or once as many contributors calibrated it as such a consensus needs. Every new
-consensus refreshes this.
+reliable consensus for it, or once as many contributors agree on one as a reliable one needs; and only by the
+number of those contributors (`calibdb.store.cameras.Known`). Every new consensus refreshes this.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from calibdb.camera_key import identify
 from calibdb.settings import Thresholds
 from calibdb.store import Store
+from calibdb.store.cameras import Standing
 
 _MAX_ROUNDS = 5  # others that are overtaken, one after the other
 
@@ -30,19 +31,18 @@ def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool
     modes = store.calibrations.modes(camera_key)
     if not modes:
         return False  # its names are gone
-    reliable, sources, some = False, set[str](), ""
+    standing, some = Standing(), ""
     for mode in modes:
-        reliable = reliable or any(known.reliable for known in store.consensuses.at(mode))
+        for known in store.consensuses.at(mode):
+            if known.calibration and (known.reliable or known.reason == "too_few"):
+                standing = max(standing, Standing(known.reliable, known.calibration.contributors))
         counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
-        sources |= {calibration.source for calibration in counted}
         some = some or next((calibration.id for calibration in counted), "")
-        if reliable and some:
-            break
     document = store.calibrations.get(some) if some else None
     if document is None:
         return False
     identity = identify(document.camera, document.platform)
     if not (identity.usb_id and identity.distinct):
         return False
-    well_known = reliable or len(sources) >= thresholds.min_contributors
-    return store.cameras.set_well_known(camera_key, identity.name_keys, well_known=well_known)
+    counts = standing.reliable or standing.contributors >= thresholds.min_contributors
+    return store.cameras.set_standing(camera_key, identity.name_keys, standing if counts else None)

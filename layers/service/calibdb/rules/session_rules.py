@@ -80,13 +80,14 @@ def begin(
 def find_seed(
     known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> FitRecord | None:
-    """Find what others measured of this camera at this size, zoom and model, reliable or not.
+    """Find the reliable consensus of this camera at this size, zoom and model.
 
-    A capture starts from this initial camera, which is no part of its result and need not be right.
+    A capture starts from this initial camera, which is no part of its result and need not be right. What is
+    not reliable starts nothing: it may be one person's, of another camera.
     """
     for consensus in known:
         same = (consensus.img_size, consensus.zoom, consensus.distortion_model) == (img_size, zoom, model)
-        if same and consensus.calibration is not None:
+        if same and consensus.reliable and consensus.calibration is not None:
             return FitRecord.model_validate(consensus.calibration.model_dump())
     return None
 
@@ -232,6 +233,11 @@ def with_estimate(
 def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> SessionDocument:
     """Open `target` in the document."""
     return document.model_copy(update={"target": dict(target)})
+
+
+def without_seed(document: SessionDocument) -> SessionDocument:
+    """Drop the initial camera, and the open target, which was chosen for it."""
+    return document.model_copy(update={"prior": None, "target": None})
 
 
 def without_target(document: SessionDocument) -> SessionDocument:

@@ -5,7 +5,8 @@ against it withdraw it, even a reliable one, until new calibrations agree with i
 to the guidance page, so that new calibrations come. Votes can withhold an answer, but never make a wrong one:
 
 * who contributed a calibration of this camera has had their say and votes neither for it nor against;
-* contributors are counted by where they are (`calibdb.access.tokens.source`), here as in the consensus;
+* contributors are counted by where they are (`calibdb.access.tokens.source`), here as in the consensus, and
+  by one family of addresses (`calibdb.rules.sources`), so that one line of the network has one vote;
 * votes against count from the newest calibration that agrees on, and as many as there are for it must be
   there, and a third as many as contributed to it;
 * what a consensus is measured by is the checker's own: the noise of the views, and the camera that they
@@ -20,6 +21,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from calibdb.rules.sources import count_lines
 from calibdb.schema.calibration import Basis
 from calibdb.schema.checks import CheckRequest
 from calibdb.schema.documents import ConsensusDocument, Votes
@@ -138,17 +140,20 @@ def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, o
     one_per_source
         Whether contributors can be told apart: each source then has one vote, the newest.
     """
-    agree = disagree = 0
+    agree: list[str] = []
+    disagree: list[str] = []
     heard: set[str] = set()
     for finding in findings:
         if one_per_source and (finding.source in heard or finding.source in sources):
             continue
         heard.add(finding.source)
         if finding.fits:
-            agree += 1
+            agree.append(finding.source)
         elif finding.time >= since:
-            disagree += 1
-    return Votes(agree=agree, disagree=disagree)
+            disagree.append(finding.source)
+    if one_per_source:
+        return Votes(agree=count_lines(agree), disagree=count_lines(disagree))
+    return Votes(agree=len(agree), disagree=len(disagree))
 
 
 def decide_reliability(

@@ -24,6 +24,7 @@ MAX_PIXELS = 2**26  # an overlay is drawn at the size of the image
 LONGEST = 8  # sides of an image: no camera's is a strip
 MAX_INDEX = 100_000
 MAX_LABEL, MAX_RAW_LABEL = 256, 4096  # characters of a label, and of one that holds invisible ones, too
+IPV6_SOURCE = "v6-"  # beginning of a contributor's source that is an IPv6 site
 
 
 class Strict(BaseModel):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from pydantic_core import from_json
@@ -16,6 +16,33 @@ from calibdb.store.names import ALL, SAME_AS
 from calibdb.store.table import Condition, Item, Table
 
 _IF_EXISTS = Condition("attribute_exists(pk)")
+
+
+MIN_RIVAL_SHARE = 1 / 3  # contributors of an id / of the best known one of its name, from which it rivals it
+
+
+@dataclass(frozen=True, order=True)
+class Standing:
+    """Standing of a USB id among those of its name: its camera's best consensus, and who agrees on it."""
+
+    reliable: bool = False
+    contributors: int = 0
+
+
+def rivals(standings: Mapping[str, Standing]) -> tuple[str, ...]:
+    """Select the ids that a name may mean.
+
+    Where one of them is reliable only reliable ones, and of those whoever has a third of the contributors
+    that the best known has: an invented id takes no name from a camera that many know.
+    """
+    if not standings:
+        return ()
+    best = max(standings.values())
+    return tuple(
+        key
+        for key, standing in standings.items()
+        if standing.reliable >= best.reliable and standing.contributors >= MIN_RIVAL_SHARE * best.contributors
+    )
 
 
 @dataclass(frozen=True)
@@ -54,18 +81,18 @@ class Cameras:
         """Return all that is known under a key: one Query."""
         items = self._table.query(camera_pk(camera_key), "CONSENSUS")
         others = {
-            sk.removeprefix(SAME_AS): "well_known" in item
+            sk.removeprefix(SAME_AS): _standing(item)
             for item in items
             if (sk := str(item["sk"])).startswith(SAME_AS)
         }
         return Known(
             documents(item for item in items if "document" in item),
             tuple(others),
-            tuple(key for key, well_known in others.items() if well_known),
+            rivals({key: standing for key, standing in others.items() if standing}),
         )
 
-    def set_well_known(self, camera_key: str, names: Iterable[str], *, well_known: bool) -> bool:
-        """Write down under the keys `names` whether the camera counts beside others of the name.
+    def set_standing(self, camera_key: str, names: Iterable[str], standing: Standing | None) -> bool:
+        """Write down under the keys `names` how the camera stands beside others of them; None: not at all.
 
         False where it was written there already.
         """
@@ -73,8 +100,11 @@ class Cameras:
         for name in sorted(names):
             item: Item = {"pk": camera_pk(name), "sk": SAME_AS + camera_key}
             stored = self._table.get(str(item["pk"]), str(item["sk"]))
-            if stored is not None and ("well_known" in stored) != well_known:
-                self._table.put(item | ({"well_known": 1} if well_known else {}), _IF_EXISTS)
+            if stored is not None and _standing(stored) != standing:
+                mark: Item = {}
+                if standing is not None:
+                    mark = {"well_known": standing.contributors, "reliable": int(standing.reliable)}
+                self._table.put(item | mark, _IF_EXISTS)
                 written = True
         return written
 
@@ -100,6 +130,12 @@ class Cameras:
         items = self._table.query(mode.pk, prefix, newest_first=True, limit=limit)
         counted = (item for item in items if "withdrawn" not in item and item.get("native", 1) != 0)
         return [member for item in counted if (member := _member(item, group)) is not None]
+
+
+def _standing(item: Item) -> Standing | None:
+    if "well_known" not in item:
+        return None
+    return Standing(bool(item.get("reliable", 0)), int(str(item["well_known"])))
 
 
 def is_place(word: str, after: str) -> bool:

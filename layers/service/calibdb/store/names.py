@@ -4,8 +4,8 @@ All of them follow from the calibrations alone, so that the index can be rebuilt
 
 * `CAMERA#<other key>/CONSENSUS-OF#<key>`: what is asked for under the other key is known under this one. The
   other key is that of the name alone, which is all that some browsers tell, or one of earlier rules. Under
-  `CONSENSUS`, so that the one Query of a lookup brings it along. `well_known: 1` where the camera counts
-  beside others of this name (`calibdb.lookup.well_known_ids`).
+  `CONSENSUS`, so that the one Query of a lookup brings it along. Where the camera counts beside
+  others of this name (`calibdb.lookup.well_known_ids`): `well_known`, its contributors, and `reliable`.
 * `CAMERAS#<first letter>/<word>#<key>` and `CAMERAS#/<key>`: the search, by words, and by nothing.
 """
 

@@ -92,6 +92,8 @@ class ViewDecision:
         Of a refused view: why it was refused, and how to do better.
     quarantine
         Whether a refused view is worth keeping: it contradicts the others, and it may be they that are wrong.
+    seed_rejected
+        Whether the seed did not pose this view, the first one: the capture goes on without it.
     """
 
     accepted: bool
@@ -99,3 +101,4 @@ class ViewDecision:
     estimate: Estimate | None
     hint: Hint | None = None
     quarantine: bool = False
+    seed_rejected: bool = False

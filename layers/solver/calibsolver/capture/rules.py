@@ -10,14 +10,11 @@ import numpy as np
 from .. import deadline, models, rotation
 from ..board import Board
 from ..camera import Camera
-from ..fitting import initial_guess, normal_equations
 from ..fitting.calibration import Calibration
-from ..fitting.observations import Observations
 from ..fitting.resection import reprojection_score
 from ..fitting.uncertainty import Uncertainty
 from ..guidance import GUIDES, MIN_NOISE_WIDTHS, IntrinsicsPosterior, PoseSelection
 from ..guidance.hints import Placement, largest_difference
-from ..guidance.posterior import is_usable_seed
 from ..guidance.target import TargetPose
 from ..quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from ..view import View
@@ -32,6 +29,7 @@ from .decision import (
     Exclusion,
     ViewDecision,
 )
+from .seed import is_posed, is_usable
 
 MIN_VIEWS = 4
 """Views before a capture may converge: fewer can agree by chance."""
@@ -39,8 +37,6 @@ MAX_VIEWS = 15
 """Views after which a capture ends with the accuracy that was reached."""
 MAX_POINTS = 20_000
 """Points of all views with which it ends likewise: where the whole board would be one view too many."""
-MAX_MEDIAN_ERROR_WIDTHS = 0.15
-"""Median error / image width of a view with its pose alone fitted; no lens explains more."""
 MAX_DETECTOR_NOISE_WIDTHS = 0.75 / 1280
 """Noise of a corner's coordinate / image width; no detector has more in a picture that shows markers."""
 UNCERTAINTY_INFLATION = 1.1
@@ -83,9 +79,10 @@ class Capture:
         self.board = board
         self.img_size = (int(img_size[0]), int(img_size[1]))
         self.model = models.get(model).name
+        self.guidance = guidance
         self.target_error = float(target_error)
         self.recorded = recorded
-        usable = seed is not None and is_usable_seed(seed, self.model, self.img_size)
+        usable = seed is not None and is_usable(seed, self.model, self.img_size)
         self.seed = seed if usable else None
         self.guide = GUIDES[guidance](board, self.img_size, self.model, self.seed)
         self.consistency = Consistency(self.img_size, self.model, self.seed)
@@ -114,6 +111,12 @@ class Capture:
             target_error=record["target_error"],
             seed=Camera.from_record(seed) if seed is not None else None,
             recorded=record.get("capture") == "recorded",
+        )
+
+    def without_seed(self) -> "Capture":
+        """Make the same capture without a seed."""
+        return Capture(
+            self.board, self.img_size, self.model, self.guidance, self.target_error, None, self.recorded
         )
 
     def camera(self, estimate: Estimate | None) -> Camera:
@@ -196,6 +199,11 @@ class Capture:
         reason = rejection_reason(view, self.img_size)
         if reason is not None:
             return self._refuse(reason, view, target)
+        if self.seed is not None and not views and not is_posed(self.seed, view):
+            fresh = self.without_seed()
+            first = None if target is None else fresh.next_target([], fresh.estimate([]))
+            decision = fresh.judge([], first, view)
+            return replace(decision, seed_rejected=True)
         with np.errstate(all="ignore"):  # hostile numbers end in a refusal, not in a warning
             return self._decide(list(views), target, view, excluded, quarantined)
 
@@ -210,7 +218,7 @@ class Capture:
         active = [i for i in range(len(views)) if i not in excluded]
         others = [views[i] for i in active]
         before = self.consistency.fit(others)
-        gain = self._gain(before, view)
+        gain = IntrinsicsPosterior.of(self.model, self.img_size, before, self.seed).view_gain(view)
         if gain is None:
             return self._refuse("outlier", view, target)
         all_views, excluded_before = [*views, view], dict(excluded)
@@ -320,18 +328,6 @@ class Capture:
             1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12)
         )
         return Uncertainty(u.rms * factor, u.max * factor)
-
-    def _gain(self, before: Calibration | None, view: View) -> float | None:
-        """Gain of the view over the calibration `before` it, px^2; None where it cannot be posed."""
-        posterior = IntrinsicsPosterior.of(self.model, self.img_size, before, self.seed)
-        obs = Observations.of([view])
-        posed = initial_guess.at(posterior.model, obs, posterior.k)
-        if not posed.error < MAX_MEDIAN_ERROR_WIDTHS * self.img_size[0]:
-            return None
-        q, j = normal_equations.projection_jacobian(posterior.model, posterior.k, posed.poses, obs.points)
-        if not (np.isfinite(q).all() and np.isfinite(j).all()):
-            return None
-        return posterior.gain(normal_equations.fisher_information(j, obs.mask.astype(np.float64))[0])
 
     def _resection_error(self, camera: Camera, view: View) -> float | None:
         """Rms of the view with its pose alone fitted, px; None where it has no pose."""

@@ -237,35 +237,44 @@ def forward_search(
     if count < 3:
         return list(range(count))
     weights = np.ones(count) if weights is None else weights
-    own = projections.bounded_mse
     x = displacement_fields(projections, projections.medoid)
-    prior2 = (SPECIMEN_SPREAD_WIDTHS * projections.cameras[0].img_size[0]) ** 2
-    members = densest_half(x, weights)
-    while len(members) < count:
-        m = len(members)
-        d2 = np.sum((x - np.average(x[members], axis=0, weights=weights[members])) ** 2, axis=1)
-        outside = np.setdiff1d(np.arange(count), members)
-        nearest = outside[np.argmin(d2[outside])]
-        noise2 = float(np.mean(own[members]))
-        variance = float(np.sum(d2[members])) / (m - 1)
-        # Where noise alone may explain the variance, it is not inflated: few members are no excuse then.
-        specimens_differ = variance > SPECIMEN_VARIANCE_RATIO * noise2
-        inflation = 1 + ((SMALL_SAMPLE_INFLATION / (m - 1)) ** 2 if specimens_differ else 0.0)
-        beyond_noise = max(variance - noise2, 0.0) * inflation
-        shrunk = (SPECIMEN_SPREAD_MEMBERS * prior2 + (m - 1) * beyond_noise) / (
-            SPECIMEN_SPREAD_MEMBERS + m - 1
-        )
-        between = min(MEMBER_SIGMAS**2 * max(beyond_noise, shrunk), limit**2)
-        explained = MEMBER_SIGMAS**2 * (own[nearest] + noise2 / m) + between * (1 + 1 / m)
-        if d2[nearest] > max(explained, harmless**2):
-            break
-        members = np.append(members, nearest)
+    members = grow(projections, x, densest_half(x, weights), limit, harmless, weights)
     while (
         len(members) >= MIN_BIMODAL_SIZE
         and (part := _split_bimodal(x[members], harmless, weights[members])) is not None
     ):
         members = members[part]
     return sorted(int(i) for i in members)
+
+
+def grow(
+    projections: Projections, x: Array, members: IntArray, limit: float, harmless: float, weights: Array
+) -> IntArray:
+    """Let all calibrations join `members` (indices) that belong to them, the nearest first: their indices.
+
+    The last step of a `forward_search`, whose parameters the others are; `x` (c, n) are displacement fields.
+    """
+    count, own = len(projections), projections.bounded_mse
+    prior2 = (SPECIMEN_SPREAD_WIDTHS * projections.cameras[0].img_size[0]) ** 2
+    while len(members) < count:
+        m = len(members)
+        d2 = np.sum((x - np.average(x[members], axis=0, weights=weights[members])) ** 2, axis=1)
+        outside = np.setdiff1d(np.arange(count), members)
+        nearest = outside[np.argmin(d2[outside])]
+        noise2 = float(np.mean(own[members]))
+        variance = float(np.sum(d2[members])) / max(m - 1, 1)
+        # Where noise alone may explain the variance, it is not inflated: few members are no excuse then.
+        specimens_differ = variance > SPECIMEN_VARIANCE_RATIO * noise2
+        inflation = 1 + ((SMALL_SAMPLE_INFLATION / max(m - 1, 1)) ** 2 if specimens_differ else 0.0)
+        beyond_noise = max(variance - noise2, 0.0) * inflation
+        degrees = SPECIMEN_SPREAD_MEMBERS + m - 1
+        shrunk = (SPECIMEN_SPREAD_MEMBERS * prior2 + (m - 1) * beyond_noise) / degrees
+        between = min(MEMBER_SIGMAS**2 * max(beyond_noise, shrunk), limit**2)
+        explained = MEMBER_SIGMAS**2 * (own[nearest] + noise2 / m) + between * (1 + 1 / m)
+        if d2[nearest] > max(explained, harmless**2):
+            break
+        members = np.append(members, nearest)
+    return members
 
 
 def _split_bimodal(x: Array, harmless: float, weights: Array) -> IntArray | None:

@@ -1,4 +1,4 @@
-"""Location of a camera's contributors: the projection in the middle of theirs, and the influence of two on it.
+"""Location of a camera's contributors, the projection in their middle, and the influence of two on it.
 
 Every contributor is one displacement field over the image, whatever the number of its points: the mean of its
 calibrations'. The location is their M-estimate with Huber's loss (Huber 1964): the mean of those that lie
@@ -93,7 +93,7 @@ class ContributorFields:
         return Location(field, all_weights, all_distances)
 
     def _by_contributor(self, members: IntArray) -> tuple[Array, Mask, Array, IntArray]:
-        """Fields (c, n, 2), pixels seen (c, n), noise (c,) px^2 and numbers (c,) of the members' contributors."""
+        """Average by contributor: fields (c, n, 2), pixels seen (c, n), noise (c,) px^2, numbers (c,)."""
         present = np.unique(self.owner[members])
         fields, masks, noise2 = [], [], []
         for number in present:
@@ -111,7 +111,7 @@ class ContributorFields:
         return out
 
     def majority_spread(self, group: Sequence[int]) -> float:
-        """Standard deviation, px rms, of the group's contributors in their densest majority, noise included."""
+        """Compute the standard deviation, px rms, of the densest majority of a group's contributors."""
         x, _, _, _ = self._by_contributor(np.asarray(group, dtype=np.intp))
         flat = x.reshape(len(x), -1) / np.sqrt(x.shape[1])
         members = flat[densest_half(flat, np.ones(len(x)))]
@@ -119,12 +119,12 @@ class ContributorFields:
         return float(np.sqrt(square))
 
     def leave_out_influence(
-        self, group: Sequence[int], regroup: Callable[[IntArray], Sequence[int]]
+        self, group: Sequence[int], regroup: Callable[[IntArray], IntArray]
     ) -> tuple[float, float]:
         """Largest shifts of the location of `group` when one, and when two contributors are left out, px rms.
 
-        `regroup` decides anew which of the remaining calibrations (indices) agree. Infinite where nobody is
-        left. Of many contributors those are left out that have most influence.
+        `regroup` decides anew which of the remaining calibrations (indices) agree with those of the group.
+        Infinite where nobody is left. Of many contributors those are left out that have most influence.
         """
         whole = self.locate(group)
         pull = np.nan_to_num(whole.weights * whole.distances)

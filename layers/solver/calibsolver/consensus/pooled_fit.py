@@ -1,4 +1,4 @@
-"""One camera for a group of calibrations that agree: a fit to all views, or the location of the contributors."""
+"""Pooled fit of calibrations that agree: to all views, or to the location of their contributors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,11 +26,15 @@ MIN_COVARIANCE_SINGULAR_VALUE = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """Views of one calibration of the camera, with the ids of the calibration and of its contributor."""
+    """Views of one calibration of the camera, with the ids of the calibration and of its contributor.
+
+    Contributors of different families may be the same: where they are counted, one family counts.
+    """
 
     id: str
     contributor: str
     views: tuple[View, ...]
+    family: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +67,7 @@ def fit_location(
 def _location_covariance(
     fitted: Sequence[Fitted], group: Sequence[int], fields: ContributorFields, location: Location
 ) -> Array:
-    """Covariance (p, p) of the location: contributors are its clusters (random effects, method of moments)."""
+    """Covariance (p, p) of the location, by random effects of contributors and the method of moments."""
     owners = fields.owner[list(group)]
     w = location.weights / location.weights.sum()
     noise = np.zeros((len(fitted[group[0]].calibration.covariance),) * 2)
@@ -115,7 +119,7 @@ def describe(camera: Camera, group: Sequence[Fitted], covariance: Array) -> Cali
 
 
 def _inliers(view: View, used: Mask) -> View:
-    """The inliers of a view, where they are enough for a pose; else the view."""
+    """Select the inliers of a view, where they are enough for a pose; else the view."""
     if used.sum() < MIN_POSE_POINTS:
         return view
     return View(view.object_points[used], view.image_points[used])

@@ -15,7 +15,7 @@ from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..fitting.validation import check, degenerate_views, pack
 from ..view import View
-from .agreement import Projections, compare, split_into_groups
+from .agreement import Projections, compare, displacement_fields, grow, split_into_groups
 from .location import ContributorFields
 from .pooled_fit import (
     Fitted,
@@ -88,7 +88,7 @@ class Consensus:
     members
         Ids of the group, in the order given.
     contributors
-        Number of different contributors in the group.
+        Number of different contributors in the group, of the largest family alone.
     reliable
         Whether the rule holds.
     total
@@ -161,7 +161,7 @@ def pool(
     return Consensus(
         calibration=pooled,
         members=tuple(f.member.id for f in group),
-        contributors=len({f.member.contributor for f in group}),
+        contributors=count_contributors(group),
         reliable=reason is None,
         total=len(members),
         reason=reason,
@@ -202,9 +202,18 @@ class _Agreement:
         contributors = [f.member.contributor for f in self.fits]
         return ContributorFields(self.projections, contributors, reference)
 
-    def regroup(self, indices: IntArray) -> Sequence[int]:
-        """Largest group among some of the members."""
-        return self._split(indices)[0]
+    @cached_property
+    def displacements(self) -> Array:
+        """Displacement fields (c, n) from the middle of the largest group."""
+        group = self.groups[0]
+        return displacement_fields(self.projections, group[self.projections.subset(group).medoid])
+
+    def regroup(self, indices: IntArray) -> IntArray:
+        """Group among some of the members: what is left of the largest group, and whoever belongs to it."""
+        left = np.flatnonzero(np.isin(indices, self.groups[0]))
+        weights = _weights([self.fits[i] for i in indices], self.rule)
+        part, x = self.projections.subset(indices), self.displacements[indices]
+        return np.sort(indices[grow(part, x, left, *self.limits, weights)])
 
     def _split(self, indices: IntArray) -> list[list[int]]:
         weights = _weights([self.fits[i] for i in indices], self.rule)
@@ -241,9 +250,15 @@ def unreliable_reason(
         return "disagree"
     if not is_spread_within(group, img_size, rule):
         return "disagree"
-    if len({f.member.contributor for f in group}) < rule.min_contributors:
+    if count_contributors(group) < rule.min_contributors:
         return "few_contributors"
     return None if is_stable else "disagree"
+
+
+def count_contributors(group: Sequence[Fitted]) -> int:
+    """Count the contributors of a group, those of the largest family alone."""
+    different = {(f.member.family, f.member.contributor) for f in group}
+    return max(Counter(family for family, _ in different).values())
 
 
 def max_influence(contributors: int, spread: float, width: int) -> float:

@@ -8,9 +8,11 @@ import numpy as np
 from .. import models
 from ..arrays import Array, symmetric_inverse
 from ..camera import Camera
-from ..fitting import prior, uncertainty
+from ..fitting import initial_guess, normal_equations, prior, uncertainty
 from ..fitting.calibration import Calibration
+from ..fitting.observations import Observations
 from ..models import Model
+from ..view import View
 from .candidates import RayGrid
 
 ERROR_GRID = (12, 9)
@@ -19,6 +21,10 @@ NOMINAL_NOISE_WIDTHS = 0.3 / 1280
 """Standard deviation of a corner's coordinate / image width, before any measurement."""
 MIN_NOISE_WIDTHS = 0.05 / 1280
 """The same of the best detector: residuals that are smaller by chance do not promise more."""
+
+
+MAX_MEDIAN_ERROR_WIDTHS = 0.15
+"""Median error / image width of a view with its pose alone fitted; no lens explains more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,12 +99,13 @@ class IntrinsicsPosterior:
         after = symmetric_inverse(self.information + information / self.noise**2)
         return float(np.sum((before - after) * w))
 
-
-def is_usable_seed(seed: Camera, model_name: str, img_size: tuple[int, int]) -> bool:
-    """Whether a seed is of this model and image size, and a believable camera."""
-    (w, h), k = img_size, seed.intrinsics
-    if (seed.model, seed.img_size) != (model_name, img_size) or not np.isfinite(k).all():
-        return False
-    with np.errstate(all="ignore"):
-        focal = seed.focal[0]
-    return bool(0.1 * w < focal < 20 * w and abs(k[2] - w / 2) < w / 4 and abs(k[3] - h / 2) < h / 4)
+    def view_gain(self, view: View) -> float | None:
+        """Decrease of the mean square error, px^2, by a view; None where the camera cannot pose it."""
+        obs = Observations.of([view])
+        posed = initial_guess.at(self.model, obs, self.k)
+        if not posed.error < MAX_MEDIAN_ERROR_WIDTHS * self.img_size[0]:
+            return None
+        q, j = normal_equations.projection_jacobian(self.model, self.k, posed.poses, obs.points)
+        if not (np.isfinite(q).all() and np.isfinite(j).all()):
+            return None
+        return self.gain(normal_equations.fisher_information(j, obs.mask.astype(np.float64))[0])

@@ -8,7 +8,7 @@ import pytest
 from calibsolver import Board, Camera, View, models, rotation
 from calibsolver.capture import Capture, Exclusion, exclusions
 from calibsolver.guidance import PoseSelection, TargetPose
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import populations, synthetic
 
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]
@@ -261,6 +261,41 @@ def test_exclusions_are_read_from_records_of_views() -> None:
     reason = {"reason": "outlier", "detail": "Its corners are wrong."}
     found = exclusions([{"set_aside": None}, {"set_aside": reason}, {"ids": [1, 2]}])
     assert found == {1: Exclusion("outlier", "Its corners are wrong.")}
+
+
+@pytest.mark.parametrize("focal_widths", [0.05, 0.3, 2.0, 4.0, 50.0])
+def test_wrong_seed_harms_no_capture(focal_widths: float) -> None:
+    """As many views as without, one more at most, and none refused: as the picture shows, and anyhow."""
+    k = CAMERA.intrinsics
+    k[:2] = focal_widths * CAMERA.img_size[0]
+    wrong = Camera.from_intrinsics(CAMERA.model, k, CAMERA.img_size)
+    ended, errors = [], []
+    for seed in (None, wrong):
+        capture = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
+        run = synthetic.run(CAMERA, np.random.default_rng(3), views=4, max_views=15, capture=capture)
+        assert run.stopped is not None
+        ended.append(run.stopped)
+        errors.append(run.rms[-1])
+        assert "outlier" not in run.reasons
+    assert ended[1] <= ended[0] + 1
+    assert errors[1] < 0.6
+    # Views all over the image, near no target.
+    misled = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=wrong)
+    target = misled.next_target([], misled.estimate([]))
+    for view in populations.views(CAMERA, np.random.default_rng(0)):
+        assert misled.judge([], target, view).accepted
+
+
+def test_seed_that_poses_the_first_view_is_kept() -> None:
+    view = populations.views(CAMERA, np.random.default_rng(0), count=1)[0]
+    k = CAMERA.intrinsics
+    for factor, rejected in ((1.0, False), (1.01, False), (3.0, True)):
+        seed = Camera.from_intrinsics(
+            CAMERA.model, k * [factor, factor, *([1] * (len(k) - 2))], CAMERA.img_size
+        )
+        capture = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
+        decision = capture.judge([], capture.next_target([], capture.estimate([])), view)
+        assert decision.seed_rejected is rejected
 
 
 @pytest.mark.parametrize("xi", [1.0, -1.0])

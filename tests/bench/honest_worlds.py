@@ -1,0 +1,118 @@
+"""Liars among honest contributors whose specimens, boards, noise and care differ: a part of `consensus`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibsolver.consensus import Consensus, Member, Rule, difference, pool
+from tests.bench import document
+from tests.helpers.solver import worlds
+
+RULE = Rule(min_contributors=3)
+MOVED = 1.0
+"""px over the image of 1,280, by which no liar may move a reliable answer."""
+MAX_HONEST = 12
+HEADER = [
+    "contributors",
+    "cameras",
+    "reliable",
+    "moved by > 1 px",
+    "largest move",
+    "95th percentile",
+    "moved by > 1 px while the stated uncertainty fell",
+]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A consensus, and how far it lies from that without liars: px; its stated uncertainty over that's."""
+
+    reliable: bool
+    moved: float = 0.0
+    uncertainty_ratio: float = 1.0
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Answers for one camera with `honest` contributors, for its first five, and with one and two liars."""
+
+    honest: int
+    scatter: float
+    first_five: Answer
+    clean: Answer
+    one: Answer
+    two: Answer
+
+
+def run_trial(number: int) -> Outcome:
+    """Run the trial of this number, the same one every time: half of the cameras have five contributors.
+
+    Lies are of the focal length or of the distortion, alternately; of two liars half tell the same lie. Every
+    third liar has the densest board, the others any.
+    """
+    rng = np.random.default_rng((17, number))
+    product = worlds.world(rng)
+    honest = 5 if number % 2 else int(rng.integers(6, MAX_HONEST + 1))
+    members = [worlds.member(f"h{i}", worlds.specimen(product, rng), rng) for i in range(honest)]
+    kind = ("focal", "distortion")[number // 2 % 2]
+    false = worlds.lie(product.camera, kind, rng)
+    other = false if rng.uniform() < 0.5 else worlds.lie(product.camera, kind, rng)
+    corners = worlds.CORNERS[1] if number % 3 == 0 else None
+    liars = [worlds.member(f"l{i}", camera, rng, corners) for i, camera in enumerate((false, other))]
+    size = product.camera.img_size
+
+    def answer(group: Sequence[Member]) -> Consensus:
+        return pool(group, size, product.camera.model, RULE)
+
+    clean = answer(members)
+
+    def compared(liars: Sequence[Member]) -> Answer:
+        found = answer([*members, *liars])
+        moved = difference(clean.calibration.camera, found.calibration.camera)
+        ratio = found.calibration.uncertainty().rms / clean.calibration.uncertainty().rms
+        return Answer(found.reliable, moved, ratio)
+
+    five = clean if honest == 5 else answer(members[:5])
+    return Outcome(
+        honest,
+        product.scatter,
+        Answer(five.reliable),
+        Answer(clean.reliable),
+        compared(liars[:1]),
+        compared(liars),
+    )
+
+
+def table(cameras: int) -> str:
+    """Table of what is answered without liars, and how far one and two move it."""
+    return render([run_trial(number) for number in range(cameras)])
+
+
+def render(outcomes: Sequence[Outcome]) -> str:
+    rows = [row("five, no liar", [o.first_five for o in outcomes])]
+    for what, chosen in (
+        ("five", [o for o in outcomes if o.honest == 5]),
+        (f"six to {MAX_HONEST}", [o for o in outcomes if o.honest > 5]),
+        ("all", outcomes),
+    ):
+        rows.append(row(f"{what}, no liar", [o.clean for o in chosen]))
+        rows.append(row(f"{what}, and one liar", [o.one for o in chosen], lies=True))
+        rows.append(row(f"{what}, and two liars", [o.two for o in chosen], lies=True))
+    del rows[1]  # the same as the first, of half of the cameras
+    return document.table(HEADER, rows)
+
+
+def row(what: str, answers: Sequence[Answer], *, lies: bool = False) -> list[str]:
+    reliable = [a for a in answers if a.reliable]
+    start = [what, f"{len(answers):,}", f"{len(reliable) / len(answers):.1%}"]
+    if not lies:
+        return [*start, "", "", "", ""]
+    moved = [a.moved for a in reliable]
+    return [
+        *start,
+        str(sum(m > MOVED for m in moved)),
+        f"{max(moved):.2f} px",
+        f"{np.quantile(moved, 0.95):.2f} px",
+        str(sum(a.moved > MOVED and a.uncertainty_ratio < 1 for a in reliable)),
+    ]
