@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from calibdb.camera_key import VERSION
+from calibdb.http import metrics
 from calibdb.schema import BackfillAnswer, BackfillBatch, RefitRequest
 from calibdb.service import Service
 from calibdb.store import Calibrations, StreamMode
@@ -20,6 +21,7 @@ from calibdb.store.keys import parse_calibration_object
 from calibdb.store.names import with_current_key
 
 
+@metrics.counting_denied_reads
 def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
     """List the requests to `refit`."""
     batch = BackfillBatch.model_validate(event)
@@ -39,5 +41,6 @@ def modes(calibrations: Calibrations, names: list[str]) -> Iterator[StreamMode]:
         yield from calibrations.modes(camera_key)
     # Under which key these are found today is in the documents alone.
     earlier = [calibration_id for key, calibration_id in places if not key.startswith(f"{VERSION}-")]
-    for document in map(with_current_key, calibrations.read(earlier)):
+    listed = [document for name in earlier if (document := calibrations.get(name)) is not None]
+    for document in map(with_current_key, listed):
         yield StreamMode(document.camera_key, document.img_size, document.zoom)

@@ -11,13 +11,17 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Any, Literal
 
 from calibdb.camera_key import public_label, public_platform
 from calibdb.errors import UnavailableError
+from calibdb.http import metrics
 from calibdb.lookup import well_known_ids
 from calibdb.rules import quality_gates
 from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
@@ -45,6 +49,7 @@ from calibsolver.consensus import difference
 from calibsolver.fitting.resection import reprojection_score
 
 MAX_ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
+WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same computation; a caller has 25 s
 MAX_ATTEMPTS = 5  # while other writers keep winning the conditional put
 
 METHOD = 4  # of pooling and counting: what another one computed is computed anew
@@ -52,8 +57,15 @@ METHOD = 4  # of pooling and counting: what another one computed is computed ane
 Consensuses = dict[str, ConsensusDocument | None]
 
 
+@metrics.counting_denied_reads
 def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
-    """Compute, store and return the consensus of every model asked for; null where nothing is known."""
+    """Compute, store and return the consensus of every model asked for; null where nothing is known.
+
+    From the queue of those that failed, an event holds one record of a request.
+    """
+    if "Records" in event:
+        (record,) = event["Records"]
+        event = json.loads(record["body"])["requestPayload"]
     request = RefitRequest.model_validate(event)
     service = Service.of(os.environ)
     mode = StreamMode(request.camera, request.img_size, request.zoom)
@@ -61,14 +73,40 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
         run_under_lease(service, mode, context)
         return RefitAnswer(models={}).model_dump(mode="json")
     models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
-    consensuses = ensure_current(service, mode, models)
+    consensuses = ensure_current(service, mode, models, _alone(service, mode, models, context))
     return RefitAnswer.model_validate({"models": consensuses}).model_dump(mode="json")
+
+
+@contextmanager
+def _alone(service: Service, mode: StreamMode, models: Sequence[str], context: Any) -> Iterator[None]:
+    """Wait until nobody else computes the same for somebody who waits; raises UnavailableError.
+
+    Clients that lost patience ask again; without this, each of them would start the computation anew. Who
+    waited mostly finds it done.
+    """
+    leases, me, name = service.store.leases, str(context.aws_request_id), f"NOW#{'+'.join(models)}"
+    for pause in (*WAITS_S, None):
+        if leases.take(mode, me, service.now, _deadline(service, context), name):
+            break
+        if pause is None:
+            raise UnavailableError("This consensus is still being computed; try again.")
+        time.sleep(pause)
+    try:
+        yield
+    finally:
+        leases.abandon(mode, me, name)
+
+
+def _deadline(service: Service, context: Any) -> int:
+    """Unix seconds at which this invocation has surely ended."""
+    left_ms: int = context.get_remaining_time_in_millis()
+    return service.now + math.ceil(left_ms / 1000)
 
 
 def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
     """Refresh every model's consensus, unless the holder of the lease will do so for this request."""
     leases, me = service.store.leases, str(context.aws_request_id)
-    until = service.now + math.ceil(context.get_remaining_time_in_millis() / 1000)
+    until = _deadline(service, context)
     if not leases.take(mode, me, service.now, until):
         return
     done = False
@@ -86,17 +124,34 @@ def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
     raise UnavailableError("New calibrations of this camera keep arriving; try again.")
 
 
-def ensure_current(service: Service, mode: StreamMode, models: Sequence[str]) -> Consensuses:
-    """Return each model's consensus as it follows from the index; compute and store those that are stale."""
-    for _ in range(MAX_ATTEMPTS):
-        consensuses = _try_once(service, mode, models)
-        if consensuses is not None:
-            return consensuses
+def ensure_current(
+    service: Service,
+    mode: StreamMode,
+    models: Sequence[str],
+    guard: AbstractContextManager[None] | None = None,
+) -> Consensuses:
+    """Return each model's consensus as it follows from the index; compute and store those that are stale.
+
+    `guard`: entered before anything is computed; the reads that find nothing stale need none.
+    """
+    with ExitStack() as guarded:
+        for _ in range(MAX_ATTEMPTS):
+            consensuses = _try_once(service, mode, models, compute=guard is None)
+            if consensuses is not None:
+                return consensuses
+            if guard is not None:
+                guarded.enter_context(guard)
+                guard = None
     raise UnavailableError("Other computations keep updating this consensus; try again.")
 
 
-def _try_once(service: Service, mode: StreamMode, models: Sequence[str]) -> Consensuses | None:
-    """Do what `ensure_current` does; None if another writer won a conditional put."""
+def _try_once(
+    service: Service, mode: StreamMode, models: Sequence[str], *, compute: bool
+) -> Consensuses | None:
+    """Do what `ensure_current` does; None if another writer won a conditional put.
+
+    Where not to `compute`, None also where something is stale.
+    """
     store, thresholds = service.store, service.settings.thresholds
     # Stored consensuses are read first: each was made from what is read after it, or from less.
     stored: dict[str, ConsensusDocument] = {c.distortion_model: c for c in store.consensuses.at(mode)}
@@ -107,6 +162,8 @@ def _try_once(service: Service, mode: StreamMode, models: Sequence[str]) -> Cons
     pooled = pool_digest(METHOD, [c.id for c in counted], thresholds, __version__)
     basis = input_digest(pooled, [vote.id for vote in votes])
     steps = plan_refit(models, stored, pooled, basis)
+    if not compute and any(step.action != "keep" for step in steps):
+        return None
     return _apply(service, Inputs(mode, counted, votes, pooled, basis), steps)
 
 

@@ -90,7 +90,7 @@ class Storage:
             addresses = written_keys(Call(service, operation, request.url, body), self._memory.item_address)
         except LookupError as error:
             return _error(service, 400, "ValidationException", f"no such table, or no such key: {error}")
-        ask = self._ask_moto
+        ask = self._denying_missing if operation == "GetObject" else self._ask_moto
         if operation == "ListObjectVersions":
             addresses, ask = (), self._list_versions
         if addresses is None:
@@ -144,6 +144,11 @@ class Storage:
             return Answer(404, {}, b"")
         status, headers, body = answer
         return Answer(status, headers, body.encode() if isinstance(body, str) else body)
+
+    def _denying_missing(self, request: AWSPreparedRequest) -> Answer:
+        """Say of a missing object what S3 says to whom may not list the bucket, as no function may."""
+        answer = self._ask_moto(request)
+        return _error("s3", 403, "AccessDenied", "Access Denied") if answer.status == 404 else answer
 
     def _apply(self, addresses: Sequence[Address], operation: Callable[[], Answer]) -> Answer:
         with self._memory_lock:

@@ -22,7 +22,7 @@ DAY = 86_400
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[LocalStack]:
-    environment = {"CONTRIBUTOR_PERIOD": str(DAY), "MIN_CONTRIBUTORS": "3", "EDGE_SECRET": EDGE}
+    environment = {"CONTRIBUTOR_PERIOD": str(DAY), "MIN_CONTRIBUTORS": "3", "EDGE_SECRETS": EDGE}
     with LocalStack(environment=environment) as stack:
         for token in TOKENS:
             _, token_id, secret = token.split("_")

@@ -30,7 +30,8 @@ from tests.helpers.service.stores import with_methods
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
 #: granted and not asked for in a local stack, and why it is granted nevertheless
 UNASKED = {
-    "ssm:GetParametersByPath": "secrets are in the environment here",
+    "ssm:GetParameters": "secrets are in the environment here",
+    "s3:ListBucket": "tells a missing object from a denied one, where S3 does not",
 }
 
 

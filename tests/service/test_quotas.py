@@ -44,7 +44,7 @@ def token(store: Store, request: pytest.FixtureRequest) -> str:
 
 def assert_used_up(answer: Answer) -> None:
     assert answer.status == 429
-    assert answer.json["type"].endswith("/problems/quota")
+    assert answer.json["type"].endswith("/docs/problems/#quota")
     assert 1 <= int(answer.headers["retry-after"]) <= 3600
 
 

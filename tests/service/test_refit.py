@@ -1,7 +1,9 @@
 """The consensus of a camera: one computation for all who ask, never an older over a newer, nothing lost."""
 
 import json
+import sys
 import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -88,7 +90,7 @@ def test_concurrent_refits_leave_the_newest_consensus(at_rest: Store) -> None:
     assert (left.total, left.calibration and left.calibration.calibrations) == (8, 8)
 
 
-def test_overtaken_result_is_not_written(at_rest: Store) -> None:
+def test_overtaken_result_is_not_written(stack: LocalStack, at_rest: Store) -> None:
     documents = [calibration("Overtaken", n, views=3) for n in range(2)]
     mode = mode_of(documents[0])
     at_rest.calibrations.publish(documents[0])
@@ -99,7 +101,7 @@ def test_overtaken_result_is_not_written(at_rest: Store) -> None:
         if not overtaken:  # all is read; now somebody is quicker
             overtaken.append(True)
             at_rest.calibrations.publish(documents[1])
-            at_rest.refit.now(asked(mode, "rectilinear"))
+            stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
         return found
 
     with override_store(
@@ -108,7 +110,7 @@ def test_overtaken_result_is_not_written(at_rest: Store) -> None:
         (found,) = at_rest.refit.now(asked(mode, "rectilinear")).models.values()
     assert found is not None
     assert found.total == 2
-    assert totals(at_rest, documents[0]) == [2]
+    assert totals(at_rest, documents[0]) == [2] * MODELS
 
 
 def test_malformed_refit_reaches_the_dead_letter_queue(stack: LocalStack, at_rest: Store) -> None:
@@ -254,3 +256,39 @@ def test_consensus_bears_the_label_of_most_contributors_not_of_the_newest(at_res
     assert found.calibration is not None
     assert found.calibration.calibrations == 7
     assert (found.calibration.camera, found.calibration.platform) == (label, documents[0].platform)
+
+
+def test_what_many_wait_for_is_computed_once(
+    at_rest: Store, stack: LocalStack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Clients that lost patience ask again while it is being computed."""
+    document = calibration("Impatient", 0, views=3)
+    mode = mode_of(document)
+    at_rest.calibrations.publish(document)
+    reads: list[int] = []
+    together = threading.Barrier(4, timeout=10)
+
+    def read(ids: list[str]) -> list[schema.CalibrationDocument]:
+        reads.append(len(ids))
+        return at_rest.calibrations.read(ids)
+
+    def compute(_: int) -> schema.RefitAnswer:
+        together.wait()
+        return at_rest.refit.now(asked(mode, "rectilinear"))
+
+    with (
+        override_store(
+            lambda store: replace(store, calibrations=with_methods(store.calibrations, read=read))
+        ),
+        ThreadPoolExecutor(4) as pool,
+    ):
+        answers = list(pool.map(compute, range(4)))
+    assert reads == [1]
+    assert all(answer == answers[0] for answer in answers)
+    # Who computes for longer than a caller waits is not joined by others.
+    module = sys.modules[stack.functions["RefitFunction"].warm().__module__]  # functools.wraps keeps it
+    monkeypatch.setattr(module, "WAITS_S", (0.01,))
+    at_rest.calibrations.publish(calibration("Impatient", 1, views=3))
+    at_rest.leases.take(mode, "somebody", int(time.time()), int(time.time()) + 60, "NOW#rectilinear")
+    with pytest.raises(UnavailableError):
+        at_rest.refit.now(asked(mode, "rectilinear"))

@@ -26,7 +26,12 @@ from tests.helpers.service.known import fit
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 from tests.helpers.solver.export_sources import subject
 
-RULES = {"MIN_CALIBRATIONS": "3", "MIN_CONTRIBUTORS": "3", "CONTRIBUTOR_PERIOD": "86400", "EDGE_SECRET": EDGE}
+RULES = {
+    "MIN_CALIBRATIONS": "3",
+    "MIN_CONTRIBUTORS": "3",
+    "CONTRIBUTOR_PERIOD": "86400",
+    "EDGE_SECRETS": EDGE,
+}
 KNOWN = "HD Pro Webcam C920 (046d:082d)"
 
 

@@ -32,7 +32,7 @@ export class ApiError extends Error {
     this.name = "ApiError";
     this.status = status;
     /** Kind of the problem, as "session-expired". */
-    this.kind = (problem.type ?? "").split(/[/:]/).at(-1) ?? "";
+    this.kind = (problem.type ?? "").split(/[/:#]/).at(-1) ?? "";
   }
 
   /** Is this likely to pass by itself? */

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pydantic import JsonValue
 
 MAX_FIELD_ERRORS = 20  # in one answer; of a body with ten thousand wrong points the first few say enough
-PROBLEMS = "https://calibdb.example/problems/"
+PROBLEMS = "/docs/problems/#"  # on the site: the page that says what to do about each kind
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class CalibdbError(Exception):
         self.extensions = dict(extensions or {})
 
     def problem(self) -> dict[str, JsonValue]:
-        """Return the problem document, as RFC 9457 names its members."""
+        """Return the problem document, as RFC 9457 names its members; `type` relative to the site."""
         document: dict[str, JsonValue] = {
             "type": PROBLEMS + self.kind,
             "title": self.title,
@@ -159,3 +159,7 @@ class UnavailableError(CalibdbError):
 
     def __init__(self, detail: str) -> None:
         super().__init__(detail, headers={"Retry-After": "1"})
+
+
+class DeniedReadError(UnavailableError):
+    """S3 denied an object that is there, or may be there: nothing may be concluded from its absence."""

@@ -94,7 +94,9 @@ class Settings:
     thresholds: Thresholds
     refit_function: str | None  # set where `refit` is asked: submit, lookup, checks
     region: str
-    edge_secret: str | None = None  # what our CloudFront shows; without it, who forwards is not believed
+    edge_secrets: tuple[
+        str, ...
+    ] = ()  # one of them our CloudFront shows; others who forward are not believed
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str]) -> Settings:
@@ -111,7 +113,7 @@ class Settings:
             thresholds=Thresholds.from_environment(environment),
             refit_function=environment.get("REFIT_FUNCTION") or None,
             region=environment.get("AWS_REGION") or environment.get("AWS_DEFAULT_REGION") or "us-east-1",
-            edge_secret=environment.get("EDGE_SECRET") or None,
+            edge_secrets=tuple(s for s in environment.get("EDGE_SECRETS", "").split(",") if s),
         )
 
 

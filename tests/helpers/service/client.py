@@ -56,7 +56,7 @@ class Client:
     stack: LocalStack
     session_id: str = ""
     api_token: str = TOKEN
-    address: str = ""  # where they are, to a stack whose EDGE_SECRET is `EDGE`
+    address: str = ""  # where they are, to a stack whose EDGE_SECRETS is `EDGE`
 
     def call(
         self,

@@ -159,6 +159,8 @@ def needs(service: str, operation: str, asked: Mapping[str, Any]) -> Iterator[Ne
             yield Needed(
                 f"lambda:{action}", f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{asked['FunctionName']}"
             )
+        case "s3" if operation == "list_objects_v2":
+            yield Needed("s3:ListBucket", f"arn:aws:s3:::{asked['Bucket']}", prefix=asked["Prefix"])
         case "s3":
             for name in (
                 [o["Key"] for o in asked["Delete"]["Objects"]] if "Delete" in asked else [asked["Key"]]

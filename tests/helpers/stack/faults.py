@@ -2,6 +2,7 @@
 
 import json
 import random
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
@@ -11,6 +12,8 @@ import pytest
 from botocore.awsrequest import AWSPreparedRequest
 from botocore.exceptions import ReadTimeoutError
 
+from infra.local import LocalStack
+from infra.local.events import Request, Response
 from infra.local.intercept import wrapping
 from infra.local.storage import Answer
 
@@ -124,3 +127,45 @@ def wrapped_without_pauses(wrap: Callable[[str, Service], Service]) -> Iterator[
         patch.setattr(botocore.endpoint, "time", SimpleNamespace(sleep=lambda _: None))
         with wrapping(wrap):
             yield
+
+
+@contextmanager
+def denied(which: Callable[[int], bool], *, listing: bool = False) -> Iterator[list[str]]:
+    """S3 denies the reads whose number, from 0, is one of `which`; yields the paths of all reads.
+
+    `listing`: it denies lists of the bucket, too.
+    """
+    lock = threading.Lock()
+    met: list[str] = []
+
+    def around(s3: Service) -> Service:
+        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
+            if operation.startswith("ListObjects") and listing:
+                return _error("s3", 403, "AccessDenied")
+            if operation != "GetObject":
+                return s3(operation, request)
+            with lock:
+                met.append(request.url)
+                number = len(met) - 1
+            return _error("s3", 403, "AccessDenied") if which(number) else s3(operation, request)
+
+        return handle
+
+    with wrapped_without_pauses(lambda name, s: around(s) if name == "s3" else s):
+        yield met
+
+
+@contextmanager
+def watched_requests(stack: LocalStack) -> Iterator[set[str]]:
+    """Nothing goes wrong; yields the paths of the CORS preflights that the gateway is sent."""
+    met: set[str] = set()
+    handle = stack.gateway.handle
+
+    def watching(request: Request) -> Response:
+        if request.method == "OPTIONS":
+            met.add(request.path)
+        return handle(request)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stack.gateway, "handle", watching)
+        yield met

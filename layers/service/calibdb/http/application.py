@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from typing import Any, cast
+from urllib.parse import urljoin
 
 from mangum import Mangum
 from pydantic import BaseModel
@@ -23,7 +24,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from calibdb.errors import PROBLEMS, CalibdbError
+from calibdb.errors import PROBLEMS, CalibdbError, DeniedReadError
 from calibdb.http import metrics
 from calibdb.http.call import Call as Call
 from calibdb.service import Service
@@ -105,12 +106,18 @@ def _service() -> Service:
 
 
 def _problem(error: CalibdbError) -> Response:
-    return Response(
-        json.dumps(error.problem(), ensure_ascii=False).encode(),
-        error.status,
-        error.headers,
-        _PROBLEM,
-    )
+    return _problem_response(error.problem(), error.status, error.headers)
+
+
+def _problem_response(
+    document: Mapping[str, Any], status: int, headers: Mapping[str, str] | None
+) -> Response:
+    """Make the response of a problem document, its type an address of the site.
+
+    The site is where the guidance page is; without one, the address stays relative.
+    """
+    absolute = {**document, "type": urljoin(os.environ.get("GUIDANCE_URL", ""), document["type"])}
+    return Response(json.dumps(absolute, ensure_ascii=False).encode(), status, headers, _PROBLEM)
 
 
 async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
@@ -119,7 +126,8 @@ async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
         error.status >= HTTPStatus.INTERNAL_SERVER_ERROR
     ):  # not the caller's doing, so the operator hears of it
         _log.error("%s", error.detail, exc_info=error)
-        metrics.count(time.time(), reason=error.kind, Errors=1)
+        denied = {"DeniedReads": 1} if isinstance(error, DeniedReadError) else {}
+        metrics.count(time.time(), reason=error.kind, Errors=1, **denied)
     return _problem(error)
 
 
@@ -132,7 +140,7 @@ async def _on_http_exception(_: Request, raised: Exception) -> Response:
         "status": error.status_code,
         "detail": _DETAILS.get(error.status_code, error.detail).format_map(error.headers or {}),
     }
-    return Response(json.dumps(body), error.status_code, error.headers, _PROBLEM)
+    return _problem_response(body, error.status_code, error.headers)
 
 
 async def _on_unhandled(_: Request, __: Exception) -> Response:
@@ -144,10 +152,28 @@ async def _on_unhandled(_: Request, __: Exception) -> Response:
     )
 
 
+#: headers of the answer to a CORS preflight: every origin, since tokens say which they admit
+PREFLIGHT = {
+    "Access-Control-Allow-Origin": "*",
+    "Access-Control-Allow-Methods": "GET,POST,DELETE,OPTIONS",
+    "Access-Control-Allow-Headers": "authorization,content-type,accept",
+    "Access-Control-Max-Age": "86400",
+}
+
+
 def _with_default_headers(app: Starlette) -> Any:
-    """Add `X-Content-Type-Options: nosniff`, and `Cache-Control: no-store` where a response has none."""
+    """Answer preflights, and add `nosniff`, and `Cache-Control: no-store` where a response has none.
+
+    An HTTP API may hand a preflight to the function, whose `ANY` route it matches, instead of answering it
+    itself. No browser goes on unless the answer is one of success, so it is, on every path; neither secrets
+    nor storage are asked for it.
+    """
 
     async def wrapped(scope: Any, receive: Any, send: Any) -> None:
+        if scope["type"] == "http" and scope["method"] == "OPTIONS":
+            await Response(status_code=204, headers=PREFLIGHT)(scope, receive, send)
+            return
+
         async def sending(message: Any) -> None:
             if message["type"] == "http.response.start":
                 present = {name for name, _ in message["headers"]}

@@ -27,6 +27,7 @@ from calibdb.errors import (
     UnauthenticatedError,
     UnavailableError,
 )
+from calibdb.http import metrics
 from calibdb.http.content_negotiation import negotiate
 from calibdb.schema.fields import MAX_INDEX
 from calibdb.schema.lookup import QUERY_FLAGS
@@ -172,12 +173,14 @@ class Call:
         Of what came through our CloudFront the gateway sees CloudFront's. It is told apart by a secret, for
         anyone can write X-Forwarded-For; then the gateway appended the edge's address, the edge the caller's.
         """
-        secret = self.service.settings.edge_secret
-        shown = self.request.headers.get("x-calibdb-edge", "")
-        if secret is not None and hmac.compare_digest(shown.encode(), secret.encode()):
+        shown = self.request.headers.get("x-calibdb-edge", "").encode()
+        secrets = self.service.settings.edge_secrets
+        if any(hmac.compare_digest(shown, secret.encode()) for secret in secrets):
             hops = self.request.headers.get("x-forwarded-for", "").split(",")
             if len(hops) >= _HOPS_OF_EDGE:
                 return hops[-_HOPS_OF_EDGE].strip()
+        elif shown and secrets:  # a distribution of ours whose secret nobody knows, or somebody who guesses
+            metrics.count(self.service.clock(), UnknownEdges=1)
         return self.request.client.host if self.request.client else ""
 
     def path(self, name: str) -> str:

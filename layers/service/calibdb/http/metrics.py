@@ -6,9 +6,17 @@ and nothing is written anywhere but in Lambda.
 
 from __future__ import annotations
 
+import functools
 import json
 import os
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
+from typing import ParamSpec, TypeVar
+
+from calibdb.errors import DeniedReadError
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
 NAMESPACE = "calibDB"
 #: every metric and its unit; each costs as much in a month as 150,000 lookups
@@ -24,6 +32,8 @@ UNITS = {
     "ViewsPerSession": "Count",
     "FitTime": "Milliseconds",
     "Errors": "Count",
+    "DeniedReads": "Count",
+    "UnknownEdges": "Count",
 }
 #: those that are also counted by their reason; of others the log names it
 REASONED = ("Refusals",)
@@ -63,3 +73,17 @@ def count(now: float, *, reason: str | None = None, **values: float) -> None:
     """Have the values counted, in Lambda; elsewhere do nothing."""
     if "AWS_LAMBDA_RUNTIME_API" in os.environ:
         print(document(os.environ.get("STACK_NAME", ""), now, values, reason), flush=True)
+
+
+def counting_denied_reads(handler: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+    """Wrap the handler of an internal function, so that a denied read is counted before it is raised."""
+
+    @functools.wraps(handler)
+    def wrapped(*arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
+        try:
+            return handler(*arguments, **named)
+        except DeniedReadError:
+            count(time.time(), DeniedReads=1)
+            raise
+
+    return wrapped

@@ -15,6 +15,7 @@ from typing import Literal, get_args
 
 from pydantic import ValidationError
 
+from calibdb.errors import DeniedReadError
 from calibdb.rules.quality_gates import is_precise
 from calibdb.schema import CalibrationDocument
 from calibdb.schema.lookup import CROPPED
@@ -96,6 +97,11 @@ class Calibrations:
         )
         return created
 
+    def unindex(self, document: CalibrationDocument) -> None:
+        """Remove the index item of a calibration that is to be removed. For operators."""
+        item = _item(with_current_key(document))
+        self._table.delete(str(item["pk"]), str(item["sk"]))
+
     def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[CountedCalibration]:
         """Return at most `limit` calibrations of a camera at one size and zoom, last begun first.
 
@@ -126,8 +132,14 @@ class Calibrations:
         return [(StreamMode(camera_key, found[0], found[1]), found[2]) for found in parsed if found]
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
-        """Return the calibrations with these ids, those that there are, in their order."""
-        return [document for document in self._read(ids) if document is not None]
+        """Return the calibrations with these ids in their order, without those of a later version.
+
+        Raises DeniedReadError where one that the index names is not there.
+        """
+        if len(ids) < 2:
+            return [document for name in ids if (document := self._indexed(name)) is not None]
+        with ThreadPoolExecutor(min(READERS, len(ids))) as readers:
+            return [document for document in readers.map(self._indexed, ids) if document is not None]
 
     def all(self) -> Iterator[CalibrationDocument]:
         """Yield every calibration in the bucket, withdrawn or not."""
@@ -151,11 +163,11 @@ class Calibrations:
     def _names(self) -> list[str]:
         return sorted(self._objects.names("calibrations/"))
 
-    def _read(self, ids: Sequence[str]) -> list[CalibrationDocument | None]:
-        if len(ids) < 2:
-            return [self.get(calibration_id) for calibration_id in ids]
-        with ThreadPoolExecutor(min(READERS, len(ids))) as readers:
-            return list(readers.map(self.get, ids))
+    def _indexed(self, calibration_id: str) -> CalibrationDocument | None:
+        content = self._objects.get(_name(calibration_id))
+        if content is None:  # an object is written before its item
+            raise DeniedReadError("A calibration that the index names could not be read.")
+        return _document(content)
 
 
 def _select_counted(items: Sequence[Item], period: int) -> list[CountedCalibration]:

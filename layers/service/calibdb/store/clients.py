@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
@@ -23,22 +23,24 @@ if TYPE_CHECKING:
     from mypy_boto3_lambda import LambdaClient
     from mypy_boto3_s3 import S3Client
 
-# Storage answers in milliseconds or not at all; the gateway gives up after 30 s, the function after 10.
+# Storage answers in milliseconds or not at all; the gateway gives up after 30 s, the function after 29.
 _STORAGE = Config(
     connect_timeout=1,
     read_timeout=2,
     retries={"mode": "standard", "total_max_attempts": 3},
     tcp_keepalive=True,
 )
+# Who reads the secrets tries again by itself, with pauses that spread a crowd.
+_SECRETS = Config(connect_timeout=1, read_timeout=2, retries={"mode": "standard", "total_max_attempts": 1})
 # A computation is asked for once: repeating it because it is slow would make it slower.
-_INVOKE = Config(connect_timeout=1, read_timeout=9, retries={"mode": "standard", "total_max_attempts": 1})
+_INVOKE = Config(connect_timeout=1, read_timeout=25, retries={"mode": "standard", "total_max_attempts": 1})
 
 
 class ParameterReader(Protocol):
     """Part of SSM's client that reads parameters."""
 
-    def get_parameters_by_path(self, *, Path: str, WithDecryption: bool) -> Mapping[str, Any]:  # noqa: N803
-        """Return the parameters under `Path`, ten at most."""
+    def get_parameters(self, *, Names: Sequence[str], WithDecryption: bool) -> Mapping[str, Any]:  # noqa: N803
+        """Return the parameters of these names, ten at most."""
         ...
 
 
@@ -66,7 +68,7 @@ def lambda_(region: str) -> LambdaClient:
 @functools.cache
 def ssm(region: str) -> ParameterReader:
     """Return the client of the parameter store."""
-    return cast("ParameterReader", _make("ssm", region, _STORAGE))
+    return cast("ParameterReader", _make("ssm", region, _SECRETS))
 
 
 @functools.cache

@@ -21,11 +21,12 @@ class Leases:
     def __init__(self, table: Table) -> None:
         self._table = table
 
-    def take(self, mode: StreamMode, me: str, now: int, until: int) -> bool:
+    def take(self, mode: StreamMode, me: str, now: int, until: int, name: str = _SK) -> bool:
         """Begin to compute; False when another does, and was told to do it once more after that.
 
         `me`: the same for every attempt of one request, so that a second one after a crash goes on.
-        `until`: unix seconds at which the computation has surely ended, one way or the other.
+        `until`: unix seconds at which the computation has surely ended, one way or the other. `name`: of one
+        of several computations of the mode.
         """
         free = Condition(
             "attribute_not_exists(pk) OR #holder = :me OR #until < :now",
@@ -33,13 +34,14 @@ class Leases:
             {"holder": "holder", "until": "until"},
         )
         for _ in range(_MAX_ATTEMPTS):
-            if self._table.put(_item(mode, me, until, asked=0), free):
+            if self._table.put(_item(mode, me, until, asked=0, name=name), free):
                 return True
-            item = self._table.get(_pk(mode), _SK)
+            item = self._table.get(_pk(mode), name)
             if item is None:
                 continue
             holder = str(item["holder"])
-            if self._table.put(_item(mode, holder, int(str(item["until"])), asked=1), _held_by(holder)):
+            asked = _item(mode, holder, int(str(item["until"])), asked=1, name=name)
+            if self._table.put(asked, _held_by(holder)):
                 return False
         return True  # so much coming and going that one more does not matter
 
@@ -55,9 +57,9 @@ class Leases:
         item = self._table.get(_pk(mode), _SK)
         return item is None or item["holder"] != me
 
-    def abandon(self, mode: StreamMode, me: str) -> None:
+    def abandon(self, mode: StreamMode, me: str, name: str = _SK) -> None:
         """Let go of it although somebody asked."""
-        self._table.delete(_pk(mode), _SK, _held_by(me))
+        self._table.delete(_pk(mode), name, _held_by(me))
 
 
 _NAMES = {"holder": "holder", "asked": "asked"}
@@ -71,10 +73,10 @@ def _pk(mode: StreamMode) -> str:
     return f"REFIT#{mode.camera_key}#{mode.text}"
 
 
-def _item(mode: StreamMode, holder: str, until: int, asked: int) -> Item:
+def _item(mode: StreamMode, holder: str, until: int, asked: int, name: str = _SK) -> Item:
     return {
         "pk": _pk(mode),
-        "sk": _SK,
+        "sk": name,
         "holder": holder,
         "until": until,
         "asked": asked,

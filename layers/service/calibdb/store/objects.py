@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from botocore.exceptions import ClientError
+from botocore.exceptions import BotoCoreError, ClientError
 
-from calibdb.errors import UnavailableError
+from calibdb.errors import DeniedReadError, UnavailableError
 from calibdb.store.clients import available, code
 
 if TYPE_CHECKING:
@@ -30,15 +30,26 @@ class Objects:
         self._bucket = bucket
 
     def get(self, name: str) -> bytes | None:
-        """Return the object's content, None when there is none."""
+        """Return the object's content, None when there is none; raises DeniedReadError."""
         with available():
             try:
                 return self._client().get_object(Bucket=self._bucket, Key=name)["Body"].read()
             except ClientError as error:
-                # Without the right to list, S3 says that a missing object is forbidden.
-                if code(error) not in ("NoSuchKey", "AccessDenied"):
+                # To whom may not list, S3 says of a missing object that it is forbidden, too.
+                if code(error) == "AccessDenied":
+                    self._confirm_missing(name)
+                elif code(error) != "NoSuchKey":
                     raise
                 return None
+
+    def _confirm_missing(self, name: str) -> None:
+        """Raise DeniedReadError unless the list of the bucket, which has another right, lacks the object."""
+        try:
+            listed = self._client().list_objects_v2(Bucket=self._bucket, Prefix=name, MaxKeys=1)
+        except (ClientError, BotoCoreError) as error:
+            raise DeniedReadError("Storage denied a read; try again.") from error
+        if any(found["Key"] == name for found in listed.get("Contents", [])):
+            raise DeniedReadError("Storage denied a read; try again.")
 
     def create(self, name: str, content: bytes) -> bool:
         """Write a new object; False, and nothing written, when the name is taken."""
@@ -109,7 +120,7 @@ class Objects:
                 )
 
     def names(self, prefix: str) -> Iterator[str]:
-        """Yield the names that begin with `prefix`. For operators: no function has the right to list."""
+        """Yield the names that begin with `prefix`. For operators."""
         with available():
             for page in (
                 self._client().get_paginator("list_objects_v2").paginate(Bucket=self._bucket, Prefix=prefix)

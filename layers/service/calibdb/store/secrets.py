@@ -1,9 +1,10 @@
-"""Secrets of the deployment, kept in SSM's parameter store under one path, and cached for five minutes."""
+"""Secrets of the deployment, kept in SSM's parameter store by their names, and cached for five minutes."""
 
 from __future__ import annotations
 
 import functools
 import logging
+import random
 import time
 from collections.abc import Callable, Mapping
 
@@ -12,21 +13,37 @@ from botocore.exceptions import BotoCoreError, ClientError
 from calibdb.store.clients import ParameterReader, available, ssm
 
 SECRETS_TTL_S = 300.0  # after which a rotation is known everywhere
+NAMES = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS")
+# SSM gives an account 40 calls a second unless told otherwise, and a crowd of users starts hundreds of
+# functions within one. Each waits a random time, up to a bound that doubles ("full jitter"), so that the
+# crowd spreads, and all are served before the gateway gives up on the first.
+# Source: Brooker, Exponential Backoff And Jitter, AWS Architecture Blog 2015.
+MAX_ATTEMPTS = 14
+_FIRST_PAUSE_S, _MAX_PAUSE_S = 0.25, 3.0
 
 _log = logging.getLogger(__name__)
 
 
 class Secrets:
-    """The parameters under one path by their names, read again every five minutes.
+    """The parameters of a deployment by their names, read again every five minutes.
 
     Where SSM does not answer, what was read before goes on being used; raises UnavailableError where nothing
     was.
     """
 
-    def __init__(self, client: Callable[[], ParameterReader], path: str, clock: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        client: Callable[[], ParameterReader],
+        path: str,
+        clock: Callable[[], float],
+        sleep: Callable[[float], None] = time.sleep,
+        uniform: Callable[[float, float], float] = random.uniform,
+    ) -> None:
         self._client = client
         self._path = path
         self._clock = clock
+        self._sleep = sleep
+        self._uniform = uniform
         self._known: Mapping[str, str] = {}
         self._until = float("-inf")
 
@@ -45,8 +62,17 @@ class Secrets:
         return self._known
 
     def _read(self) -> Mapping[str, str]:
-        answer = self._client().get_parameters_by_path(Path=self._path, WithDecryption=True)
-        return {p["Name"].rpartition("/")[2]: p["Value"] for p in answer["Parameters"]}
+        """Read anew; what was read before is not worth waiting for."""
+        names = [f"{self._path}/{name}" for name in NAMES]
+        for attempt in range(1 if self._known else MAX_ATTEMPTS):
+            if attempt:
+                self._sleep(self._uniform(0, min(_MAX_PAUSE_S, _FIRST_PAUSE_S * 2**attempt)))
+            try:
+                answer = self._client().get_parameters(Names=names, WithDecryption=True)
+                return {p["Name"].rpartition("/")[2]: p["Value"] for p in answer["Parameters"]}
+            except (ClientError, BotoCoreError) as error:
+                failed = error
+        raise failed
 
 
 def with_secrets(environment: Mapping[str, str]) -> Mapping[str, str]:

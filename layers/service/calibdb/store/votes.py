@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from calibdb.camera_key import current_key
+from calibdb.errors import DeniedReadError
 from calibdb.schema import VoteDocument
 from calibdb.store.keys import StreamMode, vote_object
 from calibdb.store.objects import READERS, Objects
@@ -62,12 +63,15 @@ class Votes:
         return list(found.values())[:MAX_VOTES]
 
     def read(self, cast: Sequence[IndexedVote]) -> list[VoteDocument]:
-        """Return these votes, those that there are, in their order."""
+        """Return these votes in their order; raises DeniedReadError where one is not there."""
         if not cast:
             return []
         with ThreadPoolExecutor(min(READERS, len(cast))) as readers:
             contents = list(readers.map(self._objects.get, [vote.object for vote in cast]))
-        return [VoteDocument.model_validate_json(content) for content in contents if content is not None]
+        found = [content for content in contents if content is not None]
+        if len(found) < len(cast):  # an object is written before its item
+            raise DeniedReadError("A vote that the index names could not be read.")
+        return [VoteDocument.model_validate_json(content) for content in found]
 
     def all(self) -> Iterator[VoteDocument]:
         """Yield every vote in the bucket: what the index is rebuilt from."""

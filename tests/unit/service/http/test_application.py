@@ -84,7 +84,7 @@ def test_an_error_is_a_problem() -> None:
     assert answer["headers"]["x-why"] == "because"
     assert answer["isBase64Encoded"] is False
     assert json.loads(answer["body"]) == {
-        "type": "https://calibdb.example/problems/busy",
+        "type": "https://calibdb.example/docs/problems/#busy",
         "title": "Conflict",
         "status": 409,
         "detail": "Not now.",
@@ -98,7 +98,7 @@ def test_no_such_path(path: str) -> None:
     problem = json.loads(answer["body"])
     assert (answer["statusCode"], problem["status"]) == (404, 404)
     other = NotFoundError("").problem()  # one type has one title
-    assert (problem["type"], problem["title"]) == (other["type"], other["title"])
+    assert (problem["type"], problem["title"]) == (f"https://calibdb.example{other['type']}", other["title"])
 
 
 def test_a_wrong_method_is_told_the_right_ones() -> None:
@@ -131,3 +131,21 @@ def test_unhandled_error_is_a_bare_500(caplog: pytest.LogCaptureFixture) -> None
 def test_pictures_leave_as_base64() -> None:
     answer = send("GET", "/blob")
     assert (answer["isBase64Encoded"], answer["body"]) == (True, "/9j/")
+
+
+@pytest.mark.parametrize("path", ["/pick", "/conflict", "/nowhere"])
+def test_preflight_is_allowed_on_every_path_without_settings(
+    path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the function itself: an HTTP API may hand it preflights, which its `ANY` routes match."""
+    for name in ENVIRONMENT:
+        monkeypatch.delenv(name)
+    answer = send(
+        "OPTIONS", path, {"origin": "https://page.example", "access-control-request-method": "POST"}
+    )
+    assert answer["statusCode"] == 204
+    headers = {name.lower(): value for name, value in answer["headers"].items()}
+    assert headers["access-control-allow-origin"] == "*"
+    assert {"GET", "POST", "DELETE"} <= set(headers["access-control-allow-methods"].split(","))
+    assert {"authorization", "content-type"} <= set(headers["access-control-allow-headers"].split(","))
+    assert not answer.get("body")

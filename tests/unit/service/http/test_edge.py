@@ -10,13 +10,14 @@ from calibdb.http.call import Call
 from calibdb.settings import Settings
 from tests.unit.service.test_settings import ENVIRONMENT
 
-SECRET = "e" * 32
-SETTINGS = Settings.from_environment({**ENVIRONMENT, "EDGE_SECRET": SECRET})
+SECRET, NEXT = "e" * 32, "f" * 32
+SETTINGS = Settings.from_environment({**ENVIRONMENT, "EDGE_SECRETS": f"{SECRET},{NEXT}"})
 
 
 class Service:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
+        self.clock = lambda: 1.7e9
 
 
 def address(forwarded: str, shown: str | None, settings: Settings = SETTINGS) -> str:
@@ -38,8 +39,24 @@ def test_address_header_without_secret_is_ignored(shown: str | None) -> None:
 
 
 def test_address_header_is_ignored_where_no_secret_is_set() -> None:
-    assert address("192.0.2.7, 198.51.100.9", "", replace(SETTINGS, edge_secret=None)) == "198.51.100.9"
+    assert address("192.0.2.7, 198.51.100.9", "", replace(SETTINGS, edge_secrets=())) == "198.51.100.9"
 
 
 def test_edge_without_address_falls_back_to_the_gateway() -> None:
     assert address("198.51.100.9", SECRET) == "198.51.100.9"
+
+
+def test_both_secrets_of_a_rotation_are_taken() -> None:
+    for shown in (SECRET, NEXT):
+        assert address("192.0.2.7, 198.51.100.9", shown) == "192.0.2.7"
+
+
+def test_requests_with_an_unknown_secret_are_counted(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
+    address("192.0.2.7, 198.51.100.9", "g" * 32)
+    assert '"UnknownEdges":1' in capsys.readouterr().out
+    address("192.0.2.7, 198.51.100.9", None)  # the API's own address
+    address("192.0.2.7, 198.51.100.9", SECRET)
+    assert capsys.readouterr().out == ""

@@ -1,12 +1,16 @@
 """Secrets come from the parameter store, are remembered, and outlive its absence."""
 
+import random
+import threading
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
-from botocore.exceptions import EndpointConnectionError
+from botocore.exceptions import ClientError, EndpointConnectionError
 
 from calibdb.errors import UnavailableError
-from calibdb.store.secrets import SECRETS_TTL_S, Secrets, with_secrets
+from calibdb.store.secrets import MAX_ATTEMPTS, NAMES, SECRETS_TTL_S, Secrets, with_secrets
 
 
 class Ssm:
@@ -15,12 +19,13 @@ class Ssm:
         self.reads = 0
         self.there = True
 
-    def get_parameters_by_path(self, *, Path: str, WithDecryption: bool) -> dict[str, Any]:  # noqa: N803
+    def get_parameters(self, *, Names: Sequence[str], WithDecryption: bool) -> dict[str, Any]:  # noqa: N803
         assert WithDecryption
+        assert set(Names) == {f"/calibdb/stack/{name}" for name in NAMES}
         self.reads += 1
         if not self.there:
             raise EndpointConnectionError(endpoint_url="https://ssm.invalid")
-        return {"Parameters": [{"Name": f"{Path}/{k}", "Value": v} for k, v in self.values.items()]}
+        return {"Parameters": [{"Name": f"/calibdb/stack/{k}", "Value": v} for k, v in self.values.items()]}
 
 
 class Clock:
@@ -47,10 +52,90 @@ def test_cached_secrets_are_used_during_an_outage() -> None:
     ssm.there = False
     clock.now += SECRETS_TTL_S
     assert secrets() == before
+    assert ssm.reads == 2  # who has some does not wait for others
+    pauses: list[float] = []
     with pytest.raises(UnavailableError):
-        Secrets(lambda: ssm, "/calibdb/stack", clock)()
+        Secrets(lambda: ssm, "/calibdb/stack", clock, pauses.append)()
+    assert len(pauses) == MAX_ATTEMPTS - 1
+    assert max(pauses) <= 3.0
 
 
 def test_secrets_without_path_come_from_the_environment() -> None:
     environment = {"SECRETS_PATH": "", "SESSION_SECRETS": "x"}
     assert with_secrets(environment) is environment
+
+
+CROWD, QUOTA = 300, 40  # functions that start within a second; calls in a second that SSM gives an account
+GATEWAY_S = 25.0  # s that are left of the gateway's 30 once a function has been loaded
+
+
+class Simulation:
+    """Threads on a clock of its own: it goes on when all of them sleep."""
+
+    def __init__(self, threads: int) -> None:
+        self.now = 0.0
+        self._awake = threads
+        self._until: list[float] = []
+        self._turn = threading.Condition()
+
+    def sleep(self, seconds: float) -> None:
+        with self._turn:
+            end = self.now + seconds
+            self._until.append(end)
+            self._awake -= 1
+            self._advance()
+            self._turn.wait_for(lambda: self.now >= end)
+
+    def leave(self) -> None:
+        with self._turn:
+            self._awake -= 1
+            self._advance()
+
+    def _advance(self) -> None:
+        if not self._awake and self._until:
+            self.now = min(self._until)
+            self._awake = sum(end <= self.now for end in self._until)
+            self._until = [end for end in self._until if end > self.now]
+            self._turn.notify_all()
+
+
+class Limited(Ssm):
+    """SSM that refuses the calls beyond its quota: a bucket of tokens, refilled as time goes by."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        super().__init__()
+        self._simulation = simulation
+        self._tokens, self._filled = float(QUOTA), 0.0
+        self._lock = threading.Lock()
+        self.refused = 0
+
+    def get_parameters(self, **asked: Any) -> dict[str, Any]:
+        with self._lock:
+            now = self._simulation.now
+            self._tokens = min(QUOTA, self._tokens + QUOTA * (now - self._filled))
+            self._filled = now
+            if self._tokens < 1:
+                self.refused += 1
+                raise ClientError({"Error": {"Code": "ThrottlingException"}}, "GetParameters")
+            self._tokens -= 1
+            return super().get_parameters(**asked)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_crowd_of_cold_starts_outlasts_the_quota_of_ssm(seed: int) -> None:
+    simulation = Simulation(CROWD)
+    ssm, rng = Limited(simulation), random.Random(seed)
+
+    def start(number: int) -> float:
+        simulation.sleep(number / CROWD)  # all within a second
+        read = Secrets(lambda: ssm, "/calibdb/stack", Clock(), simulation.sleep, rng.uniform)
+        try:
+            assert read()["SESSION_SECRETS"] == "a,b"
+            return simulation.now - number / CROWD
+        finally:
+            simulation.leave()
+
+    with ThreadPoolExecutor(CROWD) as pool:
+        waited = list(pool.map(start, range(CROWD)))
+    assert ssm.refused > CROWD  # so that it was a crowd
+    assert max(waited) < GATEWAY_S
