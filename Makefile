@@ -44,7 +44,8 @@ lint: $(SETUP) ## check style, types, the template, and dependencies for known v
 	$(PY) -m mypy
 
 .cfn-lint:
-	.venv/bin/cfn-lint template.yaml
+	@$(PY) -m infra.deploy.package .build/template.yaml
+	.venv/bin/cfn-lint .build/template.yaml
 
 .tsc:
 	npx --no-install tsc -p web
@@ -175,7 +176,8 @@ verify: $(SETUP) ## check the deployment with other people's programs; ONLY=chec
 
 # infra/checkov.yaml argues for the rules that are not followed.
 .verify-checkov: $(CHECKOV)
-	$(CHECKOV) --config-file infra/checkov.yaml --skip-download -f template.yaml
+	@$(PY) -m infra.deploy.package .build/template.yaml
+	$(CHECKOV) --config-file infra/checkov.yaml --skip-download -f .build/template.yaml
 
 # The storage tests against another implementation of AWS than moto
 .verify-conformance: $(MINISTACK)

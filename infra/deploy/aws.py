@@ -5,14 +5,43 @@ from __future__ import annotations
 import json
 import secrets
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
+
+from botocore.exceptions import BotoCoreError, ClientError
 
 from infra.deploy.site import Upload
 
-SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRET")
+# EDGE_SECRETS are all that functions take from the edge; EDGE_SECRET is the one that CloudFront sends.
+SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS", "EDGE_SECRET")
 # CloudFormation reads this one for CloudFront's header, and of secure ones it can read none there.
-_READ_BY_CLOUDFORMATION = ("EDGE_SECRET",)
-_MAX_SESSION_KEYS = 3  # of SESSION_SECRETS: the one that signs, the next, the one before
+_READ_BY_CLOUDFORMATION = "EDGE_SECRET"
+_MAX_KEYS = 3  # of one list: the one in use, the next, the one before
+UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
+
+
+@dataclass(frozen=True)
+class Stack:
+    """A stack as CloudFormation describes it."""
+
+    status: str
+    parameters: Mapping[str, str]
+    outputs: Mapping[str, str]
+
+
+def describe(cloudformation: Any, stack: str) -> Stack | None:
+    """Read the stack, None where there is none."""
+    try:
+        (found,) = cloudformation.describe_stacks(StackName=stack)["Stacks"]
+    except ClientError as error:
+        if error.response["Error"]["Code"] == "ValidationError":
+            return None
+        raise
+    return Stack(
+        found["StackStatus"],
+        {p["ParameterKey"]: p["ParameterValue"] for p in found.get("Parameters", ())},
+        {o["OutputKey"]: o["OutputValue"] for o in found.get("Outputs", ())},
+    )
 
 
 def missing_secrets(ssm: Any, stack: str) -> list[str]:
@@ -26,13 +55,13 @@ def make_secrets(ssm: Any, stack: str) -> list[str]:
     """Make the secrets that are missing, never another over one that is there; return their names."""
     missing = missing_secrets(ssm, stack)
     for name in missing:
-        keys = 2 if name == "SESSION_SECRETS" else 1  # the one that signs, and the next
-        ssm.put_parameter(
-            Name=f"/calibdb/{stack}/{name}",
-            Value=",".join(secrets.token_hex(32) for _ in range(keys)),
-            Type="String" if name in _READ_BY_CLOUDFORMATION else "SecureString",
-            Overwrite=False,
-        )
+        if name == _READ_BY_CLOUDFORMATION:  # after the list, whose first it is
+            keys = _read(ssm, stack, "EDGE_SECRETS")[:1]
+        elif name == "EDGE_SECRETS" and _READ_BY_CLOUDFORMATION not in missing:
+            keys = [*_read(ssm, stack, _READ_BY_CLOUDFORMATION), secrets.token_hex(32)]
+        else:
+            keys = [secrets.token_hex(32) for _ in range(1 if name == "CONTRIBUTOR_SECRET" else 2)]
+        _write(ssm, stack, name, keys, overwrite=False)
     return missing
 
 
@@ -42,22 +71,132 @@ def rotate(ssm: Any, stack: str) -> None:
     Every function knew the next key before it signs: while they learn of the rotation, within five minutes,
     none refuses what another has signed.
     """
-    name = f"/calibdb/{stack}/SESSION_SECRETS"
-    kept = ssm.get_parameter(Name=name, WithDecryption=True)["Parameter"]["Value"].split(",")
-    value = ",".join(rotate_keys(kept, secrets.token_hex(32)))
-    ssm.put_parameter(Name=name, Value=value, Type="SecureString", Overwrite=True)
+    _rotate(ssm, stack, "SESSION_SECRETS")
+
+
+def rotate_edge(ssm: Any, stack: str) -> int:
+    """Rotate the secrets of the edge alike; return the version of EDGE_SECRET that CloudFront is to send.
+
+    CloudFront reads it only when its distribution changes; until then it sends the one before, which
+    functions go on taking.
+    """
+    _write(ssm, stack, _READ_BY_CLOUDFORMATION, _rotate(ssm, stack, "EDGE_SECRETS")[:1], overwrite=True)
+    return edge_secret_version(ssm, stack)
+
+
+def edge_secret_version(ssm: Any, stack: str) -> int:
+    """Read the version of EDGE_SECRET, a whole number from 1."""
+    found = ssm.get_parameter(Name=f"/calibdb/{stack}/{_READ_BY_CLOUDFORMATION}")
+    return int(found["Parameter"]["Version"])
+
+
+def set_parameter(cloudformation: Any, stack: str, name: str, value: str) -> None:
+    """Change one parameter of the stack and wait until that is done."""
+    described = describe(cloudformation, stack)
+    kept = described.parameters if described else {}
+    cloudformation.update_stack(
+        StackName=stack,
+        UsePreviousTemplate=True,
+        Capabilities=["CAPABILITY_IAM", "CAPABILITY_AUTO_EXPAND"],
+        Parameters=[
+            {"ParameterKey": key, "ParameterValue": value}
+            if key == name
+            else {"ParameterKey": key, "UsePreviousValue": True}
+            for key in kept
+        ],
+    )
+    cloudformation.get_waiter("stack_update_complete").wait(StackName=stack)
+
+
+def _rotate(ssm: Any, stack: str, name: str) -> list[str]:
+    keys = rotate_keys(_read(ssm, stack, name), secrets.token_hex(32))
+    _write(ssm, stack, name, keys, overwrite=True)
+    return keys
+
+
+def _read(ssm: Any, stack: str, name: str) -> list[str]:
+    found = ssm.get_parameter(Name=f"/calibdb/{stack}/{name}", WithDecryption=True)
+    value: str = found["Parameter"]["Value"]
+    return value.split(",")
+
+
+def _write(ssm: Any, stack: str, name: str, keys: list[str], *, overwrite: bool) -> None:
+    ssm.put_parameter(
+        Name=f"/calibdb/{stack}/{name}",
+        Value=",".join(keys),
+        Type="String" if name == _READ_BY_CLOUDFORMATION else "SecureString",
+        Overwrite=overwrite,
+    )
 
 
 def rotate_keys(keys: list[str], new: str) -> list[str]:
     """Rotate the keys: of `current, next, before` it makes `next, new, current`."""
     current, following = keys[0], keys[1] if len(keys) > 1 else None
-    return ([following, new, current] if following else [current, new])[:_MAX_SESSION_KEYS]
+    return ([following, new, current] if following else [current, new])[:_MAX_KEYS]
 
 
 def outputs(cloudformation: Any, stack: str) -> dict[str, str]:
     """Read the stack's outputs by name."""
-    (found,) = cloudformation.describe_stacks(StackName=stack)["Stacks"]
-    return {output["OutputKey"]: output["OutputValue"] for output in found.get("Outputs", ())}
+    found = describe(cloudformation, stack)
+    return dict(found.outputs) if found else {}
+
+
+def physical_id(cloudformation: Any, stack: str, name: str) -> str:
+    """Read the name that AWS gave a resource of the stack."""
+    found = cloudformation.describe_stack_resource(StackName=stack, LogicalResourceId=name)
+    return str(found["StackResourceDetail"]["PhysicalResourceId"])
+
+
+def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
+    """Read the release of each function: at its alias `live` where it has one, else as it is invoked."""
+    resources = [
+        r
+        for page in cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
+        for r in page["StackResourceSummaries"]
+    ]
+    names = [r["PhysicalResourceId"] for r in resources if r["ResourceType"] == "AWS::Lambda::Function"]
+    aliased = {
+        r["PhysicalResourceId"].split(":")[-2] for r in resources if r["ResourceType"] == "AWS::Lambda::Alias"
+    }
+    found = {}
+    for name in names:
+        qualifier = {"Qualifier": "live"} if name in aliased else {}
+        configuration = lambda_.get_function_configuration(FunctionName=name, **qualifier)
+        found[name] = configuration.get("Environment", {}).get("Variables", {}).get("RELEASE", "")
+    return found
+
+
+def failures(cloudformation: Any, stack: str) -> list[str]:
+    """Read why resources of the newest stack of this name failed, also of one that was deleted since."""
+    try:
+        summaries = [
+            s
+            for page in cloudformation.get_paginator("list_stacks").paginate()
+            for s in page["StackSummaries"]
+            if s["StackName"] == stack
+        ]
+        newest = max(summaries, key=lambda s: s["CreationTime"], default=None)
+        events = (
+            cloudformation.describe_stack_events(StackName=newest["StackId"])["StackEvents"] if newest else []
+        )
+    except (ClientError, BotoCoreError):
+        return []  # the command itself said more
+    return [
+        f"{e['LogicalResourceId']}: {e.get('ResourceStatusReason', '')}"
+        for e in events
+        if e["ResourceStatus"].endswith("_FAILED")
+    ]
+
+
+def protect(cloudformation: Any, dynamodb: Any, stack: str) -> None:
+    """Protect stack and table from deletion.
+
+    Here and not in the template: a creation that fails must be able to delete them.
+    """
+    cloudformation.update_termination_protection(StackName=stack, EnableTerminationProtection=True)
+    table = outputs(cloudformation, stack)["TableName"]
+    if not dynamodb.describe_table(TableName=table)["Table"].get("DeletionProtectionEnabled"):
+        dynamodb.update_table(TableName=table, DeletionProtectionEnabled=True)
 
 
 def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:

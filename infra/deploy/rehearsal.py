@@ -16,18 +16,21 @@ import boto3
 
 from infra.ci import ministack
 from infra.deploy import aws
-from infra.deploy.__main__ import DeployError, deploy
-from infra.deploy.steps import ROOT, Target
+from infra.deploy.deployment import DeployError, deploy
+from infra.deploy.package import ROOT, complete_template
+from infra.deploy.steps import Target
 
 REHEARSAL = Target("rehearsal", "us-east-1", {"AlarmEmail": "operator@example.org"})
 # Of the template, what ministack cannot make: budgets, and alarms on a sum.
-_UNSUPPORTED = ("Budget", "ThrottleAlarm")
+UNSUPPORTED = ("Budget",)
 # Nobody delivers the site there, and its functions run on AWS's processors.
-_ONLY_ON_AWS = ("smoke",)
+_ONLY_ON_AWS = ("preflight", "smoke")
+# A change in a layer alone
+_CHANGED = ROOT / ".build" / "layers" / "service" / "python" / "calibdb" / "rehearsed.py"
 
 
 def main() -> int:
-    """Deploy twice and rotate; return 1 where what is there then is not what must be."""
+    """Deploy, change a layer, deploy nothing new, rotate; return 1 where what is there then is wrong."""
     with ministack.serving() as url:
         os.environ |= {
             "AWS_ENDPOINT_URL": url,
@@ -37,27 +40,64 @@ def main() -> int:
             "AWS_DEFAULT_REGION": REHEARSAL.region,
         }
         os.environ.pop("AWS_PROFILE", None)
-        template = remove_unsupported((ROOT / "template.yaml").read_text(encoding="utf-8"))
+        template = remove_unsupported(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")))
         try:
             deploy(REHEARSAL, template, _ONLY_ON_AWS)
-            settings = _settings()
-            deploy(REHEARSAL, template, _ONLY_ON_AWS)
+            settings, first = _settings(), _live()
+            _CHANGED.write_text("# another line\n", encoding="utf-8")
+            deploy(REHEARSAL, template, (*_ONLY_ON_AWS, "build"))
+            second = _live()
+            deploy(REHEARSAL, template, (*_ONLY_ON_AWS, "build"))
+            third = _live()
             aws.rotate(boto3.client("ssm"), REHEARSAL.stack)
+            aws.rotate_edge(boto3.client("ssm"), REHEARSAL.stack)
         except DeployError as error:
             print(f"calibDB: {error}", file=sys.stderr)
             return 1
-        found = list(problems())
+        finally:
+            _CHANGED.unlink(missing_ok=True)
+        found = [*problems(), *_unpublished(first, second, third)]
         if _settings() != settings:
             found.append("the second deployment gave the pages another token")
-    print(f"left out: {', '.join((*_UNSUPPORTED, *_ONLY_ON_AWS))}")
+    print(f"left out: {', '.join((*UNSUPPORTED, *_ONLY_ON_AWS))}")
     for problem in found:
         print(f"calibDB: {problem}", file=sys.stderr)
     return 1 if found else 0
 
 
+def _live() -> dict[str, tuple[str, str]]:
+    """Read version and release that each alias points to, by the function's name."""
+    cloudformation, lambda_ = boto3.client("cloudformation"), boto3.client("lambda")
+    found = {}
+    for name, release in aws.releases(cloudformation, lambda_, REHEARSAL.stack).items():
+        try:
+            version = lambda_.get_alias(FunctionName=name, Name="live")["FunctionVersion"]
+        except lambda_.exceptions.ResourceNotFoundException:
+            version = "$LATEST"
+        found[name] = version, release
+    return found
+
+
+def _unpublished(
+    first: dict[str, tuple[str, str]], second: dict[str, tuple[str, str]], third: dict[str, tuple[str, str]]
+) -> Iterator[str]:
+    """Find the functions that a change in a layer alone did not reach, or that nothing new published."""
+    for name, (version, release) in second.items():
+        if release == first[name][1]:
+            yield f"{name}: the alias kept the release {release} when a layer changed"
+        if version == first[name][0] != "$LATEST":
+            yield f"{name}: the alias kept the version {version} when a layer changed"
+        if third[name] != second[name]:
+            yield f"{name}: an equal build published {third[name]}"
+    print(
+        f"{len(second)} functions at release {', '.join(sorted({release for _, release in second.values()}))}"
+    )
+
+
 def remove_unsupported(template: str) -> str:
-    """Remove the resources that ministack does not support."""
-    for name in _UNSUPPORTED:
+    """Remove what ministack does not support: resources, and deployments by CodeDeploy."""
+    template = re.sub(r"(?m)^ +DeploymentPreference: .*\n", "", template)
+    for name in UNSUPPORTED:
         template = re.sub(rf"(?m)^  {name}:\n(?:    .*\n|\n)+", "", template)
     return template
 
@@ -85,7 +125,7 @@ def problems() -> Iterator[str]:
         Path=f"/calibdb/{REHEARSAL.stack}", WithDecryption=True
     )
     keys = {p["Name"].rpartition("/")[2]: p["Value"].count(",") + 1 for p in secrets["Parameters"]}
-    if keys != {"SESSION_SECRETS": 3, "CONTRIBUTOR_SECRET": 1, "EDGE_SECRET": 1}:
+    if keys != {"SESSION_SECRETS": 3, "CONTRIBUTOR_SECRET": 1, "EDGE_SECRETS": 3, "EDGE_SECRET": 1}:
         yield f"the secrets hold so many keys: {keys}"
     page = s3.head_object(Bucket=made["WebBucketName"], Key="calibrate/index.html")
     if page["ContentType"] != "text/html; charset=utf-8":

@@ -1,14 +1,28 @@
-"""Smoke test of a deployment: a few requests that change nothing."""
+"""Smoke test of a deployment: what its pages, and pages of other origins, need of it.
+
+Nothing is left behind but one capture, which `infra.deploy.smoke_capture` removes.
+"""
 
 from __future__ import annotations
 
 import http.client
 import json
-from collections.abc import Callable, Iterator
+import socket
+import ssl
+import time
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from http import HTTPStatus
 from urllib.parse import urlsplit
 
-_SMOKE_TIMEOUT_S = 20.0  # s: the first request of all starts a function
+_SMOKE_TIMEOUT_S = 29.0  # s: the first request of all starts a function
+_PATIENCE_S = 45.0  # s in which functions learn of a token that was changed
+_ELSEWHERE = "https://elsewhere.example"
+_PREFLIGHT = {
+    "Origin": _ELSEWHERE,
+    "Access-Control-Request-Method": "POST",
+    "Access-Control-Request-Headers": "authorization,content-type",
+}
 
 
 @dataclass(frozen=True)
@@ -20,31 +34,101 @@ class Response:
     body: bytes
 
 
-Ask = Callable[[str, str], Response]
-"""Method and path to answer."""
+@dataclass(frozen=True)
+class Site:
+    """Addresses of a deployment.
+
+    Attributes
+    ----------
+    url
+        Of the site, without slash.
+    distribution
+        Domain name of its CloudFront distribution; None where there is none.
+    """
+
+    url: str
+    distribution: str | None = None
 
 
-def make_requester(url: str) -> Ask:
-    """Build a function that sends requests to `url`, which ends without slash."""
+Ask = Callable[[str, str, Mapping[str, str], bytes | None], Response]
+"""Method, path, headers and body to answer."""
+
+
+class Via(http.client.HTTPSConnection):
+    """A connection to a site by another name of its host; certificate and Host are the site's own."""
+
+    def __init__(self, host: str, via: str, timeout: float) -> None:
+        super().__init__(host, timeout=timeout)
+        self.via = via
+
+    def connect(self) -> None:
+        """Connect to the other name, and speak TLS with the site."""
+        line = socket.create_connection((self.via, self.port), self.timeout)
+        self.sock = ssl.create_default_context().wrap_socket(line, server_hostname=self.host)
+
+
+def connection(url: str, via: str | None = None) -> http.client.HTTPConnection:
+    """Make a connection to the host of `url`; by the name `via` where its own does not resolve yet."""
     parts = urlsplit(url)
-    kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
+    if parts.scheme != "https":
+        return http.client.HTTPConnection(parts.netloc, timeout=_SMOKE_TIMEOUT_S)
+    if via is not None and parts.netloc != via and not _resolves(parts.hostname or ""):
+        return Via(parts.netloc, via, _SMOKE_TIMEOUT_S)
+    return http.client.HTTPSConnection(parts.netloc, timeout=_SMOKE_TIMEOUT_S)
 
-    def ask(method: str, path: str) -> Response:
-        connection = kind(parts.netloc, timeout=_SMOKE_TIMEOUT_S)
+
+def _resolves(host: str) -> bool:
+    try:
+        socket.getaddrinfo(host, 443)
+    except socket.gaierror:
+        return False
+    return True
+
+
+def make_requester(url: str, via: str | None = None) -> Ask:
+    """Build a function that sends requests to `url`, which ends without slash."""
+
+    def ask(
+        method: str, path: str, headers: Mapping[str, str] | None = None, body: bytes | None = None
+    ) -> Response:
+        line = connection(url, via)
         try:
-            connection.request(method, path)
-            response = connection.getresponse()
+            line.request(method, path, body, dict(headers or {}))
+            response = line.getresponse()
             return Response(
                 response.status, {k.lower(): v for k, v in response.getheaders()}, response.read()
             )
         finally:
-            connection.close()
+            line.close()
 
     return ask
 
 
-def problems(ask: Ask) -> Iterator[str]:
+def problems(ask: Ask, site: Site, patience_s: float = _PATIENCE_S) -> Iterator[str]:
     """Find the problems of the deployment."""
+    try:
+        yield from _paths(ask)
+        yield from _other_origins(ask)
+        yield from _redirects(ask)
+        yield from _page(ask, site, patience_s)
+    except (OSError, http.client.HTTPException) as error:
+        yield f"{site.url} does not answer ({error or type(error).__name__})"
+    host = urlsplit(site.url).hostname or ""
+    if site.distribution is not None and host != site.distribution and not _resolves(host):
+        yield (
+            f"{host} does not resolve: point it to {site.distribution} (CNAME, or alias records A and AAAA), "
+            "and run `make deploy` again"
+        )
+
+
+def unreleased(releases: Mapping[str, str], release: str) -> Iterator[str]:
+    """Find the functions of a stack that do not run the release, by the release of each."""
+    for function, running in sorted(releases.items()):
+        if running != release:
+            yield f"{function} runs the release {running or 'that has no name'}, not {release}"
+
+
+def _paths(ask: Ask) -> Iterator[str]:
     for method, path, status in (
         ("GET", "/healthz", 200),
         ("GET", "/", 200),
@@ -55,13 +139,64 @@ def problems(ask: Ask) -> Iterator[str]:
         ("POST", "/v1/auth", 401),
         ("GET", "/v1/auth", 405),
     ):
-        heard = ask(method, path)
+        heard = ask(method, path, {}, None)
         if heard.status != status:
             yield f"{method} {path}: {heard.status}, not {status}"
-    page = ask("GET", "/calibrate/")
+    page = ask("GET", "/calibrate/", {}, None)
     for header in ("content-security-policy", "x-content-type-options"):
         if header not in page.headers:
             yield f"GET /calibrate/: no {header}"
-    settings = json.loads(ask("GET", "/config.json").body or b"{}")
-    if not str(settings.get("token", "")).startswith("cdb_"):
+
+
+def _other_origins(ask: Ask) -> Iterator[str]:
+    """Ask as a browser does for a page of another origin."""
+    for path in ("/v1/lookup", "/v1/session/views", "/v1/nowhere"):
+        yield from preflight_problems(ask, path)
+    heard = ask("GET", "/sdk/calibdb.js", {"Origin": _ELSEWHERE}, None)
+    if heard.status != HTTPStatus.OK or heard.headers.get("access-control-allow-origin") != "*":
+        yield f"GET /sdk/calibdb.js: {heard.status}, and pages of other origins may not load it"
+
+
+def preflight_problems(ask: Ask, path: str) -> Iterator[str]:
+    """Find why a browser would refuse a page of another origin this path of the API."""
+    heard = ask("OPTIONS", path, _PREFLIGHT, None)
+    if not HTTPStatus.OK <= heard.status < HTTPStatus.MULTIPLE_CHOICES:
+        yield f"OPTIONS {path}: {heard.status}, so that browsers refuse pages of other origins"
+    for header, wanted in (
+        ("access-control-allow-origin", "*"),
+        ("access-control-allow-methods", "POST"),
+        ("access-control-allow-headers", "authorization"),
+    ):
+        if wanted not in heard.headers.get(header, "").replace(" ", "").split(","):
+            yield f"OPTIONS {path}: no {wanted} in {header}"
+
+
+def _redirects(ask: Ask) -> Iterator[str]:
+    location = ask("GET", "//elsewhere.example/page", {}, None).headers.get("location", "/")
+    if urlsplit(location).hostname == "elsewhere.example":
+        yield f"GET //elsewhere.example/page: sent to {location}"
+
+
+def _page(ask: Ask, site: Site, patience_s: float) -> Iterator[str]:
+    """Ask as the site's own pages do."""
+    config = ask("GET", "/config.json", {}, None)
+    settings = json.loads(config.body or b"{}") if config.status == HTTPStatus.OK else {}
+    token = str(settings.get("token", ""))
+    if not token.startswith("cdb_"):
         yield "GET /config.json: no token"
+        return
+    headers = {"Authorization": f"Bearer {token}", "Content-Type": "application/json", "Origin": site.url}
+    end = time.monotonic() + patience_s
+    opened = ask("POST", "/v1/auth", headers, b"")
+    while opened.status == HTTPStatus.FORBIDDEN and time.monotonic() < end:
+        time.sleep(5)
+        opened = ask("POST", "/v1/auth", headers, b"")
+    if opened.status != HTTPStatus.CREATED:
+        yield f"POST /v1/auth with the pages' token from {site.url}: {opened.status}, not 201"
+    camera = {"camera": "calibDB smoke test", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
+    missed = ask("POST", "/v1/lookup", headers, json.dumps({**camera, "redirect": False}).encode())
+    guidance = (
+        str(json.loads(missed.body).get("guidance_url", "")) if missed.status == HTTPStatus.NOT_FOUND else ""
+    )
+    if not guidance.startswith(f"{site.url}/"):
+        yield f"POST /v1/lookup: {missed.status}, and the guidance is {guidance}, not on {site.url}"

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
-import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Literal
 
-ROOT = Path(__file__).resolve().parents[2]
-TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
-DASHBOARD = ROOT / "infra" / "deploy" / "dashboard.json"
+from infra.deploy.package import ROOT, TEMPLATE
+
 _SAM = ".build/sam/bin/sam"  # `make deploy` installs it
-Kind = Literal["run", "secrets", "upload", "invalidate", "smoke"]
+ROLLOUT = "Canary10Percent5Minutes"  # unless told otherwise
+Kind = Literal["preflight", "build", "run", "package", "secrets", "upload", "invalidate", "protect", "smoke"]
 
 
 @dataclass(frozen=True)
@@ -28,12 +25,24 @@ class Target:
         Of the template, over their defaults.
     site
         Address of the site without slash; None where CloudFront makes one up, at the first deployment.
+    exists
+        Whether the stack is there already.
     """
 
     stack: str
     region: str
     parameters: Mapping[str, str] = field(default_factory=dict)
     site: str | None = None
+    exists: bool = False
+
+    @property
+    def effective(self) -> dict[str, str]:
+        """The parameters, and those that each deployment sets anew.
+
+        CloudFormation keeps the value of a parameter that is not named. `Rollout` is one deployment's alone.
+        """
+        known = {"GuidanceUrl": f"{self.site}/calibrate/"} if self.site else {}
+        return {**known, "EdgeSecretVersion": "{EdgeSecretVersion}", "Rollout": ROLLOUT, **self.parameters}
 
 
 @dataclass(frozen=True)
@@ -47,7 +56,9 @@ class Step:
 
 def steps(target: Target) -> Iterator[Step]:
     """Yield the steps; each can be done again, so a deployment that broke off is started anew."""
-    yield Step("run", "build both layers for arm64 and check their sizes", ("make", "layers"))
+    yield Step("preflight", "ask the account whether it can hold the stack; nothing is made yet")
+    yield Step("build", "build both layers for arm64 and check their sizes", ("make", "layers"))
+    yield Step("package", "name the release, and write its template")
     place = str(TEMPLATE.relative_to(ROOT))
     yield Step(
         "run",
@@ -57,43 +68,26 @@ def steps(target: Target) -> Iterator[Step]:
     yield Step(
         "secrets",
         f"make the secrets under /calibdb/{target.stack} that are not there: "
-        "SESSION_SECRETS, CONTRIBUTOR_SECRET, EDGE_SECRET",
+        "SESSION_SECRETS, CONTRIBUTOR_SECRET, EDGE_SECRETS, EDGE_SECRET",
     )
-    yield _deploy(target)
+    yield Step("run", "create or change the stack", _command(target, target.effective))
     if target.site is None:
-        yield Step("run", "tell the functions where the site is, now that it has an address", _again(target))
+        yield Step("package", "name the release again: its functions learn where the site is")
+        yield Step("run", "tell the functions, now that the site has an address", _again(target))
     yield Step("upload", "upload web/, what pages load before the pages, and a token for them")
     yield Step("invalidate", "have the edge forget what it kept")
-    yield Step("smoke", "ask the site and the API whether they are there")
-
-
-def package_template(template: str) -> str:
-    """Convert the template to the one in `.build/deploy`.
-
-    Its paths are relative to that folder, its layers are the built ones, and the body of the dashboard is
-    inlined: `AWS::Include` inserts a map, and CloudFormation wants the body as a string.
-    """
-    dashboard = f"DashboardBody: !Sub |\n{textwrap.indent(DASHBOARD.read_text(encoding='utf-8'), ' ' * 8)}"
-    return (
-        re.sub(r"DashboardBody: !Sub '.*'\n", lambda _: dashboard, template)
-        .replace("DefinitionUri: infra/", "DefinitionUri: ../../infra/")
-        .replace("CodeUri: functions/", "CodeUri: ../../functions/")
-        .replace("ContentUri: layers/service/", "ContentUri: ../layers/service/")
-        .replace("ContentUri: layers/solver/", "ContentUri: ../layers/solver/")
-    )
-
-
-def _deploy(target: Target) -> Step:
-    return Step("run", "create or change the stack", _command(target, target.parameters))
+    yield Step("protect", "protect stack and table from deletion")
+    yield Step("smoke", "ask the site and the API whether they do what they must")
 
 
 def _again(target: Target) -> tuple[str, ...]:
-    return _command(target, {**target.parameters, "GuidanceUrl": "{SiteUrl}/calibrate/"})
+    # Nobody uses the functions yet, so all calls move at once.
+    known = {"GuidanceUrl": "{SiteUrl}/calibrate/", "Rollout": "AllAtOnce"}
+    return _command(target, {**target.effective, **known}, first=False)
 
 
-def _command(target: Target, parameters: Mapping[str, str]) -> tuple[str, ...]:
-    site = {"GuidanceUrl": f"{target.site}/calibrate/"} if target.site else {}
-    overrides = [f"{name}={value}" for name, value in sorted({**site, **parameters}.items())]
+def _command(target: Target, parameters: Mapping[str, str], *, first: bool = True) -> tuple[str, ...]:
+    overrides = [f"{name}={value}" for name, value in sorted(parameters.items())]
     return (
         _SAM,
         "deploy",
@@ -104,5 +98,7 @@ def _command(target: Target, parameters: Mapping[str, str]) -> tuple[str, ...]:
         "--resolve-s3",
         "--no-confirm-changeset",
         "--no-fail-on-empty-changeset",
+        # A creation that fails leaves nothing behind that stands in the way of the next.
+        *(("--on-failure", "DELETE") if first and not target.exists else ()),
         *(("--parameter-overrides", *overrides) if overrides else ()),
     )

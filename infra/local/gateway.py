@@ -23,7 +23,12 @@ _log = logging.getLogger("infra.local.gateway")
 
 
 class Gateway:
-    """Turns requests into events, calls the functions, and turns their answers into responses."""
+    """Turns requests into events, calls the functions, and turns their answers into responses.
+
+    `answers_preflights`: whether every preflight is answered here, as API Gateway's guide can be read. By
+    default one that a route matches, and `ANY` matches it, goes to the function, as users report, and with
+    the function's own CORS headers; only the others are answered here.
+    """
 
     def __init__(
         self,
@@ -31,19 +36,22 @@ class Gateway:
         functions: Mapping[str, Function],
         clock: Callable[[], float],
         new_id: Callable[[], str],
+        answers_preflights: bool = False,
     ):
         self.routes = Routes(template.routes)
         self._cors = template.cors
         self._functions = functions
         self._clock = clock
         self._new_id = new_id
+        self._answers_preflights = answers_preflights
 
     def handle(self, request: Request) -> Response:
         """Answer a request. Blocks as long as the function takes; safe from many threads at once."""
         origin = request.header("origin")
         if self._cors and origin and _is_preflight(request):
-            # Answered here whatever the path, without asking a function.
-            return Response(204, _preflight_headers(self._cors, origin))
+            if self._answers_preflights or self.routes.match(request.method, request.path) is None:
+                return Response(204, _preflight_headers(self._cors, origin))
+            return self._route(request)
         return self._with_cors(self._route(request), origin)
 
     def refuse(self, status: int, text: str, origin: str | None) -> Response:

@@ -27,7 +27,12 @@ class TemplateError(ValueError):
 
 def parse(path: Path) -> dict[str, Any]:
     """Return a template as it is written, short forms such as `!Ref` in their long form."""
-    document: dict[str, Any] = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)  # noqa: S506
+    return parse_text(path.read_text(encoding="utf-8"))
+
+
+def parse_text(template: str) -> dict[str, Any]:
+    """Return a template's text as it is written, short forms such as `!Ref` in their long form."""
+    document: dict[str, Any] = yaml.load(template, Loader=_Loader)  # noqa: S506
     return document
 
 

@@ -51,6 +51,8 @@ class LocalStack:
         Unix seconds.
     retry_pauses
         Seconds before the retries of an asynchronous invoke that failed; see `Invokes`.
+    answers_preflights
+        Whether the gateway answers every preflight by itself; see `Gateway`.
     shutdown_grace_s, executor
         Time that waiting asynchronous invokes have at the end, and what runs them; see `Invokes`.
 
@@ -73,7 +75,9 @@ class LocalStack:
         retry_pauses: Sequence[float] = (1.0, 2.0),
         shutdown_grace_s: float = SHUTDOWN_GRACE_S,
         executor: Executor | None = None,
+        answers_preflights: bool = False,
     ):
+        self._answers_preflights = answers_preflights
         self._data_dir = data_dir
         self._environment = environment or {}
         self._port = port
@@ -148,7 +152,13 @@ class LocalStack:
         """Waits until no asynchronous call is unfinished; see `Invokes.wait_until_idle`."""
         self.workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(self.workers.shutdown)
-        self.gateway = Gateway(self.template, self.functions, self._clock, lambda: str(uuid.uuid4()))
+        self.gateway = Gateway(
+            self.template,
+            self.functions,
+            self._clock,
+            lambda: str(uuid.uuid4()),
+            self._answers_preflights,
+        )
         if self.embedded:
             self._admit_development_token()
         invokes.redeliver_pending()

@@ -120,3 +120,26 @@ def test_backfill_skips_other_objects_and_follows_earlier_keys(stack: LocalStack
     found = invoke("BackfillFunction", {"Items": [{"Key": name} for name in names]})
     assert [r["camera"] for r in found["requests"]] == [old.camera_key]
     assert invoke("BackfillFunction", {"Items": []}) == {"requests": []}
+
+
+# ---------------------------------------------------------------- limits of the state machine
+
+MAX_PAYLOAD_BYTES = 256 * 1024  # of a state's input and output; AWS Step Functions developer guide, "Quotas"
+
+
+def test_payloads_of_a_large_backfill_stay_within_the_limits() -> None:
+    """The results of all children together are the map's output; so each child's are nothing."""
+    machine = json.loads((ROOT / "infra/backfill.asl.json").read_text())["States"]["EveryCalibration"]
+    states = machine["ItemProcessor"]["States"]
+    assert states["EveryMode"]["End"]
+    assert states["EveryMode"]["ResultSelector"] == {}
+    assert "ResultPath" not in states["EveryMode"]  # null would make the input, all requests, the output
+    children = 10_000  # of a thousand calibrations each
+    assert len(json.dumps([{}] * children)) < MAX_PAYLOAD_BYTES
+    # What a child is handed: names and sizes as the list of the bucket gives them.
+    batch = machine["ItemBatcher"]
+    assert batch["MaxInputBytesPerBatch"] < MAX_PAYLOAD_BYTES
+    # What the function answers of a batch: at most a request for each of its calibrations.
+    request = schema.RefitRequest(camera="c4-" + "k" * 60, img_size=(1920, 1080), zoom=1.25)
+    answer = schema.BackfillAnswer(requests=(request,) * batch["MaxItemsPerBatch"])
+    assert len(answer.model_dump_json()) < MAX_PAYLOAD_BYTES

@@ -38,7 +38,7 @@ def test_the_deployments_template_is_understood() -> None:
     template = load(ROOT / "template.yaml", {"SessionSecrets": "a" * 32, "ContributorSecret": "b" * 32})
     submit = template.functions["SubmitFunction"]
     assert submit.code == ROOT / "functions" / "submit"
-    assert (submit.handler, submit.timeout, submit.memory) == ("app.handler", 10.0, 1769)
+    assert (submit.handler, submit.timeout, submit.memory) == ("app.handler", 29.0, 1769)
     assert template.functions["RefitFunction"].timeout == 60.0
     assert submit.environment["REFIT_FUNCTION"] == "RefitFunction"
     assert submit.environment["THRESHOLDS"] == ""

@@ -1,0 +1,135 @@
+"""Deployment: does the steps, one after the other."""
+
+from __future__ import annotations
+
+import functools
+import os
+import shlex
+import subprocess
+import time
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+import boto3
+
+from infra.console.steps import announced
+from infra.deploy import aws, page_token, preflight, smoke, smoke_capture
+from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_template, release_digest
+from infra.deploy.site import uploads
+from infra.deploy.steps import Step, Target, steps
+
+
+class DeployError(RuntimeError):
+    """The deployment ended before its end; the message says where."""
+
+
+def deploy(target: Target, template: str | None = None, leave_out: Collection[str] = ()) -> None:
+    """Do every step; raises DeployError at the first that fails.
+
+    Parameters
+    ----------
+    target
+        Where to; what is there already is found out.
+    template
+        Another complete one than `template.yaml`.
+    leave_out
+        Kinds of steps that are not done.
+    """
+    written = (ROOT / "template.yaml").read_text(encoding="utf-8")
+    source = complete_template(written) if template is None else template
+    target = find_out(target)
+    wanted = [step for step in steps(target) if step.kind not in leave_out]
+    for step in announced(f"deploy {target.stack}", wanted, lambda step: step.text):
+        _do(step, target, source)
+
+
+def find_out(target: Target) -> Target:
+    """Complete a target by what its account says: whether the stack is there, and where its site is."""
+    stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    if stack is None or stack.status in aws.UNCREATED:
+        return target
+    domain = target.parameters.get("DomainName", stack.parameters.get("DomainName", ""))
+    host = domain or stack.outputs.get("DistributionDomain")
+    return replace(target, exists=True, site=f"https://{host}" if host else None)
+
+
+def _do(step: Step, target: Target, source: str) -> None:
+    region, stack = target.region, target.stack
+    match step.kind:
+        case "preflight":
+            if found := list(preflight.problems(target, preflight.Account.of(region))):
+                raise DeployError("\n".join(found))
+        case "build" | "run":
+            _run(_fill_in(step.command, target), target)
+        case "package":
+            print(f"   release {_package(target, source)}")
+        case "secrets":
+            aws.make_secrets(boto3.client("ssm", region), stack)
+        case "upload":
+            made = aws.outputs(boto3.client("cloudformation", region), stack)
+            s3, bucket = boto3.client("s3", region), made["WebBucketName"]
+            settings = {"api": "/v1", "token": page_token.current(made, region, aws.settings(s3, bucket))}
+            print(f"   {aws.upload(s3, bucket, uploads(ROOT / 'web', settings))} files")
+        case "invalidate":
+            made = aws.outputs(boto3.client("cloudformation", region), stack)
+            aws.invalidate(boto3.client("cloudfront"), made["DistributionId"], str(time.time_ns()))
+        case "protect":
+            aws.protect(boto3.client("cloudformation", region), boto3.client("dynamodb", region), stack)
+        case "smoke":
+            if found := list(_smoke(target, source)):
+                raise DeployError("\n".join(found))
+
+
+def release(target: Target, source: str) -> str:
+    """Digest of what is deployed; raises KeyError where the address of the site is needed and not known."""
+    stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    values = {**(stack.parameters if stack else {}), **target.effective}
+    if stack and target.site is None and (url := stack.outputs.get("SiteUrl")):
+        values["GuidanceUrl"] = f"{url}/calibrate/"
+    return release_digest(source, values)
+
+
+def _package(target: Target, source: str) -> str:
+    named = release(target, source)
+    TEMPLATE.parent.mkdir(parents=True, exist_ok=True)
+    TEMPLATE.write_text(package_template(source, named), encoding="utf-8")
+    return named
+
+
+def _smoke(target: Target, source: str) -> Iterator[str]:
+    region, stack = target.region, target.stack
+    cloudformation, lambda_ = boto3.client("cloudformation", region), boto3.client("lambda", region)
+    made = aws.outputs(cloudformation, stack)
+    site = smoke.Site(made["SiteUrl"], made["DistributionDomain"])
+    yield from smoke.unreleased(aws.releases(cloudformation, lambda_, stack), release(target, source))
+    yield from smoke.problems(smoke.make_requester(site.url, site.distribution), site)
+    # Pages of other origins may use the API's own address, where the edge answers no preflights.
+    at_api = smoke.make_requester(made["ApiUrl"].removesuffix("/v1"))
+    yield from (f"{made['ApiUrl']}: {problem}" for problem in smoke.preflight_problems(at_api, "/v1/lookup"))
+    settings = aws.settings(boto3.client("s3", region), made["WebBucketName"]) or {}
+    refit = aws.physical_id(cloudformation, stack, "RefitFunction")
+    remove = functools.partial(smoke_capture.remove, made, region, refit)
+    yield from smoke_capture.problems(site, settings.get("token", ""), remove)
+
+
+def _fill_in(command: tuple[str, ...], target: Target) -> list[str]:
+    """Fill the stack's outputs, and the version of the edge's secret, into a command."""
+    text = "\0".join(command)
+    if "{SiteUrl}" in text:
+        made = aws.outputs(boto3.client("cloudformation", target.region), target.stack)
+        text = text.replace("{SiteUrl}", made["SiteUrl"])
+    if "{EdgeSecretVersion}" in text:
+        version = aws.edge_secret_version(boto3.client("ssm", target.region), target.stack)
+        text = text.replace("{EdgeSecretVersion}", str(version))
+    return text.split("\0")
+
+
+def _run(command: list[str], target: Target) -> None:
+    quiet = {**os.environ, "SAM_CLI_TELEMETRY": "0"}
+    done = subprocess.run(command, cwd=ROOT, env=quiet, check=False)  # noqa: S603 - our own steps
+    if done.returncode:
+        said = f"{shlex.join(command)} failed"
+        if command[1:2] == ["deploy"]:
+            events = aws.failures(boto3.client("cloudformation", target.region), target.stack)
+            said = "\n".join([said, *preflight.explain(events)])
+        raise DeployError(said)

@@ -1,0 +1,193 @@
+"""Preflight: whether an account can hold the stack, found out before anything is made in it.
+
+Every problem is one sentence that says what to do. Nothing here writes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import boto3
+from botocore.exceptions import ClientError
+
+from calibdb.store.clients import code
+from infra.deploy import aws
+from infra.deploy.package import ROOT
+from infra.deploy.steps import Target
+from infra.local.intrinsics import parse
+
+# Concurrent executions that Lambda leaves to functions without a reservation.
+# Source: AWS Lambda developer guide, "Configuring reserved concurrency".
+MIN_UNRESERVED = 100
+_RESERVED = ("SubmitConcurrency", "RefitConcurrency")
+_VERIFICATION = re.compile(r"account must be verified", re.IGNORECASE)
+_UNVERIFIED = (
+    "CloudFront does not make distributions for this account before AWS has verified it: open a support case "
+    "(Account and billing, Account verification), wait for its answer, and run `make deploy` again."
+)
+# What CloudFormation says of a resource -> what to do
+_CAUSES = (
+    (_VERIFICATION, _UNVERIFIED),
+    (
+        re.compile(r"UnreservedConcurrentExecution below its minimum", re.IGNORECASE),
+        "Lambda has no concurrency left to reserve: ask Service Quotas for 1,000 concurrent executions "
+        "(L-B99A9384), or add SubmitConcurrency=0 RefitConcurrency=0.",
+    ),
+    (
+        re.compile(r"already exists", re.IGNORECASE),
+        "A resource of that name is there already: deploy under another name with STACK=NAME, or delete it.",
+    ),
+    (
+        re.compile(r"CNAMEAlreadyExists|One or more of the CNAMEs", re.IGNORECASE),
+        "Another distribution has DomainName: take the name off it first.",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Account:
+    """Clients of the services that are asked; `acm` in us-east-1, whose certificates CloudFront takes."""
+
+    cloudformation: Any
+    lambda_: Any
+    cloudfront: Any
+    acm: Any
+    route53: Any
+
+    @classmethod
+    def of(cls, region: str) -> Account:
+        """Return the clients of the operator's own account."""
+        return cls(
+            cloudformation=boto3.client("cloudformation", region),
+            lambda_=boto3.client("lambda", region),
+            cloudfront=boto3.client("cloudfront"),
+            acm=boto3.client("acm", "us-east-1"),
+            route53=boto3.client("route53"),
+        )
+
+
+def problems(target: Target, account: Account) -> Iterator[str]:
+    """Find what would make the deployment fail."""
+    stack = aws.describe(account.cloudformation, target.stack)
+    kept = dict(stack.parameters) if stack else {}
+    declared = parse(ROOT / "template.yaml")["Parameters"]
+    values = {n: str(p.get("Default", "")) for n, p in declared.items()} | kept | dict(target.parameters)
+    if stack is not None:
+        yield from _status(target.stack, stack.status)
+    yield from _concurrency(account.lambda_, values, kept)
+    if not target.exists:
+        yield from _verification(account.cloudfront)
+    if values["DomainName"]:
+        yield from _certificate(account.acm, values["DomainName"], values["CertificateArn"])
+    if values["HostedZoneId"]:
+        yield from _zone(account.route53, values["DomainName"], values["HostedZoneId"])
+
+
+def explain(reasons: Iterable[str]) -> list[str]:
+    """Add to the reasons that CloudFormation gave what to do about them; unknown ones stand as they are."""
+    said = []
+    for reason in reasons:
+        remedy = next((remedy for pattern, remedy in _CAUSES if pattern.search(reason)), None)
+        said.append(f"{reason}\n  {remedy}" if remedy else reason)
+    return said
+
+
+def _status(name: str, status: str) -> Iterator[str]:
+    if status in ("ROLLBACK_COMPLETE", "ROLLBACK_FAILED", "CREATE_FAILED", "DELETE_FAILED"):
+        yield (
+            f"The stack {name} is {status}, left by a creation or deletion that failed: delete it with "
+            f"`aws cloudformation delete-stack --stack-name {name}`, and run `make deploy` again."
+        )
+    elif status == "UPDATE_ROLLBACK_FAILED":
+        yield (
+            f"The stack {name} is {status}: run `aws cloudformation continue-update-rollback "
+            f"--stack-name {name}`, and then `make deploy` again."
+        )
+    elif status.endswith("_IN_PROGRESS") and status not in aws.UNCREATED:
+        yield f"The stack {name} is {status}: wait until that has ended, and run `make deploy` again."
+
+
+def _concurrency(lambda_: Any, values: Mapping[str, str], kept: Mapping[str, str]) -> Iterator[str]:
+    limit = lambda_.get_account_settings()["AccountLimit"]
+    wanted = sum(int(values[name]) for name in _RESERVED)
+    own = sum(int(kept.get(name, 0)) for name in _RESERVED)
+    left = int(limit["UnreservedConcurrentExecutions"]) + own - wanted
+    if wanted and left < MIN_UNRESERVED:
+        yield (
+            f"Lambda allows this account {limit['ConcurrentExecutions']} concurrent executions; with "
+            f"{wanted} reserved {left} would be left, and {MIN_UNRESERVED} must be: ask Service Quotas for "
+            "1,000 (L-B99A9384), or add SubmitConcurrency=0 RefitConcurrency=0."
+        )
+
+
+def _verification(cloudfront: Any) -> Iterator[str]:
+    """Find out whether CloudFront serves the account: by asking for a distribution that cannot be made.
+
+    Its origin access control does not exist, so the request fails whatever the account is.
+    """
+    try:
+        cloudfront.create_distribution(DistributionConfig=_IMPOSSIBLE)
+    except ClientError as error:
+        if _VERIFICATION.search(str(error)):
+            yield _UNVERIFIED
+
+
+_IMPOSSIBLE = {
+    "CallerReference": "calibdb-preflight",
+    "Comment": "calibDB: never made",
+    "Enabled": False,
+    "Origins": {
+        "Quantity": 1,
+        "Items": [
+            {
+                "Id": "web",
+                "DomainName": "calibdb.invalid",
+                "OriginAccessControlId": "E00000000000000",
+                "S3OriginConfig": {"OriginAccessIdentity": ""},
+            }
+        ],
+    },
+    "DefaultCacheBehavior": {
+        "TargetOriginId": "absent",
+        "ViewerProtocolPolicy": "https-only",
+        "CachePolicyId": "00000000-0000-0000-0000-000000000000",
+    },
+}
+
+
+def _certificate(acm: Any, domain: str, arn: str) -> Iterator[str]:
+    if not arn:
+        yield "DomainName needs CertificateArn, the ARN of a certificate for it in us-east-1."
+        return
+    if arn.split(":")[2:4] != ["acm", "us-east-1"]:
+        yield (
+            f"CertificateArn is {arn}: CloudFront takes certificates of us-east-1 alone, so request one for "
+            f"{domain} there."
+        )
+        return
+    try:
+        found = acm.describe_certificate(CertificateArn=arn)["Certificate"]
+    except ClientError as error:
+        yield f"CertificateArn cannot be read ({code(error)}): give the ARN of a certificate of this account."
+        return
+    if found["Status"] != "ISSUED":
+        yield f"The certificate is {found['Status']}: complete its validation first."
+    names = {found["DomainName"], *found.get("SubjectAlternativeNames", ())}
+    if not names & {domain, "*." + domain.partition(".")[2]}:
+        yield f"The certificate is for {', '.join(sorted(names))}: request one that names {domain}."
+
+
+def _zone(route53: Any, domain: str, zone: str) -> Iterator[str]:
+    if not domain:
+        yield "HostedZoneId needs DomainName."
+        return
+    try:
+        name = route53.get_hosted_zone(Id=zone)["HostedZone"]["Name"].rstrip(".")
+    except ClientError as error:
+        yield f"HostedZoneId cannot be read ({code(error)}): give the id of a public zone of this account."
+        return
+    if domain != name and not domain.endswith(f".{name}"):
+        yield f"The hosted zone is {name}, which does not hold {domain}: give the zone of that domain."

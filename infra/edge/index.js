@@ -1,0 +1,38 @@
+// CloudFront function of the site's pages: maps a folder to its index.html, which S3 origins do not.
+// `infra.deploy.package` fills in PAGES, the folders that hold a page.
+var PAGES = [];
+
+function handler(event) {
+  var request = event.request;
+  // One leading slash: `//host/` in a Location names another host.
+  var path = '/' + request.uri.replace(/^[\/\\]+/, '');
+  request.uri = path;
+  if (path.split('/').pop().includes('.')) return request;
+  var folder = path.endsWith('/') ? path : path + '/';
+  if (PAGES.length && !PAGES.includes(folder)) {
+    return {
+      statusCode: 404,
+      statusDescription: 'Not Found',
+      headers: {
+        'content-type': { value: 'text/html; charset=utf-8' },
+        'cache-control': { value: 'no-store' },
+        'x-content-type-options': { value: 'nosniff' },
+      },
+      body: '<!doctype html><html lang="en"><title>Not found</title><h1>There is no such page</h1><p><a href="/">calibDB</a></p></html>',
+    };
+  }
+  if (folder === path) {
+    request.uri = path + 'index.html';
+    return request;
+  }
+  return { statusCode: 301, statusDescription: 'Moved Permanently', headers: { location: { value: folder + query(request.querystring) } } };
+}
+
+function query(fields) {
+  var parts = [];
+  for (var name in fields || {}) {
+    var values = fields[name].multiValue || [fields[name]];
+    values.forEach((one) => parts.push(one.value === '' ? name : name + '=' + one.value));
+  }
+  return parts.length ? '?' + parts.join('&') : '';
+}

@@ -1,0 +1,78 @@
+"""The whole client on another origin than the API: every request of it asks first whether it may.
+
+An HTTP API hands preflights to a function whose route matches them, or answers them itself; both are held.
+"""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from infra.local import LocalStack
+from tests.helpers.browser.elsewhere import serving_client
+from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.truth import SMALL, projection_errors
+from tests.helpers.browser.waiting import TIMEOUT_S, address
+from tests.helpers.stack.faults import watched_requests
+
+from .conftest import ROOT, TOKEN
+
+KEY = {"camera": "Elsewhere (1234:0009)", "platform": "X11; Linux x86_64", "img_size": [1280, 720], "zoom": 0}
+LOOKUP = """async ([key, token, api]) => {
+  const { lookup } = await import("/sdk/calibdb.js");
+  const { calibration, reason } = await lookup(key, { token, api, cache: null });
+  return calibration ? "found" : reason;
+}"""
+EXPORT = """async ([id, token, api]) => {
+  const headers = { authorization: `Bearer ${token}` };
+  const response = await fetch(`${api}/calibrations/${id}?format=ros`, { headers });
+  return [response.status, response.headers.get("x-conversion-error"), await response.text()];
+}"""
+
+
+@pytest.fixture(params=[False, True], ids=["by the function", "by the gateway"])
+def stack(request: pytest.FixtureRequest) -> Iterator[LocalStack]:
+    with LocalStack(answers_preflights=request.param) as stack:
+        yield stack
+
+
+def test_client_of_another_origin_calibrates_looks_up_and_exports(
+    stack: LocalStack, chromium: Browser
+) -> None:
+    with stack.serve() as url, watched_requests(stack) as preflights:
+        api = f"{url}/v1"
+        with serving_client(ROOT / "web", {"api": api, "token": TOKEN}) as site:
+            page = chromium.new_page(base_url=site, viewport={"width": 1440, "height": 900})
+            page.set_default_timeout(1000 * TIMEOUT_S)
+            identity = calibrated(page)
+            assert page.evaluate(LOOKUP, [KEY, TOKEN, api]) == "unknown_camera"
+            status, error, text = page.evaluate(EXPORT, [identity, TOKEN, api])
+            assert (status, float(error) < 0.01) == (200, True)
+            assert "camera_matrix" in text
+            page.close()
+    # Browsers remember what they were told of a path: not every request is preceded by one.
+    assert {"/v1/auth", "/v1/session", "/v1/session/pose", "/v1/session/views", "/v1/lookup"} <= preflights
+
+
+def calibrated(page: Page) -> str:
+    """Calibrate the virtual camera; return the id of the calibration."""
+    page.goto(f"/calibrate/?{SMALL.query()}")
+    page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
+    assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
+    identity = address(page).split("id=")[1]
+    shown = page.evaluate("JSON.parse(document.getElementById('json').textContent)")
+    assert projection_errors(SMALL, shown).mean() < 0.4
+    return identity
+
+
+def test_firefox_admits_the_page_of_another_origin(stack: LocalStack) -> None:
+    with stack.serve() as url:
+        api = f"{url}/v1"
+        with serving_client(ROOT / "web", {"api": api, "token": TOKEN}) as site:
+            function = f"""async () => {{
+              const look = {LOOKUP};
+              const headers = {{ authorization: "Bearer {TOKEN}", "content-type": "application/json" }};
+              const opened = await fetch("{api}/auth", {{ method: "POST", headers }});
+              return [await look([{KEY!r}, "{TOKEN}", "{api}"]), opened.status];
+            }}"""
+            assert in_firefox(f"{site}/board/", function) == ["unknown_camera", 201]

@@ -1,0 +1,51 @@
+"""SAM's transform: the resources that CloudFormation would make of the template."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cfnlint.decode.cfn_yaml import loads
+from samtranslator.translator.transform import transform
+
+from infra.deploy import package
+
+ROOT = Path(__file__).parents[2]
+COMPLETE = package.complete_template((ROOT / "template.yaml").read_text())
+
+
+class ManagedPolicies:
+    """The translator asks for the account's managed policies; we use none of them by name."""
+
+    def load(self) -> dict[str, str]:
+        return {
+            "AWSLambdaBasicExecutionRole": "arn:aws:iam::aws:policy/service-role/AWSLambdaBasicExecutionRole"
+        }
+
+
+def parsed(text: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(json.dumps(loads(text)))
+    return found
+
+
+def as_created(source: dict[str, Any], parameters: dict[str, str] | None = None) -> dict[str, Any]:
+    """Code and layers stand in a bucket, as `sam package` leaves them."""
+    packaged = json.loads(json.dumps(source))
+    for resource in packaged["Resources"].values():
+        properties = resource.get("Properties", {})
+        for place in ("CodeUri", "ContentUri", "DefinitionUri"):
+            if place in properties:
+                properties[place] = {"Bucket": "artifacts", "Key": f"{Path(str(properties[place])).name}.zip"}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("AWS_DEFAULT_REGION", "eu-central-1")
+        created: dict[str, Any] = transform(packaged, parameters or {}, ManagedPolicies())
+    return created
+
+
+def versions(template: dict[str, Any]) -> dict[str, str]:
+    """Function -> logical id of the version that its alias points to."""
+    return {
+        resource["Properties"]["FunctionName"]["Ref"]: name
+        for name, resource in template["Resources"].items()
+        if resource["Type"] == "AWS::Lambda::Version"
+    }

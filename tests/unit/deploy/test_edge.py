@@ -1,0 +1,174 @@
+"""The edge: what CloudFront is configured to do, and its functions, run as they are deployed."""
+
+import json
+import subprocess
+from typing import Any
+
+import pytest
+
+from calibdb.http import application
+from tests.helpers.sam import COMPLETE, parsed
+
+RESOURCES = parsed(COMPLETE)["Resources"]
+DISTRIBUTION = RESOURCES["Distribution"]["Properties"]["DistributionConfig"]
+# Headers that CloudFront refuses among the custom ones: those of CORS, and those with members of their own.
+SECURITY = {
+    "content-security-policy",
+    "referrer-policy",
+    "strict-transport-security",
+    "x-content-type-options",
+    "x-frame-options",
+    "x-xss-protection",
+}
+
+
+def run(function: str, *requests: dict[str, Any]) -> list[Any]:
+    """Answers of an edge function to viewer requests."""
+    code = RESOURCES[function]["Properties"]["FunctionCode"]
+    events = [{"request": {"method": "GET", "headers": {}, "querystring": {}, **r}} for r in requests]
+    script = f"{code}\nconsole.log(JSON.stringify({json.dumps(events)}.map(handler)))"
+    done = subprocess.run(["node", "-e", script], capture_output=True, check=True, text=True)
+    found: list[Any] = json.loads(done.stdout)
+    return found
+
+
+def test_no_custom_header_is_one_that_cloudfront_refuses() -> None:
+    policies = [
+        r["Properties"]["ResponseHeadersPolicyConfig"]
+        for r in RESOURCES.values()
+        if r["Type"] == "AWS::CloudFront::ResponseHeadersPolicy"
+    ]
+    assert len(policies) >= 3
+    for policy in policies:
+        for item in policy.get("CustomHeadersConfig", {}).get("Items", []):
+            name = item["Header"].lower()
+            assert not name.startswith("access-control-"), item
+            assert name not in SECURITY, item
+    shared = RESOURCES["SharedHeaders"]["Properties"]["ResponseHeadersPolicyConfig"]["CorsConfig"]
+    assert shared["AccessControlAllowOrigins"] == {"Items": ["*"]}
+    assert shared["AccessControlAllowCredentials"] is False
+    assert shared["OriginOverride"] is True
+
+
+def test_double_slash_leads_to_no_other_host() -> None:
+    addresses = [
+        "//evil.example/foo",
+        "/\\evil.example/foo",
+        "///evil.example",
+        "//evil.example/",
+        "/calibrate",
+    ]
+    for uri, answer in zip(addresses, run("WebIndex", *({"uri": uri} for uri in addresses)), strict=True):
+        location = answer.get("headers", {}).get("location", {}).get("value", "/")
+        assert location.startswith("/"), uri
+        assert not location.startswith(("//", "/\\")), uri
+        assert not answer.get("uri", "/").startswith("//"), uri
+
+
+def test_folders_lead_to_their_page_and_keep_the_query() -> None:
+    query = {
+        "camera": {"value": "Cam%20A"},
+        "tag": {"value": "1", "multiValue": [{"value": "1"}, {"value": "2"}]},
+    }
+    folder, bare, root, file = run(
+        "WebIndex",
+        {"uri": "/calibrate/"},
+        {"uri": "/calibrate", "querystring": query},
+        {"uri": "/"},
+        {"uri": "/sdk/calibdb.js"},
+    )
+    assert (folder["uri"], root["uri"], file["uri"]) == (
+        "/calibrate/index.html",
+        "/index.html",
+        "/sdk/calibdb.js",
+    )
+    assert bare["statusCode"] == 301
+    assert bare["headers"]["location"]["value"] == "/calibrate/?camera=Cam%20A&tag=1&tag=2"
+
+
+def test_unknown_page_is_a_404_of_the_site_and_no_page_replaces_the_apis_errors() -> None:
+    for answer in run("WebIndex", {"uri": "/nowhere"}, {"uri": "/nowhere/else/"}):
+        assert answer["statusCode"] == 404
+        assert 'href="/"' in answer["body"]
+    statement = RESOURCES["WebBucketPolicy"]["Properties"]["PolicyDocument"]["Statement"][1]
+    # Without the right to list, S3 answers 403 in XML for a file that is missing.
+    assert set(statement["Action"]) == {"s3:GetObject", "s3:ListBucket"}
+    assert {"Fn::GetAtt": ["WebBucket", "Arn"]} in statement["Resource"]
+    for error in DISTRIBUTION["CustomErrorResponses"]:
+        assert not error.keys() & {"ResponsePagePath", "ResponseCode"}
+
+
+def test_no_error_answer_is_kept_at_the_edge() -> None:
+    kept = {error["ErrorCode"]: error["ErrorCachingMinTTL"] for error in DISTRIBUTION["CustomErrorResponses"]}
+    assert kept == {500: 0, 502: 0, 503: 0, 504: 0}
+
+
+def test_preflights_are_answered_at_the_edge_as_by_code() -> None:
+    asked = {"access-control-request-method": {"value": "POST"}, "origin": {"value": "https://x.example"}}
+    answer, plain, get = run(
+        "Preflight",
+        {"uri": "/v1/lookup", "method": "OPTIONS", "headers": asked},
+        {"uri": "/v1/lookup", "method": "OPTIONS"},
+        {"uri": "/v1/lookup", "headers": asked},
+    )
+    assert answer["statusCode"] == 204
+    headers = {name: header["value"] for name, header in answer["headers"].items()}
+    assert headers.pop("cache-control") == "no-store"
+    assert headers == {name.lower(): value for name, value in application.PREFLIGHT.items()}
+    assert plain["method"] == "OPTIONS"
+    assert get["uri"] == "/v1/lookup"
+    cors = RESOURCES["HttpApi"]["Properties"]["CorsConfiguration"]
+    assert headers["access-control-allow-methods"].split(",") == cors["AllowMethods"]
+    assert headers["access-control-allow-headers"].split(",") == cors["AllowHeaders"]
+    for behaviour in DISTRIBUTION["CacheBehaviors"]:
+        if behaviour["PathPattern"].startswith("/v1/"):
+            (associated,) = behaviour["FunctionAssociations"]
+            assert associated["FunctionARN"] == {"Fn::GetAtt": ["Preflight", "FunctionARN"]}
+            assert "OPTIONS" in behaviour["AllowedMethods"]
+
+
+def test_names_of_cloudfront_are_free_in_a_second_region() -> None:
+    """They are global to the account, whatever the stack's region."""
+    named = []
+    for name, resource in RESOURCES.items():
+        if resource["Type"].startswith("AWS::CloudFront::"):
+            properties = resource["Properties"]
+            for place in (properties, *(v for v in properties.values() if isinstance(v, dict))):
+                if "Name" in place:
+                    named.append(name)
+                    assert "${AWS::Region}" in place["Name"]["Fn::Sub"], name
+    assert len(named) >= 8
+
+
+def test_access_log_lines_are_json_whatever_an_error_says() -> None:
+    """A message may hold quotes; types, statuses, ids and numbers do not."""
+    log = RESOURCES["HttpApi"]["Properties"]["AccessLogSettings"]["Format"]
+    values = json.loads(log).values()
+    assert not [v for v in values if "message" in v.lower()]
+
+
+def test_cloudfront_sends_the_secret_of_a_named_version() -> None:
+    (api,) = (o for o in DISTRIBUTION["Origins"] if o["Id"] == "api")
+    (header,) = api["OriginCustomHeaders"]
+    assert header["HeaderValue"]["Fn::Sub"].endswith("EDGE_SECRET:${EdgeSecretVersion}}}")
+
+
+def test_own_domain_gets_records_in_its_zone() -> None:
+    records = RESOURCES["DomainRecords"]
+    assert records["Condition"] == "OwnZone"
+    target = {"DNSName": {"Fn::GetAtt": ["Distribution", "DomainName"]}, "HostedZoneId": "Z2FDTNDATAQYW2"}
+    sets = records["Properties"]["RecordSets"]
+    assert [r["Type"] for r in sets] == ["A", "AAAA"]
+    assert [r["AliasTarget"] for r in sets] == [target, target]
+    outputs = parsed(COMPLETE)["Outputs"]
+    assert outputs["DistributionDomain"]["Value"] == {"Fn::GetAtt": ["Distribution", "DomainName"]}
+
+
+def test_budget_waits_for_its_topics_policy() -> None:
+    assert RESOURCES["Budget"]["DependsOn"] == "AlarmTopicPolicy"
+
+
+@pytest.mark.parametrize("metric", ["DeniedReads", "UnknownEdges"])
+def test_every_counted_fault_has_an_alarm(metric: str) -> None:
+    alarms = [r["Properties"] for r in RESOURCES.values() if r["Type"] == "AWS::CloudWatch::Alarm"]
+    assert [a["Threshold"] > 0 for a in alarms if a.get("MetricName") == metric] == [True]

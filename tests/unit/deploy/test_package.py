@@ -1,0 +1,125 @@
+"""A release has a name of its own, which every function carries, so that a new one reaches the aliases."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from infra.deploy import package
+from tests.helpers.sam import COMPLETE, ROOT, as_created, parsed, versions
+
+API = {
+    f"{name}Function"
+    for name in ("Auth", "Session", "NextPose", "Submit", "Lookup", "Export", "Checks", "Cameras")
+}
+
+
+@pytest.fixture
+def code(tmp_path: Path) -> tuple[Path, ...]:
+    """Two layers and the functions, as a build leaves them."""
+    for layer in ("service/calibdb", "solver/calibsolver"):
+        source = ROOT / "layers" / layer
+        shutil.copytree(source, tmp_path / "layers" / layer, ignore=shutil.ignore_patterns("__pycache__"))
+    ignored = shutil.ignore_patterns("__pycache__")
+    return tmp_path / "layers", shutil.copytree(ROOT / "functions", tmp_path / "functions", ignore=ignored)
+
+
+def published(code: tuple[Path, ...], **parameters: str) -> dict[str, str]:
+    """The versions that a deployment of this build with these parameters publishes."""
+    release = package.release_digest(COMPLETE, parameters, code)
+    return versions(as_created(parsed(package.package_template(COMPLETE, release)), parameters))
+
+
+def edit(path: Path) -> None:
+    path.write_text(path.read_text() + "\n# another line\n")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda code: edit(code[0] / "service/calibdb/settings.py"),
+        lambda code: edit(code[0] / "solver/calibsolver/rotation.py"),
+        lambda code: edit(code[1] / "lookup/app.py"),
+    ],
+    ids=["service layer", "solver layer", "function"],
+)
+def test_one_line_of_a_layer_publishes_a_version_of_every_function(
+    code: tuple[Path, ...], change: Callable[[tuple[Path, ...]], None]
+) -> None:
+    before = published(code)
+    assert set(before) == API
+    assert published(code) == before  # an equal build publishes none
+    change(code)
+    after = published(code)
+    assert {name for name in API if after[name] != before[name]} == API
+
+
+def test_a_parameter_that_functions_use_publishes_a_version_of_each(code: tuple[Path, ...]) -> None:
+    before = published(code)
+    for name, value in (
+        ("GuidanceUrl", "https://site.example/calibrate/"),
+        ("Thresholds", "MIN_VOTES=5"),
+        ("SnapStart", "PublishedVersions"),
+        ("Tracing", "Active"),
+    ):
+        after = published(code, **{name: value})
+        assert {function for function in API if after[function] != before[function]} == API, name
+    for name, value in (("AlarmEmail", "a@example.org"), ("MonthlyBudget", "70"), ("Rollout", "AllAtOnce")):
+        assert published(code, **{name: value}) == before, name
+
+
+def test_compiled_leftovers_of_functions_are_no_release(code: tuple[Path, ...]) -> None:
+    before = package.release_digest(COMPLETE, {}, code)
+    (code[1] / "lookup/__pycache__").mkdir()
+    (code[1] / "lookup/__pycache__/app.cpython-311.pyc").write_bytes(b"x")
+    assert package.release_digest(COMPLETE, {}, code) == before
+    (code[0] / "service/__pycache__").mkdir()  # compiled modules of a layer are uploaded
+    (code[0] / "service/__pycache__/x.cpython-313.pyc").write_bytes(b"x")
+    assert package.release_digest(COMPLETE, {}, code) != before
+
+
+def test_every_function_carries_its_release() -> None:
+    document = parsed(package.package_template(COMPLETE, "0123456789abcdef"))
+    variables = document["Globals"]["Function"]["Environment"]["Variables"]
+    assert variables["RELEASE"] == "0123456789abcdef"
+    created = as_created(document)["Resources"]
+    functions = [r["Properties"] for r in created.values() if r["Type"] == "AWS::Lambda::Function"]
+    assert len(functions) == len(API) + 2
+    assert {f["Environment"]["Variables"]["RELEASE"] for f in functions} == {"0123456789abcdef"}
+
+
+def test_calls_move_to_a_release_gradually_and_back_on_an_alarm() -> None:
+    created = as_created(parsed(COMPLETE))["Resources"]
+    aliases = {n: r for n, r in created.items() if r["Type"] == "AWS::Lambda::Alias"}
+    assert {alias["Properties"]["FunctionName"]["Ref"] for alias in aliases.values()} == API
+    assert all("CodeDeployLambdaAliasUpdate" in alias["UpdatePolicy"] for alias in aliases.values())
+    groups = [r["Properties"] for r in created.values() if r["Type"] == "AWS::CodeDeploy::DeploymentGroup"]
+    assert len(groups) == len(API)
+    for group in groups:
+        assert group["AlarmConfiguration"] == {"Enabled": True, "Alarms": [{"Name": {"Ref": "ReleaseAlarm"}}]}
+        assert "Canary10Percent5Minutes" in json.dumps(group["DeploymentConfigName"])
+        assert "DEPLOYMENT_STOP_ON_ALARM" in group["AutoRollbackConfiguration"]["Events"]
+    # The API's routes lead to the aliases, which wait for the alarm: it may not name the API.
+    alarm = json.dumps(created["ReleaseAlarm"]["Properties"])
+    assert "HttpApi" not in alarm
+    watched = {m["MetricStat"]["Metric"]["Dimensions"][0]["Value"]["Ref"] for m in metrics(created)}
+    assert watched == API
+    at_once = as_created(parsed(COMPLETE), {"Rollout": "AllAtOnce"})["Resources"]
+    assert "AllAtOnce" in json.dumps(at_once["LookupFunctionDeploymentGroup"])
+
+
+def metrics(created: dict) -> list[dict]:
+    return [m for m in created["ReleaseAlarm"]["Properties"]["Metrics"] if "MetricStat" in m]
+
+
+def test_fragments_and_bodies_stand_in_the_complete_template() -> None:
+    resources = parsed(COMPLETE)["Resources"]
+    assert {"PageHeaders", "SharedHeaders", "ServerErrorAlarm", "Budget"} <= set(resources)
+    for name in ("WebIndex", "Preflight"):
+        code = resources[name]["Properties"]["FunctionCode"]
+        assert "function handler(event)" in code
+        assert len(code.encode()) < 10_240  # CloudFront takes no more
+    assert '"/calibrate/"' in resources["WebIndex"]["Properties"]["FunctionCode"]
+    assert len(json.loads(resources["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])["widgets"]) > 5

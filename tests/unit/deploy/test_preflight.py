@@ -1,0 +1,165 @@
+"""The preflight finds out, before anything is made, why a deployment would fail, and says what to do."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from botocore.exceptions import ClientError
+
+from infra.deploy import preflight
+from infra.deploy.steps import Target, steps
+
+DOMAIN = {
+    "DomainName": "calib.example.org",
+    "CertificateArn": "arn:aws:acm:us-east-1:123456789012:certificate/1",
+}
+CERTIFICATE = {
+    "Status": "ISSUED",
+    "DomainName": "*.example.org",
+    "SubjectAlternativeNames": ["*.example.org"],
+}
+TARGET = Target("mine", "us-east-1", {"SubmitConcurrency": "50", "RefitConcurrency": "20"})
+
+
+def refusal(code: str, text: str = "") -> ClientError:
+    return ClientError({"Error": {"Code": code, "Message": text}}, "Call")
+
+
+class Cloud:
+    """Answers of an account; every service in one."""
+
+    status: str | None = None
+    parameters: tuple[dict[str, str], ...] = ()
+    limit, unreserved = 1000, 1000
+    distribution = refusal("NoSuchOriginAccessControl", "The specified origin access control does not exist.")
+    certificate: Any = CERTIFICATE
+    zone = "example.org."
+
+    def describe_stacks(self, **_: str) -> Any:
+        if self.status is None:
+            raise refusal("ValidationError", "Stack with id mine does not exist")
+        return {"Stacks": [{"StackStatus": self.status, "Parameters": list(self.parameters)}]}
+
+    def get_account_settings(self) -> Any:
+        return {
+            "AccountLimit": {
+                "ConcurrentExecutions": self.limit,
+                "UnreservedConcurrentExecutions": self.unreserved,
+            }
+        }
+
+    def create_distribution(self, **_: Any) -> Any:
+        raise self.distribution
+
+    def describe_certificate(self, **_: str) -> Any:
+        if isinstance(self.certificate, ClientError):
+            raise self.certificate
+        return {"Certificate": self.certificate}
+
+    def get_hosted_zone(self, **_: str) -> Any:
+        return {"HostedZone": {"Name": self.zone}}
+
+
+def found(target: Target = TARGET, **answers: Any) -> list[str]:
+    cloud = type("Other", (Cloud,), answers)()
+    account = preflight.Account(cloud, cloud, cloud, cloud, cloud)
+    return list(preflight.problems(target, account))
+
+
+def with_parameters(**parameters: str) -> Target:
+    return replace(TARGET, parameters={**TARGET.parameters, **parameters})
+
+
+def test_ordinary_account_has_no_problem() -> None:
+    assert found() == []
+    assert found(with_parameters(**DOMAIN, HostedZoneId="Z1")) == []
+
+
+def test_preflight_is_the_first_step_and_writes_nothing() -> None:
+    assert next(steps(TARGET)).kind == "preflight"
+
+
+@pytest.mark.parametrize(
+    ("status", "advice"),
+    [
+        ("ROLLBACK_COMPLETE", "delete-stack --stack-name mine"),
+        ("DELETE_FAILED", "delete-stack --stack-name mine"),
+        ("UPDATE_ROLLBACK_FAILED", "continue-update-rollback --stack-name mine"),
+        ("UPDATE_IN_PROGRESS", "wait until"),
+    ],
+)
+def test_stack_that_no_deployment_can_change_is_named(status: str, advice: str) -> None:
+    (problem,) = found(status=status)
+    assert status in problem
+    assert advice in problem
+
+
+@pytest.mark.parametrize("status", ["CREATE_COMPLETE", "UPDATE_ROLLBACK_COMPLETE", "REVIEW_IN_PROGRESS"])
+def test_stack_that_can_be_changed_is_no_problem(status: str) -> None:
+    assert found(status=status) == []
+
+
+@pytest.mark.parametrize(("limit", "problems"), [(10, 1), (169, 1), (170, 0), (1000, 0)])
+def test_reserved_concurrency_leaves_a_hundred(limit: int, problems: int) -> None:
+    complaints = found(limit=limit, unreserved=limit)
+    assert len(complaints) == problems
+    for complaint in complaints:
+        assert f"{limit} concurrent executions" in complaint
+        assert "SubmitConcurrency=0 RefitConcurrency=0" in complaint
+    assert found(with_parameters(SubmitConcurrency="0", RefitConcurrency="0"), limit=10, unreserved=10) == []
+
+
+def test_concurrency_that_the_stack_has_reserved_already_is_its_own() -> None:
+    kept = (
+        {"ParameterKey": "SubmitConcurrency", "ParameterValue": "50"},
+        {"ParameterKey": "RefitConcurrency", "ParameterValue": "20"},
+    )
+    assert found(status="CREATE_COMPLETE", parameters=kept, limit=170, unreserved=100) == []
+
+
+def test_account_that_cloudfront_does_not_serve_yet_is_told_so() -> None:
+    text = "Your account must be verified before you can add new CloudFront resources."
+    (problem,) = found(distribution=refusal("AccessDenied", text))
+    assert "support case" in problem
+    # An operator who may not make distributions by hand is not that.
+    assert found(distribution=refusal("AccessDenied", "not authorized to perform")) == []
+    assert found(replace(TARGET, exists=True), status="CREATE_COMPLETE") == []
+
+
+@pytest.mark.parametrize(
+    ("parameters", "answers", "words"),
+    [
+        ({"CertificateArn": ""}, {}, "needs CertificateArn"),
+        ({"CertificateArn": "arn:aws:acm:eu-central-1:123456789012:certificate/1"}, {}, "us-east-1 alone"),
+        ({}, {"certificate": {**CERTIFICATE, "Status": "PENDING_VALIDATION"}}, "PENDING_VALIDATION"),
+        ({"DomainName": "calib.other.org"}, {}, "request one that names calib.other.org"),
+        ({}, {"certificate": refusal("ResourceNotFoundException")}, "cannot be read"),
+        ({"HostedZoneId": "Z1"}, {"zone": "other.org."}, "give the zone of that domain"),
+    ],
+)
+def test_certificate_and_zone_fit_the_domain(
+    parameters: dict[str, str], answers: dict[str, Any], words: str
+) -> None:
+    (problem,) = found(with_parameters(**{**DOMAIN, **parameters}), **answers)
+    assert words in problem
+
+
+def test_a_failed_creation_says_what_to_do() -> None:
+    reasons = [
+        "Distribution: Your account must be verified before you can add new CloudFront resources.",
+        "Table: something else",
+    ]
+    verified, other = preflight.explain(reasons)
+    assert "support case" in verified
+    assert other == reasons[1]
+
+
+def test_first_creation_that_fails_leaves_nothing() -> None:
+    def deploys(target: Target) -> list[tuple[str, ...]]:
+        return [step.command for step in steps(target) if step.command[1:2] == ("deploy",)]
+
+    first, second = deploys(TARGET)
+    assert first[first.index("--on-failure") + 1] == "DELETE"
+    assert "--on-failure" not in second  # by then the stack is there
+    (again,) = deploys(replace(TARGET, exists=True, site="https://x.example"))
+    assert "--on-failure" not in again

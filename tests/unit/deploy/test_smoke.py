@@ -1,0 +1,155 @@
+"""The smoke test asks what pages need, and finds each thing that is missing."""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from infra.deploy import page_token, smoke, smoke_capture
+from infra.local import LocalStack
+from tests.helpers.service.client import TOKEN, Client
+from tests.helpers.service.published import store
+
+Change = Callable[[str, str, smoke.Response], smoke.Response]
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[LocalStack]:
+    with LocalStack() as stack:
+        yield stack
+
+
+@pytest.fixture(scope="module")
+def address(stack: LocalStack) -> Iterator[str]:
+    with stack.serve() as url:
+        yield url
+
+
+def found(address: str, change: Change | None = None) -> list[str]:
+    ask = smoke.make_requester(address)
+
+    def changed(method: str, path: str, headers: Mapping[str, str], body: bytes | None) -> smoke.Response:
+        heard = ask(method, path, headers, body)
+        return change(method, path, heard) if change else heard
+
+    return list(smoke.problems(changed, smoke.Site(address), patience_s=0))
+
+
+def test_local_stack_passes(address: str) -> None:
+    assert found(address) == []
+
+
+def without(header: str, of: str) -> Change:
+    def change(_: str, path: str, heard: smoke.Response) -> smoke.Response:
+        left = {k: v for k, v in heard.headers.items() if k != header}
+        return replace(heard, headers=left) if path == of else heard
+
+    return change
+
+
+def answering(status: int, of: tuple[str, str], **headers: str) -> Change:
+    def change(method: str, path: str, heard: smoke.Response) -> smoke.Response:
+        return replace(heard, status=status, headers=headers) if (method, path) == of else heard
+
+    return change
+
+
+def elsewhere(_: str, __: str, heard: smoke.Response) -> smoke.Response:
+    """As long as functions know the address of a release before."""
+    return replace(heard, body=heard.body.replace(b"http://127.0.0.1", b"https://calibdb.example"))
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (answering(405, ("OPTIONS", "/v1/lookup")), "OPTIONS /v1/lookup: 405"),
+        (without("access-control-allow-headers", "/v1/session/views"), "OPTIONS /v1/session/views: no auth"),
+        (without("access-control-allow-origin", "/sdk/calibdb.js"), "GET /sdk/calibdb.js"),
+        (answering(403, ("POST", "/v1/auth")), "POST /v1/auth with the pages' token"),
+        (elsewhere, "POST /v1/lookup: 404, and the guidance is https://calibdb.example"),
+        (
+            answering(301, ("GET", "//elsewhere.example/page"), location="//elsewhere.example/page/"),
+            "sent to //elsewhere.example/page/",
+        ),
+        (without("content-security-policy", "/calibrate/"), "no content-security-policy"),
+        (answering(503, ("GET", "/healthz")), "GET /healthz: 503, not 200"),
+    ],
+    ids=["preflight", "its headers", "sdk", "page token", "guidance", "double slash", "policy", "health"],
+)
+def test_each_thing_that_is_missing_is_found(address: str, change: Change, complaint: str) -> None:
+    assert any(complaint in problem for problem in found(address, change))
+
+
+def test_site_that_cannot_be_reached_is_a_problem_and_no_trace() -> None:
+    def refused(*_: object) -> smoke.Response:
+        raise ConnectionRefusedError("Connection refused")
+
+    (problem,) = smoke.problems(refused, smoke.Site("http://127.0.0.1:1"))
+    assert problem == "http://127.0.0.1:1 does not answer (Connection refused)"
+
+
+def test_domain_without_records_is_asked_by_the_distributions_name() -> None:
+    """`.invalid` never resolves (RFC 6761)."""
+    line = smoke.connection("https://calib.invalid", "d1.cloudfront.net")
+    assert isinstance(line, smoke.Via)
+    assert (line.host, line.via) == ("calib.invalid", "d1.cloudfront.net")
+    site = smoke.Site("https://calib.invalid", "d1.cloudfront.net")
+    complaints = list(smoke.problems(lambda *_: smoke.Response(503, {}, b""), site, patience_s=0))
+    assert "point it to d1.cloudfront.net" in complaints[-1]
+
+
+def test_function_of_another_release_is_named() -> None:
+    releases = {"auth": "abc", "lookup": "abd", "refit": ""}
+    assert list(smoke.unreleased(releases, "abc")) == [
+        "lookup runs the release abd, not abc",
+        "refit runs the release that has no name, not abc",
+    ]
+
+
+def test_one_capture_is_made_shown_and_removed(stack: LocalStack, address: str) -> None:
+    made = {
+        "TableName": stack.environment["TABLE_NAME"],
+        "KeypointBucketName": stack.environment["BUCKET_NAME"],
+    }
+    removed: list[str] = []
+
+    def remove(identity: str) -> None:
+        assert store(stack).calibrations.get(identity) is not None
+        removed.append(identity)
+        stack.wait_until_idle(60)
+        smoke_capture.remove(made, "us-east-1", "RefitFunction", identity)
+
+    assert list(smoke_capture.problems(smoke.Site(address), TOKEN, remove)) == []
+    (identity,) = removed
+    stack.wait_until_idle(60)
+    assert store(stack).calibrations.get(identity) is None
+    key = identity.rpartition("-")[0]
+    assert store(stack).calibrations.modes(key) == []
+    assert store(stack).consensuses.of(key) == []
+    cameras = Client(stack).call("GET", "/v1/cameras", token=TOKEN, query="query=smoke").json["cameras"]
+    assert cameras == []
+
+
+def test_capture_that_fails_is_a_problem(address: str, tmp_path: Path) -> None:
+    (problem,) = smoke_capture.problems(smoke.Site(address), "cdb_x_y", lambda _: tmp_path.rmdir())
+    assert problem.startswith("a capture: POST /v1/auth: 403")
+    assert tmp_path.exists()
+
+
+def test_page_token_follows_the_domain(stack: LocalStack) -> None:
+    tokens = store(stack).tokens
+    first = page_token.admit(tokens, "", ["https://d1.cloudfront.net"])
+    assert first.startswith("cdb_")
+    again = page_token.admit(tokens, first, ["https://d1.cloudfront.net"])
+    moved = page_token.admit(tokens, first, ["https://calib.example", "https://d1.cloudfront.net"])
+    assert first == again == moved
+    for origin in ("https://calib.example", "https://d1.cloudfront.net"):
+        headers = {"origin": origin}
+        assert Client(stack).call("POST", "/v1/auth", token=first, headers=headers).status == 201
+    refused = Client(stack).call("POST", "/v1/auth", token=first, headers={"origin": "https://x.example"})
+    assert refused.status == 403
+    # One that was lost with the table is made anew.
+    assert page_token.admit(tokens, "cdb_0123456789abcdef_x", ["https://calib.example"]) != first
+    assert json.dumps([token.plan for token in tokens.all()]).count("page") == 2
