@@ -74,6 +74,14 @@ class Transform:
             following.img_size,
         )
 
+    def split(self) -> tuple["Transform", "Transform"]:
+        """Return two transforms that make this one: a crop and resize, then a turn or reflection."""
+        axes = np.sign(self.linear)
+        w, h = (int(n) for n in np.abs(axes.T) @ self.img_size)
+        corner = np.where(axes.sum(axis=1) < 0, np.array(self.img_size) - 1.0, 0.0)
+        upright = Transform(axes.T @ self.linear, axes.T @ (self.offset - corner), (w, h))
+        return upright, Transform(axes, corner, self.img_size)
+
 
 def identity(img_size: tuple[int, int]) -> Transform:
     """Leave the picture as it is."""

@@ -56,10 +56,12 @@ def captured(camera: Camera, board: Board, count: int = 10, noise: float = 0.1) 
     return tuple(views)
 
 
-def image_rays(camera: Camera, columns: int = 17, rows: int = 11) -> tuple[Array, Array]:
-    """Rays (n, 3) and pixels (n, 2) of a grid over the image."""
+def image_rays(camera: Camera, columns: int = 17, rows: int = 11, border: float = 0.0) -> tuple[Array, Array]:
+    """Rays (n, 3) and pixels (n, 2) of a grid over the image, from `border` px outside the outer pixels."""
     w, h = camera.img_size
-    x, y = np.meshgrid(np.linspace(0, w - 1, columns), np.linspace(0, h - 1, rows))
+    x, y = np.meshgrid(
+        np.linspace(-border, w - 1 + border, columns), np.linspace(-border, h - 1 + border, rows)
+    )
     q = np.stack([x.ravel(), y.ravel()], axis=1)
     rays = camera.unproject(q)
     seen = np.isfinite(rays).all(axis=1)

@@ -33,8 +33,8 @@ class FitRecord(Open):
 class Calibration(Open):
     """Calibration of a camera: the fit, its camera, and how far to trust it.
 
-    Saved as a file it loads in WPILib's WPIcal: top-level `camera`, nested `camera_matrix`, flat
-    coefficients.
+    Saved as a file, a rectilinear or rational one loads in WPILib's WPIcal: top-level `camera`, nested
+    `camera_matrix`, flat coefficients.
     """
 
     img_size: ImgSize

@@ -79,17 +79,16 @@ def write(source: ExportSource, name: str, transform: transforms.Transform | Non
         raise CalibrationError(
             "unknown_format", f"no format is called {name!r}; there are {', '.join(FORMAT_NAMES)}"
         )
-    if transform is not None:
-        source = transform_source(source, transform)
-    width, height = source.camera.img_size
+    width, height = transform.img_size if transform is not None else source.camera.img_size
     if min(width, height) < MIN_SIDE_PX:
         raise CalibrationError(
             "not_representable", f"of a picture of {width} x {height} px no lens can be told"
         )
     try:
-        conversion = deadline.compute_within(MAX_CONVERSION_S, partial(form.convert, source), None)
-        if conversion is None:
+        found = deadline.compute_within(MAX_CONVERSION_S, partial(_convert, form, source, transform), None)
+        if found is None:
             raise CalibrationError("not_representable", "no camera that it can hold was found in time")
+        source, conversion = found
         content = form.write(source, conversion)
     except np.linalg.LinAlgError:
         raise CalibrationError(
@@ -105,6 +104,22 @@ def write(source: ExportSource, name: str, transform: transforms.Transform | Non
         coverage=conversion.coverage,
         warning=conversion.warning,
     )
+
+
+def _convert(
+    form: Format, source: ExportSource, transform: transforms.Transform | None
+) -> tuple[ExportSource, Conversion]:
+    """Return the source of the transformed picture and its conversion.
+
+    A turn or reflection must not change which camera is found: the upright picture is converted, then turned.
+    """
+    if transform is None:
+        return source, form.check(form.convert(source))
+    upright, turn = transform.split()
+    source = transform_source(source, upright)
+    conversion = form.convert(source)
+    conversion = replace(conversion, camera=turn.camera(conversion.camera))
+    return transform_source(source, turn), form.check(conversion)
 
 
 def transform_source(source: ExportSource, transform: transforms.Transform) -> ExportSource:

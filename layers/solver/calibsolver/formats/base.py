@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..arrays import Mask
 from ..board import Board
 from ..camera import Camera
 from ..view import View
@@ -56,23 +57,30 @@ class Conversion:
         px, largest distance between where the two project the same ray, over what is covered.
     coverage
         Share of the image whose rays the file's camera holds (`convert.compare`).
+    used
+        For each view of the source the points (n,) that the camera was fitted to; empty: all.
+    remark
+        What the tools that read the file cannot do with it, or "".
     """
 
     camera: Camera
     error: float = 0.0
     coverage: float = 1.0
+    used: tuple[Mask, ...] = ()
+    remark: str = ""
 
     @property
     def warning(self) -> str | None:
         """Note for the reader of the file; None where the conversion cannot be seen."""
+        said = ""
         if self.coverage < 0.999:
-            return (
+            said = (
                 f"Approximation: this format holds {100 * self.coverage:.0f} % of the image; "
                 f"there it is up to {self.error:.2f} px off."
             )
-        if self.error > MAX_INVISIBLE_PX:
-            return f"Approximation: up to {self.error:.2f} px off somewhere in the image."
-        return None
+        elif self.error > MAX_INVISIBLE_PX:
+            said = f"Approximation: up to {self.error:.2f} px off somewhere in the image."
+        return f"{said} {self.remark}".strip() or None
 
 
 @dataclass(frozen=True)

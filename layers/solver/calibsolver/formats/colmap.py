@@ -29,6 +29,7 @@ class Colmap(Format):
     """One line: OPENCV where k3 is zero, FULL_OPENCV otherwise, OPENCV_FISHEYE."""
 
     name = "colmap"
+    front_readers = "COLMAP"
     suffix = ".txt"
     constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"), ModelConstraint("fisheye"))
 

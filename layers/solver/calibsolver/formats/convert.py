@@ -1,6 +1,8 @@
 """From the model that was fitted to one that a format can hold, exactly or by a fit to the same keypoints."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,9 +27,17 @@ MAX_LOST_COVERAGE = 0.01
 MAX_ERROR_WIDTHS = 0.05
 """Image widths: a conversion that is further off somewhere is none."""
 SAMPLE_GRID = (33, 25)
-"""Columns and rows of the pixels at which two cameras are compared, those of the image's edge among them."""
+"""Columns and rows of the pixels at which cameras are fitted to each other, the image's edge among them."""
 SYNTHETIC_GRID = (19, 15)
 """Columns and rows of the pixels of noise-free views: eighteen views see each of them several times."""
+IMAGE_ERROR_GRID = (129, 97)
+"""Columns and rows of the points of the image, its border among them, at which two cameras are compared."""
+EDGE_POINTS = 1025
+"""Points on each side of the image's border, and around the rim of a model's domain."""
+ZOOMS = 4
+"""Times that the neighbourhood of the largest difference is searched, each time four times finer."""
+ERROR_MARGIN = 1e-3
+"""Share by which a stated error exceeds the largest that was found between samples."""
 RIM_MARGIN = 1e-6
 """Share by which what is called the rim of a model's domain lies inside it."""
 
@@ -51,8 +61,9 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     views = source.views or synthetic(source.camera, max(models.get(s.model).max_angle for s in constraints))
     for constraint in constraints:
         try:
-            camera = fitted(source, constraint)
-            found.append((resection.reprojection_score(camera, views).rms, compare(source.camera, camera)))
+            camera, used = fitted(source, constraint)
+            conversion = replace(compare(source.camera, camera), used=used if source.views else ())
+            found.append((resection.reprojection_score(camera, views).rms, conversion))
         except CalibrationError as error:
             reasons.append(str(error))
     if not found:
@@ -91,32 +102,75 @@ def compare(camera: Camera, other: Camera) -> Conversion:
 
     Where `other` holds them: where it is one-to-one and, if `camera` is of a model that sees farther to the
     side, within what its own is good for. A plane's coordinates grow without end towards 90 degrees: where a
-    file has them is no promise. The rim of that counts too, where it crosses the image.
+    file has them is no promise. The border of the image counts, and so do the rims of both domains where they
+    cross it: differences are largest there.
     """
     w, h = camera.img_size
-    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
-    q = np.stack([x.ravel(), y.ravel()], axis=1)
-    rays = camera.unproject(q)
-    seen = np.isfinite(rays).all(axis=1)
-    q, rays = q[seen], rays[seen]
-    model = models.get(other.model)
+    model, own = models.get(other.model), models.get(camera.model)
     angle = model.domain_half_angle(np.asarray(other.distortion))
-    if models.get(camera.model).max_angle > model.max_angle:
+    if own.max_angle > model.max_angle:
         angle = min(angle, model.max_angle)
-    inside = rays[:, 2] > np.cos(angle)
-    if not inside.any():
+
+    def differences(q: Array) -> tuple[Array, Mask]:
+        """Distance of the two projections of each pixel's ray, -1 outside; and which pixels have a ray."""
+        rays = camera.unproject(q)
+        seen = np.asarray(np.isfinite(rays).all(axis=1))
+        inside = seen & (rays[:, 2] > np.cos(angle))
+        away = np.full(len(q), -1.0)
+        away[inside] = np.linalg.norm(other.project(rays[inside]) - q[inside], axis=1)
+        return away, seen
+
+    q = samples(camera.img_size)
+    away, seen = differences(q)
+    grid = slice(IMAGE_ERROR_GRID[0] * IMAGE_ERROR_GRID[1])
+    if not (away >= 0).any():
         raise CalibrationError("not_representable", "nothing of the image is left")
-    rim = _cone(angle * (1 - RIM_MARGIN))
-    there = camera.project(rim)
-    met = ((there >= 0) & (there <= (w - 1, h - 1))).all(axis=1)
-    covered, at = np.concatenate([rays[inside], rim[met]]), np.concatenate([q[inside], there[met]])
-    away = np.linalg.norm(other.project(covered) - at, axis=1)
-    return Conversion(other, float(away.max()), float(inside.mean()))
+    coverage = float((away[grid][seen[grid]] >= 0).mean()) if seen[grid].any() else 0.0
+    worst = float(away.max())
+    centre, step = q[np.argmax(away)], np.array([w, h]) / (np.array(IMAGE_ERROR_GRID) - 1)
+    for _ in range(ZOOMS):
+        (x0, y0), (x1, y1) = (centre - step).tolist(), (centre + step).tolist()
+        near = np.clip(_lattice((x0, x1), (y0, y1), (9, 9)), -0.5, (w - 0.5, h - 0.5))
+        found = differences(near)[0]
+        centre, step, worst = near[np.argmax(found)], step / 4, max(worst, float(found.max()))
+    for rim in {angle, min(angle, own.domain_half_angle(np.asarray(camera.distortion)))}:
+        rays = _cone(rim * (1 - RIM_MARGIN))
+        there = camera.project(rays)
+        met = ((there >= -0.5) & (there <= (w - 0.5, h - 0.5))).all(axis=1)
+        if met.any():
+            worst = max(worst, float(np.linalg.norm(other.project(rays[met]) - there[met], axis=1).max()))
+    return Conversion(other, worst * (1 + ERROR_MARGIN), coverage)
+
+
+def samples(img_size: tuple[int, int]) -> Array:
+    """Points (n, 2) px of an image: those of `IMAGE_ERROR_GRID`, then its border more densely."""
+    w, h = img_size
+    t = np.linspace(0, 1, EDGE_POINTS)
+    return np.concatenate(
+        [_lattice((-0.5, w - 0.5), (-0.5, h - 0.5), IMAGE_ERROR_GRID)]
+        + [np.stack([w * t - 0.5, 0 * t + y], axis=1) for y in (-0.5, h - 0.5)]
+        + [np.stack([0 * t + x, h * t - 0.5], axis=1) for x in (-0.5, w - 0.5)]
+    )
+
+
+def share_behind(camera: Camera) -> float:
+    """Share of a fisheye's image whose rays lie at 90 degrees from the axis or beyond; 0 for other models."""
+    if camera.model != "fisheye":
+        return 0.0
+    w, h = camera.img_size
+    rays = camera.unproject(_lattice((-0.5, w - 0.5), (-0.5, h - 0.5), IMAGE_ERROR_GRID))
+    return float((rays[np.isfinite(rays).all(axis=1), 2] <= 0).mean())
+
+
+def _lattice(x: Sequence[float], y: Sequence[float], count: tuple[int, int]) -> Array:
+    """Points (n, 2) in rows and columns from the first to the last x and y."""
+    columns, rows = np.meshgrid(np.linspace(x[0], x[1], count[0]), np.linspace(y[0], y[1], count[1]))
+    return np.stack([columns.ravel(), rows.ravel()], axis=1)
 
 
 def _cone(angle: float) -> Array:
     """Rays (n, 3) at an angle from the axis, all around."""
-    a = np.linspace(0, 2 * np.pi, 73)[:-1, None]
+    a = np.linspace(0, 2 * np.pi, EDGE_POINTS)[:-1, None]
     return np.hstack([np.sin(angle) * np.cos(a), np.sin(angle) * np.sin(a), np.cos(angle) + 0 * a])
 
 
@@ -154,8 +208,8 @@ def fit_in_image(camera: Camera, constraint: ModelConstraint) -> Conversion:
     return compare(camera, Camera.from_intrinsics(model.name, free @ a, camera.img_size))
 
 
-def fitted(source: ExportSource, constraint: ModelConstraint) -> Camera:
-    """Fit a camera of some constraint to the source's views.
+def fitted(source: ExportSource, constraint: ModelConstraint) -> tuple[Camera, tuple[Mask, ...]]:
+    """Fit a camera of some constraint to the source's views; also return the points used.
 
     Raises CalibrationError where no believable one fits.
     """
@@ -169,8 +223,8 @@ def fitted(source: ExportSource, constraint: ModelConstraint) -> Camera:
         )
         first, used = calibration.camera, calibration.used
         if not (constraint.zero or constraint.equal_focal):
-            return first
-    return fit_constrained(first, constraint, views, used)
+            return first, used
+    return fit_constrained(first, constraint, views, used), used
 
 
 def fit_constrained(

@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..camera import Camera
 from .base import Conversion, ExportSource, ModelConstraint
-from .convert import compare, convert_in_image
+from .convert import ERROR_MARGIN, compare, convert_in_image, samples
 from .format import Format
 
 WARP_RECTILINEAR, WARP_FISHEYE = 1, 2
@@ -86,8 +86,12 @@ def refit_without_k4(camera: Camera) -> Camera:
 
 def _within(camera: Camera, other: Camera) -> float:
     """Largest distance, px, between two cameras' projections of what the corrected picture shows."""
-    a, r = np.meshgrid(np.linspace(0, 2 * np.pi, 49), np.linspace(0.01, MAX_ANGLE, 25))
+    a, r = np.meshgrid(np.linspace(0, 2 * np.pi, 361), np.linspace(0.01, MAX_ANGLE, 101))
     rays: Array = np.stack([np.sin(r) * np.cos(a), np.sin(r) * np.sin(a), np.cos(r)], axis=-1).reshape(-1, 3)
+    of_image = camera.unproject(samples(camera.img_size))
+    reached = np.isfinite(of_image).all(axis=1) & (of_image[:, 2] >= np.cos(MAX_ANGLE))
+    rays = np.concatenate([rays, of_image[reached]])
     q = camera.project(rays)
-    inside = ((q >= 0) & (q <= np.array(camera.img_size) - 1)).all(axis=1) & camera.valid(rays)
-    return float(np.linalg.norm(other.project(rays[inside]) - q[inside], axis=1).max(initial=0.0))
+    inside = ((q >= -0.5) & (q <= np.array(camera.img_size) - 0.5)).all(axis=1) & camera.valid(rays)
+    away = np.linalg.norm(other.project(rays[inside]) - q[inside], axis=1)
+    return float(away.max(initial=0.0)) * (1 + ERROR_MARGIN)

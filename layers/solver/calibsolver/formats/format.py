@@ -1,9 +1,10 @@
-"""Base of every file format: capabilities and writer."""
+"""One tool's file format: what it can hold, and its writer."""
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 
 from .base import Conversion, ExportSource, ModelConstraint
-from .convert import convert
+from .convert import convert, share_behind
 
 
 class Format(ABC):
@@ -13,10 +14,26 @@ class Format(ABC):
     suffix: str
     media_type: str = "text/plain; charset=utf-8"
     constraints: tuple[ModelConstraint, ...]
+    front_readers: str = ""
+    """Tools that read the file and project points in front of the camera alone, by dividing by z."""
 
     def convert(self, source: ExportSource) -> Conversion:
         """Return the closest camera that the file can hold; CalibrationError ``not_representable``."""
         return convert(source, self.constraints)
+
+    def check(self, conversion: Conversion) -> Conversion:
+        """Add what the file's tools cannot do with the camera to be written.
+
+        Raises CalibrationError ``not_representable`` where they refuse it.
+        """
+        behind = share_behind(conversion.camera) if self.front_readers else 0.0
+        if not behind:
+            return conversion
+        return replace(
+            conversion,
+            remark=f"{self.front_readers} cannot project rays at 90 degrees from the axis or "
+            f"beyond, {max(100 * behind, 0.1):.1f} % of the image.",
+        )
 
     @abstractmethod
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:

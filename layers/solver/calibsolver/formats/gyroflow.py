@@ -18,6 +18,7 @@ class Gyroflow(Format):
     """OpenCV's fisheye model; without `asymmetrical` the principal point would be taken to be the centre."""
 
     name = "gyroflow"
+    front_readers = "Gyroflow"
     suffix = ".json"
     media_type = "application/json"
     constraints = (ModelConstraint("fisheye"),)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..errors import CalibrationError
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import make_camera, pad_coefficients
@@ -15,6 +16,7 @@ class Kalibr(Format):
     """One camera, `cam0`: pinhole-radtan, pinhole-equidistant or omni-radtan."""
 
     name = "kalibr"
+    front_readers = "Kalibr"
     suffix = ".yaml"
     media_type = "application/yaml"
     constraints = (
@@ -22,6 +24,17 @@ class Kalibr(Format):
         ModelConstraint("fisheye"),
         ModelConstraint("omnidirectional"),
     )
+
+    def check(self, conversion: Conversion) -> Conversion:
+        """Refuse a centre that Kalibr's own reader refuses."""
+        cx, cy = conversion.camera.matrix[:2, 2]
+        if cx < 0 or cy < 0:
+            raise CalibrationError(
+                "not_representable",
+                f"Kalibr refuses a principal point left of or above the image, here {cx:.1f}, {cy:.1f}: "
+                "crop less, or take another format",
+            )
+        return super().check(conversion)
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the chain."""

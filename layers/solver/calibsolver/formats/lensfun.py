@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
 from .base import Conversion, ExportSource, ModelConstraint
-from .convert import SAMPLE_GRID, convert_in_image
+from .convert import ERROR_MARGIN, convert_in_image, samples
 from .format import Format
 
 DIAGONAL = math.hypot(36, 24)
@@ -117,9 +117,7 @@ def polynomial(camera: Camera) -> Array:
 
 def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
     """Largest distance, px, of the polynomial from the camera over the image, and the share it reaches."""
-    (w, h), k = camera.img_size, np.asarray(radial.matrix)
-    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
-    q = np.stack([x.ravel(), y.ravel()], axis=1)
+    k, q = np.asarray(radial.matrix), samples(camera.img_size)
     rays = camera.unproject(q)
     flat = np.hypot(rays[:, 0], rays[:, 1])
     angle = np.arctan2(flat, rays[:, 2])
@@ -131,4 +129,4 @@ def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
     side = rays[seen, :2] / np.maximum(flat[seen], 1e-300)[:, None]
     away = np.linalg.norm(k[:2, 2] + side * distorted[:, None] - q[seen], axis=1)
     known = np.isfinite(rays).all(axis=1).sum()
-    return float(away.max(initial=0.0)), float(seen.sum() / max(known, 1))
+    return float(away.max(initial=0.0)) * (1 + ERROR_MARGIN), float(seen.sum() / max(known, 1))

@@ -14,12 +14,12 @@ from .. import models, rotation
 from ..arrays import Array
 from ..board import Board
 from ..errors import CalibrationError
-from ..fitting import resection
 from ..view import View
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv
 from .format import Format
+from .optimum import MIN_USED, at_optimum, resect_used
 
 SIZES = {
     "LENSMODEL_PINHOLE": 0,
@@ -49,6 +49,11 @@ class Mrcal(Format):
     suffix = ".cameramodel"
     constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"))
 
+    def convert(self, source: ExportSource) -> Conversion:
+        """Return the closest camera, at the optimum of the points that it was fitted to."""
+        conversion = super().convert(source)
+        return at_optimum(source, conversion) if source.views and source.board else conversion
+
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the model."""
         c = conversion.camera
@@ -73,13 +78,17 @@ class Mrcal(Format):
         """Pack the arguments of mrcal.optimize() at the optimum."""
         across, down = board.squares[0] - 1, board.squares[1] - 1
         # Corners that were not seen have a negative weight: mrcal's mark of a point to be left out.
-        seen = np.full((len(source.views), down, across, 3), (0.0, 0.0, -1.0))
-        for grid, view in zip(seen, source.views, strict=True):
+        used = conversion.used or tuple(np.ones(len(view), dtype=bool) for view in source.views)
+        # A frame without points would have no pose.
+        kept = [i for i, mask in enumerate(used) if mask.sum() >= MIN_USED]
+        views, used = [source.views[i] for i in kept], tuple(used[i] for i in kept)
+        seen = np.full((len(views), down, across, 3), (0.0, 0.0, -1.0))
+        for grid, view, mask in zip(seen, views, used, strict=True):
             column, row = (view.object_points[:, :2].round().astype(int) - 1).T
-            grid[row, column, :2], grid[row, column, 2] = view.image_points, 1.0
-        poses = resection.reprojection_score(conversion.camera, source.views).poses.copy()
+            grid[row, column, :2], grid[row, column, 2] = view.image_points, np.where(mask, 1.0, -1.0)
+        poses = resect_used(conversion.camera, views, used)
         poses[:, 3:] += rotation.matrix(poses[:, :3]) @ np.array([1.0, 1.0, 0.0])
-        n = len(source.views)
+        n = len(views)
         indices = np.stack([np.arange(n), np.zeros(n), np.full(n, -1)], axis=1).astype(np.int32)
         inputs: dict[str, Any] = {
             "intrinsics": np.asarray(conversion.camera.intrinsics)[None],
@@ -92,7 +101,7 @@ class Mrcal(Format):
             "indices_point_camintrinsics_camextrinsics": "",
             "lensmodel": lens_model,
             "imagersizes": np.array([conversion.camera.img_size], dtype=np.int32),
-            "calobject_warp": "",
+            "calobject_warp": np.zeros(2),
             "do_optimize_intrinsics_core": True,
             "do_optimize_intrinsics_distortions": True,
             "do_optimize_extrinsics": True,
@@ -101,7 +110,7 @@ class Mrcal(Format):
             "calibration_object_spacing": 1.0,
             "do_apply_regularization": False,
             "do_apply_outlier_rejection": False,
-            "imagepaths": np.array([f"view{i:03d}" for i in range(n)]),
+            "imagepaths": np.array([f"view{i:03d}" for i in kept]),
         }
         packed = io.BytesIO()
         np.savez_compressed(packed, allow_pickle=False, **inputs)

@@ -1,4 +1,6 @@
-"""The service's own JSON, which loads in WPILib's WPIcal as it is."""
+"""The service's own JSON, which loads in WPILib's WPIcal as it is where the model is OpenCV's."""
+
+from dataclasses import replace
 
 from .. import models
 from . import text
@@ -14,6 +16,16 @@ class NativeJson(Format):
     suffix = ".json"
     media_type = "application/json"
     constraints = tuple(ModelConstraint(model) for model in models.NAMES)
+
+    def check(self, conversion: Conversion) -> Conversion:
+        """Say for which cameras WPIcal is no reader: it takes any coefficients for OpenCV's."""
+        if conversion.camera.model in ("rectilinear", "rational"):
+            return conversion
+        return replace(
+            conversion,
+            remark=f"Not for WPIcal, which takes the {conversion.camera.model} coefficients for "
+            "OpenCV's rectilinear ones.",
+        )
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write all that the service answers, with the camera that is conversion."""

@@ -14,6 +14,7 @@ class OpenCvYaml(Format):
     """`%YAML:1.0`, matrices as `!!opencv-matrix`."""
 
     name = "opencv-yaml"
+    front_readers = "cv2.fisheye"
     suffix = ".yml"
     media_type = "application/yaml"
     constraints = tuple(ModelConstraint(model) for model in models.NAMES)
@@ -37,6 +38,7 @@ class OpenCvJson(Format):
     """The same as JSON, matrices with `type_id: opencv-matrix`."""
 
     name = "opencv-json"
+    front_readers = "cv2.fisheye"
     suffix = ".json"
     media_type = "application/json"
     constraints = OpenCvYaml.constraints

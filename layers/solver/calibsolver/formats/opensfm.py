@@ -12,6 +12,7 @@ class OpenSfm(Format):
     """`brown` and `fisheye_opencv` cameras."""
 
     name = "opensfm"
+    front_readers = "OpenSfM"
     suffix = ".json"
     media_type = "application/json"
     constraints = (ModelConstraint("rectilinear"), ModelConstraint("fisheye"))

@@ -14,6 +14,7 @@ class Ros(Format):
     """camera_info YAML in full precision; rectified by the identity, projected by K."""
 
     name = "ros"
+    front_readers = "ROS (image_geometry)"
     suffix = ".yaml"
     media_type = "application/yaml"
     constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"), ModelConstraint("fisheye"))

@@ -30,7 +30,7 @@ def off(model: str, file: ExportedFile, project: Callable[[Array], Array]) -> No
 
     Only rays ahead of the camera: most tools divide by the depth, whatever the model.
     """
-    rays, q = image_rays(subject(model).camera, 33, 25)
+    rays, q = image_rays(subject(model).camera, 65, 49, border=0.5)
     ahead = rays[:, 2] > 0.02
     there = project(rays[ahead])
     seen = np.isfinite(there).all(axis=1)
@@ -240,7 +240,7 @@ def test_perspective_model_of_a_wide_lens_fits_to_80_degrees(model: str, keypoin
     file = formats.write(mine if keypoints else ExportSource(mine.camera), "photonvision")
     data = json.loads(file.content)
     k, d = np.array(data["cameraIntrinsics"]["data"]).reshape(3, 3), np.array(data["distCoeffs"]["data"])
-    assert file.coverage == (image_rays(mine.camera, 33, 25)[0][:, 2] > np.cos(1.4)).mean() > 0.8
+    assert file.coverage == (image_rays(mine.camera, 129, 97, border=0.5)[0][:, 2] > np.cos(1.4)).mean() > 0.8
     rays, q = image_rays(mine.camera, 257, 145)
     within = rays[:, 2] > np.cos(1.4)
     away = np.linalg.norm(opencv(k, d)(rays[within]) - q[within], axis=1)

@@ -1,0 +1,110 @@
+"""Exports for mrcal, judged by mrcal: is the file at its optimum, and how certain does mrcal call the camera?
+
+`python -m tests.bench.mrcal_files` prints a table. mrcal runs under the interpreter that `MRCAL_PYTHON`
+names (default /usr/bin/python3, where Debian installs python3-mrcal). Real corner sets need CALIBDB_DATA.
+"""
+
+import json
+import os
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from calibsolver import Board, Calibration, Camera, fit, formats
+from calibsolver import image_transform as transforms
+from calibsolver.formats import ExportSource
+from calibsolver.formats.grid import grid
+from tests.bench.document import table
+from tests.helpers.data import available, corner_views
+from tests.helpers.solver.export_sources import captured, subject
+
+JUDGE = """
+import json, sys
+import mrcal, numpy as np
+for path in sys.argv[1:]:
+    model = mrcal.cameramodel(path)
+    inputs = model.optimization_inputs()
+    rms = []
+    for optimised in (False, True):
+        if optimised:
+            mrcal.optimize(**inputs)
+        x = mrcal.optimizer_callback(**inputs)[1]
+        rms.append(float(np.sqrt((x ** 2).sum() / (inputs["observations_board"][..., 2] > 0).sum())))
+    w, h = model.imagersize()
+    ray = mrcal.unproject(np.array([(w - 1) / 2, (h - 1) / 2]), *model.intrinsics(), normalize=True)
+    distance = float(np.median(model.optimization_inputs()["frames_rt_toref"][:, 5]))
+    std = float(mrcal.projection_uncertainty(ray * distance, model, what="rms-stdev"))
+    print(json.dumps([*rms, std]))
+"""
+REAL = {
+    "opencv_left": "rectilinear",
+    "pv_charuco_1280": "rectilinear",
+    "opencv_right": "rational",
+    "jy_left": "fisheye",
+    "derlunz": "fisheye",
+}
+
+
+def simulated(model: str, f: float, d: list[float]) -> tuple[Calibration, ExportSource]:
+    """Calibration of a wide lens whose views reach the corners of the image."""
+    camera = Camera(model, np.array([[f, 0, 660], [0, f * 1.002, 450], [0, 0, 1]]), np.array(d), (1280, 960))
+    board = Board(dictionary="DICT_4X4_1000")
+    views = captured(camera, board, count=20, noise=0.15)
+    found = fit(views, camera.img_size, model=model)
+    return found, ExportSource(found.camera, views, board)
+
+
+def sources() -> Iterator[tuple[str, Calibration, ExportSource]]:
+    for name in available(REAL):
+        views, size = corner_views(name)
+        recognised = grid(views)
+        board = Board(recognised.squares, dictionary="DICT_4X4_1000")
+        ours = tuple(board.view(ids, v.image_points) for ids, v in zip(recognised.ids, views, strict=True))
+        found = fit(ours, size, model=REAL[name])
+        yield f"{name}, {REAL[name]}", found, ExportSource(found.camera, ours, board)
+    fisheye = [0.02, -0.01, 0.003, -0.001]
+    yield "simulated fisheye, f 420", *simulated("fisheye", 420, fisheye)
+    yield "simulated fisheye, f 560", *simulated("fisheye", 560, fisheye)
+    yield "simulated omnidirectional", *simulated("omnidirectional", 900, [1.2, -0.1, 0.02, 5e-4, -5e-4])
+    for model in ("rectilinear", "rational", "fisheye"):
+        source = subject(model)
+        yield f"simulated {model}", fit(source.views, source.camera.img_size, model), source
+
+
+def judge(paths: list[Path]) -> list[list[float]]:
+    """Rms in the file, rms after mrcal.optimize(), standard deviation at the centre, px, of each file."""
+    python = os.environ.get("MRCAL_PYTHON", "/usr/bin/python3")
+    run = subprocess.run([python, "-c", JUDGE, *map(str, paths)], capture_output=True, check=True, text=True)
+    return [json.loads(line) for line in run.stdout.splitlines() if line.startswith("[")]
+
+
+def main() -> None:
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for name, found, source in sources():
+            size = w, h = source.camera.img_size
+            pictures = {
+                "upright": transforms.identity(size),
+                "turned": transforms.rotate(size, 90),
+                "mirrored": transforms.mirror(size),
+                "halved": transforms.resize(size, (w // 2, h // 2)),
+                "cropped": transforms.crop(size, (w // 10, h // 12), (w * 3 // 4, h * 3 // 4)),
+            }
+            paths = [Path(folder, f"{kind}.cameramodel") for kind in pictures]
+            for path, transform in zip(paths, pictures.values(), strict=True):
+                path.write_bytes(formats.write(source, "mrcal", transform).content)
+            judged = judge(paths)
+            change = max(before / after - 1 for before, after, _ in judged)
+            ours = float(found.projection_std((21, 15))[7, 10])
+            rows.append(
+                [name, f"{100 * change:.2f} %", f"{judged[0][2]:.3f}", f"{judged[1][2]:.3f}", f"{ours:.3f}"]
+            )
+    header = ["camera", "rms above mrcal's optimum, largest of five", "mrcal's σ at the centre, px"]
+    print(table([*header, "the same, turned", "calibDB's σ, px"], rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,183 @@
+"""The error that an export states is not exceeded anywhere, whichever way the picture is turned."""
+
+import ast
+import base64
+import io
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from calibsolver import Board, CalibrationError, Camera, View, fit, formats, image_transform, models
+from calibsolver.fitting.levenberg_marquardt import Options, Problem
+from calibsolver.fitting.normal_equations import Poses
+from calibsolver.fitting.observations import Observations
+from calibsolver.formats import ExportSource
+from calibsolver.formats.grid import grid
+from tests.helpers.data import corner_views
+from tests.helpers.solver.export_sources import IMG_SIZE, captured, image_rays, subject
+
+GRID = (200, 150)
+TURNS = {
+    "upright": image_transform.identity(IMG_SIZE),
+    "turned": image_transform.rotate(IMG_SIZE, 90),
+    "mirrored": image_transform.mirror(IMG_SIZE),
+}
+
+
+def held(source: ExportSource, name: str) -> formats.Conversion:
+    return formats.FORMATS[name].convert(source)
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+@pytest.mark.parametrize("cropped", [False, True])
+def test_stated_error_is_not_exceeded_on_a_grid_of_valid_rays(model: str, cropped: bool) -> None:
+    part = image_transform.crop(IMG_SIZE, (100, 60), (800, 500))
+    source = formats.transform_source(subject(model), part) if cropped else subject(model)
+    for name in ("kalibr", "gyroflow", "gltf", "photonvision", "artoolkit", "mrcal"):
+        try:
+            conversion = held(source, name)
+        except CalibrationError:
+            continue  # it cannot hold this camera
+        other = models.get(conversion.camera.model)
+        angle = other.domain_half_angle(np.asarray(conversion.camera.distortion))
+        if models.get(model).max_angle > other.max_angle:
+            angle = min(angle, other.max_angle)
+        for border in (0.0, 0.5):
+            rays, q = image_rays(source.camera, *GRID, border=border)
+            covered = rays[:, 2] > np.cos(angle)
+            away = np.linalg.norm(conversion.camera.project(rays[covered]) - q[covered], axis=1)
+            assert away.max() <= conversion.error + 1e-9, name
+
+
+@cache
+def wide() -> ExportSource:
+    """A fisheye whose views reach beyond what a planar model can hold, calibrated from them."""
+    camera = Camera(
+        "fisheye",
+        np.array([[420.0, 0, 660], [0, 420.8, 450], [0, 0, 1]]),
+        np.array([0.02, -0.01, 0.003, -0.001]),
+        (1280, 960),
+    )
+    board = subject("fisheye").board
+    assert board is not None
+    views = captured(camera, board, count=20, noise=0.15)
+    return ExportSource(fit(views, camera.img_size, "fisheye").camera, views, board)
+
+
+@cache
+def photographed() -> ExportSource:
+    """The calibration of real photographs, outliers among their corners."""
+    views, size = corner_views("opencv_left")
+    found = grid(views)
+    board = Board(found.squares, dictionary="DICT_4X4_1000")
+    ours = tuple(board.view(ids, view.image_points) for ids, view in zip(found.ids, views, strict=True))
+    return ExportSource(fit(ours, size).camera, ours, board)
+
+
+def inputs(file: formats.ExportedFile) -> dict[str, Any]:
+    """mrcal's optimization inputs of a .cameramodel."""
+    lines = [line for line in file.content.decode().splitlines() if not line.lstrip().startswith("#")]
+    packed = ast.literal_eval("\n".join(lines))["optimization_inputs"]
+    with np.load(io.BytesIO(base64.b85decode(packed)), allow_pickle=False) as arrays:
+        return dict(arrays)
+
+
+def rms_before_and_after(arrays: dict[str, Any]) -> tuple[float, float]:
+    """Rms, px, of the points that count, as they are in the file and at the least-squares optimum.
+
+    As mrcal.optimize() has it: no regularisation, no further outlier rejection, intrinsics and frames free.
+    """
+    k = arrays["intrinsics"][0]
+    model = models.get("rational" if len(k) == 12 else "rectilinear")
+    size = tuple(int(n) for n in arrays["imagersizes"][0])
+    down, across = arrays["observations_board"].shape[1:3]
+    points = np.stack([*np.meshgrid(np.arange(across), np.arange(down)), np.zeros((down, across))], axis=2)
+    views = []
+    for seen in arrays["observations_board"]:
+        good = seen[..., 2] > 0
+        views.append(View(points[good], seen[good][:, :2]))
+    obs = Observations.of(views)
+    problem, weights = Problem(model, obs, (size[0], size[1])), obs.mask.astype(np.float64)
+    begun = problem.at(k, Poses.of_vectors(arrays["frames_rt_toref"]))
+    with np.errstate(all="ignore"):
+        state = problem.solve(begun, weights, Options(with_prior=False, iterations=400, tolerance=1e-15))
+    rms = [float(np.sqrt(each.square[obs.mask].mean())) for each in (begun, state)]
+    return rms[0], rms[1]
+
+
+@pytest.mark.parametrize("turn", TURNS)
+def test_mrcal_inputs_of_a_wide_fisheye_are_at_their_optimum(turn: str) -> None:
+    size = wide().camera.img_size
+    transform = {
+        "upright": image_transform.identity(size),
+        "turned": image_transform.rotate(size, 90),
+        "mirrored": image_transform.mirror(size),
+    }[turn]
+    file = formats.write(wide(), "mrcal", transform)
+    before, after = rms_before_and_after(inputs(file))
+    assert before < 1.01 * after
+    assert after < 0.25
+    assert file.error == pytest.approx(formats.write(wide(), "mrcal").error, rel=1e-9)
+
+
+def test_mrcal_inputs_of_real_photographs_are_at_their_optimum() -> None:
+    arrays = inputs(formats.write(photographed(), "mrcal"))
+    before, after = rms_before_and_after(arrays)
+    assert before < 1.01 * after
+    assert arrays["calobject_warp"].tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("name", ["kalibr", "gyroflow", "artoolkit"])
+def test_turned_picture_is_converted_to_the_turned_camera(name: str) -> None:
+    upright = formats.write(subject("rational"), name)
+    for transform in TURNS.values():
+        turned = formats.write(subject("rational"), name, transform)
+        assert turned.error == pytest.approx(upright.error, rel=1e-9)
+        assert turned.coverage == upright.coverage
+
+
+def test_transform_is_a_crop_and_resize_then_a_turn() -> None:
+    part = image_transform.crop(IMG_SIZE, (100, 60), (800, 500))
+    transform = (
+        part.then(image_transform.resize((800, 500), (400, 300)))
+        .then(image_transform.rotate((400, 300), 270))
+        .then(image_transform.mirror((300, 400)))
+    )
+    upright, turn = transform.split()
+    assert upright.img_size == (400, 300)
+    assert (np.diag(upright.linear) > 0).all()
+    q = np.array([[100.0, 60.0], [899.0, 559.0], [333.0, 444.0]])
+    assert np.allclose(turn.pixels(upright.pixels(q)), transform.pixels(q), rtol=0, atol=1e-9)
+
+
+def test_kalibr_file_with_a_centre_outside_is_refused() -> None:
+    right = image_transform.crop(IMG_SIZE, (700, 0), (580, 720))
+    with pytest.raises(CalibrationError, match="Kalibr refuses a principal point"):
+        formats.write(subject("fisheye"), "kalibr", right)
+    assert formats.write(subject("fisheye"), "ros", right).error == 0
+
+
+@pytest.mark.parametrize(
+    "name", ["opencv-yaml", "opencv-json", "ros", "kalibr", "colmap", "opensfm", "gyroflow"]
+)
+def test_files_say_where_their_tools_cannot_project(name: str) -> None:
+    camera = Camera(
+        "fisheye",
+        np.array([[280.0, 0, 660], [0, 280.0, 450], [0, 0, 1]]),
+        np.array([0.02, -0.01, 0.003, -0.001]),
+        (1280, 960),
+    )
+    warning = formats.write(ExportSource(camera), name).warning
+    assert warning is not None
+    assert "cannot project rays at 90 degrees" in warning
+    narrow = formats.write(subject("rectilinear"), "ros")
+    assert narrow.warning is None
+
+
+def test_file_says_where_wpical_is_no_reader() -> None:
+    for model in models.NAMES:
+        warning = formats.write(subject(model), "calibdb").warning
+        assert (warning is None) == (model in ("rectilinear", "rational"))
+        assert warning is None or "WPIcal" in warning
