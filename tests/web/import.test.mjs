@@ -1,10 +1,12 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { corners } from "../../web/lib/board.js";
 import { grid } from "../../web/import/grid.js";
 import { MalformedError } from "../../web/import/malformed.js";
 import { prepare, read } from "../../web/import/read.js";
 import { isTable, squaresIn, table } from "../../web/import/table.js";
+import { decode } from "../../web/import/text.js";
 import words from "../../web/messages/import.js";
 
 const SIZE = [1280, 720];
@@ -113,6 +115,30 @@ test("without corners it is a first guess, and its camera is found where it is J
   assert.deepEqual(read("image_width: 640\ncamera_matrix:\n  rows: 3\n").kind, "guess");
   assert.equal(read("# a camera\n{\n    'lensmodel':  'LENSMODEL_OPENCV5',\n    'optimization_inputs': b'abc',\n}\n").packed, true);
   assert.equal(read("{\n    'lensmodel':  'LENSMODEL_OPENCV5',\n}\n").packed, false);
+});
+
+test("other tools' texts are first guesses, with the camera matrix where they have one", () => {
+  const matrix = [[900, 0, 630], [0, 905, 350], [0, 0, 1]];
+  const folder = new URL("../data/imports/", import.meta.url);
+  const content = (name) => readFileSync(new URL(name, folder), "utf8");
+  const kinds = ["sample.yml", "aruco.yml", "camera.yml", "out_camera_data.xml", "interactive.xml", "size.xml", "ost.txt", "camera_info.yaml", "rows.yaml",
+    "keys.json", "nested.json", "beside.json", "realsense.json"];
+  for (const name of kinds) assert.deepEqual(read(content(`rectilinear/${name}`)), { kind: "guess", matrix, packed: false }, name);
+  for (const name of ["several/chain.yaml", "fisheye/kannala.yaml", "omnidirectional/mei.yaml", "rectilinear/orb.yaml", "rectilinear/zed.conf"]) {
+    assert.equal(read(content(name)).kind, "guess", name);
+  }
+  const text = content("rectilinear/out_camera_data.xml");
+  assert.equal(decode(new TextEncoder().encode(text).buffer), text);
+  assert.equal(decode(Uint8Array.from(Buffer.from(text, "utf16le")).buffer), text);
+  assert.equal(decode(Uint8Array.from(Buffer.from(text, "utf16le").swap16()).buffer), text);
+});
+
+test("a picture without a board is one line of a table", () => {
+  const lines = corners(BOARD).map((corner) => `b.png ${place(corner, 0).join(" ")} 0`);
+  const text = ["# filename x y level", "a.png - - -", ...lines, "c.png - - -"].join("\n");
+  assert.ok(isTable(text));
+  assert.deepEqual(table(text, [9, 6]).map(({ name, image }) => [name, image.length]), [["b.png", 40]]);
+  refused("lines", () => table(text.replace("c.png - - -", "c.png 1 2 0"), [9, 6]));
 });
 
 test("a table of corners is read once its board is known", () => {

@@ -1,5 +1,6 @@
 // Calibration files that are JSON: PhotonVision's with what was seen, and cameras without. Pure.
 import { MalformedError } from "./malformed.js";
+import { square } from "./text.js";
 
 /** @typedef {import("./grid.js").View} View */
 
@@ -71,6 +72,34 @@ export function cameraMatrix(data) {
     if (flat.length === 9 && flat.every((value) => typeof value === "number" && Number.isFinite(value))) {
       return [flat.slice(0, 3), flat.slice(3, 6), flat.slice(6)];
     }
+  }
+  return nestedMatrix(data, 0);
+}
+
+const MATRIX_NAMES = /^(k|mtx|m\d?|cam(era)?mat(rix)?|(camera)?intrinsics?(matrix)?)(left|right|\d{1,2})?$/;
+const FOCALS = [["fx", "fy", "cx", "cy"], ["fx", "fy", "ppx", "ppy"], ["fl_x", "fl_y", "cx", "cy"]];
+const MAX_DEPTH = 6;
+const MAX_MEMBERS = 200; // of an object that is searched
+
+/** The first camera matrix at any depth, under any of its usual names or as four numbers. @param {unknown} data @param {number} depth @returns {number[][] | null} */
+function nestedMatrix(data, depth) {
+  if (data === null || typeof data !== "object" || depth > MAX_DEPTH) return null;
+  for (const names of FOCALS) {
+    const [fx, fy, cx, cy] = names.map((name) => at(data, name));
+    if ([fx, fy, cx, cy].every((value) => typeof value === "number" && Number.isFinite(value))) {
+      return /** @type {number[][]} */ ([[fx, 0, cx], [0, fy, cy], [0, 0, 1]]);
+    }
+  }
+  const members = Object.entries(data).slice(0, MAX_MEMBERS);
+  for (const [name, value] of members) {
+    if (!MATRIX_NAMES.test(name.toLowerCase().replace(/[^a-z0-9]/g, ""))) continue;
+    const held = at(value, "data") ?? value;
+    const found = Array.isArray(held) ? square(held.flat(1)) : null;
+    if (found) return found;
+  }
+  for (const [, value] of members) {
+    const found = typeof value === "object" ? nestedMatrix(value, depth + 1) : null;
+    if (found) return found;
   }
   return null;
 }

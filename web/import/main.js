@@ -20,6 +20,7 @@ import result from "../messages/result.js";
 import { MalformedError } from "./malformed.js";
 import { FEWEST_CORNERS, MAX_BYTES, prepare, read } from "./read.js";
 import { table } from "./table.js";
+import { decode } from "./text.js";
 import { card, guessView } from "./views.js";
 
 /**
@@ -119,7 +120,7 @@ async function take(file) {
 /** @param {File} file */
 async function contentOf(file) {
   try {
-    return await file.text();
+    return decode(await file.arrayBuffer());
   } catch (error) {
     if (!(error instanceof DOMException)) throw error;
     throw new MalformedError("unreadable"); // moved or changed since it was chosen, or not permitted

@@ -4,6 +4,7 @@ import { grid } from "./grid.js";
 import { cameraMatrix, isPhotonVision, photonVision } from "./json.js";
 import { MalformedError } from "./malformed.js";
 import { isTable, squaresIn, table } from "./table.js";
+import { cameraIn } from "./text.js";
 
 /**
  * @typedef {import("./grid.js").Numbered} Numbered
@@ -37,10 +38,11 @@ export function read(text) {
   const data = /^\s*\{/.test(content) ? parsed(content) : undefined;
   if (data !== undefined) return json(data);
   // mrcal's is a Python dictionary, its measurements a packed archive inside.
-  if (content.includes("'lensmodel'")) return { kind: "guess", matrix: null, packed: content.includes("'optimization_inputs'") };
+  if (/'(lensmodel|lens_model)'/.test(content)) return { kind: "guess", matrix: null, packed: content.includes("'optimization_inputs'") };
   if (/^\s*\{/.test(content)) throw new MalformedError("json");
   if (isTable(content)) return { kind: "table", text: content, squares: squaresIn(content) };
-  if (/^[ \t]*(camera_matrix|cam0|intrinsics|K)[ \t]*:/m.test(content)) return { kind: "guess", matrix: null, packed: false };
+  const matrix = cameraIn(content);
+  if (matrix !== undefined) return { kind: "guess", matrix, packed: false };
   throw new MalformedError("unknown");
 }
 

@@ -25,24 +25,28 @@ export function squaresIn(text) {
  */
 export function table(text, [columns, rows]) {
   const corners = (columns - 1) * (rows - 1);
-  /** @type {Map<string, {lines: number, view: View}>} */
+  /** @type {Map<string, {lines: number, blank: number, view: View}>} */
   const pictures = new Map();
   for (const [index, line] of text.split(/\r?\n/).entries()) {
     const fields = line.trim().split(/\s+/);
     if (fields[0] === "" || fields[0].startsWith("#")) continue;
     const [name, x, y, level] = fields;
     if (y === undefined) throw new MalformedError("fields", { line: index + 1 });
-    const picture = pictures.get(name) ?? { lines: 0, view: { name, object: [], image: [] } };
+    const picture = pictures.get(name) ?? { lines: 0, blank: 0, view: { name, object: [], image: [] } };
     pictures.set(name, picture);
     if (pictures.size > MAX_TABLE_VIEWS) throw new MalformedError("many", { most: MAX_TABLE_VIEWS });
     const corner = picture.lines++;
-    if (x === "-" || y === "-" || level === "-" || level === "-1") continue; // not seen
+    if (x === "-" || y === "-" || level === "-" || level === "-1") {
+      picture.blank++; // not seen
+      continue;
+    }
     const place = [Number(x), Number(y)];
     if (!place.every(Number.isFinite)) throw new MalformedError("fields", { line: index + 1 });
     picture.view.object.push([(corner % (columns - 1)) + 1, Math.floor(corner / (columns - 1)) + 1, 0]);
     picture.view.image.push(place);
   }
-  const wrong = [...pictures].find(([, { lines }]) => lines !== corners);
+  // A picture without a board is a single line, `img.jpg - - -`.
+  const wrong = [...pictures].find(([, { lines, blank }]) => lines !== corners && !(lines === 1 && blank === 1));
   if (wrong) throw new MalformedError("lines", { name: wrong[0].slice(0, 80), lines: wrong[1].lines, corners });
   return [...pictures.values()].map(({ view }) => view).filter(({ image }) => image.length > 0);
 }
