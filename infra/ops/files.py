@@ -175,7 +175,7 @@ def _yaml(content: str) -> object:
 def _plain_yaml(content: str) -> str:
     """Write OpenCV's dialect as YAML: a version with a colon, tabs as indent, names without a space after."""
     plain = "\n".join(line for line in content.expandtabs(4).split("\n") if not line.startswith("%"))
-    return re.sub(r"^(\s*(?:- )?[A-Za-z_][\w.]*):(?=[-+.\d\[\"!])", r"\1: ", plain, flags=re.MULTILINE)
+    return re.sub(r"^([ \t]*(?:- )?[A-Za-z_][\w.]*):(?=[-+.\d\[\"!])", r"\1: ", plain, flags=re.MULTILINE)
 
 
 def _one_line(error: yaml.YAMLError) -> str:

@@ -102,7 +102,7 @@ def test_a_file_without_keypoints_is_explained(page: Page, tmp_path: Path) -> No
     sent: list[Request] = []
     page.goto("/import/")
     page.on("request", lambda request: sent.append(request))
-    for form, shown in (("opencv-json", True), ("ros", False), ("kalibr", False), ("mrcal", False)):
+    for form, shown in (("opencv-json", True), ("ros", True), ("kalibr", False), ("mrcal", False)):
         file = write(held, form)
         give(page, tmp_path, file.filename, file.content)
         wanted = "cannot unpack" if form == "mrcal" else "no corners"

@@ -22,7 +22,9 @@ MODELS = {
     "OPENCV_FISHEYE": ("fx fy cx cy k1 k2 k3 k4", True),
 }
 """Parameters of the models that are known here, and whether they are of the angle."""
-_LINE = re.compile(r"^\s*\d+\s+([A-Z][A-Z_]{2,40})\s+(\d+)\s+(\d+)\s+([-+.eE\d\s]+)$", re.MULTILINE)
+_LINE = re.compile(
+    r"^[ \t]*\d+[ \t]+([A-Z][A-Z_]{2,40})[ \t]+(\d+)[ \t]+(\d+)[ \t]+([-+.eE\d \t]+)$", re.MULTILINE
+)
 
 
 class Colmap(Format):

@@ -53,7 +53,7 @@ def _walk(
         return
     if isinstance(data, list | tuple):
         if data and isinstance(data[0], Mapping | list | tuple):
-            for i, item in enumerate(data):
+            for i, item in enumerate(data[:MAX_CAMERAS]):
                 yield from _walk(item, (*path, str(i)), around, i)
         return
     if not isinstance(data, Mapping):

@@ -11,10 +11,8 @@ _COMMENT = ("#", ";", "//", "%")
 
 def is_ros_ini(content: str) -> bool:
     """Whether it is of the form that ROS calls videre INI: sections, a name on a line, its numbers below."""
-    return bool(
-        re.search(r"^\s*\[image\]\s*$", content, re.MULTILINE)
-        and re.search(r"^\s*camera matrix", content, re.M)
-    )
+    heading = re.search(r"^[ \t]*\[image\][ \t]*$", content, re.MULTILINE)
+    return bool(heading and re.search(r"^[ \t]*camera matrix", content, re.MULTILINE))
 
 
 def is_assignments(content: str) -> bool:

@@ -264,3 +264,12 @@ def test_genuine_calibrations_are_accepted_and_others_refused() -> None:
     assert all(any(part in name for part in NO_CAMERA) for name in refused), refused
     assert len(refused) == len(NO_CAMERA)
     assert all(len(why) < 500 and "\n" not in why for why in refused.values())
+
+
+@pytest.mark.parametrize(
+    "piece", ["\n", " ", "\t", "1 ", "a=", "[image]\n", "<a>", "- ", "a: ", "{", "1 OPENCV ", "# "]
+)
+def test_repetitive_text_is_refused(tmp_path: Path, piece: str) -> None:
+    content = piece * (200_000 // len(piece))
+    with pytest.raises(OpsError):
+        imported(tmp_path, "long.txt", content)
