@@ -22,7 +22,7 @@ from infra.deploy.steps import Target
 
 REHEARSAL = Target("rehearsal", "us-east-1", {"AlarmEmail": "operator@example.org"})
 # Of the template, what ministack cannot make: budgets, and alarms on a sum.
-UNSUPPORTED = ("Budget",)
+UNSUPPORTED = ("Budget", "ReleaseAlarm")
 # Nobody delivers the site there, and its functions run on AWS's processors.
 _ONLY_ON_AWS = ("preflight", "smoke")
 # A change in a layer alone

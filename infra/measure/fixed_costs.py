@@ -83,6 +83,11 @@ def _items(prices: Mapping[str, Any]) -> Iterator[FixedCost]:
         yield FixedCost("index and its recovery", assumed["table_gb"] * gb, places(name))
     read = assumed["hours"] * assumed["refreshes"] * assumed["secrets"]
     yield FixedCost("secrets", read * prices["kms_request"], places("ReadSecretsPolicy"))
+    for function in of_type("AWS::Serverless::Function").values():
+        for event in function.get("Events", {}).values():
+            if event["Type"] == "SQS":
+                usd = assumed["polls"] * prices["sqs_request"]
+                yield FixedCost("polling", usd, places(event["Properties"]["Queue"]["Fn::GetAtt"][0]))
     if "Probe" in resources:
         once = (
             prices["event"]

@@ -280,3 +280,20 @@ def test_concurrency_and_rates_are_bounded(transformed: dict) -> None:
     watched = {"ServerErrorAlarm", "LatencyAlarm", "ThrottleAlarm", "RefitFailureAlarm", "CostAlarm"}
     assert watched <= alarms
     assert "Budget" in resources
+
+
+def test_flood_on_one_route_leaves_rate_to_the_others(source: dict) -> None:
+    defaults = {name: p["Default"] for name, p in source["Parameters"].items() if "Default" in p}
+    api = source["Resources"]["HttpApi"]["Properties"]
+    everything = defaults[api["DefaultRouteSettings"]["ThrottlingRateLimit"]["Ref"]]
+    existing = {f"{route['Method']} {route['Path']}" for route in routes(source)}
+    limited = api["RouteSettings"]
+    assert set(limited) <= existing  # a key without a route makes the deployment fail
+    for key in (
+        "POST /v1/lookup",
+        "GET /v1/lookup",
+        "POST /v1/auth",
+        "POST /v1/session/views",
+        "POST /v1/checks",
+    ):
+        assert 0 < defaults[limited[key]["ThrottlingRateLimit"]["Ref"]] <= 0.6 * everything, key
