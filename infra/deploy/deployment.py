@@ -13,7 +13,7 @@ from dataclasses import replace
 import boto3
 
 from infra.console.steps import announced
-from infra.deploy import aws, page_token, preflight, smoke, smoke_capture
+from infra.deploy import account_check, aws, page_token, smoke, smoke_capture
 from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_template, release_digest
 from infra.deploy.site import uploads
 from infra.deploy.steps import Step, Target, steps
@@ -56,8 +56,8 @@ def find_out(target: Target) -> Target:
 def _do(step: Step, target: Target, source: str) -> None:
     region, stack = target.region, target.stack
     match step.kind:
-        case "preflight":
-            if found := list(preflight.problems(target, preflight.Account.of(region))):
+        case "account":
+            if found := list(account_check.problems(target, account_check.Account.of(region))):
                 raise DeployError("\n".join(found))
         case "build" | "run":
             _run(_fill_in(step.command, target), target)
@@ -131,5 +131,5 @@ def _run(command: list[str], target: Target) -> None:
         said = f"{shlex.join(command)} failed"
         if command[1:2] == ["deploy"]:
             events = aws.failures(boto3.client("cloudformation", target.region), target.stack)
-            said = "\n".join([said, *preflight.explain(events)])
+            said = "\n".join([said, *account_check.explain(events)])
         raise DeployError(said)

@@ -24,7 +24,7 @@ REHEARSAL = Target("rehearsal", "us-east-1", {"AlarmEmail": "operator@example.or
 # Of the template, what ministack cannot make: budgets, and alarms on a sum.
 UNSUPPORTED = ("Budget", "ReleaseAlarm")
 # Nobody delivers the site there, and its functions run on AWS's processors.
-_ONLY_ON_AWS = ("preflight", "smoke")
+_ONLY_ON_AWS = ("account", "smoke")
 # A change in a layer alone
 _CHANGED = ROOT / ".build" / "layers" / "service" / "python" / "calibdb" / "rehearsed.py"
 

@@ -10,7 +10,7 @@ from infra.deploy.package import ROOT, TEMPLATE
 
 _SAM = ".build/sam/bin/sam"  # `make deploy` installs it
 ROLLOUT = "Canary10Percent5Minutes"  # unless told otherwise
-Kind = Literal["preflight", "build", "run", "package", "secrets", "upload", "invalidate", "protect", "smoke"]
+Kind = Literal["account", "build", "run", "package", "secrets", "upload", "invalidate", "protect", "smoke"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Step:
 
 def steps(target: Target) -> Iterator[Step]:
     """Yield the steps; each can be done again, so a deployment that broke off is started anew."""
-    yield Step("preflight", "ask the account whether it can hold the stack; nothing is made yet")
+    yield Step("account", "ask the account whether it can hold the stack; nothing is made yet")
     yield Step("build", "build both layers for arm64 and check their sizes", ("make", "layers"))
     yield Step("package", "name the release, and write its template")
     place = str(TEMPLATE.relative_to(ROOT))

@@ -165,7 +165,7 @@ def test_commands_are_filled_in_from_the_account(
     run: list[list[str]] = []
     monkeypatch.setattr(deployment, "_run", lambda command, _: run.append(command))
     monkeypatch.setattr(deployment, "find_out", lambda target: target)
-    every = ("preflight", "build", "package", "secrets", "upload", "invalidate", "protect", "smoke")
+    every = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "smoke")
     deployment.deploy(Target("mine", "us-east-1"), "unused", every)
     _validated, first, again = run
     assert "EdgeSecretVersion=7" in first

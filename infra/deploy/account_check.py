@@ -1,4 +1,4 @@
-"""Preflight: whether an account can hold the stack, found out before anything is made in it.
+"""Check of an account: whether it can hold the stack, found out before anything is made in it.
 
 Every problem is one sentence that says what to do. Nothing here writes.
 """
@@ -129,14 +129,14 @@ def _verification(cloudfront: Any) -> Iterator[str]:
     Its origin access control does not exist, so the request fails whatever the account is.
     """
     try:
-        cloudfront.create_distribution(DistributionConfig=_IMPOSSIBLE)
+        cloudfront.create_distribution(DistributionConfig=IMPOSSIBLE)
     except ClientError as error:
         if _VERIFICATION.search(str(error)):
             yield _UNVERIFIED
 
 
-_IMPOSSIBLE = {
-    "CallerReference": "calibdb-preflight",
+IMPOSSIBLE: dict[str, Any] = {
+    "CallerReference": "calibdb-account-check",
     "Comment": "calibDB: never made",
     "Enabled": False,
     "Origins": {

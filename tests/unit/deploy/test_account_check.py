@@ -1,12 +1,14 @@
-"""The preflight finds out, before anything is made, why a deployment would fail, and says what to do."""
+"""The account is asked, before anything is made, why a deployment would fail; each answer says what to do."""
 
 from dataclasses import replace
 from typing import Any
 
+import boto3
 import pytest
 from botocore.exceptions import ClientError
+from botocore.validate import ParamValidator
 
-from infra.deploy import preflight
+from infra.deploy import account_check
 from infra.deploy.steps import Target, steps
 
 DOMAIN = {
@@ -62,8 +64,8 @@ class Cloud:
 
 def found(target: Target = TARGET, **answers: Any) -> list[str]:
     cloud = type("Other", (Cloud,), answers)()
-    account = preflight.Account(cloud, cloud, cloud, cloud, cloud)
-    return list(preflight.problems(target, account))
+    account = account_check.Account(cloud, cloud, cloud, cloud, cloud)
+    return list(account_check.problems(target, account))
 
 
 def with_parameters(**parameters: str) -> Target:
@@ -75,8 +77,8 @@ def test_ordinary_account_has_no_problem() -> None:
     assert found(with_parameters(**DOMAIN, HostedZoneId="Z1")) == []
 
 
-def test_preflight_is_the_first_step_and_writes_nothing() -> None:
-    assert next(steps(TARGET)).kind == "preflight"
+def test_account_check_is_the_first_step() -> None:
+    assert next(steps(TARGET)).kind == "account"
 
 
 @pytest.mark.parametrize(
@@ -144,12 +146,23 @@ def test_certificate_and_zone_fit_the_domain(
     assert words in problem
 
 
+def test_impossible_distribution_is_a_request_that_the_client_sends() -> None:
+    """A malformed one would fail on this machine, and say nothing of the account."""
+    client = boto3.client("cloudfront", "us-east-1", aws_access_key_id="x", aws_secret_access_key="x")
+    shape = client.meta.service_model.operation_model("CreateDistribution").input_shape
+    asked = {"DistributionConfig": account_check.IMPOSSIBLE}
+    assert not ParamValidator().validate(asked, shape).has_errors()
+    behaviour = account_check.IMPOSSIBLE["DefaultCacheBehavior"]
+    origins = {origin["Id"] for origin in account_check.IMPOSSIBLE["Origins"]["Items"]}
+    assert behaviour["TargetOriginId"] not in origins
+
+
 def test_a_failed_creation_says_what_to_do() -> None:
     reasons = [
         "Distribution: Your account must be verified before you can add new CloudFront resources.",
         "Table: something else",
     ]
-    verified, other = preflight.explain(reasons)
+    verified, other = account_check.explain(reasons)
     assert "support case" in verified
     assert other == reasons[1]
 
