@@ -30,6 +30,7 @@ READS: Mapping[str, frozenset[str]] = {
     "s3": frozenset(
         {
             "GetBucketLocation",
+            "GetBucketReplication",
             "GetObject",
             "HeadBucket",
             "HeadObject",

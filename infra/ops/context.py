@@ -13,6 +13,7 @@ from calibdb.store import Objects, Store, clients
 from calibdb.store.keys import WITHDRAWN
 from infra.console.progress import Track, untracked
 from infra.ops.index import Index
+from infra.ops.replica import ReplicatedObjects
 
 CALIBRATIONS_PREFIX = "calibrations/"
 
@@ -46,7 +47,9 @@ class OpsContext:
             settings=settings,
             secret_known=secret_known,
             store=Store.of(settings),
-            objects=Objects(functools.partial(clients.s3, settings.region), settings.bucket_name),
+            objects=ReplicatedObjects(
+                functools.partial(clients.s3, settings.region), settings.bucket_name, clients.s3
+            ),
             index=Index(functools.partial(clients.dynamodb, settings.region), settings.table_name),
             now=int(time.time()),
             random_hex=secrets.token_hex,
