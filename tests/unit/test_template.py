@@ -12,8 +12,10 @@ import yaml
 from cfnlint.decode.cfn_yaml import loads
 
 from calibdb.access import token_cache
+from calibdb.store import clients
 from infra.deploy import package
 from infra.local import pages
+from infra.local.gateway import INTEGRATION_TIMEOUT
 from tests.helpers.sam import COMPLETE, as_created
 from tests.helpers.service.iam import statements
 
@@ -297,3 +299,17 @@ def test_flood_on_one_route_leaves_rate_to_the_others(source: dict) -> None:
         "POST /v1/checks",
     ):
         assert 0 < defaults[limited[key]["ThrottlingRateLimit"]["Ref"]] <= 0.6 * everything, key
+
+
+def test_who_waits_gives_up_after_whom_it_waits_for(source: dict) -> None:
+    """Refit for its turn, its caller for refit, the function for its caller's answer, the gateway for all."""
+    default = source["Globals"]["Function"]["Timeout"]
+    refit = source["Resources"]["RefitFunction"]["Properties"]["Timeout"]
+    waits = re.search(
+        r"^WAITS_S = \(([\d., ]+)\)", (ROOT / "functions/refit/app.py").read_text(), re.MULTILINE
+    )
+    assert waits is not None
+    turn = sum(map(float, waits[1].split(",")))
+    invoke = clients._INVOKE.read_timeout
+    assert turn < invoke < default < INTEGRATION_TIMEOUT
+    assert invoke < refit

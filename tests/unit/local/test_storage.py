@@ -220,3 +220,11 @@ def test_overwritten_values_are_released(tmp_path: Path) -> None:
             files.put_object(Bucket=BUCKET, Key="a", Body=b"x" * 1000)
         assert Item.instances_tracked == []  # type: ignore[attr-defined]
         assert FakeKey.instances_tracked == []  # type: ignore[attr-defined]
+
+
+def test_missing_object_is_denied_as_to_whom_may_not_list(tmp_path: Path) -> None:
+    """S3 does not tell a function that lacks the right to list that there is no such object."""
+    with storage(tmp_path), pytest.raises(ClientError) as refused:
+        s3().get_object(Bucket=BUCKET, Key="nowhere.json")
+    assert refused.value.response["Error"]["Code"] == "AccessDenied"
+    assert refused.value.response["ResponseMetadata"]["HTTPStatusCode"] == 403
