@@ -1,4 +1,4 @@
-"""The ChArUco board: its corners, and its picture's parameters."""
+"""Calibration boards (ChArUco, chessboard, AprilGrid): their corners, and their pictures' parameters."""
 
 import math
 import re
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .arrays import Array, frozen
+from .arrays import Array, IntArray, frozen
 from .view import View
 
 DICTIONARIES = {
@@ -22,23 +22,35 @@ DICTIONARIES = {
 }
 
 
+KINDS = ("charuco", "chessboard", "aprilgrid")
+
+
 @dataclass(frozen=True)
 class Board:
-    """A ChArUco board; unit of length = one square.
+    """A flat calibration board; unit of length = one square, of an AprilGrid one side of a tag.
 
     Frame: x right, y down, z away from the viewer; a board that faces the camera upright has rotation 0.
     Corner id = row * (squares_x - 1) + column lies at (column + 1, row + 1, 0), as in OpenCV.
 
+    An AprilGrid is numbered as Kalibr numbers it: tags row by row from the lower left one, id = 4 * tag +
+    corner, corners anticlockwise from the lower left of the tag. Corner 0 is the origin, so that y <= 0.
+
     Attributes
     ----------
     squares
-        (columns, rows), 3 to 64 each.
+        (columns, rows), 3 to 64 each; of an AprilGrid its tags, 1 to 64 each.
     marker_ratio
         Side of a marker / side of a square, inside (0, 1).
     dictionary
         OpenCV's name: ``DICT_<n>X<n>_<count>``, ``DICT_ARUCO_ORIGINAL`` or ``DICT_APRILTAG_<family>``.
     legacy
         The layout of OpenCV before 4.6: where the number of rows is even, the first square holds a marker.
+    kind
+        One of `KINDS`. A chessboard has no markers; its first square is black.
+    inverted
+        White where other boards are black.
+    tag_spacing
+        Gap between the tags of an AprilGrid / side of a tag.
 
     Raises ValueError for a board that cannot exist.
     """
@@ -47,20 +59,36 @@ class Board:
     marker_ratio: float = 0.65
     dictionary: str = "DICT_4X4_50"
     legacy: bool = False
+    kind: str = "charuco"
+    inverted: bool = False
+    tag_spacing: float = 0.3
 
     def __post_init__(self) -> None:
         w, h = (int(n) for n in self.squares)
         if (w, h) != tuple(self.squares):
             raise ValueError(f"squares are two whole numbers, not {self.squares}")
         object.__setattr__(self, "squares", (w, h))
-        if not (3 <= w <= 64 and 3 <= h <= 64):
-            raise ValueError(f"a board has 3 to 64 squares a side, not {w} x {h}")
+        if self.kind not in KINDS:
+            raise ValueError(f"a board is one of {', '.join(KINDS)}, not {self.kind!r}")
+        least, what = (1, "tags") if self.kind == "aprilgrid" else (3, "squares")
+        if not (least <= w <= 64 and least <= h <= 64):
+            raise ValueError(f"a board has {least} to 64 {what} a side, not {w} x {h}")
         if not 0.1 <= self.marker_ratio <= 0.95:
             raise ValueError(f"marker_ratio must lie in 0.1 to 0.95, not {self.marker_ratio}")
         if self.dictionary not in DICTIONARIES:
             raise ValueError(f"unknown dictionary {self.dictionary!r}")
-        if w * h // 2 > DICTIONARIES[self.dictionary]:
-            raise ValueError(f"{w} x {h} squares need {w * h // 2} markers, {self.dictionary} has fewer")
+        if self.kind == "aprilgrid":
+            if not self.dictionary.startswith("DICT_APRILTAG_"):
+                raise ValueError(
+                    f"the dictionary of an AprilGrid is an AprilTag family, not {self.dictionary!r}"
+                )
+            if not 0.05 <= self.tag_spacing <= 2:
+                raise ValueError(f"tag_spacing must lie in 0.05 to 2 on this board, not {self.tag_spacing}")
+            if w * h < 2:
+                raise ValueError("one tag is no board: its four corners do not fix a camera")
+        markers = {"charuco": w * h // 2, "chessboard": 0, "aprilgrid": w * h}[self.kind]
+        if markers > DICTIONARIES[self.dictionary]:
+            raise ValueError(f"{w} x {h} {what} need {markers} markers, {self.dictionary} has fewer")
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "Board":
@@ -75,27 +103,51 @@ class Board:
         return cls(**values)
 
     @property
-    def size(self) -> tuple[int, int]:
-        """Width and height in squares."""
+    def size(self) -> tuple[float, float]:
+        """Width and height, board units."""
+        if self.kind == "aprilgrid":
+            w, h = (n + (n - 1) * self.tag_spacing for n in self.squares)
+            return w, h
         return self.squares
 
     @property
     def corner_count(self) -> int:
-        """Number of inner corners."""
-        return (self.squares[0] - 1) * (self.squares[1] - 1)
+        """Number of corners that are measured."""
+        return self.lattice.size
+
+    @property
+    def is_half_turn_symmetric(self) -> bool:
+        """Whether it looks the same after half a turn: good for intrinsics, not where a pose is shared."""
+        return self.kind == "chessboard" and sum(self.squares) % 2 == 0
+
+    @cached_property
+    def lattice(self) -> IntArray:
+        """Ids of the corners in rows and columns, (rows, columns), from the top left as the board is seen."""
+        w, h = self.squares
+        if self.kind != "aprilgrid":
+            return np.arange((w - 1) * (h - 1)).reshape(h - 1, w - 1)
+        tags = 4 * np.arange(w * h).reshape(h, w)[::-1]
+        top, bottom = np.stack([tags + 3, tags + 2], axis=2), np.stack([tags, tags + 1], axis=2)
+        return np.stack([top.reshape(h, 2 * w), bottom.reshape(h, 2 * w)], axis=1).reshape(2 * h, 2 * w)
 
     @cached_property
     def points(self) -> Array:
-        """Inner corners in order of their ids, (n, 3), squares, board frame."""
-        w = self.squares[0]
-        row, column = np.divmod(np.arange(self.corner_count), w - 1)
+        """Corners in order of their ids, (n, 3), board units, board frame."""
+        if self.kind == "aprilgrid":
+            tag, corner = np.divmod(np.arange(4 * self.squares[0] * self.squares[1]), 4)
+            row, column = np.divmod(tag, self.squares[0])
+            x = column * (1 + self.tag_spacing) + np.isin(corner, (1, 2))
+            y = row * (1 + self.tag_spacing) + np.isin(corner, (2, 3))
+            return frozen(np.stack([x, -y, np.zeros(len(x))], axis=1))
+        row, column = np.divmod(np.arange(self.corner_count), self.squares[0] - 1)
         return frozen(np.stack([column + 1, row + 1, np.zeros(self.corner_count)], axis=1))
 
     @cached_property
     def outline(self) -> Array:
-        """The four corners of the board's edge, clockwise from the top left, (4, 3), squares, board frame."""
-        w, h = self.squares
-        return frozen([[0, 0, 0], [w, 0, 0], [w, h, 0], [0, h, 0]])
+        """The corners of the board's edge, clockwise from the top left, (4, 3), board units and frame."""
+        w, h = self.size
+        top = -h if self.kind == "aprilgrid" else 0.0
+        return frozen([[0, top, 0], [w, top, 0], [w, top + h, 0], [0, top + h, 0]])
 
     @property
     def marker_size(self) -> int:

@@ -129,7 +129,7 @@ def transform_source(source: ExportSource, transform: transforms.Transform) -> E
     """
     camera, views = transforms.apply(transform, source.camera, source.views)
     if transform.mirrored and source.board is not None:
-        shift = (float(source.board.squares[0]), 0.0, 0.0)
+        shift = (float(source.board.size[0]), 0.0, 0.0)
         views = tuple(View(view.object_points + shift, view.image_points) for view in views)
     return replace(source, camera=camera, views=views)
 

@@ -68,7 +68,7 @@ class Mrcal(Format):
             "    'extrinsics': [ 0, 0, 0, 0, 0, 0,],",
             f"    'imagersize': [ {c.img_size[0]}, {c.img_size[1]},],",
         ]
-        if source.views and source.board:
+        if source.views and source.board and source.board.kind != "aprilgrid":
             packed = self._inputs(source, conversion, source.board, lens_model)
             body += ["    'icam_intrinsics': 0,", f"    'optimization_inputs': {packed!r},"]
         return text.lines(self.comment(source, conversion), body, "}")
@@ -127,8 +127,10 @@ class CornersVnl(Format):
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the keypoints; `-` where a corner was not seen."""
         board = source.board
-        if board is None or not source.views:
-            raise CalibrationError("not_representable", "there are no keypoints of one board to write")
+        if board is None or not source.views or board.kind == "aprilgrid":
+            raise CalibrationError(
+                "not_representable", "there are no keypoints of one board of squares to write"
+            )
         body = [
             f"# {board.squares[0] - 1} x {board.squares[1] - 1} corners, one square apart",
             "# filename x y level",

@@ -72,11 +72,12 @@ class CornerGrid:
     @classmethod
     def of(cls, board: Board, max_columns: int | None) -> "CornerGrid":
         """All corners of a board, or evenly spaced ones in at most `max_columns`, and one row less."""
-        columns, rows = board.size[0] - 1, board.size[1] - 1
+        rows, columns = board.lattice.shape
         x = np.arange(columns) if max_columns is None else subsample(columns, max_columns)
         y = np.arange(rows) if max_columns is None else subsample(rows, max_columns - 1)
-        points = board.points.reshape(rows, columns, 3)[y][:, x].reshape(-1, 3)
-        step = (float(np.diff(x).max()), float(np.diff(y).max()))
+        kept = board.points[board.lattice[y][:, x]]
+        step = (float(np.diff(kept[0, :, 0]).max()), float(np.diff(kept[:, 0, 1]).max()))
+        points = kept.reshape(-1, 3)
         return cls(np.ascontiguousarray(points.T), len(y), len(x), step, rows * columns / len(points))
 
 

@@ -56,7 +56,7 @@ def render(
         x0, y0, x1, y1 = box
         # Fixed-point maps are read twice as fast, to a 32nd of a pixel of the texture.
         place, part = cv2.convertMaps(
-            texture_coordinates(camera, target, box, texture_px_per_square(board), scale),
+            texture_coordinates(camera, target, box, texture_px_per_square(board), scale, board.outline[0]),
             np.empty(0),
             cv2.CV_16SC2,
         )
@@ -109,19 +109,31 @@ def bounding_box(outline: Array, img_size: tuple[int, int]) -> tuple[int, int, i
 
 
 def texture_px_per_square(board: Board) -> int:
-    """Texture pixels per square: at least one per cell of a marker."""
-    return max(MIN_TEXTURE_PX_PER_SQUARE, math.ceil((board.marker_size + 2) / board.marker_ratio))
+    """Texture pixels per square, or side of a tag: at least one per cell of a marker."""
+    if board.kind == "chessboard":
+        return MIN_TEXTURE_PX_PER_SQUARE
+    ratio = board.marker_ratio if board.kind == "charuco" else 1.0
+    return max(MIN_TEXTURE_PX_PER_SQUARE, math.ceil((board.marker_size + 2) / ratio))
 
 
 def texture_coordinates(
-    camera: Camera, target: TargetPose, box: tuple[int, int, int, int], square: int, scale: Array
+    camera: Camera,
+    target: TargetPose,
+    box: tuple[int, int, int, int],
+    square: int,
+    scale: Array,
+    corner: Array | None = None,
 ) -> npt.NDArray[np.float32]:
-    """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; outside the texture where there are none.
+    """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; outside the texture if there are none.
 
-    The box is of a picture `scale` (2,) times smaller than the image.
+    The box is of a picture `scale` (2,) times smaller than the image. `corner`: where on the board the texture
+    begins, (0, 0) unless given.
     """
     for stride in STRIDES_PX:
-        coarse = board_coordinates(camera, target, box, stride, scale) * square - 0.5
+        coarse = board_coordinates(camera, target, box, stride, scale)
+        if corner is not None:
+            coarse = coarse - corner[:2]
+        coarse = coarse * square - 0.5
         if np.isfinite(coarse).all():
             break
     x0, y0, x1, y1 = box
@@ -166,11 +178,43 @@ def texture(board: Board) -> Picture:
 
 
 def draw_board(board: Board, square: int) -> Picture:
-    """Draw the whole board in black and white, without margin, `square` px per square."""
-    w, h = board.size
+    """Draw the whole board in black and white, without margin, `square` px per square or side of a tag."""
+    draw = {"charuco": _draw_charuco, "chessboard": _draw_chessboard, "aprilgrid": _draw_aprilgrid}[
+        board.kind
+    ]
+    picture = draw(board, square)
+    return np.asarray(255 - picture, dtype=np.uint8) if board.inverted else picture
+
+
+def _draw_charuco(board: Board, square: int) -> Picture:
+    w, h = board.squares
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
     charuco = cv2.aruco.CharucoBoard((w, h), 1.0, board.marker_ratio, dictionary)
     charuco.setLegacyPattern(board.legacy)
     return np.asarray(
         charuco.generateImage((w * square, h * square), marginSize=0, borderBits=1), dtype=np.uint8
     )
+
+
+def _draw_chessboard(board: Board, square: int) -> Picture:
+    w, h = board.squares
+    white = np.indices((h, w)).sum(axis=0) % 2
+    return np.kron(white * 255, np.ones((square, square))).astype(np.uint8)
+
+
+def _draw_aprilgrid(board: Board, square: int) -> Picture:
+    """Tags, and a black square in every gap where four of them meet, as Kalibr prints them."""
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
+    w, h = (math.ceil(side * square) for side in board.size)
+    gap = round(board.tag_spacing * square)
+    picture = np.full((h, w), 255, dtype=np.uint8)
+    columns, rows = board.squares
+    for row in range(rows):
+        for column in range(columns):
+            x = round(column * (1 + board.tag_spacing) * square)
+            y = round((rows - 1 - row) * (1 + board.tag_spacing) * square)
+            tag = cv2.aruco.generateImageMarker(dictionary, row * columns + column, square)
+            picture[y : y + square, x : x + square] = tag[: h - y, : w - x]
+            if row and column + 1 < columns:
+                picture[y + square : y + square + gap, x + square : x + square + gap] = 0
+    return picture

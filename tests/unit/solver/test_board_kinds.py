@@ -1,0 +1,121 @@
+"""Chessboards, AprilGrids and inverted boards: their corners, their pictures, and what they calibrate."""
+
+import cv2
+import numpy as np
+import pytest
+
+from calibsolver import Board, View, fit
+from calibsolver.guidance import ProjectionUncertainty
+from calibsolver.guidance.overlay import draw_board
+from tests.helpers.solver.export_sources import captured, truth
+
+APRILGRID = Board(kind="aprilgrid", squares=(6, 5), dictionary="DICT_APRILTAG_36h11", tag_spacing=0.3)
+CHESSBOARD = Board(kind="chessboard", squares=(10, 7))
+KINDS = {"chessboard": CHESSBOARD, "aprilgrid": APRILGRID, "inverted": Board(inverted=True)}
+
+
+def test_chessboard_has_inner_corners_row_by_row() -> None:
+    assert CHESSBOARD.corner_count == len(CHESSBOARD.points) == 9 * 6
+    np.testing.assert_array_equal(
+        CHESSBOARD.points[[0, 8, 9, 53]], [[1, 1, 0], [9, 1, 0], [1, 2, 0], [9, 6, 0]]
+    )
+
+
+def test_aprilgrid_is_numbered_as_by_kalibr() -> None:
+    """Tag by tag from the lower left, corners anticlockwise from the lower left; y points down."""
+    assert APRILGRID.corner_count == len(APRILGRID.points) == 4 * 30
+    assert APRILGRID.size == pytest.approx((6 + 5 * 0.3, 5 + 4 * 0.3))
+    np.testing.assert_allclose(APRILGRID.points[:4], [[0, 0, 0], [1, 0, 0], [1, -1, 0], [0, -1, 0]])
+    np.testing.assert_allclose(APRILGRID.points[4 * 1], [1.3, 0, 0])
+    np.testing.assert_allclose(APRILGRID.points[4 * 6 + 2], [1, -2.3, 0])
+    lattice = APRILGRID.lattice
+    assert lattice[-1, :4].tolist() == [0, 1, 4, 5]
+    assert lattice[0, 0] == 4 * 24 + 3
+    xy = APRILGRID.points[lattice]
+    assert (np.diff(xy[..., 0], axis=1) > 0).all()
+    assert (np.diff(xy[..., 1], axis=0) > 0).all()
+    low, high = APRILGRID.outline.min(axis=0), APRILGRID.outline.max(axis=0)
+    assert ((APRILGRID.points >= low) & (APRILGRID.points <= high)).all()
+
+
+def test_half_turn_leaves_a_chessboard_of_equal_corners() -> None:
+    assert Board(kind="chessboard", squares=(9, 7)).is_half_turn_symmetric
+    assert not CHESSBOARD.is_half_turn_symmetric
+    assert not Board(squares=(9, 7)).is_half_turn_symmetric
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"kind": "circles"},
+        {"kind": "chessboard", "squares": (2, 7)},
+        {"kind": "aprilgrid"},  # its dictionary is no AprilTag family
+        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_16h5", "squares": (6, 6)},
+        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_36h11", "squares": (1, 1)},
+        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_36h11", "tag_spacing": 0.0},
+        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_36h11", "tag_spacing": float("nan")},
+    ],
+)
+def test_impossible_boards_of_a_kind_are_refused(values: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=r"board|AprilGrid|markers"):
+        Board(**values)  # type: ignore[arg-type]
+
+
+def test_large_chessboard_needs_no_markers() -> None:
+    assert Board(kind="chessboard", squares=(60, 40)).corner_count == 59 * 39
+
+
+def test_boards_are_made_of_records() -> None:
+    for board in KINDS.values():
+        record = {name: getattr(board, name) for name in board.__dataclass_fields__}
+        assert Board.from_record({**record, "squares": list(board.squares)}) == board
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_board_of_any_kind_calibrates(kind: str) -> None:
+    camera = truth("rectilinear")
+    board = KINDS[kind]
+    views = captured(camera, board, count=12)
+    found = fit(views, camera.img_size)
+    ahead = np.array([[0.0, 0, 1], [0.3, 0.1, 1], [-0.3, -0.2, 1]])
+    assert np.abs(found.camera.project(ahead) - camera.project(ahead)).max() < 1.0
+
+
+def test_half_turns_of_a_chessboard_do_not_change_the_camera() -> None:
+    camera = truth("rectilinear")
+    views = captured(camera, CHESSBOARD, count=8)
+    turned = [
+        View((10, 7, 0) - view.object_points, view.image_points) if i % 2 else view
+        for i, view in enumerate(views)
+    ]
+    one, other = fit(views, camera.img_size).camera, fit(turned, camera.img_size).camera
+    np.testing.assert_allclose(one.intrinsics, other.intrinsics, rtol=1e-5, atol=1e-5)
+
+
+def test_drawn_aprilgrid_is_found_where_its_corners_are() -> None:
+    """OpenCV's detector names a tag's corners clockwise from its upper left."""
+    side = 80
+    picture = cv2.copyMakeBorder(draw_board(APRILGRID, side), 60, 60, 60, 60, cv2.BORDER_CONSTANT, value=255)
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36H11)
+    corners, ids, _ = cv2.aruco.ArucoDetector(dictionary).detectMarkers(picture)
+    assert sorted(ids.ravel().tolist()) == list(range(30))
+    for tag, found in zip(ids.ravel(), corners, strict=True):
+        expected = (
+            APRILGRID.points[4 * tag + np.array([3, 2, 1, 0]), :2] - APRILGRID.outline[0, :2]
+        ) * side + 60
+        assert np.abs(found.reshape(4, 2) - expected).max() < 3
+
+
+def test_inverted_board_is_the_negative() -> None:
+    black, white = draw_board(Board(), 40), draw_board(Board(inverted=True), 40)
+    np.testing.assert_array_equal(255 - black, white)
+    first = draw_board(CHESSBOARD, 40)[:40, :40]
+    assert (first == 0).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_guidance_proposes_poses_of_any_board(kind: str) -> None:
+    camera = truth("rectilinear")
+    pose = ProjectionUncertainty(KINDS[kind], camera.img_size).next_pose([], None)
+    assert len(pose.corners) >= 6
+    assert len(pose.ids) == len(pose.corners)
