@@ -126,8 +126,8 @@ def texture_coordinates(
 ) -> npt.NDArray[np.float32]:
     """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; outside the texture if there are none.
 
-    The box is of a picture `scale` (2,) times smaller than the image. `corner`: where on the board the texture
-    begins, (0, 0) unless given.
+    The box is of a picture `scale` (2,) times smaller than the image. `corner`: where on the board the
+    texture begins, (0, 0) unless given.
     """
     for stride in STRIDES_PX:
         coarse = board_coordinates(camera, target, box, stride, scale)
