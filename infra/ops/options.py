@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import typer
 
@@ -11,14 +11,21 @@ DryRun = Annotated[bool, typer.Option("--dry-run", help="Change nothing; say wha
 Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
 
 
-def parse_size(text: str | tuple[int, int]) -> tuple[int, int]:
+class Size(NamedTuple):
+    """Width and height in one argument; of a plain tuple typer would read two."""
+
+    width: int
+    height: int
+
+
+def parse_size(text: str | Size) -> Size:
     """Parse a size such as `1280x720`."""
-    if isinstance(text, tuple):
+    if isinstance(text, Size):
         return text
     width, _, height = text.partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise typer.BadParameter(f"{text} is no size such as 1280x720")
-    return int(width), int(height)
+    return Size(int(width), int(height))
 
 
 def complete_plan(start: str) -> list[str]:

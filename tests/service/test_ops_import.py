@@ -102,6 +102,18 @@ def test_camera_without_keypoints_is_imported_as_a_seed(
         assert asked.json["reason"] in ("unknown_camera", "too_few")
 
 
+@pytest.mark.usefixtures("data_dir")
+def test_table_of_corners_is_stored_with_the_board_and_size_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "corners.vnl"
+    table = formats.write(subject("rectilinear"), "corners-vnl").content
+    path.write_bytes(table + b"empty.png - - -\n")
+    board = ["--squares", "9x6", "--img-size", "1280x720", "--model", "rectilinear"]
+    assert main(["import", str(path), *WHOSE, *board]) == 0
+    assert "10 views, rectilinear" in capsys.readouterr().out
+
+
 def test_malformed_file_stores_nothing(
     data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from infra.ops.errors import OpsError
-from infra.ops.options import DryRun, Json, complete_model, parse_size
+from infra.ops.options import DryRun, Json, Size, complete_model, parse_size
 from infra.ops.session import opened
 
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER")]
@@ -70,14 +70,14 @@ def import_files(
     platform: Annotated[str, typer.Option(help="Platform, as a browser reports it.")],
     zoom: Annotated[float, typer.Option(help="Zoom of the track.")] = 0.0,
     img_size: Annotated[
-        tuple[int, int] | None,
+        Size | None,
         typer.Option(parser=parse_size, metavar="WxH", help="Size of the pictures, for files that lack it."),
     ] = None,
     camera_number: Annotated[
         int, typer.Option(min=0, max=999, metavar="N", help="Of a file with several cameras, from 0.")
     ] = 0,
     squares: Annotated[
-        tuple[int, int] | None,
+        Size | None,
         typer.Option(parser=parse_size, metavar="WxH", help="Of the board, for tables of corners."),
     ] = None,
     model: Annotated[
