@@ -2,7 +2,7 @@
 
 const NAMES = String.raw`cam(?:era)?[ _-]?mat(?:rix)?|camera[ _-]?intrinsics?|intrinsic[_-]?matrix|intrinsics?|projection_parameters|mtx|K|M\d|fx|fc|(?:camera\d?\.)fx`;
 const MEMBER = new RegExp(String.raw`^[ \t]*(?:<(?:${NAMES})\b|["']?(?:${NAMES})\d?["']?[ \t]*(?:[:=]|\r?$)|cam\d+[ \t]*:)`, "gim");
-const MAX_MEMBERS = 100; // that are looked at
+const MAX_MENTIONS = 100; // that are looked at
 const NEAR = 800; // characters after a name in which its numbers stand
 const NUMBER = /[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?/gi;
 
@@ -15,7 +15,7 @@ export function cameraIn(content) {
   let found;
   let count = 0;
   for (const match of content.matchAll(MEMBER)) {
-    if (count++ >= MAX_MEMBERS) break;
+    if (count++ >= MAX_MENTIONS) break;
     found = null;
     const end = match.index + match[0].length;
     const matrix = square(numbersIn(content.slice(end, end + NEAR)));
