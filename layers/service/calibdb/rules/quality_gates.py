@@ -26,9 +26,12 @@ def is_precise(document: CalibrationDocument) -> bool:
 
 
 def is_confirmable(calibration: Calibration) -> bool:
-    """Tell whether a consensus is as sure as a session of the default target, and of clean corners."""
+    """Tell whether a consensus is as sure as a calibration that counts, and of clean corners.
+
+    Its uncertainty holds the differences between specimens, which one calibration cannot know.
+    """
     width = calibration.img_size[0]
     return (
-        calibration.uncertainty.rms <= TARGET_ERROR_PER_WIDTH * width
+        calibration.uncertainty.rms <= MAX_UNCERTAINTY_RATIO * TARGET_ERROR_PER_WIDTH * width
         and calibration.avg_reprojection_error <= MAX_NOISE_PER_WIDTH * width
     )

@@ -1,35 +1,65 @@
-"""Location of a camera's contributors, the projection in their middle, and the influence of two on it.
+"""Location of a camera's contributors: the camera in the middle of theirs, and the influence of two on it.
 
-Every contributor is one displacement field over the image, whatever the number of its points: the mean of its
-calibrations'. The location is their M-estimate with Huber's loss (Huber 1964): the mean of those that lie
-near each other, while one far away pulls no harder than one at a distance of `HUBER_WIDTHS`. It is the
-minimum of a convex function, so there is one, and it moves little when any contributor moves a little.
+The views of every contributor are worth no more than those of the median one, whatever the number of points.
+And every contributor has a specimen of their own, which deviates from the location by MIN_SPREAD_WIDTHS at
+least, so that nobody knows the location better than that in any direction (random effects). Deviations have
+Huber's loss (Huber 1964): a contributor farther away than HUBER_WIDTHS pulls no harder. The location is the
+minimum of a convex function, so there is one.
 """
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import models, rotation
-from ..arrays import Array, IntArray, Mask
-from ..camera import Camera, pixel_grid
+from .. import models
+from ..arrays import Array, IntArray, Mask, symmetric_inverse
+from ..camera import Camera
 from ..errors import CalibrationError
-from .agreement import COMPARISON_GRID, Projections, densest_half
+from ..fitting import prior, resection
+from ..fitting.calibration import Calibration
+from ..fitting.levenberg_marquardt import residual_rows
+from ..fitting.normal_equations import residual_jacobian
+from ..fitting.observations import Observations
+from ..fitting.resection import MIN_POSE_POINTS
+from ..fitting.uncertainty import image_error_metric, projection_jacobian_rotation_free
+from ..view import View
+from .agreement import COMPARISON_GRID
 
+MIN_SPREAD_WIDTHS = 0.42 / 1280
+"""Standard deviation between specimens, rms over the image / image width: 0.1 % of the focal length."""
 HUBER_WIDTHS = 1 / 1280
-"""Distance from the location / image width beyond which a contributor pulls no harder: what 0.25 % of the
-focal length are over the image, and specimens of one product differ by 0.1 to 0.4 %."""
-MAX_IRLS_ITERATIONS = 60
+"""Deviation of a specimen from the location, px rms over the image / image width, beyond which it pulls no
+harder: what 0.25 % of the focal length are, and specimens of one product differ by 0.1 to 0.4 %."""
+MAX_IRLS_ITERATIONS = 100
 """Iterations of the M-estimate."""
 IRLS_TOLERANCE_PX = 1e-5
-"""Change of the field below which the M-estimate has settled."""
+"""Step, px rms over the image, below which the M-estimate has settled."""
+MIN_METRIC = 1e-10
+"""Share by which every parameter moves the image at least: what nobody sees must not be singular."""
+MAX_VIEW_POINTS = 150
+"""Points of a view that are linearized; the others are as many more of the same."""
+MAX_LINEARIZATIONS = 5
+STEP_SHARES, MAX_COST_GROWTH = (1.0, 0.5, 0.25, 0.1), 1.01
+"""Shares of a step that are tried, and the growth of the cost up to which one is taken."""
+MAX_LINEAR_STEP_WIDTHS = 0.05 / 1280
+"""Step / image width, rms over the image, from which the views are linearized again."""
 MAX_EXACT_CONTRIBUTORS = 8
 """Contributors, those with most influence, of whom each two are left out with everything decided anew."""
-MAX_FIT_ITERATIONS = 10
-MIN_FIT_SINGULAR_VALUE = 1e-7
-"""Ratio to the largest singular value below which a direction of the intrinsics does not move the field."""
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """Views of one calibration of the camera, with the ids of the calibration and of its contributor.
+
+    Contributors of different families may be the same: where they are counted, one family counts.
+    """
+
+    id: str
+    contributor: str
+    views: tuple[View, ...]
+    family: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,85 +68,188 @@ class Location:
 
     Attributes
     ----------
-    field
-        (n, 2) px, displacement of each pixel's ray from that of the reference; NaN where nobody has a ray.
+    y
+        (p,) intrinsics less the reference's, over `Contributions.scale`.
+    numbers
+        (c,) numbers of the contributors that have part in it.
     weights
-        (c,) weights of the contributors, at most 1; 0 of those who have no part in it.
-    distances
-        (c,) px rms over the image, from each contributor to the location.
+        (c,) Huber weights, at most 1.
+    deviations
+        (c, p) deviations of the contributors' specimens, as `y`.
     """
 
-    field: Array
+    y: Array
+    numbers: IntArray
     weights: Array
-    distances: Array
+    deviations: Array
 
 
-class ContributorFields:
-    """Displacement fields of calibrations from the projections of one of them, by contributor.
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A member and the calibration fitted to its views."""
+
+    member: Member
+    calibration: Calibration
+
+
+class Contributions:
+    """Views of one camera's calibrations, linearized about common intrinsics, by contributor.
 
     Parameters
     ----------
-    projections
-        Of the c calibrations.
-    contributors
-        (c,) names.
-    reference
-        Index of the calibration in whose image displacements are measured.
+    fitted
+        The c calibrations, all of one model and image size.
+    camera
+        Where they are linearized: near all of them that belong together.
     """
 
-    def __init__(self, projections: Projections, contributors: Sequence[str], reference: int) -> None:
-        self.projections = projections
-        self.camera = projections.cameras[reference]
-        names, owner = np.unique(np.asarray(contributors), return_inverse=True)
+    def __init__(self, fitted: Sequence[Fitted], camera: Camera) -> None:
+        self.fitted = fitted
+        self.camera = camera
+        self.model = models.get(camera.model)
+        width = camera.img_size[0]
+        self.huber_px = HUBER_WIDTHS * width
+        names, owner = np.unique([f.member.contributor for f in fitted], return_inverse=True)
         self.names: list[str] = names.tolist()
         self.owner: IntArray = np.asarray(owner, dtype=np.int64)
-        self.huber_px = HUBER_WIDTHS * self.camera.img_size[0]
-        self.seen: Mask = projections.defined * projections.defined[reference]
-        self.fields = _displacements(projections, reference, self.seen)
+        k = camera.intrinsics
+        d = projection_jacobian_rotation_free(self.model, k, camera.img_size, COMPARISON_GRID)
+        metric = image_error_metric(d)
+        self.scale = 1 / np.sqrt(np.maximum(np.diagonal(metric), 1e-300))
+        """(p,) change of each parameter that moves the image by 1 px rms."""
+        self.metric: Array = metric * self.scale[:, None] * self.scale + MIN_METRIC * np.eye(len(k))
+        self.between = self.metric / (MIN_SPREAD_WIDTHS * width) ** 2
+        with np.errstate(all="ignore"):  # calibrations that do not belong here
+            linear = [self._linearize(f) for f in fitted]
+        self.information: Array = np.stack([s for s, _, _ in linear])
+        self.gradient: Array = np.stack([b for _, b, _ in linear])
+        self.sigmas: Array = np.sqrt([cost for _, _, cost in linear])
+        """(c,) root of the cost of each calibration's views where they are linearized, in its sigmas."""
+        precision = 1 / np.array(
+            [np.sum(self._scaled(f.calibration.covariance) * self.metric) for f in fitted]
+        )
+        self.precision: Array = np.bincount(self.owner, precision).astype(np.float64)
+        """(c,) precision of each contributor, 1 / px^2, as mean square error over the image."""
+        r, j = prior.residuals(self.model, k, camera.img_size)
+        self.prior = (j * self.scale).T @ (j * self.scale), -(j * self.scale).T @ r
+
+    def _scaled(self, covariance: Array) -> Array:
+        """Covariance (p, p) of scaled intrinsics."""
+        return covariance / self.scale[:, None] / self.scale
+
+    def _linearize(self, f: Fitted) -> tuple[Array, Array, float]:
+        """Information (p, p) of a calibration's inliers, poses eliminated, half its descent (p,), and cost.
+
+        The noise is what the calibration's covariance says, be it more than that of the corners. Of views
+        with many points some suffice: nobody knows the location better than specimens differ.
+        """
+        pairs = zip(f.member.views, f.calibration.used, strict=True)
+        chosen = [thin(view, mask) for view, mask in pairs if mask.sum() >= MIN_POSE_POINTS]
+        obs = Observations.of([view for view, _ in chosen])
+        poses, _ = resection.resect(self.model, self.camera.intrinsics, obs)
+        rows, _ = residual_rows(self.model, self.camera.intrinsics, poses, obs)
+        rows = np.where(obs.mask, rows, 0.0)
+        rows[:, :, ~np.isfinite(rows.sum(axis=(0, 1, 3)))] = 0.0
+        left = residual_jacobian(rows[:-1]) * self.scale
+        left *= np.sqrt([[[share]] for _, share in chosen])
+        off = rows[-1].transpose(1, 0, 2).reshape(len(left), -1) * np.sqrt([[share] for _, share in chosen])
+        s = np.einsum("vnp,vnq->pq", left, left)
+        b = -np.einsum("vnp,vn->p", left, off)
+        covariance = self._scaled(f.calibration.covariance)
+        ridged = s + self.prior_ridge(f)
+        white = np.sum(symmetric_inverse(ridged) * self.metric)
+        noise2 = max(float(np.sum(covariance * self.metric) / white), f.calibration.noise**2)
+        return s / noise2, b / noise2, float(np.sum(off**2)) / noise2
+
+    def prior_ridge(self, f: Fitted) -> Array:
+        """Information (p, p) that a fit of its own adds to the views of a calibration at unit noise."""
+        information = prior.information(self.model, self.camera.intrinsics, self.camera.img_size)
+        return f.calibration.noise**2 * information * self.scale[:, None] * self.scale
+
+    def relinearized(self, members: Sequence[int]) -> "Contributions":
+        """Linearize anew until the location of some calibrations lies where they are linearized."""
+        found = self
+        for _ in range(MAX_LINEARIZATIONS):
+            location = found.locate(members)
+            if found.length(location.y) < MAX_LINEAR_STEP_WIDTHS * self.camera.img_size[0]:
+                break
+            for share in STEP_SHARES:  # along a curved valley the whole step may lead astray
+                shorter = Contributions(self.fitted, found.camera_at(replace(location, y=share * location.y)))
+                if shorter.sigmas[members].sum() < MAX_COST_GROWTH * found.sigmas[members].sum():
+                    break
+            else:
+                break
+            found = shorter
+        return found
 
     def locate(self, members: Sequence[int] | IntArray) -> Location:
-        """Locate the contributors of some of the calibrations."""
-        x, seen, noise2, present = self._by_contributor(np.asarray(members, dtype=np.intp))
-        base = self.huber_px**2 / (self.huber_px**2 + noise2)
-        base = np.minimum(base, np.sort(base)[(len(base) - 1) // 2])
-        mean, weights = _average(x, seen, base), base
+        """Locate the contributors of some of the calibrations (indices)."""
+        numbers, s, b = self._by_contributor(members)
+        weights = np.ones(len(numbers))
+        y = np.zeros(len(self.scale))
+        known, believed = self.prior
         for _ in range(MAX_IRLS_ITERATIONS):
-            distances = _rms(x - mean, seen)
-            weights = base * self.huber_px / np.maximum(distances, self.huber_px)
-            previous, mean = mean, _average(x, seen, weights)
-            if np.abs(mean - previous).max() < IRLS_TOLERANCE_PX:
+            total = s + weights[:, None, None] * self.between
+            gain = weights[:, None, None] * self.between @ symmetric_inverse(total)
+            pull = np.einsum("cpq,cq->p", gain, b - s @ y) + believed - known @ y
+            step = symmetric_inverse(np.sum(gain @ s, axis=0) + known) @ pull
+            y = y + step
+            deviations = self._deviations(s, b, y, weights)
+            previous, weights = weights, self.huber_px / np.maximum(self.length(deviations), self.huber_px)
+            if self.length(step) < IRLS_TOLERANCE_PX and np.abs(weights - previous).max() < IRLS_TOLERANCE_PX:
                 break
-        field = np.where(np.asarray(seen.any(axis=0))[:, None], mean, np.nan)
-        count = len(self.names)
-        all_weights, all_distances = np.zeros(count), np.full(count, np.nan)
-        all_weights[present], all_distances[present] = weights, _rms(x - mean, seen)
-        return Location(field, all_weights, all_distances)
+        return Location(y, numbers, weights, deviations)
 
-    def _by_contributor(self, members: IntArray) -> tuple[Array, Mask, Array, IntArray]:
-        """Average by contributor: fields (c, n, 2), pixels seen (c, n), noise (c,) px^2, numbers (c,)."""
-        present = np.unique(self.owner[members])
-        fields, masks, noise2 = [], [], []
-        for number in present:
-            own = members[self.owner[members] == number]
-            masks.append(self.seen[own].any(axis=0))
-            fields.append(_average(self.fields[own], self.seen[own], np.ones(len(own))))
-            noise2.append(float(np.mean(self.projections.mse[own])) / len(own))
-        return np.stack(fields), np.stack(masks), np.array(noise2), present
+    def _by_contributor(self, members: Sequence[int] | IntArray) -> tuple[IntArray, Array, Array]:
+        """Add up information (c, p, p) and gradients (c, p) by contributor, bounded by the median one's."""
+        chosen = np.asarray(members, dtype=np.intp)
+        numbers, part = np.unique(self.owner[chosen], return_inverse=True)
+        s = np.zeros((len(numbers), *self.metric.shape))
+        b = np.zeros(s.shape[:2])
+        np.add.at(s, part, self.information[chosen])
+        np.add.at(b, part, self.gradient[chosen])
+        precision = self.precision[numbers]
+        share = np.minimum(1.0, np.sort(precision)[(len(precision) - 1) // 2] / precision)
+        s, b = s * share[:, None, None], b * share[:, None]
+        return np.asarray(numbers, dtype=np.int64), s, b
 
-    def residuals(self, members: Sequence[int] | IntArray, location: Location) -> Array:
-        """Fields (c, n, 2) of the contributors less the location, px; 0 where one has no ray or no part."""
-        out = np.zeros((len(self.names), *self.fields.shape[1:]))
-        x, seen, _, present = self._by_contributor(np.asarray(members, dtype=np.intp))
-        out[present] = np.where(seen[:, :, None], x - np.nan_to_num(location.field), 0.0)
+    def _deviations(self, s: Array, b: Array, y: Array, weights: Array) -> Array:
+        """Most probable deviations (c, p) of specimens from the location y (p,)."""
+        inverse = symmetric_inverse(s + weights[:, None, None] * self.between)
+        out: Array = np.einsum("cpq,cq->cp", inverse, b - s @ y)
         return out
 
-    def majority_spread(self, group: Sequence[int]) -> float:
-        """Compute the standard deviation, px rms, of the densest majority of a group's contributors."""
-        x, _, _, _ = self._by_contributor(np.asarray(group, dtype=np.intp))
-        flat = x.reshape(len(x), -1) / np.sqrt(x.shape[1])
-        members = flat[densest_half(flat, np.ones(len(x)))]
-        square = np.sum((members - members.mean(axis=0)) ** 2) / max(len(members) - 1, 1)
-        return float(np.sqrt(square))
+    def length(self, y: Array) -> Array:
+        """Length (...) of scaled intrinsics (..., p): px rms over the image."""
+        out: Array = np.sqrt(np.einsum("...p,pq,...q->...", y, self.metric, y))
+        return out
+
+    def camera_at(self, location: Location) -> Camera:
+        """Camera at a location; raises CalibrationError ``not_believable`` where it is none."""
+        k = self.camera.intrinsics + self.scale * location.y
+        if not np.isfinite(k).all() or k[0] <= 0 or k[1] <= 0:
+            raise CalibrationError("not_believable", "the contributors' cameras have no common one")
+        return Camera.from_intrinsics(self.camera.model, k, self.camera.img_size)
+
+    def covariance(self, members: Sequence[int], location: Location) -> Array:
+        """Covariance (p, p) of the intrinsics at a location.
+
+        It holds the noise of the corners, and the differences between contributors beyond what noise explains
+        (method of moments), with contributors as clusters.
+        """
+        _, s, b = self._by_contributor(members)
+        w = location.weights[:, None, None]
+        gain = w * self.between @ symmetric_inverse(s + w * self.between)
+        inverse = symmetric_inverse(np.sum(gain @ s, axis=0) + self.prior[0])
+        noise = inverse @ np.sum(gain @ s @ gain.transpose(0, 2, 1), axis=0) @ inverse
+        count = len(s)
+        if count > 1:
+            steps = np.einsum("pq,cqr,cr->cp", inverse, gain, b - s @ location.y)
+            found = steps.T @ steps * count / (count - 1)
+            expected = float(np.sum(noise * self.metric) / max(np.sum(found * self.metric), 1e-300))
+            noise = noise + max(1 - expected, 0.0) * found
+        out: Array = noise * self.scale[:, None] * self.scale
+        return out
 
     def leave_out_influence(
         self, group: Sequence[int], regroup: Callable[[IntArray], IntArray]
@@ -127,91 +260,26 @@ class ContributorFields:
         Infinite where nobody is left. Of many contributors those are left out that have most influence.
         """
         whole = self.locate(group)
-        pull = np.nan_to_num(whole.weights * whole.distances)
-        inside = np.flatnonzero(whole.weights > 0)
-        if len(inside) < 3:
+        if len(whole.numbers) < 3:
             return np.inf, np.inf
-        candidates = inside[np.argsort(-pull[inside], kind="stable")][:MAX_EXACT_CONTRIBUTORS]
+        pull = self.length(whole.deviations) * whole.weights
+        candidates = whole.numbers[np.argsort(-pull, kind="stable")][:MAX_EXACT_CONTRIBUTORS]
         one, two = 0.0, 0.0
         everybody = np.arange(len(self.owner))
         for left_out in itertools.chain(
             itertools.combinations(candidates, 1), itertools.combinations(candidates, 2)
         ):
             rest = everybody[~np.isin(self.owner, left_out)]
-            shift = field_distance(whole.field, self.locate(regroup(rest)).field)
+            shift = float(self.length(self.locate(regroup(rest)).y - whole.y))
             one = max(one, shift) if len(left_out) == 1 else one
             two = max(two, shift)
         return one, two
 
-    def fit(self, location: Location) -> tuple[Camera, float]:
-        """Fit a camera of the reference's model to a location: the camera, and its distance, px rms.
 
-        Least squares over the pixels of the grid, a turn of the camera frame free (Gauss-Newton). Raises
-        CalibrationError ``not_believable`` where it ends nowhere.
-        """
-        model, k = models.get(self.camera.model), self.camera.intrinsics
-        q = pixel_grid(self.camera.img_size, COMPARISON_GRID).reshape(2, -1)
-        rays = model.unproject(k, q + np.nan_to_num(location.field).T)
-        known = np.isfinite(rays).all(axis=0) & np.isfinite(location.field).all(axis=1)
-        q, rays, turn = q[:, known], rays[:, known], np.eye(3)
-        error = np.inf
-        with np.errstate(all="ignore"):  # what runs away is refused below
-            for _ in range(MAX_FIT_ITERATIONS):
-                p = turn @ rays
-                there, by_k, by_p = model.jacobian(k, p)
-                off = there - q
-                previous, error = error, float(np.sqrt(np.mean(np.sum(off**2, axis=0))))
-                if not np.isfinite(error) or abs(previous - error) < IRLS_TOLERANCE_PX:
-                    break
-                turned = np.cross(p.T[:, None, :], by_p.transpose(2, 1, 0))  # (n, 2, 3)
-                rows = np.concatenate([by_k.transpose(2, 1, 0), turned], axis=2).reshape(-1, len(k) + 3)
-                scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
-                step = np.linalg.lstsq(rows / scale, -off.T.ravel(), rcond=MIN_FIT_SINGULAR_VALUE)[0] / scale
-                k, turn = k + step[: len(k)], rotation.matrix(step[len(k) :]) @ turn
-        if not (np.isfinite(error) and np.isfinite(k).all()):
-            raise CalibrationError("not_believable", "the contributors' cameras have no common one")
-        return Camera.from_intrinsics(self.camera.model, k, self.camera.img_size), error
-
-
-def field_distance(one: Array, other: Array) -> float:
-    """Rms distance, px, of two fields (n, 2) over the pixels that both have."""
-    square = np.sum((one - other) ** 2, axis=1)
-    both = np.isfinite(square)
-    return float(np.sqrt(np.mean(square[both]))) if both.any() else float(np.inf)
-
-
-def _average(x: Array, seen: Mask, weights: Array) -> Array:
-    """Weighted mean (n, 2) of fields (c, n, 2) over those that see a pixel; 0 where none does."""
-    w = seen * weights[:, None]
-    total = w.sum(axis=0)
-    mean: Array = np.einsum("cn,cna->na", w, x) / np.maximum(total, 1e-300)[:, None]
-    return mean
-
-
-def _rms(x: Array, seen: Mask) -> Array:
-    """Rms (c,) of fields (c, n, 2) over the pixels seen."""
-    square = np.sum(x**2, axis=2) * seen
-    rms: Array = np.sqrt(square.sum(axis=1) / np.maximum(seen.sum(axis=1), 1))
-    return rms
-
-
-def _displacements(projections: Projections, reference: int, seen: Mask) -> Array:
-    """Displacements (c, n, 2), px, of the rays of pixels as the reference's camera sees them; 0 where unseen.
-
-    The rotation of the camera frame that makes it least is removed from each.
-    """
-    v, base = projections.rays, projections.cameras[reference]
-    model, k = models.get(base.model), base.intrinsics
-    with np.errstate(all="ignore"):
-        _, _, by_p = model.jacobian(k, v[reference].T)
-    b = np.where(projections.defined[reference][:, None, None], by_p.transpose(2, 1, 0), 0.0)  # (n, 2, 3)
-    shared = v * seen[:, :, None]
-    r = rotation.nearest(np.einsum("nb,cnd->cbd", v[reference], shared))
-    x = np.einsum("nij,cnj->cni", b, (np.einsum("cij,cnj->cni", r, v) - v[reference]) * seen[:, :, None])
-    by_rotation = np.cross(v[reference][:, None, :], b)  # b . (w x v) = w . (v x b)
-    for one, mask in zip(x, seen, strict=True):
-        turns = by_rotation[mask].reshape(-1, 3)
-        flat = one[mask].ravel()
-        one[mask] = (flat - turns @ np.linalg.lstsq(turns, flat, rcond=None)[0]).reshape(-1, 2)
-    out: Array = x
-    return out
+def thin(view: View, used: Mask) -> tuple[View, float]:
+    """Select at most MAX_VIEW_POINTS of the points used, evenly; and how many each stands for."""
+    chosen = np.flatnonzero(used)
+    count = len(chosen)
+    if count > MAX_VIEW_POINTS:
+        chosen = chosen[np.linspace(0, count - 1, MAX_VIEW_POINTS).round().astype(np.intp)]
+    return View(view.object_points[chosen], view.image_points[chosen]), count / len(chosen)

@@ -1,48 +1,21 @@
 """Pooled fit of calibrations that agree: to all views, or to the location of their contributors."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array, IntArray, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit, refine
 from ..fitting.resection import MIN_POSE_POINTS, reprojection_score
-from ..fitting.uncertainty import projection_jacobian_rotation_free
 from ..rotation import matrix
 from ..view import View
-from .agreement import COMPARISON_GRID
-from .location import ContributorFields, Location
+from .location import Contributions, Fitted
 
 FOLDS = 5
 """Parts of a group that are left out in turn."""
-MIN_COVARIANCE_SINGULAR_VALUE = 1e-4
-"""Ratio to the largest singular value below which a direction of the intrinsics is not told by fields."""
-
-
-@dataclass(frozen=True, eq=False)
-class Member:
-    """Views of one calibration of the camera, with the ids of the calibration and of its contributor.
-
-    Contributors of different families may be the same: where they are counted, one family counts.
-    """
-
-    id: str
-    contributor: str
-    views: tuple[View, ...]
-    family: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class Fitted:
-    """A member and the calibration fitted to its views."""
-
-    member: Member
-    calibration: Calibration
 
 
 def fit_views(group: Sequence[Fitted], img_size: tuple[int, int], model: str) -> Calibration:
@@ -50,45 +23,10 @@ def fit_views(group: Sequence[Fitted], img_size: tuple[int, int], model: str) ->
     return fit([view for f in group for view in f.member.views], img_size, model)
 
 
-def fit_location(
-    fitted: Sequence[Fitted], group: Sequence[int], fields: ContributorFields, location: Location
-) -> tuple[Calibration, float]:
-    """Fit one camera to the location of a group's contributors: the calibration, and its distance, px rms.
-
-    Its covariance holds what the noise of the corners, and the differences between contributors beyond it,
-    leave open of the location.
-    """
-    camera, distance = fields.fit(location)
-    members = [fitted[i] for i in group]
-    covariance = _location_covariance(fitted, group, fields, location)
-    return describe(camera, members, covariance), distance
-
-
-def _location_covariance(
-    fitted: Sequence[Fitted], group: Sequence[int], fields: ContributorFields, location: Location
-) -> Array:
-    """Covariance (p, p) of the location, by random effects of contributors and the method of moments."""
-    owners = fields.owner[list(group)]
-    w = location.weights / location.weights.sum()
-    noise = np.zeros((len(fitted[group[0]].calibration.covariance),) * 2)
-    for number in np.unique(owners):
-        own = [fitted[i].calibration.covariance for i, o in zip(group, owners, strict=True) if o == number]
-        noise += w[number] ** 2 * np.mean(own, axis=0) / len(own)
-    count = int((w > 0).sum())
-    if count < 2:
-        return noise
-    model, k = models.get(fields.camera.model), fields.camera.intrinsics
-    d = projection_jacobian_rotation_free(model, k, fields.camera.img_size, COMPARISON_GRID)
-    known = np.isfinite(d).all(axis=(1, 2))
-    flat = d[known].reshape(-1, len(k))
-    scale = np.maximum(np.linalg.norm(flat, axis=0), 1e-300)
-    x = w[:, None] * fields.residuals(group, location)[:, known].reshape(len(w), -1)
-    step = np.linalg.lstsq(flat / scale, x.T, rcond=MIN_COVARIANCE_SINGULAR_VALUE)[0].T / scale
-    between = step.T @ step * count / (count - 1)
-    expected, found = (float(np.einsum("np,pq,nq->", flat, c, flat)) for c in (noise, between))
-    beyond_noise = max(1 - expected / max(found, 1e-300), 0.0)
-    out: Array = noise + beyond_noise * between
-    return out
+def fit_location(group: Sequence[int], of: Contributions) -> Calibration:
+    """Describe the camera at the location of a group's contributors, which is the pooled fit."""
+    location = of.locate(group)
+    return describe(of.camera_at(location), [of.fitted[i] for i in group], of.covariance(group, location))
 
 
 def describe(camera: Camera, group: Sequence[Fitted], covariance: Array) -> Calibration:
@@ -147,24 +85,22 @@ def cross_validate_views(group: Sequence[Fitted], pooled: Camera) -> Array:
     return errors
 
 
-def cross_validate_contributors(
-    fitted: Sequence[Fitted], group: Sequence[int], fields: ContributorFields
-) -> Array:
+def cross_validate_contributors(group: Sequence[int], of: Contributions) -> Array:
     """Rms (m,), px, of each member's views under the location of the other contributors, as above.
 
     With a contributor up to a fifth of them is left out; of a single one, its calibrations in turn.
     """
     members: IntArray = np.asarray(group, dtype=np.int64)
-    numbers, part = np.unique(fields.owner[members], return_inverse=True)
+    numbers, part = np.unique(of.owner[members], return_inverse=True)
     if len(numbers) < 2:
         part = np.arange(len(members))
     errors = np.full(len(members), np.inf)
     for fold in range(min(FOLDS, int(part.max()) + 1)):
         out = part % FOLDS == fold
         try:
-            camera, _ = fields.fit(fields.locate(members[~out]))
+            camera = of.camera_at(of.locate(members[~out]))
         except CalibrationError:
             continue
         for i in np.flatnonzero(out):
-            errors[i] = reprojection_score(camera, fitted[members[i]].member.views).rms
+            errors[i] = reprojection_score(camera, of.fitted[members[i]].member.views).rms
     return errors

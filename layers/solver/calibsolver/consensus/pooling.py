@@ -15,16 +15,9 @@ from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..fitting.validation import check, degenerate_views, pack
 from ..view import View
-from .agreement import Projections, compare, displacement_fields, grow, split_into_groups
-from .location import ContributorFields
-from .pooled_fit import (
-    Fitted,
-    Member,
-    cross_validate_contributors,
-    cross_validate_views,
-    fit_location,
-    fit_views,
-)
+from .agreement import Projections, compare, densest_half, displacement_fields, grow, split_into_groups
+from .location import Contributions, Fitted, Member
+from .pooled_fit import cross_validate_contributors, cross_validate_views, fit_location, fit_views
 
 __all__ = ["Consensus", "Member", "Rule", "pool"]
 
@@ -145,18 +138,15 @@ def pool(
     indices = agreement.groups[0]
     group = [fits[i] for i in indices]
     shares = _weights(group, rule)
-    if rule.min_contributors < 2 or len(group) < 2:
+    located = None
+    if rule.min_contributors > 1 and len(group) > 1:
+        located = locate_contributors(indices, agreement)
+    if located is not None:
+        pooled, errors, is_stable = located
+    else:
         pooled = fit_views(group, img_size, model)
         errors = cross_validate_views(group, pooled.camera) if len(group) > 1 else np.empty(0)
         is_stable = rule.min_contributors < 2
-    else:
-        fields = agreement.fields
-        pooled, distance = fit_location(fits, indices, fields, fields.locate(indices))
-        errors = cross_validate_contributors(fits, indices, fields)
-        one, two = fields.leave_out_influence(indices, agreement.regroup)
-        contributors = len({f.member.contributor for f in group})
-        allowed = max_influence(contributors, fields.majority_spread(indices), img_size[0])
-        is_stable = max(one, two, distance) <= allowed
     reason = unreliable_reason(group, errors, members, img_size, rule, is_stable=is_stable)
     return Consensus(
         calibration=pooled,
@@ -184,6 +174,29 @@ def without_degenerate_views(views: Sequence[View], img_size: tuple[int, int]) -
     return tuple(view for view, flat in zip(views, degenerate, strict=True) if not flat)
 
 
+def locate_contributors(
+    indices: Sequence[int], agreement: "_Agreement"
+) -> tuple[Calibration, Array, bool] | None:
+    """Fit the location of the contributors of a group: calibration, held-out errors (m,), and stability.
+
+    None where the views do not lead to a common camera, though each of them has one: they say too little.
+    """
+    group = [agreement.fits[i] for i in indices]
+    try:
+        contributions = agreement.contributions
+        pooled = fit_location(indices, contributions)
+    except CalibrationError:
+        return None
+    own = np.sqrt(np.mean([f.calibration.avg_reprojection_error**2 for f in group]))
+    width = pooled.camera.img_size[0]
+    if not pooled.avg_reprojection_error < own + agreement.rule.max_unexplained * width:
+        return None
+    errors = cross_validate_contributors(indices, contributions)
+    one, two = contributions.leave_out_influence(indices, agreement.regroup)
+    contributors = len({f.member.contributor for f in group})
+    return pooled, errors, max(one, two) <= max_influence(contributors, agreement.majority_spread, width)
+
+
 class _Agreement:
     """Agreement of the members of one camera under a rule."""
 
@@ -195,18 +208,31 @@ class _Agreement:
         self.groups = self._split(np.arange(len(fits)))
 
     @cached_property
-    def fields(self) -> ContributorFields:
-        """Displacement fields of all contributors, from the middle of the largest group."""
+    def reference(self) -> int:
+        """Index of the member in the middle of the largest group."""
         group = self.groups[0]
-        reference = group[self.projections.subset(group).medoid]
-        contributors = [f.member.contributor for f in self.fits]
-        return ContributorFields(self.projections, contributors, reference)
+        return group[self.projections.subset(group).medoid]
+
+    @cached_property
+    def contributions(self) -> Contributions:
+        """Members' views, linearized about the location of the largest group."""
+        start = Contributions(self.fits, self.fits[self.reference].calibration.camera)
+        return start.relinearized(self.groups[0])
 
     @cached_property
     def displacements(self) -> Array:
         """Displacement fields (c, n) from the middle of the largest group."""
-        group = self.groups[0]
-        return displacement_fields(self.projections, group[self.projections.subset(group).medoid])
+        return displacement_fields(self.projections, self.reference)
+
+    @property
+    def majority_spread(self) -> float:
+        """Standard deviation, px rms, of the densest majority of the largest group's contributors."""
+        group = np.asarray(self.groups[0])
+        owner = self.contributions.owner[group]
+        x = np.stack([self.displacements[group[owner == one]].mean(axis=0) for one in np.unique(owner)])
+        members = x[densest_half(x, np.ones(len(x)))]
+        square = np.sum((members - members.mean(axis=0)) ** 2) / max(len(members) - 1, 1)
+        return float(np.sqrt(square))
 
     def regroup(self, indices: IntArray) -> IntArray:
         """Group among some of the members: what is left of the largest group, and whoever belongs to it."""
