@@ -1,7 +1,7 @@
 """`make bench DOCS=consensus`: how far liars get, and what published lens profiles become.
 
 `python -m tests.bench.consensus [CAMERAS]`: 1,000 simulated cameras unless told otherwise. Writes to docs/;
-`ONLY=poisoning` or `ONLY="lens profiles"` one table.
+`ONLY=poisoning`, `ONLY="honest worlds"` or `ONLY="lens profiles"` one table.
 """
 
 import itertools
@@ -16,7 +16,7 @@ import numpy as np
 from calibsolver import CalibrationError, Camera
 from calibsolver.consensus import Member, pool
 from infra.console.progress import track
-from tests.bench import document
+from tests.bench import document, honest_worlds
 from tests.helpers.solver import attacks, populations, synthetic
 
 MAX_DRAWS = 60
@@ -40,7 +40,11 @@ HEADER = [
 def main() -> int:
     cameras = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
     only = set(filter(None, os.environ.get("ONLY", "").split(",")))
-    parts = {"poisoning": lambda: poisoning(cameras), "lens profiles": profiles}
+    parts = {
+        "poisoning": lambda: poisoning(cameras),
+        "honest worlds": lambda: honest_worlds.table(cameras),
+        "lens profiles": profiles,
+    }
     for name, written in parts.items():
         if not only or name in only:
             document.replace(name, written())
