@@ -85,7 +85,7 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,guidance,consensus,uncertainty,keys,load,cost
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,guidance,consensus,uncertainty,real-views,keys,load,cost
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else
@@ -99,9 +99,9 @@ endif
 .bench-cost:
 	@$(ONE_CORE) $(PY) -m infra.measure.cost
 
-# Of guidance: SEEDS=10 ONLY=methods,conditions,bound
+# Of guidance: SEEDS=10 ONLY=methods,conditions,hands,bound
 .bench-%:
-	@$(ONE_CORE) $(PY) -m tests.bench.$*
+	@$(ONE_CORE) $(PY) -m tests.bench.$(subst -,_,$*)
 
 bench-%:
 	@$(MAKE) --no-print-directory bench DOCS=$*

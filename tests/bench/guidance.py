@@ -1,6 +1,6 @@
 """Captures in the closed loop with every guidance; writes docs/accuracy.md (`make bench DOCS=guidance`).
 
-`SEEDS=10` captures a camera and noise level; `ONLY=methods,conditions,bound` runs a part.
+`SEEDS=10` captures a camera and noise level; `ONLY=methods,conditions,hands,bound` runs a part.
 """
 
 import os
@@ -19,7 +19,7 @@ from tests.bench import document
 from tests.bench.bound import bound
 from tests.bench.plots import Line, plot
 from tests.helpers.data import ROOT
-from tests.helpers.solver import peers, populations, synthetic
+from tests.helpers.solver import hands, peers, populations, synthetic
 from tests.helpers.solver.synthetic import Session, User
 
 NOISES = (0.1, 0.2, 0.5)
@@ -150,6 +150,27 @@ def conditions(seeds: int) -> str:
     return document.table(HEADER, rows)
 
 
+def real_hands(seeds: int) -> str:
+    """The default method in hands that move, with boards that bend, at 0.2 px; and random poses beside it."""
+    cameras = synthetic.rectilinear_cameras()
+    rows = []
+    for name, hand in (
+        ("rolling shutter of 20 ms, hand at 5 cm/s", hands.MOVING),
+        ("board bent by 0.5 %", hands.BENT),
+        ("both", hands.MOVING_AND_BENT),
+    ):
+        rows.append(row(name, sessions(guided(6, hand=hand), cameras, seeds, 0.2)))
+        print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
+        found = sessions(random_in(hand), cameras, seeds, 0.2)
+        rows.append(row(f"{name}: random poses", found, ends=False))
+        print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
+    return document.table(HEADER, rows)
+
+
+def random_in(hand: hands.Hand) -> Run:
+    return lambda camera, rng, noise: peers.random_poses(camera, rng, 10, noise, hand)
+
+
 def limit(seeds: int) -> str:
     """The predicted error of captures beside that of the best views that could be found."""
     cameras = synthetic.rectilinear_cameras()
@@ -164,7 +185,7 @@ def limit(seeds: int) -> str:
     return document.table(["predicted rms, px (median camera)", *(f"{n} views" for n in VIEWS)], rows)
 
 
-PARTS = {"methods": methods, "conditions": conditions, "bound": limit}
+PARTS = {"methods": methods, "conditions": conditions, "hands": real_hands, "bound": limit}
 
 
 def main() -> int:

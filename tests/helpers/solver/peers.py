@@ -16,6 +16,7 @@ from calibsolver.guidance import (
 from calibsolver.guidance.candidates import CornerGrid, PoseLimits
 from calibsolver.guidance.overlap import estimate_outline, jaccard_index
 from calibsolver.guidance.search import fisher_information
+from tests.helpers.solver.hands import STEADY, Hand
 from tests.helpers.solver.synthetic import Session, User, match_picture, seen
 
 MAX_ATTEMPTS = 8
@@ -74,11 +75,13 @@ def run_published_method(
     return session
 
 
-def random_poses(camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2) -> Session:
+def random_poses(
+    camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2, hand: Hand = STEADY
+) -> Session:
     """Someone who shows the board tilted here and there, all of it mostly, and does not think about it."""
     board = Board()
     unit = rng.uniform(size=(40 * views, 6))
-    return _captured(camera, _possible(camera, board, unit, COMFORTABLE), rng, views, noise)
+    return _captured(camera, _possible(camera, board, unit, COMFORTABLE), rng, views, noise, hand)
 
 
 def waving(camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2) -> Session:
@@ -103,11 +106,16 @@ def _possible(camera: Camera, board: Board, unit: np.ndarray, limits: PoseLimits
     return Poses(poses.r[good], poses.t[good])
 
 
-def _captured(camera: Camera, poses: Poses, rng: np.random.Generator, views: int, noise: float) -> Session:
+def _captured(
+    camera: Camera, poses: Poses, rng: np.random.Generator, views: int, noise: float, hand: Hand = STEADY
+) -> Session:
     board, session = Board(), Session()
+    corners = hand.bend(board, rng) if hand.sag_boards else None
     for r, t in zip(poses.r[:views], poses.t[:views], strict=True):
         session.attempts += 1
-        session.views.append(seen(board, camera, rotation.vector(r), t, rng, noise))
+        session.views.append(
+            seen(board, camera, rotation.vector(r), t, rng, noise, hand=hand, corners=corners)
+        )
         try:
             calibration = fit(session.views, camera.img_size, camera.model)
         except CalibrationError:

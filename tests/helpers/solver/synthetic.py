@@ -17,6 +17,7 @@ from calibsolver.capture import Capture, Estimate
 from calibsolver.fitting.initial_guess import plane_poses
 from calibsolver.guidance import FixedPlan, Guide
 from calibsolver.guidance.target import TargetPose
+from tests.helpers.solver.hands import STEADY, Hand
 
 IMG_SIZE = (1280, 720)
 
@@ -82,13 +83,19 @@ def seen(
     noise: float = 0.2,
     wild: float = 0.0,
     blur: float = 0.0,
+    hand: Hand = STEADY,
+    corners: np.ndarray | None = None,
 ) -> View:
     """Corners as a detector reports them: in the image, Gaussian noise, a share `wild` 3 to 50 px off.
 
-    With `blur` the noise grows with the tilt: it is 1 + blur times as large at 45 degrees.
+    With `blur` the noise grows with the tilt: it is 1 + blur times as large at 45 degrees. `hand` says how
+    the board moves meanwhile; `corners` (n, 3) are those of a bent board.
     """
     r = rotations.matrix(rvec)
-    q = camera.project(board.points @ r.T + tvec)
+    corners = board.points if corners is None else corners
+    q = camera.project(corners @ r.T + tvec)
+    if hand.readout_s:
+        q = hand.project(corners, camera, rvec, tvec, rng)
     center = r @ board.outline.mean(axis=0) + tvec
     tilt = np.degrees(np.arccos(np.clip(r[:, 2] @ center / np.linalg.norm(center), -1, 1)))
     noise = noise * (1 + blur * (tilt / 45) ** 2)
@@ -216,6 +223,7 @@ def run(
     capture: Capture | None = None,
     guide: Guide | None = None,
     max_attempts: int = 60,
+    hand: Hand = STEADY,
 ) -> Session:
     """One guided capture up to `views` accepted views; goes on after convergence, which is only noted.
 
@@ -226,6 +234,7 @@ def run(
     capture = capture or Capture(board, camera.img_size, camera.model, target_error=target_error)
     chooser: Guide = guide or capture.guide
     session = Session()
+    corners = hand.bend(board, rng) if hand.sag_boards else None
     estimate: Estimate = capture.estimate([])
     skipped: tuple[TargetPose, ...] = ()
     unreached: tuple[TargetPose, ...] = ()
@@ -239,7 +248,7 @@ def run(
         drawn = capture.camera(None if isinstance(chooser, FixedPlan) else estimate)
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
-        view = seen(board, camera, rvec, tvec, rng, noise, wild, blur)
+        view = seen(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)
         wanted = target if guide is None else capture.next_target(session.views, estimate)
         decision = capture.judge(session.views, wanted, view, estimate.excluded, quarantined)
         if decision.estimate is None or decision.estimate.calibration is None:

@@ -110,10 +110,15 @@ def fisher_information(j: Array, weights: Array) -> Array:
     return schur_complement(gram_matrices(rows))
 
 
-def schur_complement(h: Array) -> Array:
-    """Schur complement (v, p, p) of the last six variables of (v, p + 6, p + 6)."""
-    size = h.shape[-1] - POSE_SIZE
+def schur_complement(h: Array, nuisance: int = 0) -> Array:
+    """Schur complement (v, p, p) of the last variables of (v, p + 6 + nuisance, p + 6 + nuisance).
+
+    These are the six of a pose, and then as many nuisance variables as are told, of standard deviation 1.
+    """
+    size = h.shape[-1] - POSE_SIZE - nuisance
     b = h[:, size:, size:]
+    if nuisance:
+        b = b + np.diag([0.0] * POSE_SIZE + [1.0] * nuisance)
     w = h[:, size:, :size]
     # The smallest ridge that keeps a view without any points from being singular.
     ridge = 1e-13 * np.diagonal(b, axis1=1, axis2=2) + 1e-200
@@ -129,7 +134,8 @@ def eliminate_poses(h_pp: Array, h_pc: Array, damping: float | Array) -> Array:
 
     Blocks (v, 6, 6) and (v, 6, m) of scaled unknowns; damping is one number, or (v,) one for each view.
     """
-    return solve_or_nan(h_pp + np.reshape(damping, (-1, 1, 1)) * EYE, h_pc)
+    eye = EYE if h_pp.shape[-1] == POSE_SIZE else np.eye(h_pp.shape[-1])
+    return solve_or_nan(h_pp + np.reshape(damping, (-1, 1, 1)) * eye, h_pc)
 
 
 def residual_jacobian(rows: Array) -> Array:

@@ -8,12 +8,14 @@ import numpy as np
 from .. import models
 from ..arrays import Array, symmetric_inverse
 from ..camera import Camera
-from ..fitting import initial_guess, normal_equations, prior, uncertainty
+from ..fitting import initial_guess, prior, uncertainty
 from ..fitting.calibration import Calibration
+from ..fitting.normal_equations import Poses
 from ..fitting.observations import Observations
 from ..models import Model
 from ..view import View
 from .candidates import RayGrid
+from .systematic_errors import limited_information, systematic_share
 
 ERROR_GRID = (12, 9)
 """Columns and rows of pixels over which the projection error is averaged."""
@@ -43,6 +45,8 @@ class IntrinsicsPosterior:
         Standard deviation of a corner's coordinate, px.
     img_size
         Width and height, px.
+    systematic
+        Size of the views' systematic errors / the usual one (`systematic_errors`); 0: none have been seen.
     """
 
     model: Model
@@ -50,6 +54,7 @@ class IntrinsicsPosterior:
     information: Array
     noise: float
     img_size: tuple[int, int]
+    systematic: float = 0.0
 
     @classmethod
     def of(
@@ -73,7 +78,8 @@ class IntrinsicsPosterior:
         k = calibration.camera.intrinsics
         noise = max(calibration.noise, MIN_NOISE_WIDTHS * w)
         covariance = calibration.covariance * (noise / max(calibration.noise, 1e-12)) ** 2
-        return cls(model, k, symmetric_inverse(covariance), noise, img_size)
+        systematic = systematic_share(float(getattr(calibration, "inflation", 1.0)))
+        return cls(model, k, symmetric_inverse(covariance), noise, img_size, systematic)
 
     @cached_property
     def camera(self) -> Camera:
@@ -92,6 +98,21 @@ class IntrinsicsPosterior:
             uncertainty.projection_jacobian_rotation_free(self.model, self.k, self.img_size, ERROR_GRID)
         )
 
+    def view_information(self, obs: Observations, poses: Poses) -> Array:
+        """Fisher information (v, p, p) of views at their poses, at unit noise; NaN of unseen ones."""
+        s, q = limited_information(
+            self.model,
+            self.k,
+            poses,
+            obs.points,
+            obs.mask.astype(np.float64),
+            self.noise,
+            self.img_size[1],
+            self.systematic,
+        )
+        s[~np.isfinite(q).all(axis=(1, 2))] = np.nan
+        return s
+
     def gain(self, information: Array) -> float:
         """Decrease of the mean square error, px^2, by views of Fisher `information` (p, p) at unit noise."""
         w = self.error_metric
@@ -105,7 +126,5 @@ class IntrinsicsPosterior:
         posed = initial_guess.at(self.model, obs, self.k)
         if not posed.error < MAX_MEDIAN_ERROR_WIDTHS * self.img_size[0]:
             return None
-        q, j = normal_equations.projection_jacobian(self.model, self.k, posed.poses, obs.points)
-        if not (np.isfinite(q).all() and np.isfinite(j).all()):
-            return None
-        return self.gain(normal_equations.fisher_information(j, obs.mask.astype(np.float64))[0])
+        s = self.view_information(obs, posed.poses)[0]
+        return self.gain(s) if np.isfinite(s).all() else None

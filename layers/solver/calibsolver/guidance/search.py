@@ -7,12 +7,12 @@ import numpy as np
 from .. import rotation
 from ..arrays import Array, IntArray, Mask
 from ..board import Board
-from ..fitting import normal_equations
 from ..fitting.normal_equations import Poses
 from . import candidates
 from .candidates import CornerGrid, PoseLimits
 from .pose_history import PoseHistory
 from .posterior import IntrinsicsPosterior
+from .systematic_errors import limited_information
 from .target import TargetPose
 
 CANDIDATE_COUNT = 128
@@ -181,7 +181,8 @@ def fisher_information(
 ) -> tuple[Array, Mask]:
     """Fisher information (c, p, p) of the intrinsics from views at poses (c), at noise of 1 px.
 
-    The poses are marginalised. Also returned is which poses (c,) respect the limits; others have 0.
+    The poses, and what hands and boards add, are marginalised (`systematic_errors`). Also returned is which
+    poses (c,) respect the limits; others have 0.
     """
     p = poses.r @ corners.points + poses.t[:, :, None]
     q = posterior.model.project(posterior.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
@@ -189,12 +190,16 @@ def fisher_information(
     use = np.flatnonzero(feasible)
     s = np.zeros((len(feasible), posterior.model.size, posterior.model.size))
     if use.size:
-        _, j = normal_equations.projection_jacobian(
-            posterior.model, posterior.k, Poses(poses.r[use], poses.t[use]), corners.points
+        s[use], _ = limited_information(
+            posterior.model,
+            posterior.k,
+            Poses(poses.r[use], poses.t[use]),
+            corners.points,
+            visible[use].astype(np.float64) * corners.multiplicity,
+            posterior.noise,
+            posterior.img_size[1],
+            posterior.systematic,
         )
-        visible = visible[use]
-        j = np.where(visible[:, None, None, :], j, 0.0)
-        s[use] = normal_equations.fisher_information(j, visible.astype(np.float64) * corners.multiplicity)
     return s, feasible
 
 

@@ -1,0 +1,63 @@
+"""Real hands and boards: a hand that moves while the rows are read out, and a board of paper that bends."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibsolver import Board, Camera
+from calibsolver import rotation as rotations
+
+SQUARE_CM = 3.0
+"""A board of 9 x 6 squares on a sheet of A4."""
+
+
+@dataclass(frozen=True)
+class Hand:
+    """Motion during one frame, and the shape of the board.
+
+    Attributes
+    ----------
+    readout_s
+        Time between the first and the last row of an image; 0: a global shutter.
+    speed_cm_s, turn_deg_s
+        Root mean square velocity of the board along and about each axis: the tremor of a hand that rests.
+    sag_boards
+        Largest height of the board over its plane / its longer side; one shape in all views of a capture.
+    """
+
+    readout_s: float = 0.0
+    speed_cm_s: float = 0.0
+    turn_deg_s: float = 0.0
+    sag_boards: float = 0.0
+
+    def bend(self, board: Board, rng: np.random.Generator) -> np.ndarray:
+        """Return the corners (n, 3) of a board bent in some direction, board frame."""
+        center, half = board.outline.mean(axis=0), max(board.size) / 2
+        x, y = ((board.points - center) / half)[:, :2].T
+        height = np.stack([x * x, x * y, y * y], axis=1) @ rng.normal(size=3)
+        height -= height.mean()
+        points = board.points.copy()
+        points[:, 2] = height * (self.sag_boards * max(board.size) / max(np.abs(height).max(), 1e-12))
+        return points
+
+    def project(
+        self, points: np.ndarray, camera: Camera, rvec: np.ndarray, tvec: np.ndarray, rng: np.random.Generator
+    ) -> np.ndarray:
+        """Pixels (n, 2) of points (n, 3) of a board that moves at a constant velocity through the frame."""
+        r = rotations.matrix(rvec)
+        shift = self.speed_cm_s / SQUARE_CM * rng.normal(size=3)
+        turn = np.radians(self.turn_deg_s) * rng.normal(size=3)
+        center = points.mean(axis=0)
+        q: np.ndarray = camera.project(points @ r.T + tvec)
+        for _ in range(2):  # a point is seen when its row is read
+            share = np.nan_to_num(np.clip(q[:, 1] / camera.img_size[1], 0, 1)) - 0.5
+            late = (self.readout_s * share)[:, None]
+            moved = np.einsum("nij,nj->ni", rotations.matrix(late * turn), (points - center) @ r.T)
+            q = camera.project(moved + center @ r.T + tvec + late * shift)
+        return q
+
+
+STEADY = Hand()
+MOVING = Hand(readout_s=0.02, speed_cm_s=5.0, turn_deg_s=10.0)
+BENT = Hand(sag_boards=0.005)
+MOVING_AND_BENT = Hand(readout_s=0.02, speed_cm_s=5.0, turn_deg_s=10.0, sag_boards=0.005)
