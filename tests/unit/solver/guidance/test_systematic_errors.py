@@ -31,7 +31,7 @@ def test_without_systematic_errors_it_is_fisher_information() -> None:
 def test_information_is_limited_the_more_the_lower_the_noise() -> None:
     """Share of the information of white noise that is left, direction by direction: (1 + N T)^-1."""
     left = []
-    for noise in (0.2, 0.02, 0.002):
+    for noise in (0.2, 0.02):
         white = limited(noise, 0.0)[0]
         scale = 1 / np.sqrt(np.diagonal(white))
         whiten = np.linalg.inv(np.linalg.cholesky(white * scale[:, None] * scale)) * scale
@@ -40,7 +40,6 @@ def test_information_is_limited_the_more_the_lower_the_noise() -> None:
         left.append(share.min())
     assert left[0] < 0.5
     assert left[1] < 0.1 * left[0]
-    assert left[2] < 0.1 * left[1]
 
 
 @pytest.mark.parametrize("cause", range(9))
