@@ -93,18 +93,20 @@ def fit(
         return _Fit(Problem(camera_model, obs, img_size), order, mirrored[order.views], robust, start).run()
 
 
-def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
+def refine(views: Sequence[View], near: Camera, poses: Array, *, planar: bool = True) -> Calibration:
     """Refine a fit of which camera and poses (v, 6) are nearly known: robustly, from there alone.
 
-    For parts of what was fitted before; raises as `fit` does.
+    For parts of what was fitted before; raises as `fit` does. A board that is not `planar` may bend a little.
     """
-    given = pack(views, near.img_size)
+    given = pack(views, near.img_size, planar=planar)
     degenerate = degenerate_views(given)
     if degenerate.any():
         if degenerate.all():
             check(views, near.img_size)  # raises
         kept = np.flatnonzero(~degenerate).tolist()
-        return with_degenerate_views(refine([views[i] for i in kept], near, poses[kept]), views, degenerate)
+        return with_degenerate_views(
+            refine([views[i] for i in kept], near, poses[kept], planar=planar), views, degenerate
+        )
     obs, order = given.sort_canonically()
     mirrored = validation.mirrored_views(given)[order.views]
     problem = Problem(models.get(near.model), obs, near.img_size)

@@ -1,0 +1,100 @@
+"""Flatness of the board: its shape as the views tell it, used where cross-validation says that it helps."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import CalibrationError
+from ..fitting.board_shape import BoardShape, estimate_board_shape
+from ..fitting.calibration import Calibration
+from ..fitting.fit import fit
+from ..fitting.resection import reprojection_score
+from ..fitting.validation import degenerate_views, pack
+from ..view import View
+
+MIN_VIEWS = 10
+"""Views from which the shape of a board can be told from the lens."""
+FOLDS = 5
+MIN_IMPROVEMENT = 0.005
+"""Share by which the error on views left out must fall for the shape to be used."""
+MIN_REPORTED = 0.002
+"""Sag or stretch / the board's longer side from which a user is told."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShapedFit:
+    """A fit that took the shape of the board into account where that helps.
+
+    Attributes
+    ----------
+    calibration
+        Of the board as drawn, or in its shape where `used`.
+    shape
+        As estimated; None with fewer than MIN_VIEWS views, or where it did not settle.
+    used
+        Whether cross-validation says that the shape helps.
+    held_out, held_out_shaped
+        px, rms on views left out: with the board as drawn, and in its shape; NaN without a shape.
+    """
+
+    calibration: Calibration
+    shape: BoardShape | None
+    used: bool
+    held_out: float
+    held_out_shaped: float
+
+    @property
+    def reported(self) -> bool:
+        """Whether the board is so far from its drawing that a user should know."""
+        return self.shape is not None and self.used and max(self.shape.sag, self.shape.stretch) > MIN_REPORTED
+
+
+def fit_with_board_shape(
+    views: Sequence[View], img_size: tuple[int, int], model: str = "rectilinear"
+) -> ShapedFit:
+    """Fit the views with the board as drawn and in the shape that they tell; keep what predicts better.
+
+    Raises CalibrationError as `fit` does.
+    """
+    calibration = fit(views, img_size, model)
+    usable = int(np.sum(~degenerate_views(pack(views, img_size)))) - len(calibration.cut_views)
+    nothing = ShapedFit(calibration, None, False, np.nan, np.nan)
+    if usable < MIN_VIEWS:
+        return nothing
+    try:
+        shape, shaped = estimate_board_shape(views, calibration)
+        flat_error, shaped_error = held_out_errors(views, calibration)
+    except CalibrationError:
+        return nothing
+    used = shaped_error < (1 - MIN_IMPROVEMENT) * flat_error
+    return ShapedFit(shaped if used else calibration, shape, used, flat_error, shaped_error)
+
+
+def held_out_errors(views: Sequence[View], calibration: Calibration) -> tuple[float, float]:
+    """Rms on views left out, px: with the board as drawn, and in the shape that the other views tell.
+
+    Poses of the views left out are fitted. Points and views that the `calibration` of all views cut count for
+    neither.
+    """
+    size, model = calibration.camera.img_size, calibration.camera.model
+    counted = [i for i in range(len(views)) if calibration.used[i].sum() >= 6]
+    kept = [
+        View(views[i].object_points[calibration.used[i]], views[i].image_points[calibration.used[i]])
+        for i in counted
+    ]
+    squares, points = np.zeros(2), 0
+    for fold in range(FOLDS):
+        training = [view for i, view in enumerate(kept) if i % FOLDS != fold]
+        test = kept[fold::FOLDS]
+        flat = fit(training, size, model)
+        shape, shaped = estimate_board_shape(training, flat)
+        errors = (
+            reprojection_score(flat.camera, test).rms,
+            reprojection_score(shaped.camera, [shape.apply(view) for view in test]).rms,
+        )
+        count = sum(len(view) for view in test)
+        squares += count * np.array(errors) ** 2
+        points += count
+    flat_error, shaped_error = np.sqrt(squares / points)
+    return float(flat_error), float(shaped_error)
