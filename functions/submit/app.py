@@ -24,6 +24,7 @@ from calibdb.rules.session_state import state, view_answer
 from calibdb.schema import (
     DISTORTION_MODELS,
     EstimateDocument,
+    FitRecord,
     RefitRequest,
     SessionDocument,
     ViewRequest,
@@ -32,6 +33,7 @@ from calibdb.schema.session import Advice, Hint, Refusal, SetAside
 from calibsolver import DeadlineError, View, deadline, guidance
 from calibsolver.capture import Capture, Estimate, Exclusion, ViewDecision, exclusions
 from calibsolver.quality import report
+from calibsolver.quality.board_flatness import shaped_fit
 
 
 def submit(call: application.Call) -> Response:
@@ -177,7 +179,13 @@ def end(
         return document
     indices = [known.index for known in document.views if known.set_aside is None]
     used = [one for i, one in enumerate(views) if i not in estimate.excluded]
-    described = report.describe(estimate.calibration, used, indices)
+    board = shaped_fit(estimate.calibration, used)
+    if board.used and board.shape is not None:
+        used = [board.shape.apply(view) for view in used]
+        fit = FitRecord.model_validate(board.calibration.record())
+        known = document.estimate.model_copy(update={"fit": fit})
+        document = document.model_copy(update={"estimate": known})
+    described = report.describe(board.calibration, used, indices, board=board)
     return session_rules.with_finish(document, now, who, calibsolver.__version__, described, where)
 
 

@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from calibsolver import Board, View, fit
+from calibsolver import Board, View
 from calibsolver.formats.grid import grid
+from calibsolver.quality.board_flatness import fit_with_board_shape
 from tests.helpers.data import available, corner_views
 from tests.helpers.service.client import Client, Truth
 
@@ -49,12 +50,16 @@ def test_every_real_view_that_agrees_counts(client: Client, name: str) -> None:
     assert (ended.status, ended.json["status"]) == (200, "converged")
     used = [v for v, state in zip(taken, ended.json["views"], strict=True) if state["set_aside"] is None]
     assert len(used) >= len(views) - 1
-    expected = fit(used, tuple(ended.json["img_size"]))
-    assert np.allclose(ended.json["calibration"]["camera_matrix"], expected.camera.matrix, rtol=1e-4)
+    expected = fit_with_board_shape(used, tuple(ended.json["img_size"]))
+    matrix = expected.calibration.camera.matrix
+    assert np.allclose(ended.json["calibration"]["camera_matrix"], matrix, rtol=1e-4)
     assert client.call("POST", "/v1/session/finish").json == ended.json, "again is answered again"
     token = client.api_token
     stored = client.call("GET", f"/v1/calibrations/{ended.json['calibration_id']}", token=token).json
     assert len(stored["report"]["views"]) == len(used)
+    assert stored["report"]["board"]["used"] == expected.used
+    reasons = [reason["code"] for reason in stored["report"]["verdict"]["reasons"]]
+    assert ("board_not_flat" in reasons) == expected.reported
 
 
 def test_view_that_adds_little_counts_where_it_is_recorded_only(client: Client) -> None:

@@ -25,6 +25,7 @@ export default {
   reason_model_too_simple:
     "Alle Ansichten zeigen dasselbe Fehlermuster: Entweder ist dieses Modell zu einfach für das Objektiv, oder "
       + "die Tafel ist nicht eben. Versuchen Sie ein Modell für weitere Objektive.",
+  reason_board_not_flat: "Die Tafel ist gebogen oder verzerrt gedruckt. Das wurde berücksichtigt. Kleben Sie sie auf etwas Steifes.",
   reason_noisy:
     "Die Ecken sind ungenau: Unschärfe, Bewegung oder eine Tafel, die nicht eben ist. Sorgen Sie für mehr Licht "
       + "und halten Sie still.",

@@ -22,6 +22,7 @@ export default {
   reason_model_too_simple:
     "All views have the same pattern of errors: either this model is too simple for the lens, or the board is "
       + "not flat. Try a model for wider lenses.",
+  reason_board_not_flat: "The board is bent, or was printed out of shape. That was taken into account. Glue it to something rigid.",
   reason_noisy:
     "The corners are imprecise because of blur, motion, or a board that is not flat. Use more light, and hold "
       + "still.",

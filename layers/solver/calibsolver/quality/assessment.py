@@ -23,6 +23,7 @@ Code = Literal[
     "uncertain",
     "over_fitted",
     "model_too_simple",
+    "board_not_flat",
     "noisy",
     "outliers",
     "views_left_out",

@@ -12,6 +12,7 @@ from ..fitting.fit import fit
 from ..fitting.resection import reprojection_score
 from ..fitting.validation import degenerate_views, pack
 from ..view import View
+from .assessment import Reason
 
 MIN_VIEWS = 10
 """Views from which the shape of a board can be told from the lens."""
@@ -57,7 +58,12 @@ def fit_with_board_shape(
 
     Raises CalibrationError as `fit` does.
     """
-    calibration = fit(views, img_size, model)
+    return shaped_fit(fit(views, img_size, model), views)
+
+
+def shaped_fit(calibration: Calibration, views: Sequence[View]) -> ShapedFit:
+    """Take the shape of the board into account in a calibration of `views`, if that predicts better."""
+    img_size = calibration.camera.img_size
     usable = int(np.sum(~degenerate_views(pack(views, img_size)))) - len(calibration.cut_views)
     nothing = ShapedFit(calibration, None, False, np.nan, np.nan)
     if usable < MIN_VIEWS:
@@ -98,3 +104,16 @@ def held_out_errors(views: Sequence[View], calibration: Calibration) -> tuple[fl
         points += count
     flat_error, shaped_error = np.sqrt(squares / points)
     return float(flat_error), float(shaped_error)
+
+
+def board_reasons(found: ShapedFit) -> tuple[Reason, ...]:
+    """Word what a user should know of the board: nothing where it is as drawn."""
+    if not found.reported or found.shape is None:
+        return ()
+    what = []
+    if found.shape.sag > MIN_REPORTED:
+        what.append(f"bent by {found.shape.sag:.1%} of its length")
+    if found.shape.stretch > MIN_REPORTED:
+        what.append(f"printed {found.shape.stretch:.1%} out of shape")
+    text = f"the board is {' and '.join(what)}, which was taken into account: glue it to something rigid"
+    return (Reason("board_not_flat", text),)

@@ -6,9 +6,11 @@ from typing import TypeAlias, Union
 import numpy as np
 
 from ..arrays import Array
+from ..fitting.board_shape import BoardShape
 from ..fitting.calibration import Calibration
 from ..view import View
 from .assessment import Assessment, Reason, assess, residual_vectors
+from .board_flatness import ShapedFit, board_reasons
 
 __all__ = ["Assessment", "Json", "Reason", "assess", "describe"]
 
@@ -21,6 +23,7 @@ def describe(
     views: Sequence[View],
     indices: Sequence[int] | None = None,
     held_out: float | None = None,
+    board: ShapedFit | None = None,
 ) -> dict[str, Json]:
     """Describe a calibration for a page that shows it: plain JSON values, rounded to what they carry.
 
@@ -32,10 +35,15 @@ def describe(
         The views' names in the capture they come from; counted from 0 where there are none.
     held_out
         px, rms of a cross-validation, where there is one.
+    board
+        What the views tell of the board's shape, where that was asked; the calibration is in that shape where
+        it is used, and so are the `views`.
 
     Returns
     -------
-    ``verdict`` (level, reasons), ``std`` (standard deviations of the intrinsics), ``error_map`` (predicted
+    ``verdict`` (level, reasons), ``board`` (``sag`` and ``stretch`` / longer side, whether they are ``used``,
+    px ``held_out`` as drawn and ``held_out_shaped``; null where too few views tell it), ``std`` (standard
+    deviations of the intrinsics), ``error_map`` (predicted
     projection error over the image, px, null where the model has no ray), ``held_out`` (px; null where there
     is none, or more than the image is wide), ``views``: per view its ``index``, ``rms``, ``points`` (px),
     ``residuals`` (measured minus predicted, px), ``rvec``, ``tvec`` (board -> camera), ``cut`` (numbers of
@@ -43,14 +51,17 @@ def describe(
     pose nor error: null.
     """
     verdict = assess(calibration, views, held_out)
+    reasons = verdict.reasons if board is None else (*verdict.reasons, *board_reasons(board))
+    level = "fair" if verdict.level == "good" and reasons else verdict.level
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
     grid, width = (20, 15), calibration.camera.img_size[0]
     vectors = residual_vectors(calibration, views)
     return {
         "verdict": {
-            "level": verdict.level,
-            "reasons": [{"code": r.code, "text": r.text} for r in verdict.reasons],
+            "level": level,
+            "reasons": [{"code": r.code, "text": r.text} for r in reasons],
         },
+        "board": None if board is None or board.shape is None else _board(board, board.shape),
         "std": {
             **{name: _digits(value) for name, value in zip(("fx", "fy", "cx", "cy"), std, strict=False)},
             "distortion": [_digits(value) for value in std[4:]],
@@ -73,6 +84,16 @@ def describe(
             }
             for i, view in enumerate(views)
         ],
+    }
+
+
+def _board(found: ShapedFit, shape: BoardShape) -> dict[str, Json]:
+    return {
+        "sag": _digits(shape.sag),
+        "stretch": _digits(shape.stretch),
+        "used": found.used,
+        "held_out": _digits(found.held_out),
+        "held_out_shaped": _digits(found.held_out_shaped),
     }
 
 
