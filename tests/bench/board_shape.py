@@ -1,4 +1,4 @@
-"""`make bench DOCS=board-shape`: held-out errors with the board as drawn and in its shape; docs/accuracy.md."""
+"""`make bench DOCS=board-shape`: held-out errors with the board as drawn and in its shape."""
 
 import numpy as np
 
