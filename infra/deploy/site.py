@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from infra.local.pages import media_type
+from infra.web_build.precache_manifest import shell_of
 
 # What others made, under a name that changes with its content, is kept for good. Everything else the edge
 # keeps until the upload says otherwise, and browsers ask the edge whether it changed.
@@ -35,7 +36,7 @@ class Upload:
 
 
 def uploads(web: Path, settings: Mapping[str, str]) -> Iterator[Upload]:
-    """Yield everything to upload, pages last: what they load is there before them.
+    """Yield everything to upload, pages last: what they load is there before them; then the list of it all.
 
     Parameters
     ----------
@@ -50,8 +51,14 @@ def uploads(web: Path, settings: Mapping[str, str]) -> Iterator[Upload]:
         if path.is_file() and not path.name.endswith(_EXCLUDED_SUFFIXES)
     }
     vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})}/"
+    digests: dict[str, str] = {}
     for key in sorted(files, key=lambda key: (key.endswith(".html"), key)):
-        yield _upload(key, files[key], vendor)
+        file = _upload(key, files[key], vendor)
+        content = gzip.decompress(file.content) if file.content_encoding else file.content
+        digests[file.key] = hashlib.sha256(content).hexdigest()
+        yield file
+    # What the service worker of the pages keeps, by the names and contents that a browser gets.
+    yield Upload("shell.json", json.dumps(shell_of(digests)).encode(), "application/json", FRESH)
     yield Upload("config.json", json.dumps(dict(settings)).encode(), "application/json", _NO_STORE)
 
 

@@ -135,6 +135,7 @@ def _paths(ask: Ask) -> Iterator[str]:
         ("GET", "/calibrate/", 200),
         ("GET", "/openapi.json", 200),
         ("GET", "/config.json", 200),
+        ("GET", "/shell.json", 200),
         ("GET", "/v1/lookup", 401),
         ("POST", "/v1/auth", 401),
         ("GET", "/v1/auth", 405),

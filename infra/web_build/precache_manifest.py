@@ -9,17 +9,19 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import sys
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import TypedDict
 
 WEB = Path(__file__).parents[2] / "web"
 # Fetched when a page needs them, not with the first visit: 12 MB, or a script not everybody reads.
-LAZY_PREFIXES = ("vendor/opencv/", "vendor/font/geologica-cyrillic")
+LAZY = re.compile(r"vendor(-[0-9a-f]+)?/(opencv/|font/geologica-cyrillic)")
 SUFFIXES = {".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm"}
 # For who writes applications: of no use without a network, and 3 MB.
-EXCLUDED_PREFIXES = ("examples/", "vendor/engines/")
+EXCLUDED = re.compile(r"examples/|vendor(-[0-9a-f]+)?/engines/")
 # Not for pages, or another with every server.
 EXCLUDED_FILES = {"openapi.json", "tsconfig.json", "config.json", "shell.json", "sw.js"}
 
@@ -34,21 +36,30 @@ class Shell(TypedDict):
 
 def shell(folder: Path = WEB) -> Shell:
     """Return the list of the pages' files: path → SHA-256, hexadecimal."""
-    files = {
-        path.relative_to(folder).as_posix(): _hash(path, *_state(path))
-        for path in sorted(folder.rglob("*"))
-        if path.is_file() and path.suffix in SUFFIXES
-    }
+    return shell_of(
+        {
+            path.relative_to(folder).as_posix(): _hash(path, *_state(path))
+            for path in sorted(folder.rglob("*"))
+            if path.is_file() and path.suffix in SUFFIXES
+        }
+    )
+
+
+def shell_of(digests: Mapping[str, str]) -> Shell:
+    """Return the list of those among files, by path with their SHA-256, that belong to pages.
+
+    The folder `vendor/` may have the hash in its name that an upload gives it.
+    """
     files = {
         name: digest
-        for name, digest in files.items()
-        if name not in EXCLUDED_FILES and not name.startswith(EXCLUDED_PREFIXES)
+        for name, digest in digests.items()
+        if Path(name).suffix in SUFFIXES and name not in EXCLUDED_FILES and not EXCLUDED.match(name)
     }
     version = hashlib.sha256(json.dumps(files).encode()).hexdigest()[:16]
     return {
         "version": version,
         "files": files,
-        "late": [name for name in files if name.startswith(LAZY_PREFIXES)],
+        "late": [name for name in files if LAZY.match(name)],
     }
 
 

@@ -1,6 +1,7 @@
 """A deployment uploads a site that holds together, keeps its secrets, and says what it would do."""
 
 import gzip
+import hashlib
 import json
 import posixpath
 import re
@@ -67,9 +68,21 @@ def test_uploads_have_type_encoding_and_cache_control(site: dict[str, Upload]) -
     for key, file in site.items():
         assert file.content_type == media_type(key)
         assert len(file.content) < 10_000_000
-    assert list(site)[-2:] == ["result/index.html", "config.json"]
+    assert list(site)[-2:] == ["shell.json", "config.json"]
     assert site["config.json"].cache_control == "no-store"
     assert json.loads(site["config.json"].content) == SETTINGS
+
+
+def test_service_worker_finds_every_file_of_its_list_as_it_is_uploaded(site: dict[str, Upload]) -> None:
+    listed = json.loads(site["shell.json"].content)
+    assert {"index.html", "calibrate/index.html", "calibrate/main.js"} <= set(listed["files"])
+    for name, digest in listed["files"].items():
+        file = site[name]
+        content = gzip.decompress(file.content) if file.content_encoding else file.content
+        assert hashlib.sha256(content).hexdigest() == digest, name
+    (wasm,) = (name for name in listed["late"] if name.endswith(".wasm"))
+    assert wasm.startswith("vendor-")
+    assert not [name for name in listed["files"] if "engines/" in name or name.startswith("examples/")]
 
 
 def test_another_vendor_file_is_another_name(tmp_path: Path) -> None:
