@@ -135,13 +135,15 @@ def ensure_current(
     `guard`: entered before anything is computed; the reads that find nothing stale need none.
     """
     with ExitStack() as guarded:
-        for _ in range(MAX_ATTEMPTS):
-            consensuses = _try_once(service, mode, models, compute=guard is None)
+        if guard is not None:
+            consensuses = _try_once(service, mode, models, compute=False)
             if consensuses is not None:
                 return consensuses
-            if guard is not None:
-                guarded.enter_context(guard)
-                guard = None
+            guarded.enter_context(guard)
+        for _ in range(MAX_ATTEMPTS):
+            consensuses = _try_once(service, mode, models, compute=True)
+            if consensuses is not None:
+                return consensuses
     raise UnavailableError("Other computations keep updating this consensus; try again.")
 
 
