@@ -21,12 +21,12 @@ from .fit import refine
 from .normal_equations import POSE_SIZE, Poses
 from .observations import Observations
 
-SIZE = 5
+SHAPE_SIZE = 5
 """Parameters: height by x^2, xy and y^2; stretch of x against y; shear."""
 HEIGHT_STD_BOARDS, STRETCH_STD = 0.005, 0.003
 """Standard deviations expected: of the height at the rim / longer side; of stretch and shear, as a share."""
-MAX_ITERATIONS = 8
-MIN_DECREASE = 1e-6
+MAX_SHAPE_STEPS = 8
+MIN_SHAPE_DECREASE = 1e-6
 """Relative decrease of the cost below which the estimate is final."""
 
 
@@ -48,7 +48,7 @@ class BoardShape:
     center: tuple[float, float]
     half: float
     reach: tuple[float, float]
-    parameters: tuple[float, ...] = (0.0,) * SIZE
+    parameters: tuple[float, ...] = (0.0,) * SHAPE_SIZE
 
     @classmethod
     def flat(cls, views: Sequence[View]) -> "BoardShape":
@@ -76,10 +76,10 @@ class BoardShape:
         return max(2 * abs(self.parameters[3]), abs(self.parameters[4]))
 
     def displacements(self, points: Array) -> Array:
-        """Differentiate points (3, ...), board frame, by the parameters: (SIZE, 3, ...)."""
+        """Differentiate points (3, ...), board frame, by the parameters: (SHAPE_SIZE, 3, ...)."""
         x = (points[0] - self.center[0]) / self.half
         y = (points[1] - self.center[1]) / self.half
-        out = np.zeros((SIZE, *points.shape))
+        out = np.zeros((SHAPE_SIZE, *points.shape))
         out[0, 2], out[1, 2], out[2, 2] = x * x, x * y, y * y
         out[:3] *= 2 * self.half
         out[3, 0], out[3, 1], out[4, 0] = x * self.half, -y * self.half, y * self.half
@@ -109,15 +109,15 @@ def estimate_board_shape(views: Sequence[View], calibration: Calibration) -> tup
     poses = Poses.of_vectors(np.array(calibration.poses)[kept])
     expected = np.array([HEIGHT_STD_BOARDS] * 3 + [STRETCH_STD] * 2)
     belief = np.diag((calibration.noise / expected) ** 2)
-    by_shape = np.stack([shape.displacements(p) for p in obs.points], axis=2)  # (SIZE, 3, v, n)
-    a = np.zeros(SIZE)
+    by_shape = np.stack([shape.displacements(p) for p in obs.points], axis=2)  # (SHAPE_SIZE, 3, v, n)
+    a = np.zeros(SHAPE_SIZE)
     best = np.inf
-    for _ in range(MAX_ITERATIONS):
+    for _ in range(MAX_SHAPE_STEPS):
         points = obs.points + np.einsum("s,sivn->vin", a, by_shape)
         q, rows = normal_equations.linearize(model, k, poses, points, 0)
         e = (q - obs.pixels.transpose(1, 0, 2)) * mask
         cost = float(np.sum(e**2) + a @ belief @ a)
-        if not cost < best * (1 - MIN_DECREASE):
+        if not cost < best * (1 - MIN_SHAPE_DECREASE):
             break
         best = cost
         by_point = rows[model.size + 3 : model.size + POSE_SIZE]
@@ -136,16 +136,16 @@ def estimate_board_shape(views: Sequence[View], calibration: Calibration) -> tup
 
 
 def _step(h: Array, size: int, belief: Array, a: Array) -> tuple[Array, Array, Array]:
-    """Solve for the steps of intrinsics (p,), shape (SIZE,) and poses (v, 6).
+    """Solve for the steps of intrinsics (p,), shape (SHAPE_SIZE,) and poses (v, 6).
 
     Parameters
     ----------
     h
         (v, m, m) Gram matrices of the rows of intrinsics, shape, pose and residual.
     belief
-        (SIZE, SIZE) information of the shape's prior, `a` (SIZE,) the shape so far.
+        (SHAPE_SIZE, SHAPE_SIZE) information of the shape's prior, `a` (SHAPE_SIZE,) the shape so far.
     """
-    free = size + SIZE
+    free = size + SHAPE_SIZE
     pose, last = slice(free, free + POSE_SIZE), free + POSE_SIZE
     scale = 1 / np.sqrt(np.maximum(np.diagonal(h[:, pose, pose], axis1=1, axis2=2), 1e-300))
     unit = h[:, pose, pose] * scale[:, :, None] * scale[:, None, :]

@@ -14,10 +14,10 @@ from ..fitting.validation import degenerate_views, pack
 from ..view import View
 from .assessment import Reason
 
-MIN_VIEWS = 10
+MIN_SHAPE_VIEWS = 10
 """Views from which the shape of a board can be told from the lens."""
 FOLDS = 5
-MIN_IMPROVEMENT = 0.005
+MIN_HELD_OUT_IMPROVEMENT = 0.005
 """Share by which the error on views left out must fall for the shape to be used."""
 MIN_REPORTED = 0.002
 """Sag or stretch / the board's longer side from which a user is told."""
@@ -32,7 +32,7 @@ class ShapedFit:
     calibration
         Of the board as drawn, or in its shape where `used`.
     shape
-        As estimated; None with fewer than MIN_VIEWS views, or where it did not settle.
+        As estimated; None with fewer than MIN_SHAPE_VIEWS views, or where it did not settle.
     used
         Whether cross-validation says that the shape helps.
     held_out, held_out_shaped
@@ -66,14 +66,14 @@ def shaped_fit(calibration: Calibration, views: Sequence[View]) -> ShapedFit:
     img_size = calibration.camera.img_size
     usable = int(np.sum(~degenerate_views(pack(views, img_size)))) - len(calibration.cut_views)
     nothing = ShapedFit(calibration, None, False, np.nan, np.nan)
-    if usable < MIN_VIEWS:
+    if usable < MIN_SHAPE_VIEWS:
         return nothing
     try:
         shape, shaped = estimate_board_shape(views, calibration)
         flat_error, shaped_error = held_out_errors(views, calibration)
     except CalibrationError:
         return nothing
-    used = shaped_error < (1 - MIN_IMPROVEMENT) * flat_error
+    used = shaped_error < (1 - MIN_HELD_OUT_IMPROVEMENT) * flat_error
     return ShapedFit(shaped if used else calibration, shape, used, flat_error, shaped_error)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from calibsolver import View, fit
 from calibsolver.fitting.board_shape import BoardShape, estimate_board_shape
-from calibsolver.quality.board_flatness import MIN_VIEWS, fit_with_board_shape
+from calibsolver.quality.board_flatness import MIN_SHAPE_VIEWS, fit_with_board_shape
 from tests.helpers.data import available, corner_views
 from tests.helpers.solver import hands, peers, synthetic
 
@@ -51,7 +51,7 @@ def test_stretch_of_the_print_is_recovered() -> None:
 
 
 def test_few_views_tell_no_shape() -> None:
-    found = fit_with_board_shape(captured(hands.BENT)[: MIN_VIEWS - 1], CAMERA.img_size)
+    found = fit_with_board_shape(captured(hands.BENT)[: MIN_SHAPE_VIEWS - 1], CAMERA.img_size)
     assert (found.shape, found.used, found.reported) == (None, False, False)
 
 
