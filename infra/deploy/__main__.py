@@ -21,6 +21,7 @@ from infra.deploy.package import ROOT
 from infra.deploy.site import uploads
 from infra.deploy.steps import Target, steps
 from infra.local.intrinsics import parse
+from infra.release.checkout import CheckoutError, check_clean
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -32,6 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--rotate", action="store_true", help="only rotate the keys that sign session ids")
     parser.add_argument(
         "--rotate-edge", action="store_true", help="only rotate the secret that CloudFront sends"
+    )
+    parser.add_argument(
+        "--dirty", action="store_true", help="deploy although the checkout differs from its commit"
     )
     parser.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of the template")
     asked = parser.parse_args(arguments)
@@ -58,7 +62,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             cloudformation = boto3.client("cloudformation", target.region)
             aws.set_parameter(cloudformation, target.stack, "EdgeSecretVersion", str(version))
         else:
+            if not asked.dirty:
+                check_clean()
             deploy(target)
+    except CheckoutError as error:
+        print(f"calibDB: {error}, or deploy with --dirty", file=sys.stderr)
+        return 1
     except (DeployError, BotoCoreError, ClientError) as error:
         print(f"calibDB: {error}", file=sys.stderr)
         return 1

@@ -9,12 +9,14 @@ import subprocess
 import time
 from collections.abc import Collection, Iterator
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import boto3
 
 from infra.console.steps import announced
 from infra.deploy import account_check, aws, page_token, smoke, smoke_capture
 from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_template, release_digest
+from infra.deploy.prune import prune
 from infra.deploy.site import uploads
 from infra.deploy.steps import Step, Target, steps
 
@@ -69,12 +71,17 @@ def _do(step: Step, target: Target, source: str) -> None:
             made = aws.outputs(boto3.client("cloudformation", region), stack)
             s3, bucket = boto3.client("s3", region), made["WebBucketName"]
             settings = {"api": "/v1", "token": page_token.current(made, region, aws.settings(s3, bucket))}
-            print(f"   {aws.upload(s3, bucket, uploads(ROOT / 'web', settings))} files")
+            files = uploads(ROOT / "web", settings, made.get("SecurityContact"), datetime.now(UTC))
+            print(f"   {aws.upload(s3, bucket, files)} files")
         case "invalidate":
             made = aws.outputs(boto3.client("cloudformation", region), stack)
             aws.invalidate(boto3.client("cloudfront"), made["DistributionId"], str(time.time_ns()))
         case "protect":
             aws.protect(boto3.client("cloudformation", region), boto3.client("dynamodb", region), stack)
+        case "prune":
+            clients = {name: boto3.client(name, region) for name in ("cloudformation", "lambda", "s3")}
+            versions, artifacts = prune(clients, stack, datetime.now(UTC))
+            print(f"   {versions} versions, {artifacts} artifacts")
         case "smoke":
             if found := list(_smoke(target, source)):
                 raise DeployError("\n".join(found))

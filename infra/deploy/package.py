@@ -18,7 +18,10 @@ ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
 DASHBOARD = ROOT / "infra" / "deploy" / "dashboard.json"
 # Resources that stand in files of their own
-FRAGMENTS = (ROOT / "infra" / "edge" / "headers.yaml", ROOT / "infra" / "deploy" / "alarms.yaml")
+FRAGMENTS = (
+    ROOT / "infra" / "edge" / "headers.yaml",
+    *(ROOT / "infra" / "deploy" / name for name in ("alarms.yaml", "monitoring.yaml", "replication.yaml")),
+)
 UNRELEASED = "source"  # the release of a template that nobody packaged
 # What a release consists of besides its template and parameters: code as it is uploaded
 _CODE = (ROOT / ".build" / "layers", ROOT / "functions")

@@ -8,6 +8,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime, timedelta
 from pathlib import Path
 
 from infra.local.pages import media_type
@@ -19,6 +20,7 @@ FOREVER = "public, max-age=31536000, immutable"
 FRESH = "public, max-age=0, s-maxage=31536000, must-revalidate"
 _NO_STORE = "no-store"  # of the settings, which hold the page's token
 _MAX_EDGE_COMPRESSED_BYTES = 10_000_000  # CloudFront developer guide, "Serving compressed files"
+_SECURITY_TEXT_DAYS = 364  # less than the year that the RFC recommends at most
 _VENDOR = "vendor/"
 _REFERENCING_SUFFIXES = (".html", ".css", ".js", ".webmanifest")  # files that may name others
 _EXCLUDED_SUFFIXES = (".d.ts", "tsconfig.json", ".made")
@@ -35,7 +37,9 @@ class Upload:
     content_encoding: str | None = None
 
 
-def uploads(web: Path, settings: Mapping[str, str]) -> Iterator[Upload]:
+def uploads(
+    web: Path, settings: Mapping[str, str], contact: str | None = None, now: datetime | None = None
+) -> Iterator[Upload]:
     """Yield everything to upload, pages last: what they load is there before them; then the list of it all.
 
     Parameters
@@ -44,6 +48,8 @@ def uploads(web: Path, settings: Mapping[str, str]) -> Iterator[Upload]:
         The client, with `vendor/`.
     settings
         What `/config.json` says: `api`, `token`.
+    contact, now
+        Where to report a vulnerability, and the time; without both there is no `security.txt`.
     """
     files = {
         path.relative_to(web).as_posix(): path.read_bytes()
@@ -59,7 +65,20 @@ def uploads(web: Path, settings: Mapping[str, str]) -> Iterator[Upload]:
         yield file
     # What the service worker of the pages keeps, by the names and contents that a browser gets.
     yield Upload("shell.json", json.dumps(shell_of(digests)).encode(), "application/json", FRESH)
+    if contact and now:
+        yield Upload(
+            ".well-known/security.txt", security_text(contact, now), "text/plain; charset=utf-8", FRESH
+        )
     yield Upload("config.json", json.dumps(dict(settings)).encode(), "application/json", _NO_STORE)
+
+
+def security_text(contact: str, now: datetime) -> bytes:
+    """Write `security.txt`, which every deployment renews.
+
+    Source: RFC 9116, sections 2.5.3 and 2.5.5.
+    """
+    expires = now + timedelta(days=_SECURITY_TEXT_DAYS)
+    return f"Contact: {contact}\nExpires: {expires:%Y-%m-%dT%H:%M:%SZ}\n".encode()
 
 
 def _upload(key: str, content: bytes, vendor: str) -> Upload:

@@ -10,7 +10,9 @@ from infra.deploy.package import ROOT, TEMPLATE
 
 _SAM = ".build/sam/bin/sam"  # `make deploy` installs it
 ROLLOUT = "Canary10Percent5Minutes"  # unless told otherwise
-Kind = Literal["account", "build", "run", "package", "secrets", "upload", "invalidate", "protect", "smoke"]
+Kind = Literal[
+    "account", "build", "run", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke"
+]
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,8 @@ def steps(target: Target) -> Iterator[Step]:
         f"make the secrets under /calibdb/{target.stack} that are not there: "
         "SESSION_SECRETS, CONTRIBUTOR_SECRET, EDGE_SECRETS, EDGE_SECRET",
     )
+    if region := target.parameters.get("ReplicaRegion"):
+        yield Step("run", f"make the bucket for the replica in {region}", _replica(target, region))
     yield Step("run", "create or change the stack", _command(target, target.effective))
     if target.site is None:
         yield Step("package", "name the release again: its functions learn where the site is")
@@ -77,7 +81,21 @@ def steps(target: Target) -> Iterator[Step]:
     yield Step("upload", "upload web/, what pages load before the pages, and a token for them")
     yield Step("invalidate", "have the edge forget what it kept")
     yield Step("protect", "protect stack and table from deletion")
+    yield Step("prune", "remove versions and artifacts of former deployments")
     yield Step("smoke", "ask the site and the API whether they do what they must")
+
+
+def _replica(target: Target, region: str) -> tuple[str, ...]:
+    return (
+        _SAM,
+        "deploy",
+        *("--template-file", "infra/deploy/replica.yaml"),
+        *("--stack-name", f"{target.stack}-replica"),
+        *("--region", region),
+        "--no-confirm-changeset",
+        "--no-fail-on-empty-changeset",
+        *("--parameter-overrides", f"Stack={target.stack}"),
+    )
 
 
 def _again(target: Target) -> tuple[str, ...]:
@@ -96,6 +114,7 @@ def _command(target: Target, parameters: Mapping[str, str], *, first: bool = Tru
         *("--region", target.region),
         *("--capabilities", "CAPABILITY_IAM"),
         "--resolve-s3",
+        *("--s3-prefix", target.stack),
         "--no-confirm-changeset",
         "--no-fail-on-empty-changeset",
         # A creation that fails leaves nothing behind that stands in the way of the next.

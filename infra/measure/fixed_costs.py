@@ -10,11 +10,11 @@ from typing import Any, get_args
 
 from calibdb.http import metrics
 from calibdb.schema.session import Refusal
+from infra.deploy.package import FRAGMENTS, ROOT
 from infra.local.intrinsics import parse
 
-ROOT = Path(__file__).resolve().parents[2]
 #: files that together are the deployed template
-TEMPLATES = (Path("template.yaml"), *(Path("infra/deploy") / name for name in ("alarms.yaml",)))
+TEMPLATES = (Path("template.yaml"), *(path.relative_to(ROOT) for path in FRAGMENTS))
 _METRICS_OF_A_ROUTE = 6
 
 

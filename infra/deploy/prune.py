@@ -1,0 +1,69 @@
+"""Removal of what former deployments left: versions of functions, and artifacts that no template names."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from datetime import datetime, timedelta
+from typing import Any
+
+MAX_VERSIONS = 5  # of a function, besides those that an alias names: to roll back to
+MAX_ARTIFACT_AGE_DAYS = 90  # of what the deployed template does not name
+_MANAGED = "aws-sam-cli-managed-default"  # stack in which the SAM CLI keeps its bucket
+_MAX_OBJECTS_PER_DELETE = 1000
+
+
+def prune(clients: Mapping[str, Any], stack: str, now: datetime) -> tuple[int, int]:
+    """Remove former versions and artifacts; return how many of each.
+
+    `clients`: of `cloudformation`, `lambda` and `s3`.
+    """
+    cloudformation = clients["cloudformation"]
+    versions = sum(
+        _prune_versions(clients["lambda"], function) for function in _functions(cloudformation, stack)
+    )
+    found = cloudformation.describe_stacks(StackName=_MANAGED)["Stacks"][0]["Outputs"]
+    bucket = next(output["OutputValue"] for output in found if output["OutputKey"] == "SourceBucket")
+    return versions, _prune_artifacts(cloudformation, clients["s3"], stack, bucket, now)
+
+
+def _functions(cloudformation: Any, stack: str) -> Iterator[str]:
+    pages = cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
+    for page in pages:
+        for resource in page["StackResourceSummaries"]:
+            if resource["ResourceType"] == "AWS::Lambda::Function":
+                yield resource["PhysicalResourceId"]
+
+
+def _prune_versions(lambda_: Any, function: str) -> int:
+    """Delete all but the newest versions and those that an alias names, also for a part of the calls."""
+    aliases = lambda_.list_aliases(FunctionName=function)["Aliases"]
+    named = {alias["FunctionVersion"] for alias in aliases}
+    for alias in aliases:
+        named |= set((alias.get("RoutingConfig") or {}).get("AdditionalVersionWeights") or {})
+    pages = lambda_.get_paginator("list_versions_by_function").paginate(FunctionName=function)
+    numbers = [version["Version"] for page in pages for version in page["Versions"]]
+    published = sorted((int(number) for number in numbers if number.isdecimal()), reverse=True)
+    unused = [number for number in published if str(number) not in named]
+    for number in unused[MAX_VERSIONS:]:
+        lambda_.delete_function(FunctionName=function, Qualifier=str(number))
+    return len(unused[MAX_VERSIONS:])
+
+
+def _prune_artifacts(cloudformation: Any, s3: Any, stack: str, bucket: str, now: datetime) -> int:
+    """Delete old artifacts of this stack that its template does not name.
+
+    A change that fails is rolled back to the template before it, whose artifacts are younger, or named still.
+    """
+    template = json.dumps(cloudformation.get_template(StackName=stack)["TemplateBody"], default=str)
+    oldest = now - timedelta(days=MAX_ARTIFACT_AGE_DAYS)
+    names = [
+        found["Key"]
+        for page in s3.get_paginator("list_objects_v2").paginate(Bucket=bucket, Prefix=f"{stack}/")
+        for found in page.get("Contents", ())
+        if found["LastModified"] < oldest and found["Key"] not in template
+    ]
+    for start in range(0, len(names), _MAX_OBJECTS_PER_DELETE):
+        batch = [{"Key": name} for name in names[start : start + _MAX_OBJECTS_PER_DELETE]]
+        s3.delete_objects(Bucket=bucket, Delete={"Objects": batch, "Quiet": True})
+    return len(names)

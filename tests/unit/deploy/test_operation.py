@@ -1,0 +1,162 @@
+"""Operation of a deployment: replica, contact, probe, alarms, clean checkouts."""
+
+import re
+import subprocess
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from calibdb.errors import UnavailableError
+from calibdb.store import Cameras
+from infra.deploy import __main__ as command
+from infra.deploy.package import complete_template
+from infra.deploy.site import uploads
+from infra.deploy.steps import Target, steps
+from infra.local import LocalStack
+from infra.local.intrinsics import parse, parse_text
+from infra.release import checkout
+from tests.helpers.data import ROOT
+
+NOW = datetime(2026, 11, 22, tzinfo=UTC)
+
+
+@pytest.fixture(scope="module")
+def complete() -> dict[str, Any]:
+    return parse_text(complete_template((ROOT / "template.yaml").read_text()))
+
+
+def test_bucket_of_the_replica_is_there_before_the_stack_names_it(complete: dict[str, Any]) -> None:
+    told = list(steps(Target("calibdb", "us-east-1", {"ReplicaRegion": "eu-west-1"})))
+    texts = [step.text for step in told]
+    made = texts.index("make the bucket for the replica in eu-west-1")
+    assert made < texts.index("create or change the stack")
+    region = told[made].command[told[made].command.index("--region") + 1]
+    assert region == "eu-west-1"
+    assert not [step for step in steps(Target("calibdb", "us-east-1")) if "replica" in step.text]
+    # Both templates build the name in the same way.
+    replica = parse(ROOT / "infra/deploy/replica.yaml")["Resources"]["ReplicaBucket"]["Properties"]
+    name = replica["BucketName"]["Fn::Sub"].replace("${Stack}", "${AWS::StackName}")
+    bucket = complete["Resources"]["KeypointBucket"]["Properties"]
+    condition, replication, _ = bucket["ReplicationConfiguration"]["Fn::If"]
+    assert condition == "Replicate"
+    named = {rule["Destination"]["Bucket"]["Fn::Sub"] for rule in replication["Rules"]}
+    expected = name.replace("${AWS::Region}", "${ReplicaRegion}")
+    assert named == {f"arn:${{AWS::Partition}}:s3:::{expected}"}
+    assert len({rule["Priority"] for rule in replication["Rules"]}) == len(replication["Rules"])
+    # The role may write there and nowhere else, and remove nothing.
+    policy = complete["Resources"]["ReplicationPolicy"]["Properties"]["PolicyDocument"]["Statement"]
+    (writes,) = (s for s in policy if s["Sid"] == "WriteReplica")
+    assert writes["Resource"]["Fn::Sub"] == f"arn:${{AWS::Partition}}:s3:::{expected}/*"
+    assert not [s for s in policy if any("Delete" in action for action in s["Action"])]
+
+
+def test_replica_outlives_its_stack_and_is_closed() -> None:
+    resources = parse(ROOT / "infra/deploy/replica.yaml")["Resources"]
+    bucket = resources["ReplicaBucket"]
+    assert bucket["UpdateReplacePolicy"] == "Retain"
+    assert bucket["DeletionPolicy"] == "RetainExceptOnCreate"
+    assert bucket["Properties"]["VersioningConfiguration"] == {"Status": "Enabled"}
+    assert all(bucket["Properties"]["PublicAccessBlockConfiguration"].values())
+    (denied,) = resources["ReplicaBucketPolicy"]["Properties"]["PolicyDocument"]["Statement"]
+    assert (denied["Effect"], denied["Condition"]) == ("Deny", {"Bool": {"aws:SecureTransport": "false"}})
+
+
+def test_contact_is_published_where_one_is_named(tmp_path: Path) -> None:
+    (tmp_path / "index.html").touch()
+    named = {u.key: u for u in uploads(tmp_path, {}, "mailto:security@site.example", NOW)}
+    text = named[".well-known/security.txt"]
+    assert text.content_type == "text/plain; charset=utf-8"
+    assert text.content.decode().splitlines() == [
+        "Contact: mailto:security@site.example",
+        "Expires: 2027-11-21T00:00:00Z",
+    ]
+    assert ".well-known/security.txt" not in {u.key for u in uploads(tmp_path, {}, None, NOW)}
+
+
+def run_probe(complete: dict[str, Any], url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run the code as Lambda gets it; raises RuntimeError where it finds the site out of order."""
+    code = complete["Resources"]["Probe"]["Properties"]["Code"]["ZipFile"]
+    assert len(code) <= 4096  # AWS::Lambda::Function Code, "ZipFile": 4 MB today, 4,096 characters once
+    monkeypatch.setenv("SITE_URL", url)
+    names: dict[str, Any] = {}
+    exec(compile(code, "index.py", "exec"), names)
+    names["handler"]({}, None)
+
+
+def test_probe_finds_a_site_that_answers_lookups(
+    complete: dict[str, Any], monkeypatch: pytest.MonkeyPatch, served: str
+) -> None:
+    run_probe(complete, served, monkeypatch)
+
+
+def test_probe_fails_where_lookups_are_not_answered(
+    complete: dict[str, Any], monkeypatch: pytest.MonkeyPatch, served: str
+) -> None:
+    def fail(*_: Any, **__: Any) -> None:
+        raise UnavailableError("Storage did not answer.")
+
+    monkeypatch.setattr(Cameras, "known", fail)
+    with pytest.raises(RuntimeError, match="POST /v1/lookup: 503"):
+        run_probe(complete, served, monkeypatch)
+    with pytest.raises(OSError, match="refused"):
+        run_probe(complete, "http://127.0.0.1:9", monkeypatch)
+
+
+def test_probe_that_does_not_run_is_an_alarm(complete: dict[str, Any]) -> None:
+    alarm = complete["Resources"]["ProbeAlarm"]["Properties"]
+    assert alarm["TreatMissingData"] == "breaching"
+    assert alarm["Period"] * alarm["EvaluationPeriods"] == 300
+    assert complete["Resources"]["ProbeSchedule"]["Properties"]["ScheduleExpression"] == "rate(1 minute)"
+
+
+@pytest.mark.parametrize(
+    ("alarm", "metric"),
+    [
+        ("SlowFunctionAlarm", "AWS/ApiGateway IntegrationLatency"),
+        ("SlowRefitAlarm", "AWS/Lambda Duration"),
+        ("BackfillFailureAlarm", "AWS/States ExecutionsFailed"),
+        ("TableThrottleAlarm", "AWS/DynamoDB ReadThrottleEvents AWS/DynamoDB WriteThrottleEvents"),
+        ("SecretsThrottleAlarm", "AWS/Usage ThrottleCount"),
+        ("EdgeErrorAlarm", "AWS/CloudFront 5xxErrorRate"),
+        ("ProbeAlarm", "AWS/Lambda Errors"),
+    ],
+)
+def test_failure_has_an_alarm_that_operations_explain(
+    alarm: str, metric: str, complete: dict[str, Any]
+) -> None:
+    properties = complete["Resources"][alarm]["Properties"]
+    watched = [m["MetricStat"]["Metric"] for m in properties.get("Metrics", ()) if "MetricStat" in m]
+    found = " ".join(f"{m['Namespace']} {m['MetricName']}" for m in watched or [properties])
+    assert found == metric
+    assert properties["AlarmActions"] == [{"Ref": "AlarmTopic"}]
+    assert f"| `{alarm}` |" in (ROOT / "docs/operations.md").read_text()
+
+
+def test_every_alarm_is_explained(complete: dict[str, Any]) -> None:
+    alarms = {n for n, r in complete["Resources"].items() if r["Type"] == "AWS::CloudWatch::Alarm"}
+    explained = set(re.findall(r"^\| `(\w+Alarm)`", (ROOT / "docs/operations.md").read_text(), re.MULTILINE))
+    assert explained == alarms
+
+
+def test_changed_checkout_is_deployed_only_by_wish(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
+    (tmp_path / "new.py").touch()
+    monkeypatch.setattr(command, "check_clean", lambda: checkout.check_clean(tmp_path))
+    deployed: list[Target] = []
+    monkeypatch.setattr(command, "deploy", deployed.append)
+    assert command.main(["--stack", "calibdb"]) == 1
+    assert "the checkout differs from its commit: new.py" in capsys.readouterr().err
+    assert not deployed
+    assert command.main(["--stack", "calibdb", "--dirty"]) == 0
+    assert len(deployed) == 1
+
+
+@pytest.fixture(scope="module")
+def served() -> Any:
+    """Address of a local stack behind its own server."""
+    with LocalStack() as stack, stack.serve() as url:
+        yield url
