@@ -159,7 +159,9 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
             case "AWS::DynamoDB::Table":
                 tables.append(_table(resolve({"Ref": name}), resolve(properties)))
             case "AWS::S3::Bucket":
-                buckets.append(_bucket(resolve({"Ref": name}), resolve(properties)))
+                # Versions, encryption and replicas of a bucket do not concern the local stack.
+                lifecycle = resolve(properties.get("LifecycleConfiguration", {}))
+                buckets.append(_bucket(resolve({"Ref": name}), lifecycle))
     return Template(functions, tuple(routes), cors, tuple(tables), tuple(buckets), tuple(layers))
 
 
@@ -204,8 +206,8 @@ def _table(name: str, properties: Mapping[str, Any]) -> TableSpec:
     return TableSpec(name, properties, ttl.get("AttributeName") if ttl.get("Enabled") else None)
 
 
-def _bucket(name: str, properties: Mapping[str, Any]) -> BucketSpec:
-    rules = properties.get("LifecycleConfiguration", {}).get("Rules", ())
+def _bucket(name: str, lifecycle: Mapping[str, Any]) -> BucketSpec:
+    rules = lifecycle.get("Rules", ())
     return BucketSpec(
         name,
         tuple(

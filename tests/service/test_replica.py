@@ -33,15 +33,16 @@ def bucket_of(stack: LocalStack) -> tuple[Any, str]:
 
 def test_stack_is_restored_from_the_replica_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What `aws s3 sync` and `reindex` do; S3's own replication is played by a copy of the same prefixes."""
-    documents = [calibration("Replicated 77", n) for n in range(5)]
+    documents = [calibration("Replicated 77", n) for n in range(6)]
     question = {"camera": "Replicated 77", "redirect": False}
     with LocalStack(tmp_path / "lost") as stack:
         for document in documents:
             store(stack).calibrations.publish(document)
         store(stack).refit.now(asked(mode_of(documents[0])))
-        store(stack).calibrations.withdraw(documents[4], "wrong", 1)
+        store(stack).calibrations.withdraw(documents[5], "wrong", 1)
         store(stack).refit.now(asked(mode_of(documents[0])))
         before = Client(stack).lookup(**question)
+        assert before.status == 200
         files, bucket = bucket_of(stack)
         names = [o["Key"] for o in files.list_objects_v2(Bucket=bucket)["Contents"]]
         replica = {
@@ -60,7 +61,7 @@ def test_stack_is_restored_from_the_replica_alone(tmp_path: Path, monkeypatch: p
         after = Client(stack).lookup(**question)
         assert (after.status, after.json) == (before.status, before.json)
         (consensus, *_) = store(stack).consensuses.at(mode_of(documents[0]))
-        assert consensus.total == 4  # the withdrawn one stays withdrawn
+        assert consensus.total == 5  # the withdrawn one stays withdrawn
 
 
 def test_everything_that_cannot_be_computed_again_is_replicated() -> None:

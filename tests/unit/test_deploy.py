@@ -205,7 +205,7 @@ def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.Capture
     assert "--stack-name mine" in plan
     assert "AlarmEmail=a@example.org" in plan
     numbered = [line for line in plan.splitlines() if re.match(r"\d+\. ", line)]
-    assert len(numbered) == len(list(steps.steps(steps.Target("mine", "us-east-1")))) == 12
+    assert len(numbered) == len(list(steps.steps(steps.Target("mine", "us-east-1")))) == 13
     # With a domain the address is known beforehand.
     own = steps.Target("mine", "us-east-1", {"DomainName": "x.example"}, "https://x.example")
     kinds = [s.kind for s in steps.steps(own)]
