@@ -13,13 +13,15 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-_FUNCTION = re.compile(r"^  \w+:\n    Type: AWS::Serverless::Function\n(?:(?:    .*)?\n)+", re.MULTILINE)
+_FUNCTION_BLOCK = re.compile(
+    r"^  \w+:\n    Type: AWS::Serverless::Function\n(?:(?:    .*)?\n)+", re.MULTILINE
+)
 _PROGRAM = "import sys; sys.path[:0] = {paths!r}; import app; assert callable(app.handler)"
 
 
 def functions(template: str) -> Iterator[tuple[str, bool]]:
     """Yield the folder of each function of a template, and whether it has the solver's layer."""
-    for block in _FUNCTION.findall(template):
+    for block in _FUNCTION_BLOCK.findall(template):
         if folder := re.search(r"CodeUri: (functions/\w+)/", block):
             yield folder[1], "SolverLayer" in block
 

@@ -32,7 +32,7 @@ def bucket_of(stack: LocalStack) -> tuple[Any, str]:
 
 
 def test_stack_is_restored_from_the_replica_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What `aws s3 sync` and `reindex` do; S3's own replication is played by a copy of the same prefixes."""
+    """`aws s3 sync` and `reindex`; a copy of the same prefixes plays the part of S3's replication."""
     documents = [calibration("Replicated 77", n) for n in range(6)]
     question = {"camera": "Replicated 77", "redirect": False}
     with LocalStack(tmp_path / "lost") as stack:
