@@ -10,10 +10,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from calibdb.schema import RefitRequest
-from calibdb.store import Calibrations, Objects, Table, clients
+from calibdb.store import Calibrations, Table, clients
 from calibdb.store.keys import calibration_object, tombstone_object
 from infra.deploy import smoke
 from infra.measure import load_test
+from infra.ops.replica import ReplicatedObjects
 
 CAMERA = "calibDB smoke test"
 _SEED = 1
@@ -61,7 +62,9 @@ def remove(made: Mapping[str, str], region: str, refit: str, identity: str) -> N
         Id of the calibration.
     """
     table = Table(functools.partial(clients.dynamodb, region), made["TableName"])
-    objects = Objects(functools.partial(clients.s3, region), made["KeypointBucketName"])
+    # A replica must not keep it either.
+    keypoints = made["KeypointBucketName"]
+    objects = ReplicatedObjects(functools.partial(clients.s3, region), keypoints, clients.s3)
     calibrations = Calibrations(table, objects)
     document = calibrations.get(identity)
     if document is None:
