@@ -22,7 +22,7 @@ from infra.deploy.steps import Target
 
 REHEARSAL = Target("rehearsal", "us-east-1", {"AlarmEmail": "operator@example.org"})
 # Of the template, what ministack cannot make: budgets, and alarms on a sum.
-UNSUPPORTED = ("Budget", "ReleaseAlarm")
+UNSUPPORTED = ("Budget", "ReleaseAlarm", "TableThrottleAlarm")
 # Nobody delivers the site there, and its functions run on AWS's processors.
 _ONLY_ON_AWS = ("account", "smoke")
 # A change in a layer alone
