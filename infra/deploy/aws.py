@@ -17,6 +17,7 @@ SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS", "EDGE_SECRET
 # CloudFormation reads this one for CloudFront's header, and of secure ones it can read none there.
 _READ_BY_CLOUDFORMATION = "EDGE_SECRET"
 _MAX_KEYS = 3  # of one list: the one in use, the next, the one before
+_PROBE = "Probe"  # its code stands in the template: it belongs to no release
 UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
 
 
@@ -154,7 +155,11 @@ def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
         for page in cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
         for r in page["StackResourceSummaries"]
     ]
-    names = [r["PhysicalResourceId"] for r in resources if r["ResourceType"] == "AWS::Lambda::Function"]
+    names = [
+        r["PhysicalResourceId"]
+        for r in resources
+        if r["ResourceType"] == "AWS::Lambda::Function" and r["LogicalResourceId"] != _PROBE
+    ]
     aliased = {
         r["PhysicalResourceId"].split(":")[-2] for r in resources if r["ResourceType"] == "AWS::Lambda::Alias"
     }

@@ -11,6 +11,7 @@ import pytest
 from calibdb.errors import UnavailableError
 from calibdb.store import Cameras
 from infra.deploy import __main__ as command
+from infra.deploy import aws
 from infra.deploy.package import complete_template
 from infra.deploy.site import uploads
 from infra.deploy.steps import Target, steps
@@ -102,6 +103,33 @@ def test_probe_fails_where_lookups_are_not_answered(
         run_probe(complete, served, monkeypatch)
     with pytest.raises(OSError, match="refused"):
         run_probe(complete, "http://127.0.0.1:9", monkeypatch)
+
+
+class Account:
+    """Clients of CloudFormation and Lambda: a stack with a function of a release, and the probe."""
+
+    def get_paginator(self, _: str) -> "Account":
+        return self
+
+    def paginate(self, **_: str) -> list[dict[str, Any]]:
+        kind = "AWS::Lambda::Function"
+        return [
+            {
+                "StackResourceSummaries": [
+                    {"LogicalResourceId": name, "PhysicalResourceId": f"calibdb-{name}", "ResourceType": kind}
+                    for name in ("RefitFunction", "Probe")
+                ]
+            }
+        ]
+
+    def get_function_configuration(self, FunctionName: str) -> dict[str, Any]:  # noqa: N803
+        release = {} if FunctionName.endswith("Probe") else {"RELEASE": "abc"}
+        return {"Environment": {"Variables": release}}
+
+
+def test_probe_belongs_to_no_release() -> None:
+    account = Account()
+    assert aws.releases(account, account, "calibdb") == {"calibdb-RefitFunction": "abc"}
 
 
 def test_probe_that_does_not_run_is_an_alarm(complete: dict[str, Any]) -> None:
