@@ -12,6 +12,7 @@ from pathlib import Path
 
 from infra.local.intrinsics import TemplateError
 from infra.local.journal import JournalError
+from infra.local.secrets import SecretsError
 from infra.local.server import PortInUseError
 from infra.local.stack import DEVELOPMENT_TOKEN, LocalStack
 
@@ -30,8 +31,14 @@ def main() -> int:
         signal.signal(number, ask)
     try:
         port = _port(os.environ.get("PORT") or "8000")
-        stack = LocalStack(Path(os.environ.get("DATA_DIR") or ".data"), port=port)
+        stack = LocalStack(
+            Path(os.environ.get("DATA_DIR") or ".data"),
+            port=port,
+            new_secrets=bool(os.environ.get("NEW_SECRETS")),
+        )
         with stack:
+            for sentence in stack.damage:
+                print(f"warning: {sentence}", file=sys.stderr, flush=True)
             stack.warm()
             # What is there by now mostly stays; the collector need not walk it in the middle of requests.
             gc.freeze()
@@ -40,7 +47,7 @@ def main() -> int:
                 print(f"API token, for this machine only: {DEVELOPMENT_TOKEN}", flush=True)
                 stop.wait()
                 print("stopping: requests and computations under way are finished", flush=True)
-    except (JournalError, PortInUseError, TemplateError, ValueError) as error:
+    except (JournalError, PortInUseError, SecretsError, TemplateError, ValueError) as error:
         print(f"calibDB cannot start: {error}", file=sys.stderr)
         return 1
     return 0

@@ -56,8 +56,13 @@ class LocalStack:
     shutdown_grace_s, executor
         Time that waiting asynchronous invokes have at the end, and what runs them; see `Invokes`.
 
+    new_secrets
+        Whether new secrets take the place of those of the folder.
+
     Raises
     ------
+    JournalError, SecretsError
+        At the start of the block, if files of the folder are missing or damaged beyond reading.
     JournalError, PortInUseError
         At the start of the block, if another process has the folder or the port.
     TemplateError
@@ -76,6 +81,8 @@ class LocalStack:
         shutdown_grace_s: float = SHUTDOWN_GRACE_S,
         executor: Executor | None = None,
         answers_preflights: bool = False,
+        *,
+        new_secrets: bool = False,
     ):
         self._answers_preflights = answers_preflights
         self._data_dir = data_dir
@@ -87,6 +94,7 @@ class LocalStack:
         self._retry_pauses = retry_pauses
         self._shutdown_grace_s = shutdown_grace_s
         self._executor = executor
+        self._new_secrets = new_secrets
         self._stack = ExitStack()
 
     def __enter__(self) -> Self:
@@ -103,7 +111,7 @@ class LocalStack:
     def _start(self, stack: ExitStack) -> None:
         self.embedded = not env.storage_is_elsewhere(os.environ)
         # First of all, for it keeps a second process off the folder.
-        journal = Journal(self._data_dir / "journal.sqlite" if self._data_dir else None)
+        journal, own = self._open_data_dir()
         stack.callback(journal.close)
         self._listener = stack.enter_context(bind(self._port))
         self._port = self._listener.getsockname()[1]
@@ -111,7 +119,6 @@ class LocalStack:
         """URL of `serve`, without slash."""
 
         self.template = self._load()
-        own = secrets.load(self._data_dir / "secrets.json") if self._data_dir else secrets.generate()
         # Themselves, not where they are: there is no parameter store here.
         variables = self.template.environment() | {
             "SECRETS_PATH": "",
@@ -132,6 +139,8 @@ class LocalStack:
             if self.embedded
             else None
         )
+        self.damage = tuple(journal.damage)
+        """Sentences about what of the data folder was found damaged, each with the way on."""
         services: dict[str, Service] = {}
         if self.storage:
             stack.callback(self.storage.close)
@@ -162,6 +171,20 @@ class LocalStack:
         if self.embedded:
             self._admit_development_token()
         invokes.redeliver_pending()
+
+    def _open_data_dir(self) -> tuple[Journal, secrets.Secrets]:
+        """Open the folder's two files. Either shows that the other was there, and is not to be made anew."""
+        if self._data_dir is None:
+            return Journal(None), secrets.generate()
+        path = self._data_dir / "secrets.json"
+        if self._new_secrets and path.exists():
+            path.replace(path.with_suffix(".old"))
+        journal = Journal(self._data_dir / "journal.sqlite", known=path.exists())
+        try:
+            return journal, secrets.load(path, known=not self._new_secrets and journal.has_records())
+        except BaseException:
+            journal.close()
+            raise
 
     def _load(self) -> Template:
         parameters = {"GuidanceUrl": f"{self.url}/calibrate/"}

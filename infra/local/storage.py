@@ -218,14 +218,19 @@ class Storage:
 
     def _restore(self, now: float) -> int:
         expired: list[Change] = []
+        damaged: list[str] = []
         restored = 0
         for kind, containers in ((ITEM, self._tables), (OBJECT, self._buckets)):
             for change in self._journal.load(kind):
                 restored += 1
-                if self._is_expired(change, now):
-                    expired.append(Change(change.address, None))
-                elif change.address.container in containers:
-                    self._memory.write(change)
+                try:
+                    if self._is_expired(change, now):
+                        expired.append(Change(change.address, None))
+                    elif change.address.container in containers:
+                        self._memory.write(change)
+                except (ValueError, KeyError, TypeError, AttributeError):  # one that has no checksum yet
+                    damaged.append(f"{kind} {change.address.container} {change.address.key}"[:120])
+        self._journal.leave_out(damaged)
         self._memory.forget_instances()
         if expired:
             self._journal.commit(expired)

@@ -38,6 +38,7 @@ def opened(*, as_json: bool = False) -> Iterator[Run]:
     from infra.local import LocalStack
     from infra.local.environment import storage_is_elsewhere
     from infra.local.journal import JournalError
+    from infra.local.secrets import SecretsError
 
     logging.basicConfig(format="%(message)s")
     output = Output(as_json=as_json)
@@ -58,7 +59,7 @@ def opened(*, as_json: bool = False) -> Iterator[Run]:
         # Who reads has read enough. What is left in the buffer must not be written at the end either.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(0) from None
-    except (JournalError, ValueError, OSError) as error:
+    except (JournalError, SecretsError, ValueError, OSError) as error:
         raise _failed(str(error)) from error
 
 
