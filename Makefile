@@ -80,12 +80,13 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 
 # As many requests made of the OpenAPI document, and values of every schema, as CASES
 .thorough-fuzz:
-	CASES=$(or $(CASES),5000) $(PYTEST) tests/service/test_openapi_fuzz.py tests/unit/service/schema/test_schema_fuzz.py
+	CASES=$(or $(CASES),5000) $(PYTEST) tests/service/test_openapi_fuzz.py tests/unit/service/schema/test_schema_fuzz.py \
+		tests/service/test_raw_requests.py
 
 kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,guidance,consensus,uncertainty,real-views,board-shape,keys,load,cost
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,guidance,consensus,uncertainty,real-views,board-shape,keys,load,cost,slowest
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else

@@ -10,7 +10,7 @@ Row = tuple[bytes, bytes, bytes, bytes, bytes, int | None]
 """kind, container, key, about, body and checksum of one record, as they are stored."""
 MAX_PROBED_ROWS = 200_000
 """Rows that are read one by one where a scan breaks off."""
-_COLUMNS = "kind, container, key, about, body"
+_RECORD_COLUMNS = "kind, container, key, about, body"
 
 
 def is_sound(connection: sqlite3.Connection) -> bool:
@@ -28,7 +28,7 @@ def readable_rows(path: Path) -> list[Row]:
         names = [str(row[1], "utf-8") for row in connection.execute("PRAGMA table_info(state)")]
         if not names:
             raise sqlite3.DatabaseError("it has no table of records")
-        columns = f"{_COLUMNS}, {'checksum' if 'checksum' in names else 'NULL'}"
+        columns = f"{_RECORD_COLUMNS}, {'checksum' if 'checksum' in names else 'NULL'}"
         # From both ends until a damaged page, then each row of what lies between.
         first, broken = _scan(connection, columns, "ASC")
         if not broken:

@@ -24,11 +24,18 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from infra.local.events import Request, Response
 from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY_BYTES, Gateway
+from infra.local.loopback import is_loopback
 from infra.local.pages import Pages
+from infra.local.protocol import TimedProtocol
 from infra.web_build.precache_manifest import shell
 
 _access = logging.getLogger("infra.local.access")
+_MISDIRECTED = JSONResponse({"message": "This server answers to localhost and 127.0.0.1 only."}, 421)
 _NO_CACHE = {"cache-control": "no-cache"}
+
+
+BODY_TIMEOUT_S = 30.0
+"""Time for a request's body."""
 
 
 class PortInUseError(OSError):
@@ -84,6 +91,8 @@ class GatewayApp:
 
         path = scope["raw_path"].decode("ascii", "replace")
         app: ASGIApp = self._api if self._gateway.routes.owns(path) else self._site
+        if not all(is_loopback(v.decode("latin-1")) for k, v in scope["headers"] if k == b"host"):
+            app = _MISDIRECTED
         try:
             await app(scope, receive, watched)
         finally:
@@ -98,9 +107,13 @@ class GatewayApp:
 
     async def _api(self, scope: Scope, receive: Receive, send: Send) -> None:
         try:
-            request = await _read(scope, receive)
+            request = await asyncio.wait_for(_read(scope, receive), BODY_TIMEOUT_S)
         except ClientDisconnect:
             return  # nobody is left to answer
+        except TimeoutError:
+            late = JSONResponse({"message": "Request Timeout"}, 408, {"connection": "close"})
+            await late(scope, receive, send)
+            return
         if request is None:
             origin = WebRequest(scope).headers.get("origin")
             response = self._gateway.refuse(413, "Request Entity Too Large", origin)
@@ -167,7 +180,7 @@ def serving(app: ASGIApp, listener: socket.socket) -> Iterator[None]:
     config = uvicorn.Config(
         app,
         loop="asyncio",
-        http="h11",
+        http=TimedProtocol,
         ws="none",
         lifespan="off",
         log_config=None,

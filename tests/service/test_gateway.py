@@ -303,7 +303,7 @@ def test_the_gateway_gives_up_on_a_slow_function(stack: LocalStack, tmp_path: Pa
 
     async def ask() -> httpx.Response:
         transport = httpx.ASGITransport(app=app)
-        async with httpx.AsyncClient(transport=transport, base_url="http://local") as client:
+        async with httpx.AsyncClient(transport=transport, base_url="http://localhost") as client:
             headers = {"origin": "https://page.example", "x-release": str(released)}
             return await client.get("/v1/answers/slow", headers=headers)
 

@@ -43,9 +43,13 @@ class ApiToken:
         """Tell whether a page of `origin` may use the token.
 
         Without an Origin header there is no page to protect: a program outside a browser can send whatever
-        header it likes, and a plain navigation (GET lookup) sends none.
+        header it likes, and a plain navigation (GET lookup) sends none. An origin that ends with `:*` is one
+        at any port.
         """
-        return origin is None or not self.origins or origin in self.origins
+        if origin is None or not self.origins or origin in self.origins:
+            return True
+        without_port = re.sub(r":[0-9]{1,5}$", "", origin)
+        return f"{without_port}:*" in self.origins
 
 
 def parse(text: str) -> tuple[str, str] | None:

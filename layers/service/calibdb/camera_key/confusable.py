@@ -14,7 +14,7 @@ _PAIRS = (
     ("ΑΒΕΖΗΙΚΜΝΟΡΤΥΧον", "ABEZHIKMNOPTYXov"),
 )
 _TO_LATIN = str.maketrans("".join(theirs for theirs, _ in _PAIRS), "".join(latin for _, latin in _PAIRS))
-_WORD = re.compile(r"\w+")
+_WORD_CHARACTERS = re.compile(r"\w+")
 _LATIN = re.compile(r"[A-Za-z]")
 
 
@@ -32,4 +32,4 @@ def in_latin(text: str) -> str:
         mixed = some_latin or any(c.isascii() for c in word)
         return folded if mixed and folded.isascii() else word
 
-    return _WORD.sub(fold, text)
+    return _WORD_CHARACTERS.sub(fold, text)

@@ -1,0 +1,92 @@
+"""Foreign web pages and the local stack: none of them may use it, by whatever name it is reached."""
+
+import socket
+import time
+from collections.abc import Iterator
+
+import httpx
+import pytest
+
+from infra.local import LocalStack
+from infra.local.loopback import is_loopback
+from infra.local.protocol import TimedProtocol
+from tests.helpers.service.client import TOKEN
+
+AUTH = {"authorization": f"Bearer {TOKEN}"}
+
+
+@pytest.fixture(scope="module")
+def url(stack: LocalStack) -> Iterator[str]:
+    with stack.serve() as url:
+        yield url
+
+
+@pytest.mark.parametrize(
+    "origin",
+    ["https://evil.example", "null", "http://127.0.0.1.evil.example", "http://localhost.evil.example:80"],
+)
+def test_development_token_is_refused_to_a_foreign_page(url: str, origin: str) -> None:
+    answer = httpx.post(f"{url}/v1/auth", headers={**AUTH, "origin": origin})
+    assert answer.status_code == 403
+    assert answer.json()["type"].endswith("/origin")
+    assert httpx.get(f"{url}/v1/cameras", headers={**AUTH, "origin": origin}).status_code == 403
+
+
+@pytest.mark.parametrize(
+    "origin", [None, "http://127.0.0.1:8000", "http://localhost:5173", "http://localhost", "http://[::1]:1"]
+)
+def test_development_token_is_accepted_from_this_machine(url: str, origin: str | None) -> None:
+    headers = AUTH if origin is None else {**AUTH, "origin": origin}
+    assert httpx.post(f"{url}/v1/auth", headers=headers).status_code == 201
+
+
+@pytest.mark.parametrize("path", ["/v1/cameras", "/config.json", "/", "/healthz"])
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:8000", "127.0.0.1.evil.example", "192.168.0.7:8000"]
+)
+def test_request_for_another_host_is_misdirected(url: str, path: str, host: str) -> None:
+    answer = httpx.get(url + path, headers={**AUTH, "host": host})
+    assert answer.status_code == 421
+    assert "cdb_" not in answer.text
+
+
+def test_names_of_this_machine() -> None:
+    mine = [
+        "127.0.0.1",
+        "127.0.0.1:8000",
+        "localhost",
+        "LOCALHOST:1",
+        "[::1]:8000",
+        "a.localhost",
+        "127.1.2.3",
+    ]
+    assert all(map(is_loopback, mine))
+    foreign = [
+        "",
+        "localhost.",
+        "evil.example",
+        "localhost@evil.example",
+        "127.0.0.1:80:80",
+        "::1",
+        "0.0.0.0",
+    ]
+    assert not any(map(is_loopback, foreign))
+
+
+def test_header_that_never_ends_is_cut_off(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(TimedProtocol, "header_timeout_s", 0.3)
+    address = ("127.0.0.1", int(url.rpartition(":")[2]))
+    begun = time.monotonic()
+    for sent in (
+        b"",
+        b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: ",
+        b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n",
+    ):
+        with socket.create_connection(address, timeout=5) as connection:
+            connection.sendall(sent)
+            if sent.endswith(b"\r\n\r\n"):  # answered; then the next one is slow
+                assert connection.recv(4096).startswith(b"HTTP/1.1 200")
+                connection.sendall(b"GET /healthz HTTP/1.1\r\nX: ")
+            while connection.recv(4096):
+                pass
+    assert time.monotonic() - begun < 5
