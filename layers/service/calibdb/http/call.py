@@ -35,7 +35,7 @@ from calibdb.service import Service
 
 MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
 
-MAX_COMPUTE_S = 5.0
+MAX_COMPUTE_S = 2.8
 """Processor time of one request: no computation of a camera that anybody holds takes it."""
 MIN_REMAINING_S = 1.5
 """Time of an invocation that is kept for storage and the answer."""
