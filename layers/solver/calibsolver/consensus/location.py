@@ -36,7 +36,7 @@ MAX_IRLS_ITERATIONS = 100
 """Iterations of the M-estimate."""
 IRLS_TOLERANCE_PX = 1e-5
 """Step, px rms over the image, below which the M-estimate has settled."""
-MIN_METRIC = 1e-10
+MIN_METRIC = 1e-6
 """Share by which every parameter moves the image at least: what nobody sees must not be singular."""
 MAX_VIEW_POINTS = 150
 """Points of a view that are linearized; the others are as many more of the same."""
@@ -165,6 +165,10 @@ class Contributions:
         """Information (p, p) that a fit of its own adds to the views of a calibration at unit noise."""
         information = prior.information(self.model, self.camera.intrinsics, self.camera.img_size)
         return f.calibration.noise**2 * information * self.scale[:, None] * self.scale
+
+    def is_settled(self, members: Sequence[int]) -> bool:
+        """Whether the location of some calibrations lies about where they are linearized."""
+        return bool(self.length(self.locate(members).y) < self.huber_px)
 
     def relinearized(self, members: Sequence[int]) -> "Contributions":
         """Linearize anew until the location of some calibrations lies where they are linearized."""

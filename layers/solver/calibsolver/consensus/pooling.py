@@ -216,8 +216,18 @@ class _Agreement:
     @cached_property
     def contributions(self) -> Contributions:
         """Members' views, linearized about the location of the largest group."""
-        start = Contributions(self.fits, self.fits[self.reference].calibration.camera)
-        return start.relinearized(self.groups[0])
+        group = self.groups[0]
+        try:
+            start = Contributions(self.fits, self.fits[self.reference].calibration.camera)
+            found = start.relinearized(group)
+        except CalibrationError:
+            found = None
+        if found is not None and found.is_settled(group):
+            return found
+        # One calibration may lie far along a valley of the model; all of them together do not.
+        camera = self.fits[self.reference].calibration.camera
+        pooled = fit_views([self.fits[i] for i in group], camera.img_size, camera.model)
+        return Contributions(self.fits, pooled.camera).relinearized(group)
 
     @cached_property
     def displacements(self) -> Array:

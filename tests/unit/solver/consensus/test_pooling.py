@@ -114,6 +114,9 @@ def test_other_models_pool_the_same_views(model: str) -> None:
     assert pooled.calibration.camera.model == model
     assert pooled.reliable
     assert pooled.held_out_error < 0.5
+    told_apart = pool(members, SIZE, model, Rule(min_contributors=3))
+    assert told_apart.reliable
+    assert compare([told_apart.calibration, pooled.calibration])[0, 1] < 0.2
 
 
 def test_difference_is_in_pixels_after_the_best_rotation() -> None:
