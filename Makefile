@@ -66,8 +66,8 @@ browser: $(SETUP) ## test the pages in Chromium and Firefox
 	$(PYTEST) $(TWO) tests/browser
 
 thorough: export THOROUGH := 1
-thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS=54 CASES=5000
-	@$(MAKE) --no-print-directory $(addprefix .thorough-,$(call words_of,$(or $(ONLY),browser,unit,kills,fuzz)))
+thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge KILLS=54 CASES=5000 HISTORIES=500
+	@$(MAKE) --no-print-directory $(addprefix .thorough-,$(call words_of,$(or $(ONLY),browser,unit,kills,fuzz,edge)))
 
 .thorough-browser: browser
 
@@ -78,12 +78,16 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 .thorough-kills:
 	CALIBDB_KILLS=$(or $(KILLS),54) $(PYTEST) -s tests/service/test_killed_while_finishing.py
 
+# As many random histories of the answers at the edge, half of them cut off by a crash
+.thorough-edge:
+	CALIBDB_HISTORIES=$(or $(HISTORIES),500) $(PYTEST) $(TWO) tests/service/test_edge_histories.py
+
 # As many requests made of the OpenAPI document, and values of every schema, as CASES
 .thorough-fuzz:
 	CASES=$(or $(CASES),5000) $(PYTEST) tests/service/test_openapi_fuzz.py tests/unit/service/schema/test_schema_fuzz.py \
 		tests/service/test_raw_requests.py
 
-kills fuzz:
+kills fuzz edge:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
 bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,guidance,consensus,uncertainty,real-views,board-shape,keys,load,cost,slowest

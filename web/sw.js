@@ -21,7 +21,7 @@ function fileOf({ method, url, headers }) {
   if (method !== "GET" || origin !== BASE.origin || !pathname.startsWith(BASE.pathname) || headers.has("authorization")) return null;
   const path = pathname.slice(BASE.pathname.length);
   if (path === "" || path.endsWith("/")) return `${path}index.html`;
-  return /\.(html|js|css|svg|json|woff2|wasm)$/.test(path) ? path : null;
+  return /\.(html|js|css|svg|json|woff2|wasm)$/.test(path) && !path.startsWith("known/") ? path : null;
 }
 
 /** @param {string} name @param {string} hash */

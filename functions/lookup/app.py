@@ -1,32 +1,34 @@
 """Lookup: the calibration of the camera that a page just opened, or the way to one.
 
 A lookup that hits is one Query. No lookup writes for itself: tokens are read twice a minute, and lookups are
-counted in memory and flushed in batches (`calibdb.access.token_cache`).
+counted in memory and flushed in batches (`calibdb.access.token_cache`). The first hits under a label and
+platform that are new for the camera are reported to `refit`, which lets the edge answer the next ones.
 """
 
 from __future__ import annotations
 
+import functools
+import logging
+from collections.abc import Callable
 from urllib.parse import urlencode
 
 from starlette.responses import Response
 
+from calibdb.access.tokens import source
 from calibdb.camera_key import identify
-from calibdb.errors import NotFoundError
+from calibdb.errors import NotFoundError, UnavailableError
 from calibdb.http import application, metrics
-from calibdb.lookup import camera_lookup
-from calibdb.lookup.answer import bracketing_zooms, build_answer, interpolate_zoom
-from calibdb.schema import LookupAnswer, LookupRequest, Miss, RefitRequest
+from calibdb.lookup.edge_content import is_public
+from calibdb.lookup.finding import Found, Wanted, find
+from calibdb.schema import ConsensusDocument, LookupRequest, Miss, RefitRequest, Sighting
 from calibdb.schema.fields import size_text, zoom_text
+from calibdb.store import Known
+from calibdb.store.keys import alias_digest
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
 _PUBLIC_CACHE = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
-_NOTHING = "The database has no reliable calibration of this camera."
-_DETAILS = {
-    "unknown_camera": _NOTHING,
-    "too_few": "The database has too few calibrations of this camera.",
-    "disagree": "The calibrations of this camera disagree.",
-    "few_contributors": "The calibrations of this camera come from too few contributors.",
-}
+
+_log = logging.getLogger(__name__)
 
 
 def ask(call: application.Call) -> Response:
@@ -45,45 +47,59 @@ def visit(call: application.Call) -> Response:
 def _answer(call: application.Call, request: LookupRequest) -> Response:
     found = _find(call, request)
     now = call.service.clock()
-    if isinstance(found, LookupAnswer):
+    if found.answer is not None:
         metrics.count(now, Lookups=1, Hits=1)
         return application.json_response(
-            found, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
+            found.answer, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
         )
+    url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
     if not (request.redirect and call.flag("redirect", default=True)):
         metrics.count(now, Lookups=1, Misses=1)
         raise NotFoundError(
             found.detail,
             kind="no-calibration",
-            extensions={"guidance_url": found.guidance_url, "reason": found.reason},
+            extensions={"guidance_url": url, "reason": found.reason},
         )
     metrics.count(now, Lookups=1, Misses=1, Redirects=1)
-    return application.json_response(found, 307, {"Location": found.guidance_url})
+    miss = Miss(guidance_url=url, reason=found.reason, detail=found.detail)
+    return application.json_response(miss, 307, {"Location": url})
 
 
-def _find(call: application.Call, request: LookupRequest) -> LookupAnswer | Miss:
-    url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
-    private = call.service.settings.thresholds.min_contributors == 1
-    identity = identify(request.camera, request.platform)
-    why = camera_lookup.unanswerable_reason(identity, private=private, resize_mode=request.resize_mode)
-    if why is not None:
-        return Miss(guidance_url=url, reason="unknown_camera", detail=why)
+def _find(call: application.Call, request: LookupRequest) -> Found:
     store, size, zoom, model = call.service.store, request.img_size, request.zoom, request.distortion_model
-    resolved = camera_lookup.resolve(store.cameras.known, identity, size, zoom, model, private=private)
-    found, reason = resolved.choice.found, resolved.choice.reason
-    if resolved.choice.missing_at is not None:
-        # The keypoints are kept, so a model that nobody asked for yet is only a computation away.
-        missing = resolved.choice.missing_at
-        refit = RefitRequest(camera=resolved.key, img_size=missing, zoom=zoom, models=(model,))
-        found = store.refit.now(refit).models.get(model)
-        reason = found.reason if found and found.reason else reason
-    if found is not None and found.reliable and found.calibration is not None:
-        return build_answer(found.calibration, resolved.known, size)
-    around = bracketing_zooms(resolved.known, size, zoom, model)
-    if around is not None:
-        return interpolate_zoom(*around, zoom)
-    detail = camera_lookup.SEVERAL if resolved.several else _DETAILS[reason]
-    return Miss(guidance_url=url, reason=reason, detail=detail)
+    read = functools.cache(store.cameras.known)
+
+    def compute(key: str, size: tuple[int, int]) -> ConsensusDocument | None:
+        refit = RefitRequest(camera=key, img_size=size, zoom=zoom, models=(model,))
+        return store.refit.now(refit).models.get(model)
+
+    wanted = Wanted(request.camera, request.platform, size, zoom, model, request.resize_mode)
+    private = call.service.settings.thresholds.min_contributors == 1
+    found = find(read, wanted, private=private, compute=compute)
+    if found.answer is not None and call.request.method == "POST":
+        _report(call, request, read, found)
+    return found
+
+
+def _report(
+    call: application.Call, request: LookupRequest, read: Callable[[str], Known], found: Found
+) -> None:
+    """Have an alias that is new written down, so that the edge answers under it; nobody waits for that."""
+    service, identity = call.service, identify(request.camera, request.platform)
+    name = request.camera, request.platform
+    if not service.settings.edge_answers or (identity.usb_id and found.key != identity.key):
+        return
+    sender = source(service.settings.contributor_secret, call.address)
+    if not read(identity.key).aliases.wants(alias_digest(*name)):
+        return
+    if not (is_public(name) and service.sightings.admit(identity.key, name, sender, service.clock())):
+        return
+    sighting = Sighting(label=request.camera, platform=request.platform, source=sender)
+    asked = RefitRequest(camera=identity.key, img_size=request.img_size, zoom=request.zoom, sighting=sighting)
+    try:
+        service.store.refit.later(asked)
+    except UnavailableError as error:  # the answer does not depend on it
+        _log.warning("an alias was not reported: %s", error.detail)
 
 
 def _key(request: LookupRequest) -> dict[str, str]:

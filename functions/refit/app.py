@@ -4,7 +4,7 @@ It is idempotent and safe to run late, or at the same time as another: a result 
 was made from less. With nothing new, it answers what is stored. A request from the queue takes the
 single-flight lease; where another computation holds it, the request marks the lease and ends, and the holder
 goes round once more. So one computation serves a hundred captures that end together. A request that fails
-every time goes to the dead-letter queue.
+every time goes to the dead-letter queue. Before it answers, the edge answers as it does.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from calibdb.camera_key import public_label, public_platform
 from calibdb.errors import UnavailableError
 from calibdb.http import metrics
 from calibdb.lookup import well_known_ids
+from calibdb.lookup.publication import Publication
 from calibdb.rules import quality_gates
 from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
 from calibdb.rules.sources import family
@@ -55,6 +56,8 @@ MAX_ATTEMPTS = 5  # while other writers keep winning the conditional put
 METHOD = 4  # of pooling and counting: what another one computed is computed anew
 
 Consensuses = dict[str, ConsensusDocument | None]
+Stored = Mapping[str, ConsensusDocument]
+Guard = AbstractContextManager[None] | None
 
 
 @metrics.counting_denied_reads
@@ -69,11 +72,15 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     request = RefitRequest.model_validate(event)
     service = Service.of(os.environ)
     mode = StreamMode(request.camera, request.img_size, request.zoom)
-    if request.queued:
-        run_under_lease(service, mode, context)
+    edge = Publication(service.store, service.settings, service.clock, str(context.aws_request_id))
+    if request.sighting is not None:
+        edge.record(request.sighting)
+    elif request.queued:
+        run_under_lease(service, mode, context, edge)
+    if request.sighting is not None or request.queued:
         return RefitAnswer(models={}).model_dump(mode="json")
     models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
-    consensuses = ensure_current(service, mode, models, _alone(service, mode, models, context))
+    consensuses = ensure_current(service, mode, models, edge, _alone(service, mode, models, context))
     return RefitAnswer.model_validate({"models": consensuses}).model_dump(mode="json")
 
 
@@ -103,7 +110,7 @@ def _deadline(service: Service, context: Any) -> int:
     return service.now + math.ceil(left_ms / 1000)
 
 
-def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
+def run_under_lease(service: Service, mode: StreamMode, context: Any, edge: Publication) -> None:
     """Refresh every model's consensus, unless the holder of the lease will do so for this request."""
     leases, me = service.store.leases, str(context.aws_request_id)
     until = _deadline(service, context)
@@ -112,7 +119,7 @@ def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
     done = False
     try:
         for _ in range(MAX_ROUNDS):
-            ensure_current(service, mode, DISTORTION_MODELS)
+            ensure_current(service, mode, DISTORTION_MODELS, edge)
             done = leases.release(mode, me)
             if done:
                 return
@@ -125,30 +132,27 @@ def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
 
 
 def ensure_current(
-    service: Service,
-    mode: StreamMode,
-    models: Sequence[str],
-    guard: AbstractContextManager[None] | None = None,
+    service: Service, mode: StreamMode, models: Sequence[str], edge: Publication, guard: Guard = None
 ) -> Consensuses:
     """Return each model's consensus as it follows from the index; compute and store those that are stale.
 
-    `guard`: entered before anything is computed; the reads that find nothing stale need none.
+    The edge answers with them, too. `guard`: entered before anything is computed; reads alone need none.
     """
     with ExitStack() as guarded:
         if guard is not None:
-            consensuses = _try_once(service, mode, models, compute=False)
+            consensuses = _try_once(service, mode, models, edge, compute=False)
             if consensuses is not None:
                 return consensuses
             guarded.enter_context(guard)
         for _ in range(MAX_ATTEMPTS):
-            consensuses = _try_once(service, mode, models, compute=True)
+            consensuses = _try_once(service, mode, models, edge, compute=True)
             if consensuses is not None:
                 return consensuses
     raise UnavailableError("Other computations keep updating this consensus; try again.")
 
 
 def _try_once(
-    service: Service, mode: StreamMode, models: Sequence[str], *, compute: bool
+    service: Service, mode: StreamMode, models: Sequence[str], edge: Publication, *, compute: bool
 ) -> Consensuses | None:
     """Do what `ensure_current` does; None if another writer won a conditional put.
 
@@ -156,17 +160,17 @@ def _try_once(
     """
     store, thresholds = service.store, service.settings.thresholds
     # Stored consensuses are read first: each was made from what is read after it, or from less.
-    stored: dict[str, ConsensusDocument] = {c.distortion_model: c for c in store.consensuses.at(mode)}
+    stored: Stored = {c.distortion_model: c for c in store.consensuses.at(mode)}
     counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
     if not counted:
-        return _drop(service, mode, models, stored)
+        return _drop(service, mode, models, stored, edge)
     votes = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
     pooled = pool_digest(METHOD, [c.id for c in counted], thresholds, __version__)
     basis = input_digest(pooled, [vote.id for vote in votes])
     steps = plan_refit(models, stored, pooled, basis)
     if not compute and any(step.action != "keep" for step in steps):
         return None
-    return _apply(service, Inputs(mode, counted, votes, pooled, basis), steps)
+    return _apply(service, Inputs(mode, counted, votes, pooled, basis), steps, edge)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -180,7 +184,7 @@ class Inputs:
     input_digest: str
 
 
-def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensuses | None:
+def _apply(service: Service, inputs: Inputs, steps: Sequence[Step], edge: Publication) -> Consensuses | None:
     """Compute and store what `steps` ask for; None if another writer won a conditional put."""
     store, thresholds = service.store, service.settings.thresholds
     documents = functools.cache(lambda: store.calibrations.read([c.id for c in inputs.counted]))
@@ -202,19 +206,20 @@ def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensus
     # Even when another writer won: it may have looked before the first of these was written.
     if written:
         well_known_ids.refresh_well_known(store, inputs.mode.camera_key, thresholds)
+    edge.refresh(inputs.mode, [c.name for c in inputs.counted if c.camera], changed=written > 0)
     return consensuses if len(consensuses) == len(steps) else None
 
 
 def _drop(
-    service: Service, mode: StreamMode, models: Sequence[str], stored: Mapping[str, ConsensusDocument]
+    service: Service, mode: StreamMode, models: Sequence[str], stored: Stored, edge: Publication
 ) -> Consensuses | None:
     """Drop the consensuses of a mode without calibrations; None if another writer changed one meanwhile."""
     gone = [stored[model] for model in models if model in stored]
-    if not all(map(service.store.consensuses.drop, gone)):
-        return None
-    if gone:
+    dropped = all(map(service.store.consensuses.drop, gone))
+    if gone and dropped:
         well_known_ids.refresh_well_known(service.store, mode.camera_key, service.settings.thresholds)
-    return dict.fromkeys(models)
+    edge.refresh(mode, changed=bool(gone))
+    return dict.fromkeys(models) if dropped else None
 
 
 def pool(

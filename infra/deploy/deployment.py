@@ -70,9 +70,12 @@ def _do(step: Step, target: Target, source: str) -> None:
         case "upload":
             made = aws.outputs(boto3.client("cloudformation", region), stack)
             s3, bucket = boto3.client("s3", region), made["WebBucketName"]
-            settings = {"api": "/v1", "token": page_token.current(made, region, aws.settings(s3, bucket))}
+            token = page_token.current(made, region, aws.settings(s3, bucket))
+            settings = {"api": "/v1", "token": token, "edge_answers": made["EdgeAnswers"]}
             files = uploads(ROOT / "web", settings, made.get("SecurityContact"), datetime.now(UTC))
             print(f"   {aws.upload(s3, bucket, files)} files")
+            if made["EdgeAnswers"] == "off":
+                print(f"   {aws.remove_answers(s3, bucket)} answers at the edge removed")
         case "invalidate":
             made = aws.outputs(boto3.client("cloudformation", region), stack)
             aws.invalidate(boto3.client("cloudfront"), made["DistributionId"], str(time.time_ns()))

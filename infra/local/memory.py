@@ -48,6 +48,11 @@ class Memory:
         item = self._tables.tables[address.container].get_item(*_item_key(address))
         return Content(json.dumps(_plain_map(item.attrs)).encode()) if item else None
 
+    def read_object(self, bucket: str, name: str) -> tuple[bytes, str] | None:
+        """Return content and ETag of an object, None where there is none."""
+        key = self._buckets.get_bucket(bucket).keys.get(name)
+        return (key.value, key.etag.strip('"')) if isinstance(key, FakeKey) else None
+
     def names(self, bucket: str, prefix: str) -> list[str]:
         """Return the names of the objects that begin with `prefix`."""
         return [name for name in self._buckets.get_bucket(bucket).keys if name.startswith(prefix)]

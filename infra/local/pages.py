@@ -27,7 +27,7 @@ _WORKER_POLICY = _POLICY | {"script-src": "'self' 'unsafe-eval' 'wasm-unsafe-eva
 _WORKER_SUFFIX = ".worker.js"
 # What pages of other origins load: a module is always asked for with CORS, whoever asks.
 SHARED = ("/sdk/", "/webxr/", "/vendor/webxr/", "/openapi.json")
-_FOR_EVERYONE = {"access-control-allow-origin": "*", "cross-origin-resource-policy": "cross-origin"}
+FOR_EVERYONE = {"access-control-allow-origin": "*", "cross-origin-resource-policy": "cross-origin"}
 
 # What the machine's own tables may lack or call otherwise; a browser is particular about these.
 _TYPES = {
@@ -64,7 +64,7 @@ class Pages(StaticFiles):
             response.headers["content-type"] = media_type(path)
         response.headers.update(headers(path))
         if scope["path"].startswith(SHARED):
-            response.headers.update(_FOR_EVERYONE)
+            response.headers.update(FOR_EVERYONE)
         return response
 
 
@@ -88,6 +88,6 @@ def headers(path: str) -> dict[str, str]:
     }
 
 
-def public_settings(api: str, token: str) -> dict[str, Any]:
+def public_settings(api: str, token: str, edge_answers: str = "on") -> dict[str, Any]:
     """Content of `/config.json`; a deployment writes that file."""
-    return {"api": api, "token": token}
+    return {"api": api, "token": token, "edge_answers": edge_answers}

@@ -24,14 +24,16 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from infra.local.events import Request, Response
 from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY_BYTES, Gateway
+from infra.local.known_answers import PREFIX
 from infra.local.loopback import is_loopback
-from infra.local.pages import Pages
+from infra.local.pages import FOR_EVERYONE, Pages
 from infra.local.protocol import TimedProtocol
 from infra.web_build.precache_manifest import shell
 
 _access = logging.getLogger("infra.local.access")
 _MISDIRECTED = JSONResponse({"message": "This server answers to localhost and 127.0.0.1 only."}, 421)
 _NO_CACHE = {"cache-control": "no-cache"}
+_CONFIG = _NO_CACHE | FOR_EVERYONE  # the SDK reads it from pages of other origins
 
 
 BODY_TIMEOUT_S = 30.0
@@ -57,6 +59,8 @@ class GatewayApp:
         Content of `/config.json`.
     timeout
         Seconds until the gateway gives up on a function.
+    known
+        Answers what lies under `/known/`.
     """
 
     def __init__(
@@ -66,13 +70,15 @@ class GatewayApp:
         web: Path,
         settings: Mapping[str, Any],
         timeout: float = INTEGRATION_TIMEOUT,
+        known: ASGIApp | None = None,
     ):
         self._gateway = gateway
         self._workers = workers
         self._timeout = timeout
+        self._known = known
         self._site = Starlette(
             routes=[
-                Route("/config.json", lambda _: JSONResponse(settings, headers=_NO_CACHE)),
+                Route("/config.json", lambda _: JSONResponse(settings, headers=_CONFIG)),
                 Route("/shell.json", lambda _: JSONResponse(shell(web), headers=_NO_CACHE)),
                 Mount("/", Pages(web)),
             ]
@@ -91,6 +97,8 @@ class GatewayApp:
 
         path = scope["raw_path"].decode("ascii", "replace")
         app: ASGIApp = self._api if self._gateway.routes.owns(path) else self._site
+        if self._known is not None and path.startswith(PREFIX):
+            app = self._known
         if not all(is_loopback(v.decode("latin-1")) for k, v in scope["headers"] if k == b"host"):
             app = _MISDIRECTED
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 import time
@@ -23,6 +24,7 @@ from infra.local.intercept import Service, intercepting
 from infra.local.intrinsics import TemplateError
 from infra.local.invokes import SHUTDOWN_GRACE_S, Invokes
 from infra.local.journal import Journal
+from infra.local.known_answers import KnownAnswers
 from infra.local.loopback import ORIGINS
 from infra.local.pages import public_settings
 from infra.local.server import GatewayApp, bind, serving
@@ -190,10 +192,20 @@ class LocalStack:
 
     def _load(self) -> Template:
         parameters = {"GuidanceUrl": f"{self.url}/calibrate/"}
+        if "EDGE_ANSWERS" in os.environ:
+            parameters["EdgeAnswers"] = os.environ["EDGE_ANSWERS"]
         if self.embedded:
             # On one's own machine everyone is one contributor, and every capture and check counts.
             parameters["Thresholds"] = "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0"
         return load(self._template_path, parameters)
+
+    def _known_answers(self) -> KnownAnswers | None:
+        bucket = self.environment.get("WEB_BUCKET_NAME")
+        if bucket is None or self.storage is None:
+            return None  # a deployment without them, or with another storage, has its own edge
+        from calibdb.store.edge_answers import CACHE_CONTROL
+
+        return KnownAnswers(functools.partial(self.storage.read_object, bucket), CACHE_CONTROL)
 
     def _admit_development_token(self) -> None:
         if "TABLE_NAME" not in self.environment:
@@ -254,7 +266,9 @@ class LocalStack:
             raise ValueError(f"the stack was made for port {self._port}; give it the port {port} instead")
         if self._listener.fileno() == -1:  # closed when it was served before
             self._listener = bind(self._port)
-        app = GatewayApp(self.gateway, self.workers, self._web, public_settings("/v1", DEVELOPMENT_TOKEN))
+        edge_answers = self.environment.get("EDGE_ANSWERS", "on")
+        settings = public_settings("/v1", DEVELOPMENT_TOKEN, edge_answers)
+        app = GatewayApp(self.gateway, self.workers, self._web, settings, known=self._known_answers())
         with serving(app, self._listener):
             yield self.url
 

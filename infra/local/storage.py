@@ -101,6 +101,17 @@ class Storage:
             # Not 500, which clients try again for seconds: a full disk stays full.
             return _error(service, 507, "InsufficientStorage", str(error))
 
+    def read_object(self, bucket: str, name: str) -> tuple[bytes, str] | None:
+        """Return content and ETag of an object, None where there is none; past moto, which takes a while.
+
+        As with every read, nothing is told that a crash could undo.
+        """
+        with self._memory_lock:
+            found = self._memory.read_object(bucket, name)
+            batch = self._enqueue([])
+        self._await_commit(batch)
+        return found
+
     def persist(self, *changes: Change) -> None:
         """Make changes durable together that are neither of items nor of objects.
 

@@ -19,11 +19,12 @@ from typing import Any
 import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
+from calibdb.settings import Thresholds
 from infra.console.progress import track
 from infra.local import LocalStack, intercept
 from infra.local.stack import DEVELOPMENT_TOKEN
 from infra.local.storage import Answer
-from infra.measure import load_test
+from infra.measure import edge_month, load_test
 from infra.measure.fixed_costs import FixedCost, fixed_costs, places
 from infra.measure.usage import (
     PRICES,
@@ -36,7 +37,8 @@ from infra.measure.usage import (
 )
 
 LOOKUPS, CALIBRATION = "a million lookups", "a finished calibration"
-MAX_USD = {LOOKUPS: 2.0, CALIBRATION: 0.0006}  # USD
+ALIAS = "a new label or platform of a known camera"
+MAX_USD = {LOOKUPS: 2.0, CALIBRATION: 0.0006, ALIAS: 0.0001}  # USD
 MAX_FIXED_USD = 12.0  # USD a month
 #: resources of the template that each kind of cost follows from
 _RESOURCES = {
@@ -50,6 +52,7 @@ _RESOURCES = {
     "preflights": ("HttpApi", "LookupFunction"),
 }
 _CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
+_MEASURED_ALIASES = 5
 _POOLED_CALIBRATIONS = 5  # calibrations, that a lookup hits
 _IDLE_TIMEOUT_S = 120.0  # after which a consensus is surely computed
 _READS = {"GetItem", "Query"}
@@ -195,12 +198,17 @@ def measure(lookups: int = 200) -> dict[str, Usage]:
         with meter.running() as lookup:
             for _ in track(range(lookups), "lookups", lookups):
                 meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
-    return {LOOKUPS: lookup, CALIBRATION: calibration}
+        with meter.running() as alias:
+            for number in range(_MEASURED_ALIASES):
+                asked = {**_CAMERA, "platform": f"X11; Linux x86_64; rv:{number}.0"}
+                meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, asked)
+                stack.wait_until_idle(_IDLE_TIMEOUT_S)
+    return {LOOKUPS: lookup, CALIBRATION: calibration, ALIAS: alias}
 
 
 def price_of(name: str, use: Usage, prices: Mapping[str, Any]) -> dict[str, float]:
     """Price what `name` stands for, USD by kind of cost; lookups with the preflights of other origins."""
-    times = 1e6 / use.requests if name == LOOKUPS else 1.0
+    times = {LOOKUPS: 1e6, ALIAS: 1.0}.get(name, use.requests) / use.requests
     parts = {part: times * usd for part, usd in price(use, prices).items()}
     if name == LOOKUPS:
         memory = (use.memory + use.solver_memory) / use.invocations
@@ -236,7 +244,22 @@ def main(say: Callable[[str], None] = print) -> int:
     for line in report(uses, prices, fixed):
         say(line)
     over = [n for n, use in uses.items() if sum(price_of(n, use, prices).values()) > MAX_USD[n]]
-    return 1 if over or sum(cost.usd for cost in fixed) > MAX_FIXED_USD else 0
+    month = measured_at_edge(uses, prices)
+    for line in edge_month.report(month, prices):
+        say(line)
+    expensive = edge_month.later_month_usd(month, prices) > edge_month.MAX_MONTH_USD
+    return 1 if over or expensive or sum(cost.usd for cost in fixed) > MAX_FIXED_USD else 0
+
+
+def measured_at_edge(uses: Mapping[str, Usage], prices: Mapping[str, Any]) -> edge_month.Measured:
+    """Collect what a simulated month needs of the measurements."""
+    lookup, alias = uses[LOOKUPS], price_of(ALIAS, uses[ALIAS], prices)
+    sent = lookup.sent / lookup.requests
+    asked, _ = price_at_edge(price_of(LOOKUPS, lookup, prices), 1e6 * sent, prices)
+    # Every source that is needed is reported by itself; the objects are written once.
+    times = Thresholds().min_contributors
+    written = times * sum(alias.values()) - (times - 1) * alias["objects"]
+    return edge_month.Measured(asked / 1e6, written, sent)
 
 
 if __name__ == "__main__":

@@ -116,7 +116,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
     # Their shares of the hour.
     used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("QUOTA#"))
     context.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
-    reindex.reindex(context, only=affected)
+    reindex.reindex(context, only=affected, forget_pending=True)
     return done
 
 

@@ -6,8 +6,10 @@ from urllib.parse import parse_qs, urlsplit
 import httpx
 from playwright.sync_api import Page
 
+from calibdb.store.keys import answer_object
 from tests.helpers.browser.captures import agreed, capture
 from tests.helpers.browser.truth import Truth
+from tests.helpers.service.client import until
 
 TRUTH = Truth(fx=960, k1=-0.22)
 
@@ -57,3 +59,18 @@ def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack:
     assert calibration["exact_size"] is True
     assert abs(calibration["camera_matrix"][0][0] / TRUTH.fx - 1) < 0.005
     assert found["guidanceUrl"] is None
+
+    # While every function fails, the edge answers for this camera, and says of others that it cannot.
+    object_name = answer_object(key["camera"], key["platform"], (1280, 720), 0.0, "rectilinear")
+    until(lambda: httpx.get(f"{stack}/{object_name}").status_code == 200)
+    page.route("**/v1/**", lambda route: route.fulfill(status=503, json={"detail": "Service Unavailable"}))
+    asked = """async (key) => {
+      const { lookup } = await import("/sdk/calibdb.js");
+      const options = { token: "cdb_dev_local", cache: null, retries: 0 };
+      const error = await lookup({ ...key, camera: "Nobody's X9" }, options).catch(({ message }) => message);
+      return [(await lookup(key, options)).calibration, error];
+    }"""
+    calibration, error = page.evaluate(asked, key)
+    assert calibration == known
+    assert "cannot be asked now" in error
+    page.unroute_all()

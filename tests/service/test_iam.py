@@ -73,6 +73,12 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             invoke("BackfillFunction", {"Items": [*items, {"Key": objects[0]["Key"], "Size": 1}]})
             stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
             stack.wait_until_idle(60)
+            # The answers at the edge change, and go.
+            store(stack).calibrations.publish(calibration("Well known", 5, views=3))
+            invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
+            for n in range(6):
+                store(stack).calibrations.withdraw(calibration("Well known", n, views=3), "wrong", 0)
+            invoke("RefitFunction", asked(mode).model_dump(mode="json"))
         yield recorder.needed
 
 

@@ -37,9 +37,11 @@ test("what it does not know is asked of the service, or leads to the guidance pa
     await assert.rejects(lookup(key, online), { status: 403 });
   }
   await assert.rejects(lookup(KEY, { ...online, model: "fisheye" }), { status: 403 });
-  assert.equal(asked.length, 5);
+  const posts = () => asked.filter((address) => address.endsWith("/v1/lookup")).length;
+  assert.equal(posts(), 5);
+  const before = asked.length;
   assert.ok((await lookup(KEY, online)).calibration);
-  assert.equal(asked.length, 5);
+  assert.equal(asked.length, before);
   await assert.rejects(lookup(KEY, { cache: null }), /API token/);
 });
 

@@ -39,7 +39,7 @@ test("who looks up alone carries nothing else", async () => {
   });
   const [{ inputs }] = Object.values(metafile.outputs);
   const carried = Object.entries(inputs).filter(([, { bytesInOutput }]) => bytesInOutput > 0).map(([path]) => path.split("/").at(-1));
-  assert.deepEqual(carried.sort(), ["calibration.js", "key.js", "lookup.js", "pinhole.js", "projection.js", "request.js", "retry.js"]);
+  assert.deepEqual(carried.sort(), ["calibration.js", "edge.js", "key.js", "lookup.js", "pinhole.js", "projection.js", "request.js", "retry.js"]);
 });
 
 test("bundlers that pack every `new URL(…, import.meta.url)` find none", () => {

@@ -11,10 +11,11 @@ const KNOWN = {
 const MISS = { status: 404, guidance_url: "https://calibdb.example/calibrate/?camera=x", reason: "too_few" };
 const API = "https://calibdb.example/v1";
 const json = (status, body, headers = {}) => new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
-/** A service that gives one answer after the other, the last for ever, and remembers what it was asked. */
+/** A service that gives one answer after the other, the last for ever, and remembers what it was asked; its edge knows nothing. */
 function service(...answers) {
   const asked = [];
   const fetch = async (address, request) => {
+    if (/\/known\/|config\.json/.test(String(address))) return json(404, {});
     asked.push({ address: String(address), ...request, body: request.body && JSON.parse(request.body) });
     const next = answers.length > 1 ? answers.shift() : answers[0];
     const answer = typeof next === "function" ? await next(request) : next;
@@ -63,6 +64,7 @@ test("anything else is an error with its status and the service's words", async 
   await assert.rejects(lookup(KEY, proxy.options), { status: 502 });
   assert.equal(proxy.asked.length, 4);
   const nowhere = service(new TypeError("fetch failed"));
+  nowhere.options.fetch = async () => { throw new TypeError("fetch failed"); };
   await assert.rejects(lookup(KEY, nowhere.options), (error) => error.status === 0 && /cannot be reached/.test(error.message) && error.cause instanceof TypeError);
 });
 
@@ -98,7 +100,7 @@ test("a line that breaks in mid-answer is asked again, and what is no answer is 
   assert.ok((await lookup(KEY, options)).calibration);
   assert.equal(asked.length, 2);
   const cut = service(new Response('{"img_size": [', { headers: { "content-type": "application/json" } }));
-  await assert.rejects(lookup(KEY, cut.options), (error) => error instanceof LookupError && error.status === 0 && error.cause instanceof SyntaxError);
+  await assert.rejects(lookup(KEY, cut.options), ({ status, cause }) => status === 0 && cause.status === 0 && cause.cause instanceof SyntaxError);
   const cache = storage();
   for (const other of [new Response("<!doctype html>Log in to this network", { headers: { "content-type": "text/html" } }), json(200, {})]) {
     await assert.rejects(lookup(KEY, { ...service(other).options, cache }), (error) => error instanceof LookupError && /is not calibDB/.test(error.message));
@@ -197,23 +199,23 @@ test("a picture that changes its size, or is turned, is looked up again; its end
   // Node has a navigator from its 21st version on.
   Object.defineProperty(globalThis, "navigator", { value: { userAgent }, configurable: true });
   t.mock.timers.enable({ apis: ["setInterval"] });
-  const turn = () => new Promise(setImmediate);
+  const turn = async (holds = () => true) => { do await new Promise(setImmediate); while (!holds()); };
   const track = camera({ width: 1280, height: 720, resizeMode: "none" });
   const { asked, options } = service(json(200, KNOWN));
   const answers = [];
   const signal = new AbortController();
   watch(track, { ...options, signal: signal.signal }, (answer) => answers.push(answer));
-  await turn();
+  await turn(() => answers.length === 1);
   t.mock.timers.tick(2000);
   await turn();
   assert.deepEqual(asked.map(({ body }) => body.img_size), [[1280, 720]]);
   assert.equal(asked[0].body.resize_mode, "none");
   track.settings = { width: 720, height: 1280 };
   track.dispatchEvent(new Event("configurationchange"));
-  await turn();
+  await turn(() => answers.length === 2);
   track.settings = { width: 640, height: 480 };
   t.mock.timers.tick(500);
-  await turn();
+  await turn(() => answers.length === 3);
   assert.deepEqual(asked.map(({ body }) => body.img_size), [[1280, 720], [720, 1280], [640, 480]]);
   assert.equal(answers.length, 3);
   signal.abort();

@@ -1,7 +1,8 @@
 // Lookup of an open camera's calibration, cached as long as the tab.
 import { Calibration } from "./calibration.js";
 import { keyOf } from "./key.js";
-import { address, ask, calibrationIn } from "./request.js";
+import { askEdge, readEdgeSwitch } from "./edge.js";
+import { LookupError, address, ask, calibrationIn } from "./request.js";
 
 /**
  * @typedef {import("./key.js").CameraKey} CameraKey
@@ -31,6 +32,9 @@ import { address, ask, calibrationIn } from "./request.js";
  */
 
 /** @typedef {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null}} Found */
+
+/** ms: a cached answer takes tens; what takes longer is likely to be no hit. */
+const EDGE_TIMEOUT_MS = 300;
 
 /** @type {Map<string, string>} */
 const memory = new Map();
@@ -111,16 +115,64 @@ export function guidanceUrl(key, model, api) {
 }
 
 /**
+ * Asks the edge, and then the service. Where the edge is slow, both are asked side by side, and whoever knows the camera first answers.
  * @param {CameraKey} key @param {string} model @param {RequestOptions} options
  * @returns {Promise<Found>}
  */
 async function fetchCalibration(key, model, options) {
+  const atEdge = askEdge(key, model, options);
+  const early = await within(EDGE_TIMEOUT_MS, atEdge);
+  if (early?.calibration) return known(early.calibration);
+  if (early?.outcome === "missing") void readEdgeSwitch(options);
+  const enough = new AbortController();
+  const signal = options.signal ? AbortSignal.any([options.signal, enough.signal]) : enough.signal;
+  const service = askService(key, model, { ...options, signal });
+  if (early) return service.catch((error) => Promise.reject(explain(error, early)));
+  return new Promise((resolve, reject) => {
+    atEdge.then(({ calibration }) => {
+      if (!calibration) return;
+      resolve(known(calibration));
+      enough.abort();
+    }, reject);
+    service.then(resolve, (error) => atEdge.then((late) => late.calibration || reject(explain(error, late)), reject));
+  });
+}
+
+/** @param {CalibrationData} calibration @returns {Found} */
+const known = (calibration) => ({ calibration, guidanceUrl: null, reason: null });
+
+/**
+ * Result of a promise that settles in time; null where it takes longer.
+ * @template T @param {number} milliseconds @param {Promise<T>} promise @returns {Promise<T | null>}
+ */
+function within(milliseconds, promise) {
+  return new Promise((resolve, reject) => {
+    const timer = setTimeout(() => resolve(null), milliseconds);
+    promise.then(resolve, reject).finally(() => clearTimeout(timer));
+  });
+}
+
+/**
+ * The error of a service that fails while the edge is there: a camera that is known would have been answered.
+ * @param {unknown} error @param {import("./edge.js").EdgeAnswer} edge
+ */
+function explain(error, { outcome }) {
+  if (!(error instanceof LookupError) || outcome !== "missing" || (error.status !== 0 && error.status < 500)) return error;
+  const text = "calibDB does not know this camera well enough to answer without its service, which cannot be asked now: try again later";
+  return new LookupError(text, error.status, { cause: error });
+}
+
+/**
+ * @param {CameraKey} key @param {string} model @param {RequestOptions} options
+ * @returns {Promise<Found>}
+ */
+async function askService(key, model, options) {
   // A redirect's Location is hidden from fetch(): ask for it in words.
   const request = { method: "POST", body: JSON.stringify({ ...key, distortion_model: model, redirect: false }) };
   const answer = await ask("lookup", request, options);
   const { guidance_url: guidanceUrl, reason = null } = answer.body;
   if (answer.response.status === 404 && guidanceUrl) return { calibration: null, guidanceUrl, reason };
-  return { calibration: calibrationIn(answer), guidanceUrl: null, reason: null };
+  return known(calibrationIn(answer));
 }
 
 /**

@@ -79,12 +79,13 @@ export function refusal({ ok, status, url }, body) {
 }
 
 /**
+ * A response with its JSON, or the error by which `fetch` says that there is none.
  * @param {typeof globalThis.fetch} fetch
  * @param {URL} url
  * @param {RequestInit} request
  * @returns {Promise<JsonResponse | Error>}
  */
-async function reach(fetch, url, request) {
+export async function reach(fetch, url, request) {
   try {
     const response = await fetch(url, request);
     const json = /json/.test(response.headers.get("content-type") ?? "");

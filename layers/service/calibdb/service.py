@@ -7,12 +7,13 @@ import secrets
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from calibdb.access.plans import NETWORK_SHARES, PLANS, Kind, Plan, plan
 from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 from calibdb.access.tokens import ApiToken, SessionIds, Ticket, contributor, matches, network, parse
 from calibdb.errors import ForbiddenError, TooManyError
+from calibdb.lookup.sightings import SightingFilter
 from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.secrets import with_secrets
@@ -29,6 +30,7 @@ class Service:
     random_hex: Callable[[int], str]  # of so many bytes
     _tokens: TokenCache
     _plans: Mapping[str, Plan]
+    sightings: SightingFilter = field(default_factory=SightingFilter, compare=False)
 
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Service:

@@ -97,6 +97,8 @@ class Settings:
     edge_secrets: tuple[
         str, ...
     ] = ()  # one of them our CloudFront shows; others who forward are not believed
+    web_bucket: str | None = None  # where answers at the edge are written: `refit` and operators
+    edge_answers: bool = True  # whether lookups may be answered at the edge, and so remain uncounted
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str]) -> Settings:
@@ -114,6 +116,8 @@ class Settings:
             refit_function=environment.get("REFIT_FUNCTION") or None,
             region=environment.get("AWS_REGION") or environment.get("AWS_DEFAULT_REGION") or "us-east-1",
             edge_secrets=tuple(s for s in environment.get("EDGE_SECRETS", "").split(",") if s),
+            web_bucket=environment.get("WEB_BUCKET_NAME") or None,
+            edge_answers=_switch(environment, "EDGE_ANSWERS"),
         )
 
 
@@ -122,6 +126,13 @@ def _text(environment: Mapping[str, str], name: str) -> str:
     if not value:
         raise SettingsError(f"{name} is not set")
     return value
+
+
+def _switch(environment: Mapping[str, str], name: str) -> bool:
+    text = environment.get(name) or "on"
+    if text not in ("on", "off"):
+        raise SettingsError(f"{name} is neither on nor off")
+    return text == "on"
 
 
 def _count(environment: Mapping[str, str], name: str, least: int) -> int:

@@ -166,6 +166,8 @@ def needs(service: str, operation: str, asked: Mapping[str, Any]) -> Iterator[Ne
                 [o["Key"] for o in asked["Delete"]["Objects"]] if "Delete" in asked else [asked["Key"]]
             ):
                 yield Needed(f"s3:{action}", f"arn:aws:s3:::{asked['Bucket']}/{name}")
+                if "IfMatch" in asked:  # S3 reads what it compares with
+                    yield Needed("s3:GetObject", f"arn:aws:s3:::{asked['Bucket']}/{name}")
         case "dynamodb":
             for part in [w["Put"] for w in asked["TransactItems"]] if "TransactItems" in asked else [asked]:
                 yield Needed(

@@ -4,7 +4,9 @@ import functools
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
+from calibdb.lookup.sightings import SightingFilter
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store, clients
@@ -14,16 +16,25 @@ from tests.helpers.service.client import TOKEN
 IDLE_S = 60.0
 
 
+class _NothingNew(SightingFilter):
+    """A filter that has seen everything."""
+
+    def admit(self, *_: object) -> bool:
+        return False
+
+
 @contextmanager
-def lasting_tokens() -> Iterator[None]:
+def lasting_tokens(*, report: bool = True) -> Iterator[None]:
     """Read each API token once within the block, however long it takes.
 
-    Otherwise a token is read anew after half a minute, in the midst of what is counted.
+    Otherwise a token is read anew after half a minute, in the midst of what is counted. `report`: whether
+    lookups report the labels under which they hit, which they do once.
     """
 
     @functools.cache
     def service(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), token_ttl_s=float("inf"))
+        built = Service.build(settings, Store.of(settings), token_ttl_s=float("inf"))
+        return built if report else replace(built, sightings=_NothingNew())
 
     with Service.override(service):
         yield
@@ -34,13 +45,13 @@ def storage_calls(stack: LocalStack) -> Iterator[list[str]]:
     """Names of the operations that the block's requests ask of table, bucket and other functions.
 
     Asynchronous calls of earlier requests are done before the block begins, those of its own before its names
-    are complete. The development token has been read before.
+    are complete. The development token has been read before, and all labels have been reported.
     """
     stack.wait_until_idle(IDLE_S)
     names: list[str] = []
     region = Settings.from_environment(stack.environment).region
     used = (clients.dynamodb(region), clients.s3(region), clients.lambda_(region))
-    with lasting_tokens():
+    with lasting_tokens(report=False):
         Service.of(os.environ).api_token(TOKEN)
         for client in used:
             client.meta.events.register(

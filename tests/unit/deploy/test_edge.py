@@ -100,7 +100,16 @@ def test_unknown_page_is_a_404_of_the_site_and_no_page_replaces_the_apis_errors(
 
 def test_no_error_answer_is_kept_at_the_edge() -> None:
     kept = {error["ErrorCode"]: error["ErrorCachingMinTTL"] for error in DISTRIBUTION["CustomErrorResponses"]}
-    assert kept == {500: 0, 502: 0, 503: 0, 504: 0}
+    # What is missing is no error: ten seconds, so that a camera that became known is found.
+    assert kept == {404: 10, 500: 0, 502: 0, 503: 0, 504: 0}
+
+
+def test_answers_to_known_cameras_are_the_same_for_all_callers() -> None:
+    (behaviour,) = (b for b in DISTRIBUTION["CacheBehaviors"] if b["PathPattern"] == "/known/*")
+    assert (behaviour["TargetOriginId"], behaviour["Compress"]) == ("web", True)
+    assert behaviour["CachePolicyId"] == {"Ref": "AnswerCaching"}
+    assert behaviour["ResponseHeadersPolicyId"] == {"Ref": "SharedHeaders"}
+    assert not {"AllowedMethods", "OriginRequestPolicyId", "FunctionAssociations"} & behaviour.keys()
 
 
 def test_preflights_are_answered_at_the_edge_as_by_code() -> None:

@@ -35,7 +35,7 @@ from calibdb.schema.fields import DISTORTION_MODELS
 from calibdb.schema.lookup import LookupRequest, Miss
 from calibdb.schema.prior import PriorDocument
 from calibdb.schema.problem import FieldProblem, LookupProblem, Problem
-from calibdb.schema.refit import BackfillAnswer, BackfillBatch, RefitAnswer, RefitRequest
+from calibdb.schema.refit import BackfillAnswer, BackfillBatch, RefitAnswer, RefitRequest, Sighting
 from calibdb.schema.session import (
     Health,
     Pose,
@@ -91,6 +91,7 @@ __all__ = [
     "SessionOpened",
     "SessionRequest",
     "SessionState",
+    "Sighting",
     "TokenDocument",
     "Track",
     "Uncertainty",

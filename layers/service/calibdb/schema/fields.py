@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import unicodedata
 from typing import Annotated, Literal, get_args
 
 from pydantic import (
@@ -73,7 +74,8 @@ def _in_one_line(text: object) -> object:
         raise PydanticCustomError(
             "string_too_long", "String should have at most {most} characters", {"most": MAX_LABEL}
         )
-    return visible(text) if isinstance(text, str) else text
+    # One spelling of each letter, so that a label means the same however it is composed.
+    return unicodedata.normalize("NFC", visible(text)) if isinstance(text, str) else text
 
 
 Label = Annotated[

@@ -5,7 +5,15 @@ from __future__ import annotations
 from pydantic import Field
 
 from calibdb.schema.documents import ConsensusDocument
-from calibdb.schema.fields import DistortionModel, ImgSize, Open, Zoom
+from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom
+
+
+class Sighting(Open):
+    """Label and platform under which a lookup found a camera, and the hashed source of the lookup."""
+
+    label: Label
+    platform: Label
+    source: str
 
 
 class RefitRequest(Open):
@@ -13,6 +21,7 @@ class RefitRequest(Open):
 
     A model that the function does not know is passed over: while a new version is rolled out, an old one may
     be asked by it. `queued`: nobody waits for the answer, so that whoever computes already can do it along.
+    `sighting`: nothing is computed; an alias of the camera is written down.
     """
 
     camera: str
@@ -20,6 +29,7 @@ class RefitRequest(Open):
     zoom: Zoom = 0.0
     models: tuple[str, ...] = ()  # empty: all
     queued: bool = False
+    sighting: Sighting | None = None
 
 
 class RefitAnswer(Open):

@@ -1,10 +1,13 @@
 """Storage: S3 is the source of truth, DynamoDB an index derived from it. No other package talks to AWS."""
 
+from calibdb.store.aliases import Alias, Aliases
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import Cameras, Known
 from calibdb.store.consensus import Consensuses
+from calibdb.store.edge_answers import EdgeAnswers
 from calibdb.store.keys import StreamMode
 from calibdb.store.leases import Leases
+from calibdb.store.locks import Locks
 from calibdb.store.objects import Objects
 from calibdb.store.priors import Priors
 from calibdb.store.quotas import Quotas
@@ -16,13 +19,17 @@ from calibdb.store.tokens import Tokens
 from calibdb.store.votes import IndexedVote, Votes
 
 __all__ = [
+    "Alias",
+    "Aliases",
     "Calibrations",
     "Cameras",
     "Condition",
     "Consensuses",
+    "EdgeAnswers",
     "IndexedVote",
     "Known",
     "Leases",
+    "Locks",
     "Objects",
     "Priors",
     "Quotas",

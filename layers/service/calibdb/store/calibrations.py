@@ -46,6 +46,13 @@ class CountedCalibration:
 
     id: str
     source: str  # as what its contributor is counted
+    camera: str = ""  # label and platform; empty of items written before they held them
+    platform: str = ""
+
+    @property
+    def name(self) -> tuple[str, str]:
+        """Label and platform."""
+        return self.camera, self.platform
 
 
 class Calibrations:
@@ -120,6 +127,23 @@ class Calibrations:
                 break
         return counted
 
+    def name_at(self, mode: StreamMode) -> tuple[str, str] | None:
+        """Return label and platform of the newest calibration of a mode, whether it counts or not."""
+        items = self._table.query(
+            mode.pk,
+            calibrations_prefix(mode.img_size, mode.zoom),
+            newest_first=True,
+            limit=1,
+            consistent=True,
+        )
+        for item in items:
+            if "camera" in item:
+                return str(item["camera"]), str(item["platform"])
+            # Items written before they held it.
+            document = self.get(str(item["sk"]).rpartition("#")[2])
+            return (document.camera, document.platform) if document else None
+        return None
+
     def modes(self, camera_key: str) -> list[StreamMode]:
         """Return the sizes and zooms at which the camera was calibrated."""
         modes = {mode for mode, _ in self._not_withdrawn(camera_key)}
@@ -184,7 +208,9 @@ def _select_counted(items: Sequence[Item], period: int) -> list[CountedCalibrati
                 continue
             heard.add(who)
             entered[source] += 1
-        counted.append(CountedCalibration(str(item["sk"]).rpartition("#")[2], source))
+        calibration_id = str(item["sk"]).rpartition("#")[2]
+        camera, platform = str(item.get("camera", "")), str(item.get("platform", ""))
+        counted.append(CountedCalibration(calibration_id, source, camera, platform))
     return counted
 
 
@@ -215,10 +241,12 @@ def _item(document: CalibrationDocument) -> Item:
     return {
         "pk": camera_pk(document.camera_key),
         "sk": calibrations_prefix(document.img_size, document.zoom) + document.id,
+        "camera": document.camera,
         "contributor": document.contributor,
         "fit": shown,
         "model": document.distortion_model,
         "native": int(document.track.resizeMode != CROPPED),
+        "platform": document.platform,
         "precise": int(is_precise(document)),
         "source": document.counted_as,
         "time": document.time,

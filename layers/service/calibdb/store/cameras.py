@@ -10,6 +10,7 @@ from pydantic_core import from_json
 from calibdb.camera_key import PATTERN
 from calibdb.schema import ConsensusDocument
 from calibdb.schema.cameras import CameraMember
+from calibdb.store.aliases import LIST_SK, NO_ALIASES, AliasList, parse_list
 from calibdb.store.consensus import documents
 from calibdb.store.keys import StreamMode, calibrations_prefix, camera_pk
 from calibdb.store.names import ALL, SAME_AS
@@ -58,12 +59,15 @@ class Known:
         rules give to a camera of earlier ones.
     well_known
         Those of them that are known well enough to be told apart from others.
+    aliases
+        Under which labels and platforms lookups arrive, as far as that is written down.
 
     """
 
     consensuses: list[ConsensusDocument]
     same_as: tuple[str, ...] = ()
     well_known: tuple[str, ...] = ()
+    aliases: AliasList = NO_ALIASES
 
     @property
     def candidates(self) -> tuple[str, ...]:
@@ -77,9 +81,9 @@ class Cameras:
     def __init__(self, table: Table) -> None:
         self._table = table
 
-    def known(self, camera_key: str) -> Known:
+    def known(self, camera_key: str, *, consistent: bool = False) -> Known:
         """Return all that is known under a key: one Query."""
-        items = self._table.query(camera_pk(camera_key), "CONSENSUS")
+        items = self._table.query(camera_pk(camera_key), "CONSENSUS", consistent=consistent)
         others = {
             sk.removeprefix(SAME_AS): _standing(item)
             for item in items
@@ -89,6 +93,7 @@ class Cameras:
             documents(item for item in items if "document" in item),
             tuple(others),
             rivals({key: standing for key, standing in others.items() if standing}),
+            next((parse_list(item) for item in items if item["sk"] == LIST_SK), NO_ALIASES),
         )
 
     def set_standing(self, camera_key: str, names: Iterable[str], standing: Standing | None) -> bool:

@@ -7,10 +7,13 @@ from dataclasses import dataclass
 
 from calibdb.settings import Settings
 from calibdb.store import clients
+from calibdb.store.aliases import Aliases
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import Cameras
 from calibdb.store.consensus import Consensuses
+from calibdb.store.edge_answers import EdgeAnswers
 from calibdb.store.leases import Leases
+from calibdb.store.locks import Locks
 from calibdb.store.objects import Objects
 from calibdb.store.priors import Priors
 from calibdb.store.quotas import Quotas
@@ -34,13 +37,17 @@ class Store:
     votes: Votes
     priors: Priors
     leases: Leases
+    locks: Locks
+    aliases: Aliases
+    edge_answers: EdgeAnswers
     refit: Refit
 
     @classmethod
     def of(cls, settings: Settings) -> Store:
         """Return the storage that `settings` names. Clients are made when first used."""
         table = Table(functools.partial(clients.dynamodb, settings.region), settings.table_name)
-        objects = Objects(functools.partial(clients.s3, settings.region), settings.bucket_name)
+        s3 = functools.partial(clients.s3, settings.region)
+        objects = Objects(s3, settings.bucket_name)
         return cls(
             tokens=Tokens(table, objects),
             quotas=Quotas(table),
@@ -51,5 +58,8 @@ class Store:
             votes=Votes(table, objects),
             priors=Priors(table, objects),
             leases=Leases(table),
+            locks=Locks(table),
+            aliases=Aliases(table),
+            edge_answers=EdgeAnswers(s3, settings.web_bucket),
             refit=Refit(functools.partial(clients.lambda_, settings.region), settings.refit_function),
         )

@@ -1,0 +1,57 @@
+"""Whatever happens, and whenever it is cut off, the edge answers byte for byte as a lookup does, or not.
+
+`CALIBDB_HISTORIES` random histories (6 unless told otherwise), half of them cut off by a crash.
+"""
+
+import os
+import random
+
+import pytest
+
+from tests.helpers.service.edge import aliases, differences, killed_after, let_locks_expire, objects
+from tests.helpers.service.histories import QUESTIONS, History, history
+
+HISTORIES = int(os.environ.get("CALIBDB_HISTORIES", "6"))
+STEPS = 10
+
+
+def complete(told: History) -> list[str]:
+    """Aliases of calibrations that lack an object where a lookup answers exactly."""
+    lacking = []
+    there = objects(told.stack)
+    seen = {(i["label"]["S"], i["platform"]["S"]) for i in aliases(told.stack) if "seen" in i}
+    for name, question in QUESTIONS.items():
+        if (question.label, question.platform) in seen and name not in there:
+            answer = question.ask(told.stack)
+            if answer.status == 200 and answer.json["exact_size"] and name not in objects(told.stack):
+                lacking.append(f"{question} has no object")
+    return lacking
+
+
+@pytest.mark.parametrize("seed", range(HISTORIES // 2))
+def test_every_object_is_what_a_lookup_answers_after_every_step(seed: int) -> None:
+    compared = 0
+    with history(seed) as told:
+        for _ in range(STEPS):
+            told.step()
+            assert differences(told.stack, QUESTIONS) == [], told.done
+            compared += len(objects(told.stack))
+        assert compared > 0
+        assert complete(told) == [], told.done
+
+
+@pytest.mark.parametrize("seed", range(HISTORIES // 2))
+def test_a_crash_at_any_moment_leaves_nothing_that_one_reindex_does_not_mend(seed: int) -> None:
+    rng = random.Random(seed)
+    with history(1000 + seed) as told:
+        for _ in range(STEPS // 2):
+            told.step()
+        told.stack.wait_until_idle(60)
+        with killed_after(rng.randrange(120)):
+            for _ in range(STEPS // 2):
+                told.step()
+        told.stack.wait_until_idle(60)
+        let_locks_expire(told.stack)
+        told.reindex()
+        assert differences(told.stack, QUESTIONS) == [], told.done
+        assert complete(told) == [], told.done
