@@ -21,7 +21,7 @@ TTL_S = 300.0  # seconds for which a location keeps an answer: s-maxage
 MONTH_S = 730 * 3600.0
 #: USD for the million lookups of a month in which the aliases are known
 MAX_MONTH_USD = 1.50
-_SEED = 17
+_SIMULATION_SEED = 17
 _GB = 1e9
 
 
@@ -40,7 +40,7 @@ class Month:
         return self.lookups - self.hits
 
 
-def simulate(locations: int, *, known: bool, lookups: int = LOOKUPS, seed: int = _SEED) -> Month:
+def simulate(locations: int, *, known: bool, lookups: int = LOOKUPS, seed: int = _SIMULATION_SEED) -> Month:
     """Simulate a month.
 
     Parameters
