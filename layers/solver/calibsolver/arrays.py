@@ -23,16 +23,24 @@ def frozen(values: Any) -> Array:
 def symmetric_inverse(a: Array) -> Array:
     """Inverse of positive definite (..., p, p) matrices whose entries may differ by many powers of ten.
 
+    See `whitening`: the inverse, too, is positive definite. NaN where the matrix is not finite.
+    """
+    t = whitening(a)
+    inverse: Array = t @ np.swapaxes(t, -1, -2)
+    return (inverse + np.swapaxes(inverse, -1, -2)) / 2
+
+
+def whitening(a: Array) -> Array:
+    """Matrices T (..., p, p) with T'AT = 1 for positive definite A; TT' is the inverse of A.
+
     The matrix is brought to a unit diagonal first: an information matrix in (px, px, 1) units has a condition
     number that means nothing until then. What is left of it may be rounding all the same, and of either sign:
-    such directions count as known `INDISTINCT` worse than the best, so that the inverse, too, is positive
-    definite. NaN where the matrix is not finite.
+    such directions count as known `INDISTINCT` worse than the best. NaN where the matrix is not finite.
     """
     scale = 1 / np.sqrt(np.maximum(np.diagonal(a, axis1=-2, axis2=-1), 1e-300))
     unit = a * scale[..., :, None] * scale[..., None, :]
     finite: Mask = np.asarray(np.isfinite(unit).all(axis=(-2, -1)))
     values, axes = np.linalg.eigh(np.where(finite[..., None, None], unit, 0.0))
     values = np.where(finite[..., None], np.maximum(values, INDISTINCT), np.nan)
-    inverse: Array = (axes / values[..., None, :]) @ np.swapaxes(axes, -1, -2)
-    inverse = inverse * scale[..., :, None] * scale[..., None, :]
-    return (inverse + np.swapaxes(inverse, -1, -2)) / 2
+    t: Array = scale[..., :, None] * axes / np.sqrt(values)[..., None, :]
+    return t

@@ -15,6 +15,7 @@ from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
+from ..fitting.robust_covariance import SAME_POSE_WIDTHS
 from ..view import View
 
 MAX_ERROR_RATIO = 3.0
@@ -29,8 +30,6 @@ SUSPECT_ERROR_RATIO = 1.8
 """Error of a view / error of the typical view, from which the view is tested again."""
 MAX_OUTVOTED_VIEWS = 3
 """Accepted views that a larger group of later views may exclude: then it was the camera that changed."""
-SAME_POSE_WIDTHS = 0.02
-"""Mean distance of corners / image width below which two views show one pose, and count as one."""
 CACHE_SIZE = 24
 """Fits that are cached: those used last."""
 MAX_TRIAL_POINTS = 64

@@ -39,8 +39,6 @@ MAX_POINTS = 20_000
 """Points of all views with which it ends likewise: where the whole board would be one view too many."""
 MAX_DETECTOR_NOISE_WIDTHS = 0.75 / 1280
 """Noise of a corner's coordinate / image width; no detector has more in a picture that shows markers."""
-UNCERTAINTY_INFLATION = 1.1
-"""Factor on the predicted error that is reported and compared with the target."""
 MAX_CONFLICT_S, MAX_ADVICE_S = 1.0, 1.0
 """Time for the views that conflict with others, and for another model, where the time is limited."""
 MIN_GAIN_SHARE = 0.2
@@ -234,8 +232,9 @@ class Capture:
             excluded = resolved
         elif not self._is_informative(target, view, gain):
             return self._refuse("no_information", view, target, before)
-        estimate = self.estimate(all_views, self._drop_outliers(all_views, excluded))
-        if estimate.calibration is None:
+        left_out = self._drop_outliers(all_views, excluded)
+        estimate = self.estimate(all_views, left_out)
+        if estimate.calibration is None or len(views) in left_out:
             return self._refuse("outlier", view, target)
         return ViewDecision(True, None, self._check_prediction(all_views, estimate, before, excluded_before))
 
@@ -321,12 +320,9 @@ class Capture:
         """Predicted error of the calibration, px.
 
         Residuals smaller than any detector's are chance, or copies of one view: they count as its noise.
-        UNCERTAINTY_INFLATION is due because views that are chosen for a small prediction make it too small.
         """
         u = calibration.uncertainty()
-        factor = UNCERTAINTY_INFLATION * max(
-            1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12)
-        )
+        factor = max(1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12))
         return Uncertainty(u.rms * factor, u.max * factor)
 
     def _resection_error(self, camera: Camera, view: View) -> float | None:

@@ -28,9 +28,13 @@ class Calibration:
     view_errors
         (v,) px, the same for each view; NaN of a degenerate one.
     covariance
-        (p, p) of (fx fy cx cy distortion...), noise estimated from the residuals.
+        (p, p) of (fx fy cx cy distortion...), from what the residuals of each view pull the intrinsics by
+        (`robust_covariance`).
     noise
         px, standard deviation of one coordinate of a corner, as estimated.
+    inflation
+        Variance that the intrinsics see / variance that white noise of the corners gives them, >= 1: what is
+        systematic in the views.
     residuals
         For each view (n,) px, the distance between every point seen and predicted.
     used
@@ -47,6 +51,7 @@ class Calibration:
     view_errors: Array
     covariance: Array
     noise: float
+    inflation: float
     residuals: tuple[Array, ...]
     used: tuple[Mask, ...]
     prior_used: bool
@@ -83,4 +88,5 @@ class Calibration:
             "distortion_model": self.camera.model,
             "avg_reprojection_error": self.avg_reprojection_error,
             "uncertainty": {"rms": uncertainty.rms, "max": uncertainty.max},
+            "systematic": self.inflation,
         }

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from .. import models
-from ..arrays import Array, Mask, frozen, symmetric_inverse
+from ..arrays import Array, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..models import Model
@@ -20,6 +20,7 @@ from . import (
     plausibility,
     prior,
     resection,
+    robust_covariance,
     validation,
 )
 from .calibration import Calibration
@@ -233,15 +234,22 @@ class _Fit:
             problem.solve(state, self.multistart.unit_weights, Options()), self.mask, with_prior=True
         )
 
-    def _information(self, state: State, good: Mask) -> Array:
-        """Fisher information (p, p) of the intrinsics from the good points (v, n) at unit noise."""
-        rows = state.rows[:-1]
-        weighted = rows if good.all() else rows * outliers.unit_weights(good) ** 0.5
-        return normal_equations.reduced_information(weighted)
+    def _evidence(self, state: State, good: Mask) -> robust_covariance.Evidence:
+        """Gather what the good points (v, n) say of the intrinsics, by clusters of views."""
+        rows, poses, obs = state.rows, state.poses, self.problem.obs
+        if not good.all():
+            rows = rows * good
+            taken = good.any(axis=1)
+            if not taken.all():
+                rows, poses = rows[:, :, taken], Poses(poses.r[taken], poses.t[taken])
+                obs, good = obs.subset(np.flatnonzero(taken)), good[taken]
+        focal = float(self.model.focal(state.k)[0]) / self.width
+        labels = robust_covariance.same_pose_labels(poses, obs, good, focal)
+        return robust_covariance.Evidence.of(rows, poses, labels)
 
     def _is_observable(self, state: State) -> bool:
         """Whether the data alone, without the prior, determine every parameter."""
-        s = self._information(state, self.mask)
+        s = normal_equations.reduced_information(state.rows[:-1] * self.mask)
         scale = 1 / np.sqrt(np.maximum(np.diagonal(s), 1e-300))
         return bool(np.linalg.eigvalsh(s * scale[:, None] * scale)[0] > 1e-12)
 
@@ -277,11 +285,11 @@ class _Fit:
         square = np.minimum(np.where(mask, state.square, 0.0), float(np.hypot(*img_size)) ** 2)
         rms = float(np.sqrt(square.sum() / mask.sum()))
         sigma = self._sigma(state, good)
-        s = self._information(state, good)
-        if with_prior:
-            # Below any detector's noise it keeps some weight: corners without any would leave nothing of it.
-            s = s + max(sigma, 1e-5 * img_size[0]) ** 2 * prior.information(self.model, k, img_size)
-        covariance = sigma**2 * symmetric_inverse(s)
+        # Below any detector's noise it keeps some weight: corners without any would leave nothing of it.
+        believed = prior.information(self.model, k, img_size) if with_prior else None
+        if believed is not None:
+            believed *= max(sigma, 1e-5 * img_size[0]) ** 2
+        covariance, inflation = robust_covariance.covariance(self._evidence(state, good), sigma, believed)
         if not (np.isfinite(rms) and np.isfinite(covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")
         measured, back = self.order.points_back(mask), self.order.points_back
@@ -292,6 +300,7 @@ class _Fit:
             view_errors=frozen(self.order.back(np.sqrt(square.sum(axis=1) / mask.sum(axis=1)))),
             covariance=frozen(covariance),
             noise=sigma,
+            inflation=inflation,
             residuals=tuple(frozen(e[m]) for e, m in zip(back(state.length), measured, strict=True)),
             used=tuple(g[m] for g, m in zip(back(good), measured, strict=True)),
             prior_used=with_prior,

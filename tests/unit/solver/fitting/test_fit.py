@@ -285,6 +285,7 @@ def test_record_has_the_stored_members() -> None:
         "distortion_model",
         "avg_reprojection_error",
         "uncertainty",
+        "systematic",
     }
     assert record["img_size"] == [640, 480]
     assert np.shape(record["camera_matrix"]) == (3, 3)
