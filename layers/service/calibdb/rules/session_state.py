@@ -48,6 +48,7 @@ def _members(document: SessionDocument) -> dict[str, Any]:
         ),
         "progress": estimate.progress,
         "uncertainty": estimate.uncertainty,
+        "systematic": estimate.fit and estimate.fit.systematic,
         "calibration": fit,
         "calibration_id": calibration_id,
         "advice": estimate.advice,

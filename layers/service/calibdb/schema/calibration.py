@@ -28,6 +28,11 @@ class FitRecord(Open):
     distortion_model: DistortionModel
     avg_reprojection_error: float = Field(description="rms over all measurements, px")
     uncertainty: Uncertainty
+    systematic: float | None = Field(
+        None,
+        description="Variance of the parameters that the views show / variance that independent noise of the "
+        "corners would give; 1: nothing systematic. null: made before it was estimated.",
+    )
 
 
 class Calibration(Open):
@@ -52,6 +57,11 @@ class Calibration(Open):
     exact_size: bool = Field(description="false: this is the closest known size, not the one asked for.")
     uncertainty: Uncertainty
     calibration_time: int = Field(description="Unix time, seconds.")
+    systematic: float | None = Field(
+        None,
+        description="Variance of the parameters that the views show / variance that independent noise of the "
+        "corners would give; 1: nothing systematic. null: made before it was estimated.",
+    )
     spread: float | None = Field(
         None,
         description="px rms over the image between the calibrations that agree, after the best rotation.",
@@ -97,6 +107,7 @@ class Calibration(Open):
             reliable=reliable,
             exact_size=True,
             uncertainty=fit.uncertainty,
+            systematic=fit.systematic,
             calibration_time=calibration_time,
             spread=spread,
             held_out_error=held_out_error,

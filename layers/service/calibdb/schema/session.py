@@ -154,6 +154,7 @@ class SessionState(Open):
     views: tuple[ViewState, ...]
     progress: float = Field(ge=0, le=1)
     uncertainty: Uncertainty | None
+    systematic: float | None = Field(None, description="As in `calibration`; null: there is no fit yet.")
     calibration: Calibration | None
     calibration_id: str | None
     advice: tuple[Advice, ...] = ()

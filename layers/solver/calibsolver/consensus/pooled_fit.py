@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array, IntArray, Mask, frozen
+from ..arrays import Array, IntArray, Mask, frozen, symmetric_inverse
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
@@ -49,11 +49,17 @@ def describe(camera: Camera, group: Sequence[Fitted], covariance: Array) -> Cali
         avg_reprojection_error=float(np.sqrt(sum(square) / sum(points))),
         view_errors=frozen(np.sqrt(np.divide(square, points))),
         covariance=frozen(covariance),
+        information=frozen(symmetric_inverse(covariance)),
         noise=float(noise),
+        inflation=float(np.average([f.calibration.inflation for f in group], weights=_points(group))),
         residuals=tuple(frozen(e) for e in residuals),
         used=tuple(used),
         prior_used=any(f.calibration.prior_used for f in group),
     )
+
+
+def _points(group: Sequence[Fitted]) -> list[int]:
+    return [sum(len(view) for view in f.member.views) for f in group]
 
 
 def _inliers(view: View, used: Mask) -> View:

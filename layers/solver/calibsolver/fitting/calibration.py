@@ -30,6 +30,9 @@ class Calibration:
     covariance
         (p, p) of (fx fy cx cy distortion...), from what the residuals of each view pull the intrinsics by
         (`robust_covariance`).
+    information
+        (p, p) Fisher information of the intrinsics, with the prior: what white noise of the corners would
+        leave known. What a further view adds is compared with it.
     noise
         px, standard deviation of one coordinate of a corner, as estimated.
     inflation
@@ -50,6 +53,7 @@ class Calibration:
     avg_reprojection_error: float
     view_errors: Array
     covariance: Array
+    information: Array
     noise: float
     inflation: float
     residuals: tuple[Array, ...]

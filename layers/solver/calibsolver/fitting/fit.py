@@ -289,8 +289,8 @@ class _Fit:
         believed = prior.information(self.model, k, img_size) if with_prior else None
         if believed is not None:
             believed *= max(sigma, 1e-5 * img_size[0]) ** 2
-        covariance, inflation = robust_covariance.covariance(self._evidence(state, good), sigma, believed)
-        if not (np.isfinite(rms) and np.isfinite(covariance).all()):
+        spread = robust_covariance.estimate(self._evidence(state, good), sigma, believed)
+        if not (np.isfinite(rms) and np.isfinite(spread.covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")
         measured, back = self.order.points_back(mask), self.order.points_back
         return Calibration(
@@ -298,9 +298,10 @@ class _Fit:
             poses=frozen(self.order.back(state.poses.vectors())),
             avg_reprojection_error=rms,
             view_errors=frozen(self.order.back(np.sqrt(square.sum(axis=1) / mask.sum(axis=1)))),
-            covariance=frozen(covariance),
+            covariance=frozen(spread.covariance),
+            information=frozen(spread.information),
             noise=sigma,
-            inflation=inflation,
+            inflation=spread.inflation,
             residuals=tuple(frozen(e[m]) for e, m in zip(back(state.length), measured, strict=True)),
             used=tuple(g[m] for g, m in zip(back(good), measured, strict=True)),
             prior_used=with_prior,

@@ -101,10 +101,27 @@ def _observed_error_metric(rows: Array, poses: Poses) -> Array:
     return metric if np.isfinite(metric).all() else gram[:size, :size]
 
 
-def covariance(
-    evidence: Evidence, sigma: float, prior_information: Array | None = None
-) -> tuple[Array, float]:
-    """Covariance (p, p) of the intrinsics, and the inflation; see the module's docstring.
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Covariance of the intrinsics and what it was made of.
+
+    Attributes
+    ----------
+    covariance
+        (p, p) cluster-robust covariance.
+    information
+        (p, p) Fisher information, the inverse of the covariance that white noise of the corners would give.
+    inflation
+        Variance of projections / that which white noise would give, >= 1.
+    """
+
+    covariance: Array
+    information: Array
+    inflation: float
+
+
+def estimate(evidence: Evidence, sigma: float, prior_information: Array | None = None) -> Result:
+    """Estimate the covariance of the intrinsics; see the module's docstring.
 
     Parameters
     ----------
@@ -113,20 +130,22 @@ def covariance(
     prior_information
         (p, p) of the intrinsics' prior, in units of 1 / sigma^2; None where it took no part.
     """
-    total = evidence.information.sum(axis=0)
-    basis = whitening(total if prior_information is None else total + prior_information)
+    information = evidence.information.sum(axis=0)
+    if prior_information is not None:
+        information = information + prior_information
+    basis = whitening(information)
     h = evidence.gradient @ basis
     b = basis.T @ evidence.information @ basis
     clusters, size = h.shape
     q = b - b @ b
     expected, scatter = q.sum(axis=0), h.T @ h / sigma**2
-    f, ratio = _inflation(basis.T @ evidence.metric @ basis, b, q, scatter)
-    weight = clusters / (clusters + size) if ratio > 0 else 0.0
-    b_total = b.sum(axis=0)
-    white = np.eye(size) + (f - 1) * b_total
-    shape = white + weight * f * (scatter / ratio - expected) if weight else white
-    found: Array = sigma**2 * basis @ shape @ basis.T
-    return (found + found.T) / 2, f
+    inflation, ratio = _inflation(basis.T @ evidence.metric @ basis, b, q, scatter)
+    shape = np.eye(size) + (inflation - 1) * b.sum(axis=0)
+    if ratio > 0:
+        weight = clusters / (clusters + size)
+        shape = shape + weight * inflation * (scatter / ratio - expected)
+    covariance: Array = sigma**2 * basis @ shape @ basis.T
+    return Result((covariance + covariance.T) / 2, information / sigma**2, inflation)
 
 
 def _inflation(w: Array, b: Array, q: Array, scatter: Array) -> tuple[float, float]:

@@ -40,7 +40,7 @@ class IntrinsicsPosterior:
     k
         (p,) mean of the intrinsics.
     information
-        (p, p) Fisher information, the inverse of their covariance.
+        (p, p) Fisher information: the inverse of their covariance, were the noise of the corners white.
     noise
         Standard deviation of a corner's coordinate, px.
     img_size
@@ -77,9 +77,9 @@ class IntrinsicsPosterior:
             return cls(model, k, prior.information(model, k, img_size), NOMINAL_NOISE_WIDTHS * w, img_size)
         k = calibration.camera.intrinsics
         noise = max(calibration.noise, MIN_NOISE_WIDTHS * w)
-        covariance = calibration.covariance * (noise / max(calibration.noise, 1e-12)) ** 2
-        systematic = systematic_share(float(getattr(calibration, "inflation", 1.0)))
-        return cls(model, k, symmetric_inverse(covariance), noise, img_size, systematic)
+        information = calibration.information * (calibration.noise / noise) ** 2
+        systematic = systematic_share(calibration.inflation)
+        return cls(model, k, information, noise, img_size, systematic)
 
     @cached_property
     def camera(self) -> Camera:

@@ -78,10 +78,13 @@ def test_noise_outliers_and_views_left_out() -> None:
 
 
 def test_systematic_residuals_are_reported() -> None:
-    """OpenCV's fisheye lens, real: the rectilinear model errs by 0.15 px everywhere alike."""
+    """OpenCV's fisheye lens, real: the rectilinear model errs by 0.15 px everywhere alike.
+
+    Halves of these views differ by some px towards the corners, which no board reached: uncertain either way.
+    """
     views, size = corner_views("jy_left")
-    assert codes(fit(views, size), views) == {"model_too_simple"}
-    assert codes(fit(views, size, "fisheye"), views) == set()
+    assert codes(fit(views, size), views) == {"model_too_simple", "uncertain"}
+    assert codes(fit(views, size, "fisheye"), views) == {"uncertain"}
 
 
 def test_overfitting_is_reported_by_held_out_views() -> None:
