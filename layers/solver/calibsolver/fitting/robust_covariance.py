@@ -44,7 +44,7 @@ MAX_BLOCK_ROWS = 1024
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What each cluster says of the intrinsics, at unit noise.
+    """Information and gradient of each cluster of views, at unit noise.
 
     Attributes
     ----------
