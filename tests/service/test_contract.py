@@ -38,6 +38,7 @@ def test_a_new_session_has_the_contracts_defaults(client: Client) -> None:
         "views": [],
         "progress": 0,
         "uncertainty": None,
+        "systematic": None,
         "calibration": None,
         "calibration_id": None,
         "advice": [],
