@@ -1,8 +1,8 @@
 """`make bench DOCS=honesty`: error bars against real cameras; writes docs/accuracy.md.
 
-Views of a real corner set are split at random: into two halves, or six (four) views and the rest. Both parts are
-fitted, and the difference of the two cameras is compared with what the two covariances predict together. Beside
-it stand the deviations of `cv2.calibrateCameraExtended`, which give no more than intervals of single parameters.
+Views of a real corner set are split at random: into two halves, or six (four) views and the rest. Both parts
+are fitted, and the difference of the two cameras is compared with what the two covariances predict together.
+Beside it stand the deviations of `cv2.calibrateCameraExtended`: intervals of single parameters.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,7 +23,8 @@ DRAWS = 8
 MIN_VIEWS = 12
 MAX_HELD_OUT_RATIO = 1.5
 """Rms of a model's fit / that of the better model of a set, up to which the model is believable."""
-PLAIN = ("fx", "fy", "cx", "cy")
+INTERVALS = """The same for single parameters (fx, fy, cx, cy of `rectilinear`), difference / deviation. If
+deviations are true the median is 0.67, the 90th percentile 1.64, and 5 % lie above 2:"""
 
 
 def splits(count: int, size: int | None, rng: np.random.Generator) -> Iterator[tuple[list[int], list[int]]]:
@@ -134,11 +135,9 @@ def main() -> int:
         print(title, rows[-2:], intervals[-2:], flush=True)
     header = ["parts", "covariance", "set x model", "splits", "median", "90th percentile", "above 2"]
     text = document.table(header, rows)
-    text += "\n\nThe same for single parameters (fx, fy, cx, cy of `rectilinear`), difference / deviation; if deviations\n"
-    text += "are true the median is 0.67, the 90th percentile 1.64, and 5 % lie above 2:\n\n"
-    text += document.table(
-        ["parts", "deviations", "differences", "median", "90th percentile", "above 2"], intervals
-    )
+    text += f"\n\n{INTERVALS}\n\n"
+    header = ["parts", "deviations", "differences", "median", "90th percentile", "above 2"]
+    text += document.table(header, intervals)
     document.replace("honesty", text)
     return 0
 

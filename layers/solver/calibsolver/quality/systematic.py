@@ -23,9 +23,11 @@ Code = Literal["board_bent", "motion", "focus_changed"]
 
 MIN_EXPLAINED_SHARE = 0.15
 """Share of the residuals' variance that a cause explains, from which it is named."""
+MIN_BEND_RATIO = 0.75
+"""Share that a bend explains / share that motion explains, from which it is the bend that is named."""
 ADVICE: Mapping[Code, str] = {
     "board_bent": "The board is not flat: glue it to something rigid, such as glass or a tray.",
-    "motion": "The board or the camera moved while pictures were taken: hold it still for longer, or rest it.",
+    "motion": "The board or the camera moved while a picture was taken: hold it still for longer.",
     "focus_changed": "The focus changed between views: switch autofocus off.",
 }
 """Advice to the person who holds the board."""
@@ -50,22 +52,24 @@ class Cause:
     text: str
 
 
-def probable_causes(calibration: Calibration, views: Sequence[View]) -> tuple[Cause, ...]:
-    """Find the probable causes of what is systematic in the residuals, the likeliest first.
+def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | None:
+    """Find the probable cause of what is systematic in the residuals; None where nothing explains them.
 
     Parameters
     ----------
     calibration, views
         The fit, and what was fitted; views that took no part do not count.
 
-    Of causes that explain the same part of the residuals only the one that explains most is named: a further
-    one only if it explains as large a share of what is left.
+    Motion has six numbers a view, a bend three: motion explains much of what a bend does, not the reverse. So
+    the bend is named unless motion explains clearly more.
     """
     shares = explained_shares(calibration, views)
-    named = sorted(
-        (code for code in shares if shares[code] >= MIN_EXPLAINED_SHARE), key=shares.__getitem__, reverse=True
-    )
-    return tuple(Cause(code, shares[code], ADVICE[code]) for code in named)
+    code: Code = max(ADVICE, key=lambda name: shares[name])
+    if code == "motion" and shares["board_bent"] > MIN_BEND_RATIO * shares[code]:
+        code = "board_bent"
+    if shares[code] < MIN_EXPLAINED_SHARE:
+        return None
+    return Cause(code, shares[code], ADVICE[code])
 
 
 def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[Code, float]:
@@ -92,7 +96,8 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[Co
         zoom = (k[0] * j[0] + k[1] * j[1])[None]
         basis = np.linalg.qr(_columns(by_pose))[0]
         r = residual - basis @ (basis.T @ residual)
-        for code, regressors in (("board_bent", bend), ("motion", late), ("focus_changed", zoom)):
+        regressors_of: dict[Code, Array] = {"board_bent": bend, "motion": late, "focus_changed": zoom}
+        for code, regressors in regressors_of.items():
             z = _columns(regressors)
             z = z - basis @ (basis.T @ z)
             fits[code].add(r, z)
