@@ -13,6 +13,7 @@ import numpy as np
 from ..arrays import Array
 from ..fitting import normal_equations
 from ..fitting.normal_equations import POSE_SIZE, Poses
+from ..fitting.robust_covariance import PRIOR_INFLATION
 from ..models import Model
 
 SAG_STD_BOARDS = 0.003
@@ -21,8 +22,8 @@ SHUTTER_ROTATION_STD_RAD = 0.001
 """Standard deviation of the rotation about each axis from the middle row of the image to an outermost one."""
 SHUTTER_SHIFT_STD_BOARDS = 0.001
 """Standard deviation of the translation along each axis meanwhile / longer side of the board."""
-USUAL_EXCESS_INFLATION = 3.5
-"""Excess of the inflation over 1 in the hands of people: the median of 33 corner sets of real cameras."""
+USUAL_EXCESS_INFLATION = 3.0
+"""Excess of the inflation over its prior, in the hands of people: the median of 33 sets of real cameras."""
 MAX_SHARE = 3.0
 """Largest size that is believed / the usual one: beyond, a view is an outlier."""
 
@@ -90,7 +91,8 @@ def nuisance_rows(model: Model, poses: Poses, points: Array, q: Array, rows: Arr
 def systematic_share(inflation: float) -> float:
     """Size of the systematic errors / the usual one, by the inflation that a calibration's views show.
 
-    The inflation is the variance of the intrinsics / that which white noise explains; its excess over 1 grows
-    with the square of the systematic errors.
+    The inflation is the variance of the intrinsics / that which white noise explains; its excess grows with
+    the square of the systematic errors. Few views say little: what its prior expects is no excess.
     """
-    return float(np.sqrt(np.clip((inflation - 1) / USUAL_EXCESS_INFLATION, 0.0, MAX_SHARE**2)))
+    excess = inflation - PRIOR_INFLATION
+    return float(np.sqrt(np.clip(excess / USUAL_EXCESS_INFLATION, 0.0, MAX_SHARE**2)))

@@ -11,6 +11,7 @@ from ..fitting.calibration import Calibration
 from ..view import View
 from .assessment import Assessment, Reason, assess, residual_vectors
 from .board_flatness import ShapedFit, board_reasons
+from .systematic import probable_cause
 
 __all__ = ["Assessment", "Json", "Reason", "assess", "describe"]
 
@@ -56,6 +57,7 @@ def describe(
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
     grid, width = (20, 15), calibration.camera.img_size[0]
     vectors = residual_vectors(calibration, views)
+    cause = probable_cause(calibration, views)
     return {
         "verdict": {
             "level": level,
@@ -65,6 +67,11 @@ def describe(
         "std": {
             **{name: _digits(value) for name, value in zip(("fx", "fy", "cx", "cy"), std, strict=False)},
             "distortion": [_digits(value) for value in std[4:]],
+        },
+        "systematic": {
+            "inflation": _digits(calibration.inflation),
+            "cause": cause.code if cause else None,
+            "text": cause.text if cause else None,
         },
         "error_map": {
             "grid": list(grid),
