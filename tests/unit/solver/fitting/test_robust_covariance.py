@@ -1,0 +1,48 @@
+"""The cluster-robust covariance: one formula from one view to many, with what is systematic in the views."""
+
+import numpy as np
+import pytest
+
+from calibsolver import View, fit
+from tests.helpers.data import corner_views
+from tests.helpers.solver import populations, synthetic
+
+CAMERA = synthetic.rectilinear_cameras()[5]
+
+
+def views(count: int, noise: float = 0.2, seed: int = 0) -> list[View]:
+    return populations.views(CAMERA, np.random.default_rng(seed), noise, count)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 40])
+def test_covariance_is_positive_definite_from_one_view_on(count: int) -> None:
+    c = fit(views(count), CAMERA.img_size)
+    scale = np.sqrt(np.diag(c.covariance))
+    assert np.linalg.eigvalsh(c.covariance / np.outer(scale, scale)).min() > 0
+    assert c.inflation >= 1
+
+
+def test_white_noise_is_hardly_inflated() -> None:
+    found = [fit(views(12, seed=seed), CAMERA.img_size).inflation for seed in range(8)]
+    assert np.median(found) < 1.5
+
+
+def test_frames_of_one_pose_count_once() -> None:
+    """Ten copies of each view say little more than one."""
+    once = views(6)
+    rng = np.random.default_rng(1)
+    copies = [
+        View(v.object_points, v.image_points + 0.001 * rng.normal(size=(len(v), 2)))
+        for v in once
+        for _ in range(10)
+    ]
+    one, ten = fit(once, CAMERA.img_size), fit(copies, CAMERA.img_size)
+    assert ten.uncertainty().rms > 0.5 * one.uncertainty().rms  # white noise alone: 0.3
+    assert ten.inflation > 3 * one.inflation
+
+
+def test_real_views_are_inflated() -> None:
+    seen, size = corner_views("babel_ov_plane")
+    found = fit(seen, size, "fisheye")
+    assert found.inflation > 3
+    assert found.record()["systematic"] == found.inflation
