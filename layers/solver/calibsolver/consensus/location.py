@@ -109,9 +109,9 @@ class Contributions:
         self.model = models.get(camera.model)
         width = camera.img_size[0]
         self.huber_px = HUBER_WIDTHS * width
-        names, owner = np.unique([f.member.contributor for f in fitted], return_inverse=True)
-        self.names: list[str] = names.tolist()
-        self.owner: IntArray = np.asarray(owner, dtype=np.int64)
+        contributors = [f.member.contributor for f in fitted]
+        numbers = {name: i for i, name in enumerate(dict.fromkeys(contributors))}  # by members, not by name
+        self.owner: IntArray = np.array([numbers[name] for name in contributors], dtype=np.int64)
         k = camera.intrinsics
         d = projection_jacobian_rotation_free(self.model, k, camera.img_size, COMPARISON_GRID)
         metric = image_error_metric(d)
