@@ -15,8 +15,8 @@ sigma^2 Q, Q = B - B^2, since each cluster takes part in the fit (Bell & McCaffr
     covariance = sigma^2 T [1 - sum B + f (sum B - w sum Q) + w (f / f1) sum hh' / sigma^2] T'
 
 with f1 the first quotient, without the prior of f; W the metric of the projection error, whitened; n the
-degrees of freedom of the quotient (Satterthwaite 1946); w = clusters / (clusters + p). Under white noise its
-mean is sigma^2 M^-1; of one view it is that, inflated as the prior expects. What the prior of the intrinsics
+degrees of freedom of the quotient (Satterthwaite 1946); w = clusters / (clusters + p). Under white noise it
+is somewhat larger than sigma^2 M^-1: by the prior of f, and as f is at least 1. What the intrinsics' prior
 contributes, 1 - sum B, is not inflated. It is positive definite always: sum B >= sum Q, and w < 1.
 
 Views in nearly the same pose share what is wrong in it: frames of a video, or of a burst, are one cluster.
