@@ -16,7 +16,8 @@ from botocore.exceptions import BotoCoreError, ClientError
 
 from calibdb.settings import SettingsError, Thresholds
 from infra.deploy import aws
-from infra.deploy.deployment import DeployError, deploy
+from infra.deploy.aws import DeployError
+from infra.deploy.deployment import deploy
 from infra.deploy.package import ROOT
 from infra.deploy.site import uploads
 from infra.deploy.steps import Target, steps

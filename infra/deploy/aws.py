@@ -22,6 +22,10 @@ _PROBE = "Probe"  # its code stands in the template: it belongs to no release
 UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
 
 
+class DeployError(RuntimeError):
+    """The deployment ended before its end; the message says where."""
+
+
 @dataclass(frozen=True)
 class Stack:
     """A stack as CloudFormation describes it."""
@@ -231,13 +235,23 @@ def settings(s3: Any, bucket: str) -> Mapping[str, str] | None:
 
 
 def remove_answers(s3: Any, bucket: str) -> int:
-    """Remove the answers at the edge, of a deployment that wants every lookup counted; return how many."""
+    """Remove the answers at the edge, of a deployment that wants every lookup counted; return how many.
+
+    Raises DeployError if S3 kept one.
+    """
     pages = s3.get_paginator("list_objects_v2").paginate(Bucket=bucket, Prefix=ANSWERS)
     number = 0
     for page in pages:
         found = [{"Key": entry["Key"]} for entry in page.get("Contents", [])]
         if found:
-            s3.delete_objects(Bucket=bucket, Delete={"Objects": found, "Quiet": True})
+            # A call that S3 answers may yet have removed nothing: it names what it kept.
+            kept = s3.delete_objects(Bucket=bucket, Delete={"Objects": found, "Quiet": True}).get(
+                "Errors", []
+            )
+            if kept:
+                raise DeployError(
+                    f"{len(kept)} answers at the edge remain: {kept[0]['Code']} {kept[0]['Key']}"
+                )
         number += len(found)
     return number
 

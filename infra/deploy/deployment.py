@@ -15,14 +15,11 @@ import boto3
 
 from infra.console.steps import announced
 from infra.deploy import account_check, aws, page_token, smoke, smoke_capture
+from infra.deploy.aws import DeployError
 from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_template, release_digest
 from infra.deploy.prune import prune
 from infra.deploy.site import uploads
 from infra.deploy.steps import Step, Target, steps
-
-
-class DeployError(RuntimeError):
-    """The deployment ended before its end; the message says where."""
 
 
 def deploy(target: Target, template: str | None = None, leave_out: Collection[str] = ()) -> None:

@@ -16,7 +16,8 @@ import boto3
 
 from infra.ci import ministack
 from infra.deploy import aws
-from infra.deploy.deployment import DeployError, deploy
+from infra.deploy.aws import DeployError
+from infra.deploy.deployment import deploy
 from infra.deploy.package import ROOT, complete_template
 from infra.deploy.steps import Target
 

@@ -65,6 +65,11 @@ def test_modules_have_at_most_350_lines() -> None:
     assert large == {}
 
 
+def test_template_has_fewer_than_900_lines() -> None:
+    """What is added to it goes into a file of its own, of those in `infra/deploy/package.py`."""
+    assert len((ROOT / "template.yaml").read_text().splitlines()) < 900
+
+
 def test_locks_carry_versions_and_hashes_only() -> None:
     for path in tracked("*.lock", "*package-lock.json", ".npmrc"):
         assert not re.search(r"https?://|--(extra-)?index-url|--find-links", path.read_text()), path

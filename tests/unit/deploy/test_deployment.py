@@ -42,7 +42,11 @@ class Cloudformation:
             "list_stack_resources": {
                 "StackResourceSummaries": [
                     *(
-                        {"PhysicalResourceId": f, "ResourceType": "AWS::Lambda::Function"}
+                        {
+                            "LogicalResourceId": f,
+                            "PhysicalResourceId": f,
+                            "ResourceType": "AWS::Lambda::Function",
+                        }
                         for f in self.functions
                     ),
                     {
@@ -165,10 +169,40 @@ def test_commands_are_filled_in_from_the_account(
     run: list[list[str]] = []
     monkeypatch.setattr(deployment, "_run", lambda command, _: run.append(command))
     monkeypatch.setattr(deployment, "find_out", lambda target: target)
-    every = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "smoke")
+    every = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke")
     deployment.deploy(Target("mine", "us-east-1"), "unused", every)
     _validated, first, again = run
     assert "EdgeSecretVersion=7" in first
     assert "GuidanceUrl=https://d1.cloudfront.net/calibrate/" in again
     assert not any("{" in word for command in run for word in command)
     assert os.sep not in first[-1]
+
+
+@pytest.mark.parametrize("denied", [False, True])
+def test_answers_are_removed_or_the_deployment_fails(denied: bool) -> None:
+    names = [f"known/{n:02x}/a.json" for n in range(3)]
+    removed: list[str] = []
+
+    class S3:
+        def get_paginator(self, operation: str) -> "S3":
+            assert operation == "list_objects_v2"
+            return self
+
+        def paginate(self, **asked: str) -> Any:
+            assert asked == {"Bucket": "web", "Prefix": "known/"}
+            return iter([{"Contents": [{"Key": name} for name in names]}, {}])
+
+        def delete_objects(self, **asked: Any) -> Any:
+            if denied:
+                return {"Errors": [{"Key": names[0], "Code": "AccessDenied"}]}
+            removed.extend(entry["Key"] for entry in asked["Delete"]["Objects"])
+            return {}
+
+    if denied:
+        with pytest.raises(
+            aws.DeployError, match=r"1 answers at the edge remain: AccessDenied known/00/a\.json"
+        ):
+            aws.remove_answers(S3(), "web")
+    else:
+        assert aws.remove_answers(S3(), "web") == 3
+        assert removed == names

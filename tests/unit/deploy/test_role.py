@@ -1,5 +1,6 @@
 """The role that deploys: what a job may assume it, and what it may do."""
 
+import fnmatch
 import json
 import re
 from typing import Any
@@ -109,3 +110,20 @@ def test_every_service_of_the_template_may_be_deployed(role: dict[str, Any]) -> 
     needed = {SERVICES.get(kind.split("::")[1], kind.split("::")[1].lower()) for kind in types}
     assert len(needed) >= 10
     assert needed <= allowed
+
+
+def test_answers_at_the_edge_may_be_removed(role: dict[str, Any]) -> None:
+    """`EdgeAnswers=off` lists and deletes them."""
+    bucket = "arn:aws:s3:::calibdb-webbucket-1abc2def"
+    values = {"AWS::Partition": "aws", "Stack": "calibdb"}
+    for action, resource in (("s3:ListBucket", bucket), ("s3:DeleteObject", f"{bucket}/known/00/1.json")):
+        granted = [
+            statement["Sid"]
+            for statement in statements(role)
+            if statement["Effect"] == "Allow" and action in listed(statement["Action"])
+            for pattern in listed(statement["Resource"])
+            if fnmatch.fnmatchcase(
+                resource, re.sub(r"\$\{([\w:]+)\}", lambda m: values.get(m[1], m[0]), pattern["Fn::Sub"])
+            )
+        ]
+        assert granted, action
