@@ -16,6 +16,9 @@ FORBIDDEN = {
         *("calibdb", "functions", "infra", "tests", "boto3", "botocore", "pydantic", "starlette", "time"),
         *("datetime", "requests", "httpx"),
     },
+    "clients/python/calibdb_client": {
+        *("calibdb", "functions", "infra", "tests", "boto3", "botocore", "pydantic", "starlette", "typer"),
+    },
     "functions": {"infra", "tests", "moto", "boto3", "botocore"},
     "infra": {"tests"},
 }

@@ -21,6 +21,7 @@ JS_CONSTANT = re.compile(
     r"^(?:export )?const ([A-Z][A-Z0-9]*(?:_[A-Z0-9]+)*) = (.*?);[ \t]*(?://[^\n]*)?$", re.M | re.S
 )
 SOLVER, SERVICE = "layers/solver/calibsolver", "layers/service/calibdb"
+CLIENT = "clients/python/calibdb_client"
 
 #: terms of the literature and of AWS, and the module that implements each
 TERMS = {
@@ -84,7 +85,7 @@ def riddles(paths: list[Path], lines: Any) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("folder", ["layers", "functions", "infra", "tests"])
+@pytest.mark.parametrize("folder", ["layers", "clients", "functions", "infra", "tests"])
 def test_python_docstrings_open_with_the_noun_or_verb(folder: str) -> None:
     assert riddles(tracked(f"{folder}/**.py"), docstrings) == []
 
@@ -104,7 +105,7 @@ def python_constants(path: Path) -> Iterator[tuple[str, str]]:
 
 def evaluated(path: Path, name: str, source: str) -> str:
     """Value of a constant, by its source where the module cannot be imported under a name."""
-    for base in ("layers/solver", "layers/service", "."):
+    for base in ("layers/solver", "layers/service", "clients/python", "."):
         below = ROOT / base
         if path.is_relative_to(below):
             parts = path.relative_to(below).with_suffix("").parts
@@ -115,7 +116,7 @@ def evaluated(path: Path, name: str, source: str) -> str:
     return source
 
 
-@pytest.mark.parametrize("package", [SOLVER, SERVICE, "functions", "infra"])
+@pytest.mark.parametrize("package", [SOLVER, SERVICE, CLIENT, "functions", "infra"])
 def test_python_constants_have_one_meaning_in_a_package(package: str) -> None:
     places: dict[str, dict[Path, str]] = defaultdict(dict)
     for path in tracked(f"{package}/**.py", f"{package}/*.py"):

@@ -1,0 +1,87 @@
+"""Camera calibrations for programs: the same database that browsers use.
+
+    from calibdb_client import Client
+    client = Client("https://calibdb.example", token="cdb_...")
+    found = client.lookup(
+        "HD Pro Webcam C920 (046d:082d)", platform="X11; Linux x86_64", size=(1280, 720)
+    )
+
+A name is imported when it is first used: the import itself loads neither numpy, nor OpenCV, nor a network.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .aio import AsyncClient
+    from .answer import Answer, ExportedFile
+    from .board import Board
+    from .calibration import Calibration
+    from .camera import Camera, open_camera
+    from .client import Client
+    from .errors import (
+        CalibDBError,
+        CameraError,
+        ConflictError,
+        CredentialError,
+        MissingPackageError,
+        NotFoundError,
+        ProblemError,
+        QuotaError,
+        ServiceUnavailableError,
+        UsageError,
+    )
+    from .key import CameraKey
+
+__version__ = "0.1.0"
+
+_MODULES = {
+    "Answer": "answer",
+    "AsyncClient": "aio",
+    "Board": "board",
+    "CalibDBError": "errors",
+    "Calibration": "calibration",
+    "Camera": "camera",
+    "CameraError": "errors",
+    "CameraKey": "key",
+    "Client": "client",
+    "ConflictError": "errors",
+    "CredentialError": "errors",
+    "ExportedFile": "answer",
+    "MissingPackageError": "errors",
+    "NotFoundError": "errors",
+    "ProblemError": "errors",
+    "QuotaError": "errors",
+    "ServiceUnavailableError": "errors",
+    "UsageError": "errors",
+    "open_camera": "camera",
+}
+
+__all__ = [
+    "Answer",
+    "AsyncClient",
+    "Board",
+    "CalibDBError",
+    "Calibration",
+    "Camera",
+    "CameraError",
+    "CameraKey",
+    "Client",
+    "ConflictError",
+    "CredentialError",
+    "ExportedFile",
+    "MissingPackageError",
+    "NotFoundError",
+    "ProblemError",
+    "QuotaError",
+    "ServiceUnavailableError",
+    "UsageError",
+    "open_camera",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the module of a public name."""
+    if name in _MODULES:
+        return getattr(import_module(f".{_MODULES[name]}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,233 @@
+"""A calibration as the service answers it, and its use: projection, rectification, files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .answer import ExportedFile
+from .errors import MissingPackageError, UsageError
+from .projection import Array, Lens
+from .rectification import new_camera_matrix, remap_tables
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Exporter = Callable[[str, str], ExportedFile]
+"""Fetches the file of a calibration's id in a format."""
+
+_ROS_MODELS = {"rectilinear": "plumb_bob", "rational": "rational_polynomial", "fisheye": "equidistant"}
+_NATIVE = "calibdb"
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """A calibrated camera, and how far to trust it.
+
+    Attributes
+    ----------
+    record
+        All that the service answered, under its names (docs/api.md).
+
+    Raises UsageError for a record that is no calibration.
+    """
+
+    record: Mapping[str, Any]
+    _exporter: Exporter | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        try:
+            w, h = self.record["img_size"]
+            matrix = np.asarray(self.record["camera_matrix"], dtype=np.float64)
+            distortion = np.asarray(self.record["distortion_coefficients"], dtype=np.float64)
+            whole = matrix.shape == (3, 3) and distortion.ndim == 1 and int(w) > 0 and int(h) > 0
+            whole = whole and bool(np.isfinite(matrix).all() and np.isfinite(distortion).all())
+            whole = whole and isinstance(self.record["distortion_model"], str)
+        except (KeyError, TypeError, ValueError):
+            whole = False
+        if not whole:
+            raise UsageError(
+                "this is no calibration: img_size, camera_matrix, distortion_coefficients are needed"
+            )
+
+    def __repr__(self) -> str:
+        m = self.camera_matrix
+        return (
+            f"Calibration({self.camera!r}, {self.img_size[0]}x{self.img_size[1]}, {self.distortion_model}, "
+            f"fx={m[0, 0]:.1f}, fy={m[1, 1]:.1f}, cx={m[0, 2]:.1f}, cy={m[1, 2]:.1f})"
+        )
+
+    @classmethod
+    def load(cls, path: str | Path) -> Calibration:
+        """Read a JSON file that `save` wrote. Raises UsageError for any other file."""
+        try:
+            record = json.loads(Path(path).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise UsageError(f"{path} cannot be read as a calibration: {error}") from None
+        if not isinstance(record, dict):
+            raise UsageError(f"{path} is no calibration")
+        return cls(record)
+
+    @cached_property
+    def camera_matrix(self) -> Array:
+        """(3, 3), px."""
+        return np.array(self.record["camera_matrix"], dtype=np.float64)
+
+    @cached_property
+    def distortion_coefficients(self) -> Array:
+        """(m,), in the model's order."""
+        return np.array(self.record["distortion_coefficients"], dtype=np.float64)
+
+    @property
+    def distortion_model(self) -> str:
+        """One of `rectilinear`, `fisheye`, `rational`, `omnidirectional`."""
+        return str(self.record["distortion_model"])
+
+    @property
+    def img_size(self) -> tuple[int, int]:
+        """Width and height, px."""
+        w, h = self.record["img_size"]
+        return int(w), int(h)
+
+    @property
+    def camera(self) -> str:
+        """Label of the camera."""
+        return str(self.record.get("camera", ""))
+
+    @property
+    def id(self) -> str | None:
+        """Id at the service; None if it is interpolated, refitted, or made offline."""
+        return self.record.get("id")
+
+    @property
+    def uncertainty(self) -> dict[str, float]:
+        """Predicted error of a projection over the image, px: `rms` and `max`."""
+        return dict(self.record.get("uncertainty") or {})
+
+    @property
+    def avg_reprojection_error(self) -> float:
+        """px, root of the mean square over all measurements."""
+        return float(self.record["avg_reprojection_error"])
+
+    @property
+    def reliable(self) -> bool:
+        """Whether enough calibrations agree."""
+        return bool(self.record.get("reliable"))
+
+    @property
+    def exact_size(self) -> bool:
+        """Whether this is the size that was asked for; if not, never rescale it blindly."""
+        return bool(self.record.get("exact_size", True))
+
+    @cached_property
+    def lens(self) -> Lens:
+        """The projection, of which `project` and `unproject` are shorthands."""
+        return Lens(self.distortion_model, self.camera_matrix, self.distortion_coefficients.tolist())
+
+    def project(self, points: object) -> Array:
+        """Pixels (n, 2) of points (n, 3), camera frame; NaN where the lens sees nothing."""
+        return self.lens.project(points)
+
+    def unproject(self, pixels: object) -> Array:
+        """Return unit rays (n, 3), camera frame, of pixels (n, 2); NaN where there are none."""
+        return self.lens.unproject(pixels)
+
+    def new_camera_matrix(self, alpha: float = 0.0, size: Sequence[int] | None = None) -> Array:
+        """Return the matrix (3, 3) of a rectified picture: at 0 it has no black pixel, at 1 it loses none."""
+        return new_camera_matrix(self.lens, self.img_size, alpha, size)
+
+    def remap_tables(
+        self, matrix: object = None, size: Sequence[int] | None = None
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return the tables (h, w) for `cv2.remap`: the place in the picture of every rectified pixel.
+
+        Parameters
+        ----------
+        matrix
+            (3, 3) camera matrix of the rectified picture; the calibration's own unless given.
+        size
+            Width and height of the rectified picture, px; the calibration's unless given.
+        """
+        new = self.camera_matrix if matrix is None else np.asarray(matrix, dtype=np.float64)
+        w, h = size or self.img_size
+        return remap_tables(self.lens, new, (int(w), int(h)))
+
+    @cached_property
+    def _own_tables(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        return self.remap_tables()
+
+    def undistort(self, frame: Any, matrix: object = None, size: Sequence[int] | None = None) -> Any:
+        """Return the rectified picture of a frame (h, w) or (h, w, c); needs OpenCV.
+
+        `matrix` and `size` as in `remap_tables`.
+
+        Raises UsageError if the frame has another size.
+        """
+        h, w = frame.shape[:2]
+        if (w, h) != self.img_size:
+            raise UsageError(
+                f"the frame has {w} x {h} px, the calibration is of {self.img_size[0]} x {self.img_size[1]}: "
+                "look the camera up at the frame's size"
+            )
+        try:
+            import cv2
+        except ImportError:
+            raise MissingPackageError("undistort() needs OpenCV: pip install opencv-python") from None
+        tables = self._own_tables if matrix is None and size is None else self.remap_tables(matrix, size)
+        return cv2.remap(frame, *tables, cv2.INTER_LINEAR)
+
+    def camera_info(self) -> dict[str, Any]:
+        """Return the fields of a ROS message `sensor_msgs/CameraInfo` (all but the header).
+
+        Raises UsageError for a model that ROS does not have.
+        """
+        name = _ROS_MODELS.get(self.distortion_model)
+        if name is None:
+            raise UsageError(
+                f"ROS has no model {self.distortion_model}: save(…, format='ros') writes the nearest one"
+            )
+        k = self.camera_matrix
+        projection = np.hstack([k, np.zeros((3, 1))])
+        w, h = self.img_size
+        return {
+            "width": w,
+            "height": h,
+            "distortion_model": name,
+            "d": self.distortion_coefficients.tolist(),
+            "k": k.ravel().tolist(),
+            "r": np.eye(3).ravel().tolist(),
+            "p": projection.ravel().tolist(),
+        }
+
+    def save(self, path: str | Path, format: str = _NATIVE) -> ExportedFile:  # noqa: A002 - the contract's name
+        """Write a file of one of the service's formats (docs/formats.md), and return it.
+
+        The service writes other formats than its own. The file is there as a whole or not at all.
+        """
+        file = self.export(format)
+        target = Path(path)
+        partial = target.with_name(f".{target.name}.part")
+        try:
+            partial.write_bytes(file.content)
+            partial.replace(target)
+        except OSError as error:
+            partial.unlink(missing_ok=True)
+            raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+        return file
+
+    def export(self, format: str = _NATIVE) -> ExportedFile:  # noqa: A002
+        """Return the file in one of the service's formats. Raises UsageError if nothing here can write it."""
+        if format == _NATIVE:
+            content = json.dumps(dict(self.record), indent=2, ensure_ascii=False) + "\n"
+            return ExportedFile(content.encode(), "calibration.json", "application/json")
+        if self.id and self._exporter:
+            return self._exporter(self.id, format)
+        raise UsageError(
+            f"the service holds no calibration of this, so only 'calibdb' can be written, not {format!r}"
+        )

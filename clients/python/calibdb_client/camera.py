@@ -1,0 +1,125 @@
+"""An open camera that knows its label: OpenCV's capture, and its name in a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from .devices import Device, find
+from .errors import CameraError, MissingPackageError
+
+MAX_READS = 30
+"""Frames that are waited for: many cameras deliver their first picture late."""
+
+
+class Camera:
+    """A `cv2.VideoCapture` with a label. Whatever else is asked of it is asked of the capture.
+
+    OpenCV's class cannot be derived from, so the capture is a member.
+
+    Attributes
+    ----------
+    capture
+        The `cv2.VideoCapture`.
+    label, platform
+        As Chromium gives them on this machine.
+    img_size
+        Width and height of the pictures that it delivers, px.
+    zoom
+        0: a browser tells no zoom unless the page asked for the right to change it.
+    """
+
+    zoom = 0.0
+
+    def __init__(self, capture: Any, label: str, platform: str, img_size: tuple[int, int]) -> None:
+        self.capture = capture
+        self.label = label
+        self.platform = platform
+        self.img_size = img_size
+
+    def __repr__(self) -> str:
+        return f"Camera({self.label!r}, {self.img_size[0]}x{self.img_size[1]})"
+
+    def __getattr__(self, name: str) -> Any:
+        """Return an attribute of the capture."""
+        if name == "capture":  # while it is being made
+            raise AttributeError(name)
+        return getattr(self.capture, name)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.capture.release()
+
+
+def open_camera(
+    camera: int | str, size: tuple[int, int] | None = None, *, device: Device | None = None
+) -> Camera:
+    """Open a camera of this machine.
+
+    Parameters
+    ----------
+    camera
+        Index, path, or a part of the label.
+    size
+        Width and height that the pictures must have, px; unless given, the camera's own.
+    device
+        The camera, if it has been found already.
+
+    Raises CameraError if it is not there, busy, or has no such size; MissingPackageError without OpenCV.
+    """
+    try:
+        import cv2
+    except ImportError:
+        raise MissingPackageError("a camera is opened by OpenCV: pip install opencv-python") from None
+    found = device or find(camera)
+    capture = cv2.VideoCapture(found.index, found.backend)
+    try:
+        if not capture.isOpened():
+            raise CameraError(_closed(found))
+        if size is not None:
+            w, h = size
+            # Most cameras give their large sizes, at a usable rate, as JPEG alone.
+            capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
+            capture.set(cv2.CAP_PROP_FRAME_WIDTH, w)
+            capture.set(cv2.CAP_PROP_FRAME_HEIGHT, h)
+        delivered = _first_size(capture)
+        if delivered is None:
+            raise CameraError(f"{found.label} delivers no picture: unplug it, plug it in, and try again")
+        if size is not None and delivered != tuple(size):
+            raise CameraError(
+                f"{found.label} delivers {delivered[0]}x{delivered[1]} and not {size[0]}x{size[1]}: "
+                "ask for a size that it has"
+            )
+    except BaseException:
+        capture.release()
+        raise
+    return Camera(capture, found.label, found.platform, delivered)
+
+
+def _first_size(capture: Any) -> tuple[int, int] | None:
+    for _ in range(MAX_READS):
+        there, frame = capture.read()
+        if there:
+            h, w = frame.shape[:2]
+            return int(w), int(h)
+    return None
+
+
+def _closed(device: Device) -> str:
+    path = Path(device.path)
+    if device.path.startswith("/dev/"):
+        try:
+            path.open("rb").close()
+        except PermissionError:
+            return f"{device.label} may not be opened: add yourself to the group video, and log in again"
+        except OSError:
+            return f"{device.label} was unplugged: plug it in, and try again"
+    return f"{device.label} cannot be opened: close other programs that use it, and try again"

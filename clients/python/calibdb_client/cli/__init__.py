@@ -1,0 +1,5 @@
+"""The command `calibdb`."""
+
+from .program import main
+
+__all__ = ["main"]

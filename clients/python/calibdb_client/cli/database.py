@@ -1,0 +1,116 @@
+"""The command `cameras`: cameras of this machine, or of the database."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from ..errors import CalibDBError, UsageError
+from ..key import CameraKey
+from . import options
+from .output import Output
+
+if TYPE_CHECKING:
+    from ..client import Client
+    from ..devices import Device
+
+_DEFAULT_SIZE = (1280, 720)
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "cameras",
+        help="list the cameras of this machine, or search the database",
+        description="List the cameras of this machine and whether the database knows them; or, with words, "
+        "search the database.",
+    )
+    parser.add_argument("words", nargs="*", help="beginnings of words of names in the database")
+    parser.add_argument(
+        "--size", type=options.size, default=_DEFAULT_SIZE, metavar="WxH", help="size to look up"
+    )
+    options.add_service(parser)
+    parser.set_defaults(run=run)
+
+
+def run(chosen: argparse.Namespace, output: Output) -> int:
+    """List cameras."""
+    return _search(chosen, output) if chosen.words else _list(chosen, output)
+
+
+def _search(chosen: argparse.Namespace, output: Output) -> int:
+    with options.client(chosen) as client:
+        found = client.cameras(" ".join(chosen.words))
+    if output.json:
+        output.document({"cameras": found})
+    else:
+        output.facts([(str(each["key"]), f"{each['camera']}: {_sizes(each)}") for each in found])
+        if not found:
+            output.note(f"the database shows no camera called {' '.join(chosen.words)!r}")
+    return 0 if found else 1
+
+
+def _sizes(camera: Any) -> str:
+    return ", ".join(
+        f"{each['img_size'][0]}x{each['img_size'][1]}{'' if each['reliable'] else ' (not reliable)'}"
+        for each in camera["sizes"]
+    )
+
+
+def _list(chosen: argparse.Namespace, output: Output) -> int:
+    from ..devices import devices
+
+    found = devices()
+    known: dict[str, str] = {}
+    try:
+        client = options.client(chosen)
+    except UsageError:
+        output.note("set CALIBDB_URL and CALIBDB_TOKEN to see which of them the database knows")
+    else:
+        with client:
+            known = _known(client, found, chosen.size)
+    if output.json:
+        output.document(
+            {
+                "cameras": [
+                    {
+                        "index": each.index,
+                        "camera": each.label,
+                        "platform": each.platform,
+                        "path": each.path,
+                        "known": known.get(each.label),
+                    }
+                    for each in found
+                ]
+            }
+        )
+        return 0 if found else 1
+    equal = Counter(each.label for each in found)
+    for each in found:
+        said = known.get(each.label, "")
+        twin = "one of several with this name: tell them apart by index" if equal[each.label] > 1 else ""
+        output.facts(
+            [(str(each.index), "  ".join(part for part in (each.label, each.path, said, twin) if part))]
+        )
+    if not found:
+        output.note("there is no camera here, or none that this user may open")
+    return 0 if found else 1
+
+
+def _known(client: Client, found: Any, size: tuple[int, int]) -> dict[str, str]:
+    """Return in a word what the database knows of each label: ``known``, or a lookup's reason."""
+    known: dict[str, str] = {}
+    each: Device
+    for each in found:
+        if each.label in known:
+            continue
+        try:
+            answer = client.lookup(CameraKey(each.label, each.platform, size))
+        except CalibDBError as error:
+            if error.exit_status in (3, 4, 5):
+                raise
+            known[each.label] = "not a camera that can be looked up"
+        else:
+            known[each.label] = "known" if answer.calibration else answer.reason
+    return known

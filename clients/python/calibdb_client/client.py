@@ -1,0 +1,192 @@
+"""The client: the service's calls as methods."""
+
+from __future__ import annotations
+
+import random
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import httpx
+
+from . import flows
+from .answer import Answer, ExportedFile
+from .cache import Cache, default_folder
+from .calibration import Calibration
+from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
+from .errors import CalibDBError
+from .export_query import export_query
+from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
+from .wire import Failure, Reply, Request, checked, pause
+
+
+class Client:
+    """A client of one service. Use it in a `with` statement, or call `close`.
+
+    Parameters
+    ----------
+    url
+        Address of the service; `CALIBDB_URL` unless given.
+    token
+        API token; `CALIBDB_TOKEN` unless given.
+    timeout
+        Seconds for an answer.
+    attempts
+        Number of times that a request is sent before its failure is believed.
+    cache
+        Folder for answers of the edge; True: the user's cache folder; False: none.
+    transport, sleep
+        For tests: replaces the network, and the pauses between attempts.
+
+    Every call raises the errors of `calibdb_client.errors`. A client may be used by one thread at a time.
+    """
+
+    def __init__(
+        self,
+        url: str | None = None,
+        token: str | None = None,
+        *,
+        timeout: float = RESPONSE_TIMEOUT_S,
+        attempts: int = MAX_ATTEMPTS,
+        cache: bool | str | Path = True,
+        transport: httpx.BaseTransport | None = None,
+        sleep: Callable[[float], object] | None = None,
+    ) -> None:
+        self._connection = Connection.of(url, token, timeout, attempts)
+        self._http = httpx.Client(**self._connection.arguments(), transport=transport)
+        self._sleep = sleep or time.sleep
+        self._edge = flows.Edge(self._connection.site, open_cache(cache))
+
+    def __repr__(self) -> str:
+        return f"Client({self._connection.site!r})"
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the connections."""
+        self._http.close()
+
+    @property
+    def site(self) -> str:
+        """Address of the service."""
+        return self._connection.site
+
+    def lookup(
+        self,
+        camera: CameraKey | HasLabel | str,
+        *,
+        platform: str | None = None,
+        size: Sequence[int] | None = None,
+        zoom: float | None = None,
+        model: str = DEFAULT_MODEL,
+    ) -> Answer:
+        """Look up the calibration of a camera.
+
+        Parameters
+        ----------
+        camera
+            An open camera, a `CameraKey`, or a label as a browser gives it.
+        platform, size, zoom
+            As in `key_of`; they replace what the camera says.
+        model
+            Distortion model.
+        """
+        key = key_of(camera, platform, size, zoom)
+        return self._run(flows.lookup(key, checked_model(model), self._edge, self._calibration))
+
+    def calibration(self, identifier: str) -> Calibration:
+        """Read one stored calibration, or one consensus, by its id."""
+        return self._calibration(self._run(flows.calibration(identifier)))
+
+    def export(
+        self,
+        identifier: str,
+        format: str,  # noqa: A002 - the contract's name
+        *,
+        crop: Sequence[int] | None = None,
+        resize: Sequence[int] | None = None,
+        rotate: int = 0,
+        mirror: bool = False,
+    ) -> ExportedFile:
+        """Read a calibration as another tool's file (docs/formats.md), of a changed picture if asked for.
+
+        Parameters
+        ----------
+        identifier, format
+            Id of the calibration or consensus, name of the format.
+        crop
+            Left, top, width, height of the part that is cut out first, px.
+        resize
+            Width and height to which it is then scaled, px.
+        rotate
+            Degrees clockwise after that: 0, 90, 180 or 270.
+        mirror
+            Whether left and right are swapped at last.
+        """
+        return self._run(flows.export(identifier, export_query(format, crop, resize, rotate, mirror)))
+
+    def cameras(self, query: str = "", limit: int = 50) -> list[Mapping[str, Any]]:
+        """Search the database for cameras whose names contain words that begin with those of `query`."""
+        return self._run(flows.cameras(query, limit))
+
+    def camera(self, key: str) -> Mapping[str, Any]:
+        """Read one camera of the database by its key."""
+        return self._run(flows.camera(key))
+
+    def _calibration(self, record: Mapping[str, Any]) -> Calibration:
+        return Calibration(record, self.export)
+
+    def _run(self, flow: flows.Flow[flows.T]) -> flows.T:
+        """Drive a conversation to its end."""
+        try:
+            request = next(flow)
+            while True:
+                try:
+                    reply = self._exchange(request)
+                except CalibDBError as error:
+                    request = flow.throw(error)
+                else:
+                    request = flow.send(reply)
+        except StopIteration as end:
+            result: flows.T = end.value
+            return result
+
+    def _exchange(self, request: Request) -> Reply:
+        """Send a request until it is answered, at most as often as is allowed."""
+        message = self._connection.message(request)
+        attempts = self._connection.attempts if request.repeats else 1
+        for attempt in range(attempts):
+            outcome = self._send(message)
+            wait = pause(outcome, attempt, random.random())  # noqa: S311 - no secret
+            if wait is None or attempt + 1 == attempts:
+                break
+            self._sleep(wait)
+        return checked(outcome, self.site)
+
+    def _send(self, message: dict[str, Any]) -> Reply | Failure:
+        body = Body()
+        try:
+            with self._http.stream(**message) as response:
+                for part in response.iter_bytes():
+                    body.add(part)
+        except (httpx.HTTPError, httpx.InvalidURL, BodyTooLargeError) as error:
+            return failure(error)
+        return body.reply(response)
+
+
+def open_cache(cache: bool | str | Path) -> Cache | None:
+    """Return the cache that an argument `cache` names."""
+    if cache is False:
+        return None
+    return Cache(default_folder() if cache is True else Path(cache), time.time)

@@ -1,0 +1,122 @@
+"""Settings of a connection, the same for both clients, and requests and answers as httpx has them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.parse import urlsplit
+
+import httpx
+
+from . import __version__
+from .errors import UsageError
+from .wire import MAX_BODY_BYTES, Failure, Reply, Request
+
+CONNECT_TIMEOUT_S = 5.0
+RESPONSE_TIMEOUT_S = 30.0
+"""Time for an answer: the service computes a model that nobody asked for yet while one waits."""
+MAX_ATTEMPTS = 4
+
+
+@dataclass(frozen=True)
+class Connection:
+    """A service, and how it is spoken to.
+
+    Attributes
+    ----------
+    site
+        Its address, without `/v1` and without a slash at the end.
+    token
+        API token; "" if there is none: then only the edge answers.
+    timeout
+        Seconds for an answer.
+    attempts
+        Number of times that a request is sent before its failure is believed.
+    """
+
+    site: str
+    token: str = field(repr=False)
+    timeout: float
+    attempts: int
+
+    @classmethod
+    def of(cls, url: str | None, token: str | None, timeout: float, attempts: int) -> Connection:
+        """Make the connection of arguments, or of `CALIBDB_URL` and `CALIBDB_TOKEN`. Raises UsageError."""
+        address = (url or os.environ.get("CALIBDB_URL") or "").strip().rstrip("/").removesuffix("/v1")
+        if not address:
+            raise UsageError("the address of the service is missing: give url, or set CALIBDB_URL")
+        parts = urlsplit(address)
+        if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.username:
+            raise UsageError(f"{address!r} is no address of a service, such as https://calibdb.example")
+        credential = os.environ.get("CALIBDB_TOKEN", "") if token is None else token
+        credential = credential.strip()
+        if not credential.isascii() or not credential.isprintable() or " " in credential:
+            raise UsageError("the token (CALIBDB_TOKEN) holds characters that no token has")
+        if not timeout > 0 or attempts < 1:
+            raise UsageError("timeout and attempts must be positive")
+        return cls(address, credential, timeout, attempts)
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments of httpx's clients. Proxies and CAs are the environment's, as usual."""
+        return {
+            "timeout": httpx.Timeout(self.timeout, connect=min(CONNECT_TIMEOUT_S, self.timeout)),
+            "headers": {"user-agent": f"calibdb-client/{__version__}"},
+            "follow_redirects": False,
+        }
+
+    def message(self, request: Request) -> dict[str, Any]:
+        """Return the arguments of httpx's `stream` for a request. Raises UsageError if a token is missing."""
+        headers = {"accept": request.accept}
+        if request.credential != "none":
+            credential = self.token if request.credential == "token" else request.credential
+            if not credential:
+                raise UsageError("the service asks for a token: give token, or set CALIBDB_TOKEN")
+            headers["authorization"] = f"Bearer {credential}"
+        arguments: dict[str, Any] = {
+            "method": request.method,
+            "url": f"{self.site}/{request.path}",
+            "headers": headers,
+        }
+        if request.query:
+            arguments["params"] = dict(request.query)
+        if request.body is not None:
+            arguments["json"] = dict(request.body)
+        return arguments
+
+
+class BodyTooLargeError(Exception):
+    """The answer is longer than anything that the service sends."""
+
+
+class Body:
+    """Body of an answer while it arrives."""
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+        self._length = 0
+
+    def add(self, part: bytes) -> None:
+        """Append a part. Raises BodyTooLargeError."""
+        self._length += len(part)
+        if self._length > MAX_BODY_BYTES:
+            raise BodyTooLargeError
+        self._parts.append(part)
+
+    def reply(self, response: httpx.Response) -> Reply:
+        """Return the whole answer."""
+        headers = {name.lower(): value for name, value in response.headers.items()}
+        return Reply(response.status_code, headers, b"".join(self._parts))
+
+
+def failure(error: Exception) -> Failure:
+    """Return the failure that an exception of httpx stands for, in a few words without addresses."""
+    if isinstance(error, httpx.TimeoutException):
+        return Failure("no answer in time")
+    if isinstance(error, httpx.ConnectError):
+        return Failure(
+            "no connection" if "certificate" not in str(error).lower() else "its certificate is not valid"
+        )
+    if isinstance(error, BodyTooLargeError):
+        return Failure("its answer is too long")
+    return Failure("the connection broke")

@@ -1,0 +1,156 @@
+"""Conversations with the service, without a network: generators that yield requests and are sent replies.
+
+The client and its asynchronous twin drive the same conversations. An error that a reply stands for is raised
+inside the conversation, which may go on without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass
+from email.message import Message
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from .answer import Answer, ExportedFile
+from .cache import Cache
+from .errors import CalibDBError, NotFoundError, ServiceUnavailableError, UsageError
+from .key import CameraKey
+from .wire import Reply, Request
+
+if TYPE_CHECKING:
+    from .calibration import Calibration
+
+T = TypeVar("T")
+Flow = Generator[Request, Reply, T]
+
+MAX_PAGES = 200
+"""Pages of a search that are read, at most."""
+
+
+@dataclass
+class Edge:
+    """Answers at the edge: whether they are there, as far as this client knows, and what is kept of them.
+
+    Attributes
+    ----------
+    site
+        Address of the site, which tells the addresses of two services apart.
+    cache
+        None keeps nothing.
+    asked
+        Whether `/config.json` has been read.
+    on
+        Whether lookups ask there.
+    """
+
+    site: str
+    cache: Cache | None
+    asked: bool = False
+    on: bool = True
+
+
+def lookup(
+    key: CameraKey, model: str, edge: Edge, make: Callable[[Mapping[str, Any]], Calibration]
+) -> Flow[Answer]:
+    """Look a camera up: in the cache, at the edge, then by POST. `make` turns a record into a calibration."""
+    path = key.known_path(model) if edge.on else None
+    if path is not None:
+        address = f"{edge.site}/{path}"
+        if edge.cache and (kept := edge.cache.get(address)) and _is_record(kept):
+            return Answer(make(kept), source="cache")
+        try:
+            reply = yield Request("GET", path, credential="none", repeats=False)
+            if _is_record(record := reply.json):
+                if edge.cache:
+                    edge.cache.put(address, record, reply.headers)
+                return Answer(make(record), source="edge")
+        except CalibDBError:
+            yield from _read_switch(edge)
+    body = {**key.record(), "redirect": False, "distortion_model": model}
+    try:
+        reply = yield Request("POST", "v1/lookup", body)
+    except NotFoundError as error:
+        if not isinstance(reason := error.members.get("reason"), str):
+            raise
+        return Answer(None, reason, error.detail, str(error.members.get("guidance_url") or ""))
+    if _is_record(record := reply.json):
+        return Answer(make(record))
+    raise ServiceUnavailableError(f"{edge.site} answered a lookup with something else: check the address")
+
+
+def calibration(identifier: str) -> Flow[Mapping[str, Any]]:
+    """Read one stored calibration or consensus."""
+    reply = yield Request("GET", f"v1/calibrations/{_segment(identifier)}")
+    return reply.json
+
+
+def export(identifier: str, query: Mapping[str, str]) -> Flow[ExportedFile]:
+    """Read a calibration as another tool's file."""
+    reply = yield Request("GET", f"v1/calibrations/{_segment(identifier)}", query=query, accept="*/*")
+    headers = reply.headers
+    return ExportedFile(
+        content=reply.body,
+        filename=_filename(headers.get("content-disposition", "")),
+        media_type=headers.get("content-type", "application/octet-stream"),
+        error=_number(headers.get("x-conversion-error"), 0.0),
+        coverage=_number(headers.get("x-conversion-coverage"), 1.0),
+        warning=headers.get("x-conversion-warning", ""),
+    )
+
+
+def cameras(query: str, limit: int) -> Flow[list[Mapping[str, Any]]]:
+    """Search the database, page by page, for at most `limit` cameras."""
+    found: list[Mapping[str, Any]] = []
+    asked = {"query": query, "limit": str(min(limit, 50))}
+    for _ in range(MAX_PAGES):
+        reply = yield Request("GET", "v1/cameras", query=asked)
+        page = reply.json
+        found += page.get("cameras", [])
+        if len(found) >= limit or not page.get("next"):
+            break
+        asked["after"] = str(page["next"])
+    return found[:limit]
+
+
+def camera(key: str) -> Flow[Mapping[str, Any]]:
+    """Read one camera of the database."""
+    reply = yield Request("GET", f"v1/cameras/{_segment(key)}")
+    return reply.json
+
+
+def _read_switch(edge: Edge) -> Flow[None]:
+    """Find out, once, whether the deployment answers at the edge at all."""
+    if edge.asked:
+        return
+    edge.asked = True
+    try:
+        reply = yield Request("GET", "config.json", credential="none", repeats=False)
+        edge.on = reply.json.get("edge_answers") != "off"
+    except CalibDBError:
+        return
+
+
+def _is_record(said: Mapping[str, Any]) -> bool:
+    return "camera_matrix" in said
+
+
+def _segment(text: str) -> str:
+    """Return an id as one segment of a path. Raises UsageError for text that is none."""
+    if not text or not all(c.isascii() and (c.isalnum() or c in "-_.~") for c in text) or set(text) == {"."}:
+        raise UsageError(f"{text!r} is no id of a calibration or camera")
+    return text
+
+
+def _filename(disposition: str) -> str:
+    """Return the name of a file without any folder; "calibration" if none is given."""
+    message = Message()
+    message["content-disposition"] = disposition or "attachment"
+    name = str(message.get_filename() or "").replace("\\", "/").rpartition("/")[2]
+    return name.lstrip(".") or "calibration"
+
+
+def _number(text: str | None, default: float) -> float:
+    try:
+        return float(text) if text is not None else default
+    except ValueError:
+        return default

@@ -1,0 +1,148 @@
+"""Camera key: label, platform, picture size and zoom, which identify a camera's optics."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+from .errors import UsageError
+
+MODELS = ("rectilinear", "fisheye", "rational", "omnidirectional")
+DEFAULT_MODEL = MODELS[0]
+
+
+@runtime_checkable
+class HasLabel(Protocol):
+    """Whatever knows its camera: an open camera, or one of the list of cameras."""
+
+    @property
+    def label(self) -> str:
+        """Label as Chromium gives it."""
+
+    @property
+    def platform(self) -> str:
+        """Platform as Chromium gives it."""
+
+
+@dataclass(frozen=True)
+class CameraKey:
+    """Identity of a camera's optics.
+
+    Attributes
+    ----------
+    camera
+        `MediaStreamTrack.label`, such as ``HD Pro Webcam C920 (046d:082d)``.
+    platform
+        The parenthesised part of the user agent, such as ``X11; Linux x86_64``.
+    img_size
+        Width and height of the picture, px.
+    zoom
+        The track's zoom; 0 if the camera has none.
+
+    Raises UsageError for values that no camera has.
+    """
+
+    camera: str
+    platform: str
+    img_size: tuple[int, int]
+    zoom: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.camera.strip() or not self.platform.strip():
+            raise UsageError("a camera has a label and a platform: neither may be empty")
+        w, h = (int(side) for side in self.img_size)
+        if not (16 <= w <= 16384 and 16 <= h <= 16384):
+            raise UsageError(f"a picture has 16 to 16384 px a side, not {w} x {h}")
+        if not (math.isfinite(self.zoom) and 0 <= self.zoom <= 1e6):
+            raise UsageError(f"a zoom lies in 0 to 1000000, not {self.zoom}")
+        object.__setattr__(self, "img_size", (w, h))
+        object.__setattr__(self, "zoom", float(self.zoom))
+
+    def record(self) -> dict[str, Any]:
+        """Return the key as the members of a request."""
+        return {
+            "camera": self.camera,
+            "platform": self.platform,
+            "img_size": list(self.img_size),
+            "zoom": self.zoom,
+        }
+
+    def known_path(self, model: str = DEFAULT_MODEL) -> str | None:
+        """Return the path of the file that answers a lookup at the edge; None if no file can.
+
+        The digest is half of a SHA-256, so that no label stands in an address (docs/api.md).
+        """
+        zoom = zoom_text(self.zoom)
+        if zoom is None:
+            return None
+        w, h = self.img_size
+        label = unicodedata.normalize("NFC", self.camera).strip()
+        text = "\n".join(("v1", label, self.platform, f"{w}x{h}", zoom, model))
+        digest = hashlib.sha256(text.encode()).hexdigest()[:32]
+        return f"known/{digest[:2]}/{digest}.json"
+
+
+def zoom_text(zoom: float) -> str | None:
+    """Write a zoom to six decimals without zeros at the end; None if it has more."""
+    text = f"{zoom:.6f}"
+    return text.rstrip("0").rstrip(".") if float(text) == zoom else None
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Read `1280x720`. Raises UsageError."""
+    match = re.fullmatch(r"\s*(\d{1,5})\s*[xX×]\s*(\d{1,5})\s*", text)
+    if not match:
+        raise UsageError(f"a size is written as 1280x720, not {text!r}")
+    return int(match[1]), int(match[2])
+
+
+def key_of(
+    camera: CameraKey | HasLabel | str,
+    platform: str | None = None,
+    size: Sequence[int] | None = None,
+    zoom: float | None = None,
+) -> CameraKey:
+    """Return the key of an open camera, a listed one, or a label.
+
+    Parameters
+    ----------
+    camera
+        A key is taken as it is; whatever else is given replaces its values.
+    platform
+        Needed for a label alone.
+    size
+        Width and height, px; needed unless the camera is open.
+    zoom
+        Zoom of the picture; 0 if it is not given and the camera knows none.
+
+    Raises UsageError if something is missing.
+    """
+    if isinstance(camera, str):
+        label, known_platform, known_size, known_zoom = camera, None, None, 0.0
+    elif isinstance(camera, CameraKey):
+        label, known_platform = camera.camera, camera.platform
+        known_size, known_zoom = camera.img_size, camera.zoom
+    elif isinstance(camera, HasLabel):
+        label, known_platform = camera.label, camera.platform
+        known_size, known_zoom = getattr(camera, "img_size", None), float(getattr(camera, "zoom", 0.0))
+    else:
+        raise UsageError("this camera has no label: give a CameraKey of label, platform and size")
+    platform, chosen = platform or known_platform, size or known_size
+    if not platform:
+        raise UsageError(f"of {label!r} the platform is missing, such as 'X11; Linux x86_64'")
+    if not chosen:
+        raise UsageError(f"of {label!r} the size of the picture is missing, such as (1280, 720)")
+    w, h = chosen
+    return CameraKey(label, platform, (int(w), int(h)), known_zoom if zoom is None else zoom)
+
+
+def checked_model(model: str) -> str:
+    """Return the name of a distortion model. Raises UsageError for an unknown one."""
+    if model not in MODELS:
+        raise UsageError(f"a distortion model is one of {', '.join(MODELS)}, not {model!r}")
+    return model

@@ -1,0 +1,159 @@
+"""The Python client and its command against the local stack."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+import yaml
+
+from calibdb_client import AsyncClient, Calibration, Client, CredentialError, NotFoundError
+from calibdb_client.cli import main
+from calibdb_client.key import CameraKey
+from infra.local import LocalStack
+from tests.helpers.service.client import Client as Raw
+from tests.helpers.service.client import Truth, until
+
+LABEL, PLATFORM, SIZE = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64", (1280, 720)
+KEY = CameraKey(LABEL, PLATFORM, SIZE)
+LOOKUP = ["lookup", "--label", LABEL, "--platform", PLATFORM, "--size", "1280x720", "--no-cache"]
+TOKEN = "cdb_dev_local"
+
+
+@pytest.fixture(scope="module")
+def known(stack: LocalStack) -> dict[str, Any]:
+    """The lookup of a camera that five captures calibrated."""
+    for seed in range(5):
+        Truth(seed=seed).calibrate(Raw(stack), camera=LABEL)
+    found = until(
+        lambda: (answer := Raw(stack).lookup(camera=LABEL, redirect=False)).status == 200 and answer
+    )
+    record: dict[str, Any] = found.json
+    return record
+
+
+@pytest.fixture
+def served(stack: LocalStack, known: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """Address of the stack, which the command takes from the environment."""
+    assert known["reliable"]
+    monkeypatch.setenv("CALIBDB_URL", stack.url)
+    monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
+    with stack.serve():
+        yield stack.url
+
+
+def test_three_lines_look_a_camera_up(served: str, known: dict[str, Any]) -> None:
+    with Client(served, TOKEN, cache=False) as client:
+        answer = client.lookup(LABEL, platform=PLATFORM, size=SIZE)
+        assert answer.calibration is not None
+        assert answer.calibration.record == known
+        assert abs(answer.calibration.camera_matrix[0, 0] - Truth().fx) < 3
+        missing = client.lookup("Unheard Camera (1234:5678)", platform=PLATFORM, size=SIZE)
+        assert (missing.calibration, missing.reason) == (None, "unknown_camera")
+        assert "1234" in missing.guidance_url
+        assert answer.calibration.id
+        assert np.allclose(
+            client.calibration(answer.calibration.id).camera_matrix, answer.calibration.camera_matrix
+        )
+        (camera,) = client.cameras("c920")
+        assert client.camera(camera["key"])["camera"] == camera["camera"]
+        with pytest.raises(NotFoundError):
+            client.camera("c4-absent-0123456789ab")
+    with Client(served, "cdb_wrong_token", cache=False) as stranger, pytest.raises(CredentialError):
+        stranger.cameras()
+
+
+async def _ask(url: str) -> tuple[Any, bytes]:
+    async with AsyncClient(url, TOKEN, cache=False) as client:
+        answer = await client.lookup(KEY)
+        assert answer.calibration is not None
+        assert answer.calibration.id
+        return answer.calibration.record, (await client.export(answer.calibration.id, "kalibr")).content
+
+
+def test_asynchronous_twin_answers_the_same(served: str, known: dict[str, Any]) -> None:
+    import asyncio
+
+    record, kalibr = asyncio.run(_ask(served))
+    assert record == known
+    assert yaml.safe_load(kalibr)["cam0"]["resolution"] == list(SIZE)
+
+
+def test_every_file_is_the_services(served: str, known: dict[str, Any], tmp_path: Path) -> None:
+    with Client(served, TOKEN, cache=False) as client:
+        calibration = client.lookup(KEY).calibration
+        assert calibration is not None
+        file = calibration.save(tmp_path / "camera.yaml", format="ros")
+    told = yaml.safe_load((tmp_path / "camera.yaml").read_bytes())
+    # as ROS's camera_calibration_parsers reads it
+    assert told["camera_matrix"]["data"] == calibration.camera_info()["k"]
+    assert told["distortion_coefficients"]["data"] == calibration.camera_info()["d"]
+    assert (told["image_width"], told["distortion_model"]) == (1280, "plumb_bob")
+    assert file.error == 0
+    asked = httpx.get(
+        f"{served}/v1/calibrations/{known['id']}?format=ros", headers={"authorization": f"Bearer {TOKEN}"}
+    )
+    assert file.content == asked.content
+
+
+@pytest.mark.usefixtures("served")
+def test_lookup_command_prints_the_answer_of_the_api(
+    known: dict[str, Any], capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*LOOKUP, "--json"]) == 0
+    assert json.loads(capfd.readouterr().out) == known
+    assert main(LOOKUP) == 0
+    assert "focal lengths" in capfd.readouterr().out
+    assert main([*LOOKUP, "--format", "ros"]) == 0
+    assert yaml.safe_load(capfd.readouterr().out)["image_height"] == 720
+
+
+@pytest.mark.usefixtures("served")
+def test_unknown_camera_has_status_1_and_a_sentence(capfd: pytest.CaptureFixture[str]) -> None:
+    asked = ["lookup", "--label", "Unheard Camera (1234:5678)", "--platform", PLATFORM, "--size", "640x480"]
+    assert main([*asked, "--json", "--no-cache"]) == 1
+    told = capfd.readouterr()
+    assert json.loads(told.out)["reason"] == "unknown_camera"
+    assert "calibrate it in a browser: http" in told.err
+
+
+@pytest.mark.usefixtures("served")
+def test_export_command_writes_the_file(
+    known: dict[str, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "half.yaml"
+    assert main(["export", known["id"], "--format", "kalibr", "--resize", "640x360", "-o", str(path)]) == 0
+    assert yaml.safe_load(path.read_bytes())["cam0"]["resolution"] == [640, 360]
+    assert capfd.readouterr().out == ""
+    assert main(["export", "c4-absent-0123456789ab~640x480~0~rectilinear"]) == 1
+    assert main(["export", "../tokens"]) == 2
+
+
+@pytest.mark.usefixtures("served")
+def test_search_command_lists_the_camera(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["cameras", "c920", "--json"]) == 0
+    assert json.loads(capfd.readouterr().out)["cameras"][0]["camera"] == LABEL
+    assert main(["cameras", "absent"]) == 1
+
+
+@pytest.mark.usefixtures("served")
+def test_wrong_token_and_absent_service_have_their_statuses(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert main([*LOOKUP, "--token", "cdb_wrong_token", "--label", "Camera x"]) == 4
+    assert "CALIBDB_TOKEN" in capfd.readouterr().err
+    monkeypatch.setattr("time.sleep", lambda _: None)
+    assert main([*LOOKUP, "--url", "http://127.0.0.1:9"]) == 3
+    (line,) = capfd.readouterr().err.splitlines()
+    assert "no connection" in line
+    monkeypatch.delenv("CALIBDB_URL")
+    assert main(LOOKUP) == 2
+
+
+def test_calibration_of_a_lookup_is_of_use(known: dict[str, Any]) -> None:
+    calibration = Calibration(known)
+    pixel = [[200.0, 100.0]]
+    assert np.abs(calibration.project(calibration.unproject(pixel)) - pixel).max() < 1e-9

@@ -1,0 +1,63 @@
+"""Boards of the Python client: equal to OpenCV's, in true size on paper, refused where they cannot exist."""
+
+import io
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pypdf
+import pytest
+
+from calibdb_client import Board, UsageError
+from calibdb_client.board_sheet import black, largest_square_mm, pdf, png
+from calibdb_client.cli import main
+
+
+def test_board_is_black_where_opencv_draws_it() -> None:
+    for board in (Board(), Board((8, 8), 0.75, "DICT_5X5_100"), Board((6, 8), 0.5, legacy=True)):
+        cell = 120
+        drawn = np.full((board.squares[1] * cell, board.squares[0] * cell), 255, dtype=np.uint8)
+        for x, y, w, h in black(board):
+            left, top, right, bottom = (round(cell * each) for each in (x, y, x + w, y + h))
+            drawn[top:bottom, left:right] = 0
+        size = (board.squares[0] * cell, board.squares[1] * cell)
+        expected = board.opencv().generateImage(size, marginSize=0, borderBits=1)
+        assert (np.abs(drawn.astype(int) - expected) > 128).mean() < 0.01
+
+
+def test_sheet_has_its_size_and_says_what_the_board_is() -> None:
+    page = pypdf.PdfReader(io.BytesIO(pdf(Board(), "a4", 25))).pages[0]
+    assert [round(float(each) / 72 * 25.4, 2) for each in page.mediabox[2:]] == [297.0, 210.0]
+    assert "9 x 6 squares of 25 mm" in page.extract_text()
+    widths = [
+        float(line.split()[2])
+        for line in page.get_contents().get_data().decode().splitlines()
+        if line.endswith(" re")
+    ]
+    assert max(widths) == pytest.approx(25 / 25.4 * 72, abs=1e-3)
+    assert (largest_square_mm(Board((9, 6)), "a4"), largest_square_mm(Board((6, 9)), "a4")) == (30, 29.5)
+    with pytest.raises(UsageError, match="1 to"):
+        pdf(Board(), "a4", 60)
+
+
+def test_picture_shows_every_corner() -> None:
+    board = Board((8, 8), 0.75, "DICT_4X4_1000")
+    picture = cv2.imdecode(np.frombuffer(png(board), dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
+    ids = cv2.aruco.CharucoDetector(board.opencv()).detectBoard(picture)[1]
+    assert sorted(ids.ravel().tolist()) == list(range(board.corner_count))
+
+
+def test_board_command_writes_both(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    files = [tmp_path / "board.pdf", tmp_path / "board.png"]
+    assert main(["board", "--pdf", str(files[0]), "--png", str(files[1]), "--squares", "8x8"]) == 0
+    assert all(path.stat().st_size > 1000 for path in files)
+    assert main(["board"]) == 2
+    assert main(["board", "--pdf", str(tmp_path / "absent" / "board.pdf")]) == 2
+    assert main(["board", "--png", str(files[1]), "--squares", "20x20"]) == 2
+    assert "larger dictionary" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("wrong", [{"squares": (2, 9)}, {"marker_ratio": 1.0}, {"dictionary": "DICT_9X9_50"}])
+def test_board_that_cannot_exist_is_refused(wrong: dict[str, object]) -> None:
+    with pytest.raises(UsageError):
+        Board(**wrong)

@@ -1,0 +1,93 @@
+"""Calibrations of the Python client: use, files, refusals."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from calibdb_client import Calibration, ExportedFile, UsageError
+
+RECORD: dict[str, Any] = {
+    "img_size": [64, 48],
+    "camera_matrix": [[60.0, 0, 31.5], [0, 60.0, 23.5], [0, 0, 1]],
+    "distortion_coefficients": [-0.2, 0.05, 0, 0, 0],
+    "distortion_model": "rectilinear",
+    "avg_reprojection_error": 0.2,
+    "uncertainty": {"rms": 0.3, "max": 0.9},
+    "id": "c4-camera-0123456789ab~64x48~0~rectilinear",
+    "camera": "Camera",
+    "reliable": True,
+}
+
+
+def test_undistorted_frame_shows_straight_what_is_straight() -> None:
+    matrix = [[300.0, 0, 159.5], [0, 300.0, 119.5], [0, 0, 1]]
+    calibration = Calibration({**RECORD, "img_size": [320, 240], "camera_matrix": matrix})
+    frame = np.full((240, 320), 255, dtype=np.uint8)
+    x = np.linspace(-0.45, 0.45, 4000)  # a dark line of the scene
+    drawn = calibration.project(np.stack([x, np.full_like(x, 0.3), np.ones_like(x)], axis=1))
+    q = np.round(drawn).astype(int)
+    frame[q[:, 1], q[:, 0]] = 0
+    bent = [frame[:, column].argmin() for column in range(40, 280)]
+    assert max(bent) - min(bent) >= 3
+    straight = calibration.undistort(frame)
+    rows = [straight[:, column].argmin() for column in range(40, 280)]
+    assert max(rows) - min(rows) <= 1
+
+
+def test_frame_of_another_size_is_refused() -> None:
+    with pytest.raises(UsageError, match="32 x 24"):
+        Calibration(RECORD).undistort(np.zeros((24, 32, 3), dtype=np.uint8))
+
+
+def test_saved_file_is_read_back_as_it_was(tmp_path: Path) -> None:
+    Calibration(RECORD).save(tmp_path / "camera.json")
+    assert Calibration.load(tmp_path / "camera.json").record == RECORD
+    assert [path.name for path in tmp_path.iterdir()] == ["camera.json"]
+
+
+def test_other_formats_are_asked_of_the_service(tmp_path: Path) -> None:
+    asked = []
+
+    def export(identifier: str, form: str) -> ExportedFile:
+        asked.append((identifier, form))
+        return ExportedFile(b"yaml", "x.yaml")
+
+    Calibration(RECORD, export).save(tmp_path / "camera.yaml", format="ros")
+    assert asked == [(RECORD["id"], "ros")]
+    assert (tmp_path / "camera.yaml").read_bytes() == b"yaml"
+    with pytest.raises(UsageError, match="only 'calibdb'"):
+        Calibration({**RECORD, "id": None}, export).save(tmp_path / "none.yaml", format="ros")
+    with pytest.raises(UsageError, match="cannot be written"):
+        Calibration(RECORD).save(tmp_path / "absent" / "camera.json")
+
+
+def test_camera_info_has_the_fields_of_ros() -> None:
+    info = Calibration(RECORD).camera_info()
+    assert info["distortion_model"] == "plumb_bob"
+    assert [len(info[name]) for name in ("d", "k", "r", "p")] == [5, 9, 9, 12]
+    omni = {**RECORD, "distortion_model": "omnidirectional", "distortion_coefficients": [1.0, 0, 0, 0, 0]}
+    with pytest.raises(UsageError, match="ROS has no model"):
+        Calibration(omni).camera_info()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"camera_matrix": [[1, 2], [3, 4]]},
+        {"img_size": [0, 48]},
+        {"distortion_coefficients": [float("nan")] * 5},
+        {"camera_matrix": "none"},
+        {"distortion_model": None},
+    ],
+)
+def test_record_that_is_no_calibration_is_refused(change: dict[str, Any], tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="no calibration"):
+        Calibration({**RECORD, **change})
+    (tmp_path / "x.json").write_text(json.dumps([1]))
+    with pytest.raises(UsageError, match="no calibration"):
+        Calibration.load(tmp_path / "x.json")
+    with pytest.raises(UsageError, match="cannot be read"):
+        Calibration.load(tmp_path / "absent.json")

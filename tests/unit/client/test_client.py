@@ -1,0 +1,328 @@
+"""The Python client without a service: edge, cache, retries, errors; the same for its asynchronous twin."""
+
+import asyncio
+import json
+import stat
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from calibdb_client import (
+    Answer,
+    AsyncClient,
+    Client,
+    ConflictError,
+    CredentialError,
+    NotFoundError,
+    ProblemError,
+    QuotaError,
+    ServiceUnavailableError,
+    UsageError,
+)
+from calibdb_client.key import CameraKey
+from tests.unit.client.test_calibration import RECORD
+
+ROOT = Path(__file__).parents[3]
+SITE = "https://calibdb.test"
+KEY = CameraKey("HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64", (1280, 720))
+TOKEN = "cdb_a_secret"
+
+#: the vectors of docs/api.md
+VECTORS = [
+    (KEY, "rectilinear", "known/3a/3a3abd6e65b4228dbd439da8639522db.json"),
+    (
+        CameraKey("FaceTime HD-Kamera", "Macintosh; Intel Mac OS X 10_15_7", (1920, 1080), 1.5),
+        "rational",
+        "known/51/513ae4e34431327c5d2a3fa061bdf53f.json",
+    ),
+    (
+        CameraKey("Intégrée Kamera (04f2:b6cb)", "Windows NT 10.0; Win64; x64", (640, 480)),
+        "fisheye",
+        "known/45/4526bb8a645793a4ba2e1988da58dae0.json",
+    ),
+]
+
+
+class Service:
+    """Answers by path, and what was asked."""
+
+    def __init__(self, answer: Callable[[httpx.Request], httpx.Response]) -> None:
+        self.answer = answer
+        self.asked: list[httpx.Request] = []
+        self.pauses: list[float] = []
+
+    def __call__(self, request: httpx.Request) -> httpx.Response:
+        self.asked.append(request)
+        return self.answer(request)
+
+    @property
+    def paths(self) -> list[str]:
+        return [f"{each.method} {each.url.path}" for each in self.asked]
+
+    def lookup(self, twin: bool, cache: Path | bool = False, times: int = 1, **options: Any) -> Answer:
+        """Look `KEY` up with the client or with its twin; return the last answer."""
+        if twin:
+            return asyncio.run(self._lookup(cache, times, **options))
+        with Client(
+            SITE, TOKEN, transport=httpx.MockTransport(self), sleep=self.pauses.append, cache=cache, **options
+        ) as client:
+            for _ in range(times):
+                answer = client.lookup(KEY)
+        return answer
+
+    async def _lookup(self, cache: Path | bool, times: int, **options: Any) -> Answer:
+        async def sleep(seconds: float) -> None:
+            self.pauses.append(seconds)
+
+        async with AsyncClient(
+            SITE, TOKEN, transport=httpx.MockTransport(self), sleep=sleep, cache=cache, **options
+        ) as client:
+            for _ in range(times):
+                answer = await client.lookup(KEY)
+        return answer
+
+
+both = pytest.mark.parametrize("twin", [False, True], ids=["sync", "async"])
+
+
+def by_post(request: httpx.Request) -> httpx.Response:
+    """Nothing at the edge; the service knows the camera."""
+    return httpx.Response(200, json=RECORD) if request.method == "POST" else httpx.Response(404)
+
+
+def problem(status: int, **members: Any) -> Callable[[httpx.Request], httpx.Response]:
+    def answer(request: httpx.Request) -> httpx.Response:
+        if request.method == "GET":
+            return httpx.Response(404)
+        headers = {"retry-after": str(members["after"])} if "after" in members else {}
+        said = {"type": f"{SITE}/docs/problems/#kind", "title": "T", "status": status, "detail": "It is so."}
+        return httpx.Response(status, json=said | members, headers=headers)
+
+    return answer
+
+
+@pytest.mark.parametrize(("key", "model", "path"), VECTORS)
+def test_digest_equals_the_documented_vectors(key: CameraKey, model: str, path: str) -> None:
+    assert key.known_path(model) == path
+
+
+def test_digest_normalises_the_label_and_refuses_fine_zooms() -> None:
+    decomposed = CameraKey(" Inte\u0301gre\u0301e Kamera (04f2:b6cb)", VECTORS[2][0].platform, (640, 480))
+    assert decomposed.known_path("fisheye") == VECTORS[2][2]
+    assert CameraKey("a", "b", (640, 480), 1.23456789).known_path() is None
+
+
+@both
+def test_known_camera_is_answered_by_one_get_without_credential(twin: bool) -> None:
+    service = Service(lambda _: httpx.Response(200, json=RECORD))
+    answer = service.lookup(twin)
+    assert answer.calibration is not None
+    assert answer.calibration.record == RECORD
+    assert answer.source == "edge"
+    assert service.paths == [f"GET /{VECTORS[0][2]}"]
+    assert "authorization" not in service.asked[0].headers
+
+
+@both
+def test_camera_that_the_edge_does_not_know_is_asked_of_the_service(twin: bool) -> None:
+    service = Service(by_post)
+    answer = service.lookup(twin, times=2)
+    assert answer.source == "service"
+    assert service.paths == [
+        f"GET /{VECTORS[0][2]}",
+        "GET /config.json",
+        "POST /v1/lookup",
+        f"GET /{VECTORS[0][2]}",
+        "POST /v1/lookup",
+    ]
+    assert service.asked[2].headers["authorization"] == f"Bearer {TOKEN}"
+    assert json.loads(service.asked[2].content)["redirect"] is False
+
+
+@both
+def test_edge_that_is_off_is_not_asked_again(twin: bool) -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        if request.url.path == "/config.json":
+            return httpx.Response(200, json={"edge_answers": "off"})
+        return by_post(request)
+
+    service = Service(answer)
+    service.lookup(twin, times=3)
+    assert service.paths.count(f"GET /{VECTORS[0][2]}") == 1
+    assert service.paths.count("POST /v1/lookup") == 3
+
+
+@both
+def test_answer_of_the_edge_is_kept_as_long_as_it_allows(twin: bool, tmp_path: Path) -> None:
+    def answer(_: httpx.Request) -> httpx.Response:
+        return httpx.Response(200, json=RECORD, headers={"cache-control": "public, max-age=60, s-maxage=300"})
+
+    folder = tmp_path / "cache"
+    service = Service(answer)
+    assert service.lookup(twin, folder, times=2).source == "cache"
+    assert len(service.asked) == 1
+    (kept,) = folder.iterdir()
+    assert stat.S_IMODE(kept.stat().st_mode) == 0o600
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    assert TOKEN not in kept.read_text()
+    stored = json.loads(kept.read_text())
+    kept.write_text(json.dumps(stored | {"expires": stored["expires"] - 61}))
+    assert service.lookup(twin, folder).source == "edge"
+    kept.write_text("{not json")
+    assert service.lookup(twin, folder).source == "edge"
+
+
+@both
+def test_answer_without_lifetime_is_not_kept(twin: bool, tmp_path: Path) -> None:
+    service = Service(
+        lambda _: httpx.Response(200, json=RECORD, headers={"cache-control": "no-store, max-age=60"})
+    )
+    service.lookup(twin, tmp_path / "cache")
+    assert not (tmp_path / "cache").exists()
+
+
+@both
+def test_lookup_succeeds_where_the_cache_cannot_be_written(twin: bool, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    service = Service(lambda _: httpx.Response(200, json=RECORD, headers={"cache-control": "max-age=60"}))
+    assert service.lookup(twin, tmp_path / "file" / "cache").source == "edge"
+
+
+@both
+def test_unknown_camera_has_reason_and_page(twin: bool) -> None:
+    service = Service(problem(404, reason="too_few", guidance_url=f"{SITE}/calibrate/?camera=x"))
+    answer = service.lookup(twin)
+    assert (answer.calibration, answer.reason, answer.detail) == (None, "too_few", "It is so.")
+    assert answer.guidance_url.startswith(SITE)
+
+
+@both
+@pytest.mark.parametrize(
+    ("status", "kind"),
+    [(401, CredentialError), (403, CredentialError), (409, ConflictError), (410, NotFoundError)],
+)
+def test_problem_is_an_error_with_its_fields(twin: bool, status: int, kind: type[ProblemError]) -> None:
+    service = Service(problem(status))
+    with pytest.raises(kind, match="It is so") as raised:
+        service.lookup(twin)
+    assert (raised.value.status, raised.value.kind, raised.value.title) == (status, "kind", "T")
+    assert service.pauses == []
+    assert TOKEN not in str(raised.value)
+
+
+@both
+def test_refused_fields_are_named(twin: bool) -> None:
+    service = Service(problem(422, errors=[{"field": "img_size.1", "detail": "at least 16"}]))
+    with pytest.raises(ProblemError, match=r"img_size\.1: at least 16") as raised:
+        service.lookup(twin)
+    assert raised.value.errors[0].field == "img_size.1"
+
+
+@both
+def test_used_up_quota_says_when_it_goes_on(twin: bool) -> None:
+    service = Service(problem(429, after=1800))
+    with pytest.raises(QuotaError, match="in 30 min") as raised:
+        service.lookup(twin)
+    assert raised.value.retry_after == 1800
+    assert service.pauses == []
+
+
+@both
+def test_busy_service_is_asked_again_after_growing_pauses(twin: bool) -> None:
+    answers = iter([httpx.Response(503), httpx.Response(429, json={"message": "Too Many Requests"})])
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        return httpx.Response(404) if request.method == "GET" else next(answers, None) or by_post(request)
+
+    service = Service(answer)
+    assert service.lookup(twin).calibration
+    assert len(service.pauses) == 2
+    assert 0.125 <= service.pauses[0] <= 0.25 <= service.pauses[1] <= 0.5
+
+
+@both
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [(httpx.ConnectError("[Errno 111]"), "no connection"), (httpx.ReadTimeout("x"), "no answer in time")],
+)
+def test_service_that_is_away_is_said_in_one_sentence(twin: bool, error: Exception, said: str) -> None:
+    def answer(_: httpx.Request) -> httpx.Response:
+        raise error
+
+    service = Service(answer)
+    with pytest.raises(ServiceUnavailableError, match=said) as raised:
+        service.lookup(twin)
+    assert "try again" in str(raised.value)
+    assert len(service.pauses) == 3
+    assert len(service.asked) == 2 + 4, "the edge once, its switch once, the service four times"
+
+
+@both
+def test_other_programs_answers_are_recognised(twin: bool) -> None:
+    service = Service(lambda _: httpx.Response(200, text="<html>Welcome to the hotel</html>"))
+    with pytest.raises(ServiceUnavailableError, match="not the service"):
+        service.lookup(twin)
+
+
+def test_redirect_is_not_followed_with_the_token() -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        assert request.url.host == "calibdb.test"
+        return httpx.Response(307, headers={"location": "https://elsewhere.test/"}, json={})
+
+    with pytest.raises(ServiceUnavailableError):
+        Service(answer).lookup(False)
+
+
+def test_token_is_shown_nowhere() -> None:
+    with Client(SITE, TOKEN, cache=False) as client:
+        assert TOKEN not in repr(client)
+        assert TOKEN not in repr(vars(client)["_connection"])
+
+
+@pytest.mark.parametrize("url", ["", "calibdb.test", "ftp://calibdb.test", "https://user@calibdb.test"])
+def test_address_that_is_none_is_refused(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("CALIBDB_URL", raising=False)
+    with pytest.raises(UsageError):
+        Client(url, TOKEN)
+
+
+def test_missing_token_is_said_where_it_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("CALIBDB_TOKEN", raising=False)
+    service = Service(lambda _: httpx.Response(200, json=RECORD))
+    with Client(SITE, transport=httpx.MockTransport(service), cache=False) as client:
+        assert client.lookup(KEY).calibration, "the edge asks for none"
+        with pytest.raises(UsageError, match="CALIBDB_TOKEN"):
+            client.cameras()
+
+
+def test_ids_do_not_leave_their_place_in_the_address() -> None:
+    service = Service(lambda _: httpx.Response(200, json=RECORD))
+    with Client(SITE, TOKEN, transport=httpx.MockTransport(service), cache=False) as client:
+        for identifier in ("../tokens", "..", "a/b", "a?b", ""):
+            with pytest.raises(UsageError):
+                client.calibration(identifier)
+    assert service.asked == []
+
+
+IMPORT = """
+import sys, threading
+sys.modules["cv2"] = None
+import calibdb_client
+heavy = {"numpy", "httpx", "rich"} & set(sys.modules)
+assert not heavy, heavy
+from calibdb_client import Client, Calibration, CameraKey
+with Client("https://calibdb.test", "cdb_x", cache=False): pass
+assert threading.active_count() == 1
+assert set(calibdb_client.__all__) <= {n for n in calibdb_client.__all__ if getattr(calibdb_client, n)}
+"""
+
+
+def test_import_loads_nothing_heavy_works_without_opencv_and_leaves_no_thread() -> None:
+    subprocess.run(
+        [sys.executable, "-c", IMPORT], check=True, env={"PYTHONPATH": str(ROOT / "clients" / "python")}
+    )
