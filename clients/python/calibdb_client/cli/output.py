@@ -73,7 +73,7 @@ def one_line(text: str) -> str:
 
 
 def calibration_facts(record: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return what people want to know of a calibration."""
+    """Return names and values of a calibration, for people."""
     (fx, _, cx), (_, fy, cy), _ = record["camera_matrix"]
     w, h = record["img_size"]
     rows = [

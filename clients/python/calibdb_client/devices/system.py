@@ -14,7 +14,11 @@ _LISTS: dict[str, Callable[[], Sequence[Device]]] = {
     "darwin": macos.devices,
     "win32": windows.devices,
 }
-_PLATFORMS = {"linux": linux.PLATFORM, "darwin": macos.PLATFORM, "win32": windows.PLATFORM}
+_PLATFORMS = {
+    "linux": linux.LINUX_PLATFORM,
+    "darwin": macos.MACOS_PLATFORM,
+    "win32": windows.WINDOWS_PLATFORM,
+}
 
 
 def devices() -> Sequence[Device]:
@@ -27,7 +31,7 @@ def devices() -> Sequence[Device]:
 
 def platform_of(system: str = sys.platform) -> str:
     """Return the platform that Chromium gives on a system; Linux's for one that is not known."""
-    return _PLATFORMS.get(system, linux.PLATFORM)
+    return _PLATFORMS.get(system, linux.LINUX_PLATFORM)
 
 
 def find(wanted: str | int, among: Sequence[Device] | None = None) -> Device:
