@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 import yaml
 
-from calibdb_client import AsyncClient, Calibration, Client, CredentialError, NotFoundError
+from calibdb_client import AsyncClient, Board, Calibration, Client, CredentialError, NotFoundError, Recording
 from calibdb_client.cli import main
 from calibdb_client.key import CameraKey
 from infra.local import LocalStack
+from tests.helpers import board_pictures
 from tests.helpers.service.client import Client as Raw
 from tests.helpers.service.client import Truth, until
 
@@ -157,3 +158,23 @@ def test_calibration_of_a_lookup_is_of_use(known: dict[str, Any]) -> None:
     calibration = Calibration(known)
     pixel = [[200.0, 100.0]]
     assert np.abs(calibration.project(calibration.unproject(pixel)) - pixel).max() < 1e-9
+
+
+@pytest.mark.usefixtures("served")
+def test_folder_of_pictures_becomes_a_calibration_of_the_database(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    folder = board_pictures.write(tmp_path / "pictures", Board())
+    path = tmp_path / "camera.json"
+    assert main(["calibrate", str(folder), "--label", "Drawn camera", "-o", str(path), "--json"]) == 0
+    told = json.loads(capfd.readouterr().out)
+    assert told["img_size"] == list(board_pictures.SIZE)
+    assert np.abs(np.array(told["camera_matrix"]) - board_pictures.MATRIX).max() < 5
+    with Client(cache=False) as client:
+        stored = client.calibration(told["id"])
+        assert np.allclose(stored.camera_matrix, told["camera_matrix"])
+        assert stored.record["platform"] == "photographs"
+        again = client.submit(Recording.load(path))
+        assert np.allclose(again.calibration.camera_matrix, stored.camera_matrix)
+        assert again.used == 6
+        assert stored.save(tmp_path / "ros.yaml", format="ros").error == 0

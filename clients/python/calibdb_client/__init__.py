@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .errors import (
         CalibDBError,
         CameraError,
+        CaptureError,
         ConflictError,
         CredentialError,
         MissingPackageError,
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
         UsageError,
     )
     from .key import CameraKey
+    from .recording import Recording
+    from .session import CaptureResult
 
 __version__ = "0.1.0"
 
@@ -43,7 +46,9 @@ _MODULES = {
     "Calibration": "calibration",
     "Camera": "camera",
     "CameraError": "errors",
+    "CaptureError": "errors",
     "CameraKey": "key",
+    "CaptureResult": "session",
     "Client": "client",
     "ConflictError": "errors",
     "CredentialError": "errors",
@@ -52,6 +57,7 @@ _MODULES = {
     "NotFoundError": "errors",
     "ProblemError": "errors",
     "QuotaError": "errors",
+    "Recording": "recording",
     "ServiceUnavailableError": "errors",
     "UsageError": "errors",
     "open_camera": "camera",
@@ -66,6 +72,8 @@ __all__ = [
     "Camera",
     "CameraError",
     "CameraKey",
+    "CaptureError",
+    "CaptureResult",
     "Client",
     "ConflictError",
     "CredentialError",
@@ -74,6 +82,7 @@ __all__ = [
     "NotFoundError",
     "ProblemError",
     "QuotaError",
+    "Recording",
     "ServiceUnavailableError",
     "UsageError",
     "open_camera",

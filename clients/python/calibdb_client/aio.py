@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import httpx
 
-from . import flows
+from . import flows, session
 from .answer import Answer, ExportedFile
 from .calibration import Calibration
 from .client import open_cache
@@ -19,6 +19,8 @@ from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeErro
 from .errors import CalibDBError
 from .export_query import export_query
 from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
+from .recording import Recording
+from .session import CaptureResult, Progress
 from .wire import Failure, Reply, Request, checked, pause
 
 
@@ -104,6 +106,12 @@ class AsyncClient:
     async def camera(self, key: str) -> Mapping[str, Any]:
         """Read one camera of the database by its key."""
         return await self._run(flows.camera(key))
+
+    async def submit(
+        self, recording: Recording, model: str = DEFAULT_MODEL, progress: Progress | None = None
+    ) -> CaptureResult:
+        """Send the corners of a recording, as `Client.submit` does."""
+        return await self._run(session.submit(recording, checked_model(model), Calibration, progress))
 
     async def _run(self, flow: flows.Flow[flows.T]) -> flows.T:
         """Drive a conversation to its end."""

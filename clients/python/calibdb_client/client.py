@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import random
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 import httpx
 
-from . import flows
+from . import flows, pictures, session
 from .answer import Answer, ExportedFile
+from .board import Board
 from .cache import Cache, default_folder
 from .calibration import Calibration
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
 from .errors import CalibDBError
 from .export_query import export_query
 from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
+from .recording import Recording
+from .session import CaptureResult, Progress
 from .wire import Failure, Reply, Request, checked, pause
 
 
@@ -143,6 +146,51 @@ class Client:
     def camera(self, key: str) -> Mapping[str, Any]:
         """Read one camera of the database by its key."""
         return self._run(flows.camera(key))
+
+    def submit(
+        self, recording: Recording, model: str = DEFAULT_MODEL, progress: Progress | None = None
+    ) -> CaptureResult:
+        """Send the corners of a recording; those that agree become a calibration of the database.
+
+        `progress` is told how many of how many views are sent. Raises CaptureError if they do not suffice.
+        """
+        return self._run(session.submit(recording, checked_model(model), self._calibration, progress))
+
+    def calibrate_images(
+        self,
+        paths: str | Path | Iterable[str | Path],
+        camera: CameraKey | HasLabel | str,
+        *,
+        board: Board | None = None,
+        platform: str | None = None,
+        zoom: float | None = None,
+        model: str = DEFAULT_MODEL,
+    ) -> CaptureResult:
+        """Calibrate a camera from pictures of a board. Only the corners are sent.
+
+        Parameters
+        ----------
+        paths
+            Pictures, or folders of pictures.
+        camera
+            The camera that took them, or its label; the size is the pictures'.
+        board
+            The board; the usual one unless given.
+        platform, zoom
+            As in `key_of`; ``photographs`` is the platform of a label alone.
+        model
+            Distortion model.
+
+        Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
+        """
+        chosen = board or Board()
+        found = pictures.Found()
+        given = [paths] if isinstance(paths, (str, Path)) else paths
+        pictures.read(pictures.picture_paths(given), chosen, found)
+        size, views = found.of_one_size()
+        if platform is None and isinstance(camera, str):
+            platform = pictures.PLATFORM
+        return self.submit(Recording(key_of(camera, platform, size, zoom), chosen, views), model)
 
     def _calibration(self, record: Mapping[str, Any]) -> Calibration:
         return Calibration(record, self.export)

@@ -37,6 +37,12 @@ class CameraError(CalibDBError):
     exit_status = 6
 
 
+class CaptureError(CalibDBError):
+    """Pictures that do not suffice for a calibration."""
+
+    exit_status = 7
+
+
 @dataclass(frozen=True)
 class FieldProblem:
     """One field of a request that the service refused.

@@ -14,6 +14,8 @@ from .errors import UsageError
 
 MODELS = ("rectilinear", "fisheye", "rational", "omnidirectional")
 DEFAULT_MODEL = MODELS[0]
+UNNAMED = "unnamed camera"
+"""Label of a camera that has none."""
 
 
 @runtime_checkable

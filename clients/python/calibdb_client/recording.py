@@ -1,0 +1,97 @@
+"""Corners that were captured, in a file: made before anything is sent, so that nothing is lost."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .board import Board
+from .errors import UsageError
+from .key import CameraKey
+
+FORMAT = "calibdb-recording-1"
+MAX_FILE_BYTES = 64 * 1024 * 1024
+_MEMBER = "recording"
+
+
+@dataclass(frozen=True)
+class RecordedView:
+    """Corners of one picture.
+
+    Attributes
+    ----------
+    source
+        Name of the file.
+    ids, points
+        Numbers (n) of the corners, and their places (n, 2), px.
+    """
+
+    source: str
+    ids: tuple[int, ...]
+    points: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Views of one camera and one board.
+
+    Attributes
+    ----------
+    key
+        The camera.
+    board
+        The board.
+    views
+        In the order in which they were taken.
+    """
+
+    key: CameraKey
+    board: Board
+    views: tuple[RecordedView, ...]
+
+    @classmethod
+    def load(cls, path: str | Path) -> Recording:
+        """Read a file that `save` wrote. Raises UsageError for any other file."""
+        source = Path(path)
+        try:
+            if source.stat().st_size > MAX_FILE_BYTES:
+                raise UsageError(f"{path} is too large for a recording")
+            told = json.loads(source.read_text(encoding="utf-8"))[_MEMBER]
+            if told["format"] != FORMAT:
+                raise UsageError(
+                    f"{path} is of a version that this one does not know: upgrade calibdb-client"
+                )
+            w, h = told["img_size"]
+            columns, rows = told["board"]["squares"]
+            board = Board(**{**told["board"], "squares": (int(columns), int(rows))})
+            key = CameraKey(str(told["camera"]), str(told["platform"]), (w, h), float(told["zoom"]))
+            return cls(key, board, tuple(_view(each, board) for each in told["views"]))
+        except OSError as error:
+            raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+        except UsageError:
+            raise
+        except (ValueError, KeyError, TypeError):
+            raise UsageError(f"{path} holds no recording of calibdb") from None
+
+    def content(self, calibration: Mapping[str, Any] | None = None) -> bytes:
+        """Return the file's content; with a calibration it is that calibration's file, too."""
+        told = {
+            **self.key.record(),
+            "format": FORMAT,
+            "board": self.board.record(),
+            "views": [{"source": v.source, "ids": v.ids, "points": v.points} for v in self.views],
+        }
+        return json.dumps({**(calibration or {}), _MEMBER: told}, ensure_ascii=False).encode() + b"\n"
+
+
+def _view(told: Mapping[str, Any], board: Board) -> RecordedView:
+    ids = tuple(int(each) for each in told["ids"])
+    points = tuple((float(u), float(v)) for u, v in told["points"])
+    finite = all(math.isfinite(each) for point in points for each in point)
+    if len(ids) != len(points) or not finite or not all(0 <= each < board.corner_count for each in ids):
+        raise ValueError("corners that are none")
+    return RecordedView(str(told["source"]), ids, points)

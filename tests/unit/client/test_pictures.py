@@ -1,0 +1,179 @@
+"""Calibration from pictures on this machine: drawn ones with a known truth, and real photographs."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from calibdb_client import Board, Calibration, CaptureError, Recording, UsageError, pictures
+from calibdb_client.cli import main
+from calibdb_client.detection import Detector
+from calibdb_client.pictures import Found, picture_paths, read
+from calibsolver.capture.rules import MAX_POINTS
+from tests.helpers import board_pictures
+from tests.helpers.data import data_dir, external_data
+
+PHOTOGRAPHS = ["--squares", "8x8", "--marker-ratio", "0.75", "--dictionary", "DICT_4X4_1000"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return board_pictures.write(tmp_path_factory.mktemp("drawn"), Board())
+
+
+@pytest.fixture
+def working(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in, and no service."""
+    for name in ("CALIBDB_URL", "CALIBDB_TOKEN"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_corners_are_where_they_were_drawn() -> None:
+    board, tilt = Board(), (0.3, -0.4, 0.1)
+    found = Detector(board).find(board_pictures.picture(board, tilt))
+    assert found is not None
+    assert len(found.ids) == board.corner_count
+    row, column = np.divmod(np.array(found.ids), 8)
+    points = np.stack([column + 1.0, row + 1.0, np.zeros(len(row))], axis=1)
+    rotation = cv2.Rodrigues(np.array(tilt))[0]
+    tvec = np.array([0, 0, 11.0]) - rotation @ np.array([4.5, 3, 0])
+    expected = cv2.projectPoints(points, np.array(tilt), tvec, board_pictures.MATRIX, None)[0][:, 0]
+    assert np.sqrt(np.mean(np.sum((found.points - expected) ** 2, axis=1))) < 0.1
+
+
+def test_picture_without_the_board_has_no_corners() -> None:
+    assert Detector(Board()).find(np.full((480, 640), 128, dtype=np.uint8)) is None
+    assert (
+        Detector(Board((9, 6), 0.65, "DICT_7X7_50")).find(board_pictures.picture(Board(), (0.1, 0.2, 0)))
+        is None
+    )
+
+
+def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["calibrate", str(folder), "--offline", "--json"]) == 0
+    told = capfd.readouterr()
+    (path,) = working.iterdir()
+    calibration = Calibration.load(path)
+    assert json.loads(told.out)["camera_matrix"] == calibration.camera_matrix.tolist()
+    sigma = calibration.uncertainty["rms"]
+    assert np.abs(calibration.camera_matrix - board_pictures.MATRIX).max() < 3 * sigma + 1
+    assert len(Recording.load(path).views) == 6
+    assert main(["submit", str(path), "--offline", "--json"]) == 0
+    assert np.allclose(json.loads(capfd.readouterr().out)["camera_matrix"], calibration.camera_matrix)
+    assert main(["submit", str(path)]) == 2, "nobody said which camera it is"
+    assert main(["calibrate", str(folder), "--offline"]) == 0
+    assert len(list(working.iterdir())) == 2, "an earlier capture is never replaced"
+
+
+def test_service_that_is_not_there_loses_no_corner(
+    folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["calibrate", str(folder), "--label", "Camera", "-o", "kept.json"]) == 2
+    assert "calibdb submit kept.json" in capfd.readouterr().err
+    assert len(Recording.load(working / "kept.json").views) == 6
+    assert [path.name for path in working.iterdir()] == ["kept.json"]
+
+
+def test_interruption_keeps_what_was_found(
+    folder: Path, working: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def stop(paths: Any, board: Board, found: Found, progress: Callable[[int, int], None]) -> None:
+        read(paths[:5], board, found, progress)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("calibdb_client.cli.calibrate.read", stop)
+    assert main(["calibrate", str(folder), "--offline", "-o", "kept.json"]) == 130
+    assert "calibdb submit kept.json" in capfd.readouterr().err
+    assert len(Recording.load(working / "kept.json").views) == 5
+
+
+def test_other_sizes_and_other_files_are_left_out_and_said(
+    folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    mixed = working / "mixed"
+    mixed.mkdir()
+    for path in folder.iterdir():
+        (mixed / path.name).write_bytes(path.read_bytes())
+    small = cv2.resize(
+        board_pictures.picture(Board(), (0.2, 0.2, 0)), (320, 240), interpolation=cv2.INTER_AREA
+    )
+    cv2.imwrite(str(mixed / "small.png"), cv2.resize(small, (600, 450)))
+    cv2.imwrite(str(mixed / "empty.png"), np.full((480, 640), 128, np.uint8))
+    (mixed / "broken.jpg").write_bytes(b"\xff\xd8 no picture")
+    (mixed / "zero.png").write_bytes(b"")
+    (mixed / "notes.txt").write_text("no picture, and not read")
+    assert main(["calibrate", str(mixed), "--offline", "-o", "camera.json"]) == 0
+    told = capfd.readouterr().err
+    assert "1 pictures of another size than 640x480" in told
+    assert "2 files are no pictures: broken.jpg, zero.png" in told
+    assert "empty.png" in told
+    assert len(Recording.load(working / "camera.json").views) == 6
+
+
+def test_too_few_pictures_and_another_board_are_said(
+    folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    three = [str(path) for path in sorted(folder.iterdir())[:3]]
+    assert main(["calibrate", *three, "--offline"]) == 7
+    assert "3 pictures show the board, and 4 are needed" in capfd.readouterr().err
+    assert main(["calibrate", *three, "--offline", "--dictionary", "DICT_7X7_50"]) == 7
+    assert "--dictionary" in capfd.readouterr().err
+    for wrong in ([str(working)], [str(working / "absent")], [str(folder)]):
+        assert main(["calibrate", *wrong]) == 2
+    assert list(working.iterdir()) == []
+
+
+def test_ten_thousand_files_are_sampled_evenly(tmp_path: Path) -> None:
+    for n in range(10_000):
+        (tmp_path / f"{n:05}.jpg").touch()
+    paths = picture_paths([tmp_path])
+    assert len(paths) == 10_000
+    done: list[tuple[int, int]] = []
+    found = Found()
+    read(paths, Board(), found, lambda *each: done.append(each))
+    assert done[-1] == (pictures.MAX_PICTURES, pictures.MAX_PICTURES)
+    assert found.unreadable[1] == "00025.jpg"
+    with pytest.raises(CaptureError, match="none of the files can be read"):
+        found.of_one_size()
+
+
+def test_bounds_are_the_services() -> None:
+    assert pictures.MAX_POINTS <= MAX_POINTS
+
+
+@pytest.mark.parametrize(
+    "content", ["", "[]", "{}", '{"recording": {"format": "calibdb-recording-9"}}', '{"recording": []}']
+)
+def test_file_that_is_no_recording_is_refused(content: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.json"
+    path.write_text(content)
+    with pytest.raises(UsageError):
+        Recording.load(path)
+    with pytest.raises(UsageError):
+        Recording.load(tmp_path / "absent.json")
+
+
+@external_data
+def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
+    photographs = data_dir() / "photos" / "charuco_1280x720"
+    assert main(["calibrate", str(photographs), "--offline", "-o", "camera.json", *PHOTOGRAPHS]) == 0
+    recording = Recording.load(working / "camera.json")
+    assert len(recording.views) == 16
+    objects = [
+        np.array([[i % 7 + 1.0, i // 7 + 1.0, 0] for i in view.ids], dtype=np.float32)
+        for view in recording.views
+    ]
+    seen = [np.array(view.points, dtype=np.float32) for view in recording.views]
+    _, matrix, _, _, _, std, *_ = cv2.calibrateCameraExtended(
+        objects, seen, recording.key.img_size, None, None
+    )
+    found = Calibration.load(working / "camera.json").camera_matrix
+    off = np.abs([found[0, 0] - matrix[0, 0], found[1, 1] - matrix[1, 1]])
+    assert off.max() < 0.05
+    assert (off / std.ravel()[:2]).max() < 1
