@@ -39,8 +39,8 @@ COMMON_SIZES: tuple[ImgSize, ...] = (
 )
 COLUMNS = (
     *("img_size", "zoom", "distortion_model", "intrinsics", "distortion_coefficients"),
-    *("avg_reprojection_error", "uncertainty", "spread", "held_out_error", "calibrations", "contributors"),
-    *("basis", "calibration_time", "id", "relation", "at"),
+    *("avg_reprojection_error", "uncertainty", "spread", "held_out_error", "systematic"),
+    *("calibrations", "contributors", "basis", "calibration_time", "id", "relation", "at"),
 )
 _SIGNIFICANT_DIGITS = 9  # a thousandth of a pixel is the seventh
 

@@ -74,7 +74,7 @@ def test_api_and_pages_share_an_origin(client: httpx.Client, stack: LocalStack) 
     assert client.get("/v1/echo").json()["event"]["headers"]["host"] == stack.url.removeprefix("http://")
     assert client.get("/").text == "<!doctype html>home"
     settings = client.get("/config.json")
-    assert settings.json() == {"api": "/v1", "token": "cdb_dev_local"}
+    assert settings.json() == {"api": "/v1", "token": "cdb_dev_local", "edge_answers": "on"}
     assert client.get("/v1/nothing").json() == {"message": "Not Found"}
 
 
@@ -119,12 +119,11 @@ def test_scripts_may_not_eval_but_the_opencv_worker_may(client: httpx.Client) ->
 
 
 def test_pages_of_other_origins_may_load_the_sdk_and_nothing_else(client: httpx.Client) -> None:
-    for path in ("/sdk/calibdb.js", "/openapi.json"):
+    for path in ("/sdk/calibdb.js", "/openapi.json", "/config.json"):
         headers = client.get(path, headers={"origin": "https://shop.example"}).headers
         assert headers["access-control-allow-origin"] == "*", path
         assert headers["cross-origin-resource-policy"] == "cross-origin", path
     assert "access-control-allow-origin" not in client.get("/").headers
-    assert "access-control-allow-origin" not in client.get("/config.json").headers
 
 
 def test_pages_are_asked_for_again_conditionally(client: httpx.Client) -> None:

@@ -254,7 +254,7 @@ def test_a_withdrawn_calibration_is_gone(stack: LocalStack, store: Store, said: 
     for query in ("", "format=ros"):
         answer = Client(stack).call("GET", path, token=TOKEN, query=query)
         assert (answer.status, answer.json["reason"]) == (410, told)
-        assert answer.json["type"].endswith("/withdrawn")
+        assert answer.json["type"].endswith("#withdrawn")
         assert "Anna" not in json.dumps(answer.json)
 
 

@@ -291,7 +291,7 @@ def test_storage_elsewhere_must_be_named(
 ) -> None:
     monkeypatch.setenv("CALIBDB_STORAGE", "aws")
     assert main(["token", "list"]) == 1
-    assert "TABLE_NAME and BUCKET_NAME do not say where" in capsys.readouterr().err
+    assert "TABLE_NAME and BUCKET_NAME and WEB_BUCKET_NAME do not say where" in capsys.readouterr().err
 
 
 def test_the_folder_of_a_running_stack_is_left_alone(

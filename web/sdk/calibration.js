@@ -23,6 +23,7 @@ import { lensOf } from "./projection.js";
  * @property {"consensus" | "checked" | null} [basis] what makes it reliable
  * @property {number | null} [spread] px rms between the calibrations that agree, over the image
  * @property {number | null} [held_out_error] px rms of views under a fit that did not see them
+ * @property {number | null} [systematic] variance that the intrinsics see / that of white noise, at least 1
  * @property {"scale" | "crop" | "scale+crop" | "neither" | null} [relation] of this size to the one asked for, where verified
  * @property {Adapted | null} [adapted] parameters for the size or zoom asked for, where verified
  * @property {number} calibrations how many agree on this

@@ -58,6 +58,7 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
         ),
         "spread": _max_or_none(lower.spread, upper.spread),
         "held_out_error": _max_or_none(lower.held_out_error, upper.held_out_error),
+        "systematic": _max_or_none(lower.systematic, upper.systematic),
     }
     adapted = Adapted(
         img_size=lower.img_size,

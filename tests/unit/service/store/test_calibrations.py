@@ -52,7 +52,9 @@ def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> 
     calibrations.publish(document)
     calibrations.publish(document.model_copy(update={"time": NOW + 9}))
     assert calibrations.get(document.id) == document  # never overwritten
-    assert calibrations.newest(mode(document), 200) == [CountedCalibration(document.id, "contributor")]
+    assert calibrations.newest(mode(document), 200) == [
+        CountedCalibration(document.id, "contributor", document.camera, document.platform)
+    ]
     assert list(calibrations.all()) == [document]
 
 
@@ -101,8 +103,8 @@ def test_contributor_counts_once_in_a_period(table: Table, objects: Objects) -> 
     assert [c.source for c in calibrations.newest(place, 5)] == ["busy"] * 5
     once = calibrations.newest(place, 5, 86_400)
     assert once == [
-        CountedCalibration(calibrated(29).id, "busy"),
-        CountedCalibration(calibrated(2).id, "honest"),
+        CountedCalibration(calibrated(29).id, "busy", "Camera", "Linux"),
+        CountedCalibration(calibrated(2).id, "honest", "Camera", "Linux"),
     ]
 
 
