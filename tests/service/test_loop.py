@@ -105,7 +105,8 @@ class TestLookup:
         first = store.refit.now(asked_for)
         with storage_calls(stack) as asked:
             assert store.refit.now(asked_for) == first
-        assert asked == ["Invoke"] + ["Query"] * 3  # neither keypoints read nor anything written
+        # Three of the index, five of what the edge answers: neither keypoints read nor anything written.
+        assert asked == ["Invoke", *["Query"] * 5, "GetItem", *["Query"] * 2]
 
     def test_get_answers_like_post_and_may_be_cached_for_a_moment(self, client: Client) -> None:
         query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"

@@ -29,9 +29,9 @@ from .agreement import COMPARISON_GRID
 
 MIN_SPREAD_WIDTHS = 0.42 / 1280
 """Standard deviation between specimens, rms over the image / image width: 0.1 % of the focal length."""
-HUBER_WIDTHS = 0.85 / 1280
+HUBER_WIDTHS = 0.75 / 1280
 """Deviation of a specimen from the location, px rms over the image / image width, beyond which it pulls no
-harder: what 0.2 % of the focal length are, and specimens of one product differ by 0.1 to 0.4 %."""
+harder: what 0.18 % of the focal length are, and specimens of one product differ by 0.1 to 0.4 %."""
 MAX_IRLS_ITERATIONS = 100
 """Iterations of the M-estimate."""
 IRLS_TOLERANCE_PX = 1e-5
