@@ -31,7 +31,7 @@ MIN_VIEWS = 4
 
 @dataclass
 class Found:
-    """What was found in pictures so far.
+    """Views found in pictures so far, and names of pictures without one.
 
     Attributes
     ----------
