@@ -4,7 +4,8 @@ It is idempotent and safe to run late, or at the same time as another: a result 
 was made from less. With nothing new, it answers what is stored. A request from the queue takes the
 single-flight lease; where another computation holds it, the request marks the lease and ends, and the holder
 goes round once more. So one computation serves a hundred captures that end together. A request that fails
-every time goes to the dead-letter queue. Before it answers, the edge answers as it does.
+every time goes to the dead-letter queue. Where its time ends, what is computed stays, and the next attempt
+goes on from there. Before it answers, the edge answers as it does.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from typing import Any, Literal
+from typing import Any
 
-from calibdb.camera_key import public_label, public_platform
 from calibdb.errors import UnavailableError
 from calibdb.http import metrics
 from calibdb.lookup import well_known_ids
 from calibdb.lookup.publication import Publication
 from calibdb.rules import quality_gates
+from calibdb.rules.contributed_name import most_contributed_label, most_contributed_platform
 from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
 from calibdb.rules.sources import family
 from calibdb.rules.votes import Finding, OwnCamera, decide_vote, tally, with_votes
@@ -45,13 +46,14 @@ from calibdb.settings import Thresholds
 from calibdb.store import IndexedVote, StreamMode
 from calibdb.store.calibrations import CountedCalibration
 from calibdb.store.keys import consensus_id
-from calibsolver import Board, CalibrationError, Camera, View, __version__, consensus
+from calibsolver import Board, CalibrationError, Camera, DeadlineError, View, __version__, consensus, deadline
 from calibsolver.consensus import difference
 from calibsolver.fitting.resection import reprojection_score
 
 MAX_ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
 WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same computation; a caller has 25 s
 MAX_ATTEMPTS = 5  # while other writers keep winning the conditional put
+MIN_PUBLISHING_S = 8.0  # of an invocation, kept for storage, the edge and the answer
 
 METHOD = 4  # of pooling and counting: what another one computed is computed anew
 
@@ -73,14 +75,15 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     service = Service.of(os.environ)
     mode = StreamMode(request.camera, request.img_size, request.zoom)
     edge = Publication(service.store, service.settings, service.clock, str(context.aws_request_id))
-    if request.sighting is not None:
-        edge.record(request.sighting)
-    elif request.queued:
-        run_under_lease(service, mode, context, edge)
-    if request.sighting is not None or request.queued:
-        return RefitAnswer(models={}).model_dump(mode="json")
-    models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
-    consensuses = ensure_current(service, mode, models, edge, _alone(service, mode, models, context))
+    consensuses: Consensuses = {}
+    with deadline.limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
+        if request.sighting is not None:
+            edge.record(request.sighting)
+        elif request.queued:
+            run_under_lease(service, mode, context, edge)
+        else:
+            models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
+            consensuses = ensure_current(service, mode, models, edge, _alone(service, mode, models, context))
     return RefitAnswer.model_validate({"models": consensuses}).model_dump(mode="json")
 
 
@@ -185,19 +188,26 @@ class Inputs:
 
 
 def _apply(service: Service, inputs: Inputs, steps: Sequence[Step], edge: Publication) -> Consensuses | None:
-    """Compute and store what `steps` ask for; None if another writer won a conditional put."""
-    store, thresholds = service.store, service.settings.thresholds
+    """Compute and store what `steps` ask for; None if another writer won a conditional put.
+
+    Raises UnavailableError where the time is up. What was stored until then is whole, and the edge knows it.
+    """
+    store, thresholds, mode = service.store, service.settings.thresholds, inputs.mode
     documents = functools.cache(lambda: store.calibrations.read([c.id for c in inputs.counted]))
     votes = functools.cache(lambda: store.votes.read(inputs.votes))
     sources = frozenset(c.source for c in inputs.counted)
     consensuses: Consensuses = {}
-    written = 0
+    written, late = 0, False
     for step in steps:
         document, groups = step.stored, None
-        if step.action == "pool" or document is None:
-            document, groups = pool(inputs.mode, documents(), step.model, thresholds, inputs.pool_digest)
         if step.action != "keep":
-            counts = count(document, votes() if inputs.votes else [], sources, thresholds)
+            try:
+                if step.action == "pool" or document is None:
+                    document, groups = pool(mode, documents(), step.model, thresholds, inputs.pool_digest)
+                counts = count(document, votes() if inputs.votes else [], sources, thresholds)
+            except DeadlineError:
+                late = True
+                break
             document = with_votes(document, counts, inputs.input_digest, thresholds)
             if not store.consensuses.put(document, groups, step.stored.basis if step.stored else None):
                 break
@@ -205,8 +215,10 @@ def _apply(service: Service, inputs: Inputs, steps: Sequence[Step], edge: Public
         consensuses[step.model] = document
     # Even when another writer won: it may have looked before the first of these was written.
     if written:
-        well_known_ids.refresh_well_known(store, inputs.mode.camera_key, thresholds)
-    edge.refresh(inputs.mode, [c.name for c in inputs.counted if c.camera], changed=written > 0)
+        well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
+    edge.refresh(mode, [c.name for c in inputs.counted if c.camera], changed=written > 0)
+    if late:
+        raise UnavailableError("This consensus takes longer to compute than is left; try again.")
     return consensuses if len(consensuses) == len(steps) else None
 
 
@@ -252,8 +264,8 @@ def pool(
     calibration = Calibration.of(
         FitRecord.model_validate(agreed.calibration.record()),
         id=consensus_id(mode.camera_key, mode.img_size, mode.zoom, model),
-        camera=most_contributed(group, "camera"),
-        platform=most_contributed(group, "platform"),
+        camera=most_contributed_label(group),
+        platform=most_contributed_platform(group),
         zoom=mode.zoom,
         calibration_time=newest.time,
         calibrations=len(agreed.members),
@@ -271,18 +283,6 @@ def pool(
         stored(found=agreed.reason, confirmable=confirmable, calibration=calibration),
         GroupsDocument(pooled=pool_digest, groups=agreed.groups, errors=errors),
     )
-
-
-def most_contributed(group: Sequence[CalibrationDocument], name: Literal["camera", "platform"]) -> str:
-    """Return the text that most contributors of a group sent, by today's rules; of equals the oldest.
-
-    So nobody names a camera that others calibrated.
-    """
-    public = {"camera": public_label, "platform": public_platform}[name]
-    contributors: dict[str, set[str]] = {}
-    for document in sorted(group, key=lambda d: (d.time, d.id)):
-        contributors.setdefault(public(getattr(document, name)), set()).add(document.counted_as)
-    return max(contributors, key=lambda text: len(contributors[text]))  # the first of equals
 
 
 def is_consistent(

@@ -1,6 +1,7 @@
 """Answers at the edge while the database changes: withdrawals, attacks, late writers, losses, the switch."""
 
 import random
+from typing import Any
 
 import httpx
 import pytest
@@ -13,15 +14,16 @@ from calibdb.schema import DISTORTION_MODELS, Sighting
 from calibdb.settings import Settings
 from calibdb.store import StreamMode
 from calibdb.store.aliases import MAX_ALIASES
+from calibsolver import consensus, deadline
 from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.context import OpsContext
 from infra.ops.reindex import reindex
 from tests.helpers.service.client import TOKEN, Client
-from tests.helpers.service.edge import Question, aliases, objects
+from tests.helpers.service.edge import Question, aliases, differences, objects
 from tests.helpers.service.histories import quick_solver
-from tests.helpers.service.published import PLATFORM, calibration, store
-from tests.service.test_edge import LABEL, PRIVATE, PUBLIC, SIZE, WINDOWS, context_of, publish
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
+from tests.service.test_edge import LABEL, PRIVATE, PUBLIC, SEEN, SIZE, WINDOWS, context_of, publish
 
 FEW = 12  # aliases of a camera in these tests, which would take their time with 200
 
@@ -147,3 +149,30 @@ def test_off_means_no_objects() -> None:
         assert objects(stack) == {}
         with stack.serve() as url:
             assert httpx.get(f"{url}/config.json").json()["edge_answers"] == "off"
+
+
+def test_refit_that_runs_out_of_time_stores_whole_models_and_goes_on_from_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The edge says what is stored; nobody gets a half answer; what is stored is not computed again."""
+    with quick_solver(), LocalStack(environment=PRIVATE) as stack:
+        at_rest, mode = store(stack), mode_of(calibration(LABEL, 0, views=3))
+        pool, pooled, last = consensus.pool, [], 1
+
+        def pool_some(*given: Any) -> Any:
+            if len(pooled) == last:
+                with deadline.limit(lambda: 0.0):
+                    deadline.check()
+            pooled.append(given[2])
+            return pool(*given)
+
+        monkeypatch.setattr(consensus, "pool", pool_some)
+        with pytest.raises(UnavailableError):
+            publish(stack)
+        assert [known.distortion_model for known in at_rest.consensuses.at(mode)] == pooled
+        assert len(objects(stack)) == len(pooled) == 1
+        last = 99
+        assert set(at_rest.refit.now(asked(mode)).models) == set(DISTORTION_MODELS)
+        assert sorted(pooled) == sorted(DISTORTION_MODELS)
+        assert set(objects(stack)) == set(SEEN)
+        assert differences(stack, SEEN) == []

@@ -292,3 +292,19 @@ def test_what_many_wait_for_is_computed_once(
     at_rest.leases.take(mode, "somebody", int(time.time()), int(time.time()) + 60, "NOW#rectilinear")
     with pytest.raises(UnavailableError):
         at_rest.refit.now(asked(mode, "rectilinear"))
+
+
+def test_refit_ends_before_its_invocation_does(stack: LocalStack, at_rest: Store) -> None:
+    document = calibration("Takes too long", 0, views=3)
+    at_rest.calibrations.publish(document)
+    function = stack.functions["RefitFunction"]
+    reserve = sys.modules[function.warm().__module__].MIN_PUBLISHING_S
+    assert 5 <= reserve < function.spec.timeout / 2
+    spec, function.spec = function.spec, replace(function.spec, timeout=int(reserve))
+    try:
+        with pytest.raises(UnavailableError):
+            at_rest.refit.now(asked(mode_of(document)))
+    finally:
+        function.spec = spec
+    assert at_rest.consensuses.at(mode_of(document)) == []
+    assert totals_now(at_rest, document) == {1}

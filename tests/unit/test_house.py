@@ -69,7 +69,7 @@ def test_modules_have_at_most_350_lines() -> None:
 
 
 def test_template_has_fewer_than_900_lines() -> None:
-    """What is added to it goes into a file of its own, of those in `infra/deploy/package.py`."""
+    """Resources that are added go into files of their own, the `FRAGMENTS` of `infra/deploy/package.py`."""
     assert len((ROOT / "template.yaml").read_text().splitlines()) < 900
 
 

@@ -1,12 +1,14 @@
 """Answers at the edge as a test sees them, beside what lookups answer."""
 
 import itertools
+import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
 
 import boto3
+import pytest
 from botocore.awsrequest import AWSPreparedRequest
 
 from calibdb.schema import DISTORTION_MODELS
@@ -85,23 +87,37 @@ def let_locks_expire(stack: LocalStack) -> None:
 
 
 class KilledError(BaseException):
-    """The process is no more. No handler catches it, as none catches a signal."""
+    """The process is no more. The server of a request alone catches it, to answer 500."""
 
 
 @contextmanager
 def killed_after(calls: int) -> Iterator[None]:
-    """Let so many requests to storage pass within the block, and no other."""
+    """Let so many requests to storage pass within the block, and no other; nobody gets an answer then."""
     left = itertools.count(calls, -1)
+    request = LocalStack.request
+    killed = threading.Event()
 
     def around(name: str, service: intercept.Service) -> intercept.Service:
         def handle(operation: str, request: AWSPreparedRequest) -> StorageAnswer:
             if name != "lambda" and next(left) <= 0:
+                killed.set()
                 raise KilledError
             return service(operation, request)
 
         return handle
 
-    with intercept.wrapping(around), suppress(KilledError):
+    def request_unless_killed(*given: Any, **named: Any) -> Any:
+        answer = request(*given, **named)
+        if killed.is_set():
+            raise KilledError
+        return answer
+
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        intercept.wrapping(around),
+        suppress(KilledError),
+    ):
+        patch.setattr(LocalStack, "request", request_unless_killed)
         yield
 
 
