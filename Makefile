@@ -80,7 +80,8 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge 
 
 # As many random histories of the answers at the edge, half of them cut off by a crash
 .thorough-edge:
-	CALIBDB_HISTORIES=$(or $(HISTORIES),500) $(PYTEST) $(TWO) tests/service/test_edge_histories.py
+	CALIBDB_HISTORIES=$(or $(HISTORIES),500) $(PYTEST) $(TWO) tests/service/test_edge_histories.py \
+		tests/service/test_killed_while_publishing.py
 
 # As many requests made of the OpenAPI document, and values of every schema, as CASES
 .thorough-fuzz:
