@@ -19,6 +19,9 @@ MIN_SHAPE_VIEWS = 10
 FOLDS = 5
 MIN_HELD_OUT_IMPROVEMENT = 0.005
 """Share by which the error on views left out must fall for the shape to be used."""
+MAX_SQUARENESS_LOSS = 0.001
+"""Growth of |fx / fy - 1|, of the focal lengths at the axis, up to which the shape is used. Pixels of cameras
+are square: a stretch of the print that makes them less so is the lens or the shutter, not the print."""
 MIN_REPORTED = 0.002
 """Sag or stretch / the board's longer side from which a user is told."""
 
@@ -73,8 +76,15 @@ def shaped_fit(calibration: Calibration, views: Sequence[View]) -> ShapedFit:
         flat_error, shaped_error = held_out_errors(views, calibration)
     except CalibrationError:
         return nothing
-    used = shaped_error < (1 - MIN_HELD_OUT_IMPROVEMENT) * flat_error
+    loss = squareness_error(shaped) - squareness_error(calibration)
+    used = shaped_error < (1 - MIN_HELD_OUT_IMPROVEMENT) * flat_error and loss < MAX_SQUARENESS_LOSS
     return ShapedFit(shaped if used else calibration, shape, used, flat_error, shaped_error)
+
+
+def squareness_error(calibration: Calibration) -> float:
+    """Deviation of the ratio of the focal lengths at the axis from 1."""
+    fx, fy = calibration.camera.focal
+    return abs(float(fx / fy) - 1)
 
 
 def held_out_errors(views: Sequence[View], calibration: Calibration) -> tuple[float, float]:
