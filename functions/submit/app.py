@@ -114,7 +114,8 @@ def finish(call: application.Call) -> Response:
             return None, document
         session_rules.require_finishable(document)
         rules, views, excluded = solver_values(document)
-        estimate = replace(rules.estimate(views, excluded), progress=1.0, converged=True)
+        known = rules.estimate(views, excluded).with_cause(views)
+        estimate = replace(known, progress=1.0, converged=True)
         changed = session_rules.with_estimate(
             document, to_estimate_document(estimate, service.now), view_statuses(estimate)
         )

@@ -3,6 +3,9 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { returnAddress, withResult } from "../../web/lib/result/return-address.js";
 import { viewIssue, coverage, digitsFor, digitsOf, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
+import { setLanguage, addMessages } from "../../web/lib/i18n.js";
+import { reasonTexts } from "../../web/lib/result/reasons.js";
+import words from "../../web/messages/result.js";
 import { ticks } from "../../web/lib/svg.js";
 
 const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
@@ -72,4 +75,34 @@ test("results go back to allowed origins alone", () => {
   assert.equal(to("http://localhost:5173/", "http://127.0.0.1:8000"), true);
   for (const address of [null, "", "javascript:alert(1)", "data:text/html,x", "https://user:pw@app.example/"]) assert.equal(to(address), null, address);
   assert.equal(withResult(new URL("https://app.example/ar?x=1#y=2"), "a/b"), "https://app.example/ar?x=1#y=2&calibration=a%2Fb");
+});
+
+test("what is systematic is told with what to do about it, in each language", () => {
+  addMessages({ result: words });
+  const verdict = { level: "fair", reasons: [{ code: "uncertain", text: "" }] };
+  const told = (cause, model = null) => reasonTexts({ verdict, systematic: { inflation: 5, cause, text: "", model } }, [], "rectilinear").at(-1);
+  const expected = {
+    en: [/^The board is not flat. Glue it to something rigid/, /Hold it still for longer/, /Switch autofocus off/, /Choose the fisheye model/],
+    de: [/Kleben Sie sie auf etwas Steifes/, /Halten Sie länger still/, /Schalten Sie den Autofokus aus/, /Wählen Sie das Modell fisheye/],
+    uk: [/Приклейте її до чогось твердого/, /Тримайте нерухомо довше/, /Вимкніть автофокус/, /Виберіть модель fisheye/],
+  };
+  for (const [language, texts] of Object.entries(expected)) {
+    setLanguage(language);
+    for (const [index, cause] of ["board_bent", "motion", "focus_changed"].entries()) assert.match(told(cause), texts[index]);
+    assert.match(told("model_too_simple", "fisheye"), texts[3]);
+  }
+  setLanguage("en");
+});
+
+test("a cause is told once, whether the verdict, the report or the capture names it", () => {
+  const bent = { code: "board_bent", text: "The board is not flat." };
+  const systematic = { inflation: 1.7, cause: "board_bent", text: bent.text, model: null };
+  const named = { verdict: { level: "fair", reasons: [bent] }, systematic };
+  const notes = [bent, { code: "limit_reached", text: "" }];
+  assert.equal(reasonTexts(named, notes, "rectilinear").length, 2);
+  assert.equal(reasonTexts({ verdict: { level: "good", reasons: [] }, systematic }, [], "rectilinear").length, 1, "a good result too");
+  assert.equal(reasonTexts({ verdict: { level: "good", reasons: [] } }, [], "rectilinear").length, 0, "an older report has none");
+  assert.deepEqual(reasonTexts(null, [{ code: "of_tomorrow", text: "As the service says." }], "rectilinear"), ["As the service says."]);
+  const simple = { verdict: { level: "fair", reasons: [{ code: "model_too_simple", text: "" }] } };
+  assert.match(reasonTexts(simple, [], "fisheye")[0], /Choose the rational or omnidirectional model/);
 });

@@ -83,3 +83,11 @@ test("what is waited for is named", () => {
   assert.match(statusText.opening(having({ ui: { waiting: "service" } })), /Opening a session at calibDB/);
   assert.match(statusText.opening(having({ ui: { waiting: "service" }, link: { attempts: 2 } })), /lost. Trying again/);
 });
+
+test("the cause of what is systematic is told while the capture runs", () => {
+  const told = (...advice) => statusText.statusLine(having({ capture: { session: { advice, suggested_model: "fisheye", views: [] } }, ui: { saved: true } }));
+  assert.match(told({ code: "board_bent", text: "" }, { code: "limit_reached", text: "" }), /Glue it to something rigid/);
+  assert.match(told({ code: "motion", text: "" }), /Hold it still for longer/);
+  assert.match(told({ code: "focus_changed", text: "" }), /Switch autofocus off/);
+  assert.match(told({ code: "model_too_simple", text: "" }), /“fisheye” would fit better/);
+});

@@ -154,6 +154,9 @@ export default {
   advice_prediction_disagrees:
     "Die Ansichten stimmen nicht so gut überein, wie sie sollten. calibDB braucht noch einige.",
   advice_model_too_simple: "Dieses Modell ist zu einfach für das Objektiv. „{model}“ würde besser passen.",
+  advice_board_bent: "Die Tafel ist nicht eben. Kleben Sie sie auf etwas Steifes, etwa Glas oder ein Tablett.",
+  advice_motion: "Tafel oder Kamera bewegen sich während der Aufnahme. Halten Sie länger still.",
+  advice_focus_changed: "Die Schärfe ändert sich zwischen den Ansichten. Schalten Sie den Autofokus aus.",
   advice_limit_reached: "Die Aufnahme hat ihre Grenze von 15 Ansichten erreicht.",
 
   views: { one: "{count} Ansicht", other: "{count} Ansichten" },

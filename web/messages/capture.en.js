@@ -153,6 +153,9 @@ export default {
   legacy_taken: "The board has the older layout. The page uses that layout now.",
   advice_prediction_disagrees: "The views do not agree as well as they should. calibDB needs a few more.",
   advice_model_too_simple: "This model is too simple for the lens. “{model}” would fit better.",
+  advice_board_bent: "The board is not flat. Glue it to something rigid, such as glass or a tray.",
+  advice_motion: "The board or the camera moves while views are taken. Hold it still for longer.",
+  advice_focus_changed: "The focus changes between views. Switch autofocus off.",
   advice_limit_reached: "The capture has reached its limit of 15 views.",
 
   // The rim

@@ -23,8 +23,12 @@ export default {
     "Die Kalibrierung erklärt Testansichten viel schlechter als die Ansichten in der Anpassung. Nehmen Sie mehr "
       + "auf.",
   reason_model_too_simple:
-    "Alle Ansichten zeigen dasselbe Fehlermuster: Entweder ist dieses Modell zu einfach für das Objektiv, oder "
-      + "die Tafel ist nicht eben. Versuchen Sie ein Modell für weitere Objektive.",
+    "Alle Ansichten haben dasselbe Fehlermuster: Entweder ist dieses Modell zu einfach für das Objektiv, oder die "
+      + "Tafel ist nicht eben. Wählen Sie das Modell {models}, oder kleben Sie die Tafel auf etwas Steifes.",
+  reason_choose_model: "Das Objektiv verzeichnet stärker, als dieses Modell folgen kann. Wählen Sie das Modell {model}.",
+  reason_board_bent: "Die Tafel ist nicht eben. Kleben Sie sie auf etwas Steifes, etwa Glas oder ein Tablett.",
+  reason_motion: "Tafel oder Kamera haben sich während der Aufnahmen bewegt. Halten Sie länger still.",
+  reason_focus_changed: "Die Schärfe hat sich zwischen den Ansichten geändert. Schalten Sie den Autofokus aus.",
   reason_board_not_flat: "Die Tafel ist gebogen oder verzerrt gedruckt. Das wurde berücksichtigt. Kleben Sie sie auf etwas Steifes.",
   reason_noisy:
     "Die Ecken sind ungenau: Unschärfe, Bewegung oder eine Tafel, die nicht eben ist. Sorgen Sie für mehr Licht "

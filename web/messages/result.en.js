@@ -21,7 +21,11 @@ export default {
   reason_over_fitted: "The calibration explains test views much worse than the views in the fit. Take more views.",
   reason_model_too_simple:
     "All views have the same pattern of errors: either this model is too simple for the lens, or the board is "
-      + "not flat. Try a model for wider lenses.",
+      + "not flat. Choose the {models} model, or glue the board to something rigid.",
+  reason_choose_model: "The lens bends more than this model can follow. Choose the {model} model.",
+  reason_board_bent: "The board is not flat. Glue it to something rigid, such as glass or a tray.",
+  reason_motion: "The board or the camera moved while pictures were taken. Hold it still for longer.",
+  reason_focus_changed: "The focus changed between the views. Switch autofocus off.",
   reason_board_not_flat: "The board is bent, or was printed out of shape. That was taken into account. Glue it to something rigid.",
   reason_noisy:
     "The corners are imprecise because of blur, motion, or a board that is not flat. Use more light, and hold "

@@ -23,12 +23,23 @@ class Hand:
         Root mean square velocity of the board along and about each axis: the tremor of a hand that rests.
     sag_boards
         Largest height of the board over its plane / its longer side; one shape in all views of a capture.
+    focal_share
+        Root mean square change of the focal length between views / the focal length: autofocus that hunts.
     """
 
     readout_s: float = 0.0
     speed_cm_s: float = 0.0
     turn_deg_s: float = 0.0
     sag_boards: float = 0.0
+    focal_share: float = 0.0
+
+    def refocused(self, camera: Camera, rng: np.random.Generator) -> Camera:
+        """Return the camera as it is focused in one view."""
+        if not self.focal_share:
+            return camera
+        matrix = camera.matrix.copy()
+        matrix[:2, :2] *= 1 + self.focal_share * rng.normal()
+        return Camera(camera.model, matrix, camera.distortion, camera.img_size)
 
     def bend(self, board: Board, rng: np.random.Generator) -> np.ndarray:
         """Return the corners (n, 3) of a board bent in some direction, board frame."""
@@ -60,4 +71,5 @@ class Hand:
 STEADY = Hand()
 MOVING = Hand(readout_s=0.02, speed_cm_s=5.0, turn_deg_s=10.0)
 BENT = Hand(sag_boards=0.005)
+REFOCUSING = Hand(focal_share=0.02)
 MOVING_AND_BENT = Hand(readout_s=0.02, speed_cm_s=5.0, turn_deg_s=10.0, sag_boards=0.005)

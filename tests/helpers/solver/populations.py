@@ -10,6 +10,7 @@ from calibsolver import Board, Camera, View, models, rotation
 from calibsolver.consensus import Member
 from tests.helpers.data import data_dir
 from tests.helpers.solver import synthetic
+from tests.helpers.solver.hands import STEADY, Hand
 
 Mode = tuple[str, ...]
 BOARD = Board()
@@ -26,12 +27,15 @@ PLACES = (
 """Where the middle of the board is seen, from the middle of the image, in halves of its size."""
 
 
-def views(camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: int = 6) -> list[View]:
+def views(
+    camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: int = 6, hand: Hand = STEADY
+) -> list[View]:
     """Views as a guided capture ends with: close to all parts of the image, tilted by 35 to 50 degrees.
 
-    A view that shows fewer than 16 corners is taken again with the board farther away.
+    A view that shows fewer than 16 corners is taken again with the board farther away. `hand` holds it.
     """
     w, h = camera.img_size
+    corners = hand.bend(BOARD, rng) if hand.sag_boards else None
     middle = BOARD.outline.mean(axis=0)
     out: list[View] = []
     for i in range(count):
@@ -45,7 +49,10 @@ def views(camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: i
         for _ in range(8):
             depth = BOARD.size[0] * camera.matrix[0, 0] / (width * w)
             t = depth * ray - r @ middle
-            view = synthetic.seen(BOARD, camera, rotation.vector(r), t, rng, noise)
+            focused = hand.refocused(camera, rng)
+            view = synthetic.seen(
+                BOARD, focused, rotation.vector(r), t, rng, noise, hand=hand, corners=corners
+            )
             if len(view) >= 16:
                 out.append(view)
                 break

@@ -15,6 +15,8 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  *
  * @typedef {object} Report how a calibration came out, as the service described it then
  * @property {{level: "good" | "fair" | "poor", reasons: {code: string, text: string}[]}} verdict
+ * @property {{inflation: number | null, cause: string | null, text: string | null, model?: string | null}} [systematic]
+ *   probable cause of systematic errors, and what to do about it; not there if the service was older
  * @property {{fx: number | null, fy: number | null, cx: number | null, cy: number | null, distortion: (number | null)[]}} std
  * @property {{grid: [number, number], px: (number | null)[][]}} error_map columns and rows; predicted error, px
  * @property {number | null} held_out px rms

@@ -1,13 +1,14 @@
 // View of a result: verdict, numbers, plots, downloads.
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
-import { known, number, onLanguage, sized, t } from "../i18n.js";
+import { number, onLanguage, sized, t } from "../i18n.js";
 import { isKnownModel } from "../../sdk/projection.js";
 import { isVirtual } from "../virtual/name.js";
 import { returnAddress, withResult } from "./return-address.js";
 import { comparison } from "./compare.js";
 import { fieldOfView, intrinsics, levelOf } from "./numbers.js";
 import { coveragePlot, distortionPlot, errorPlot } from "./plots.js";
+import { reasonTexts } from "./reasons.js";
 import { load } from "./source.js";
 import { downloadPart } from "./download.js";
 import { button, listViews, viewsPart } from "./views.js";
@@ -152,7 +153,7 @@ function opening({ calibration, report, origin, again, notes = [] }, trial) {
   const practice = isVirtual(calibration.camera);
   const { uncertainty: { rms, max }, img_size } = calibration;
   const values = { rms: number(rms, rms < 0.1 ? 2 : 1), max: number(max, max < 0.1 ? 2 : 1) };
-  const reasons = [...(report?.verdict.reasons ?? []), ...notes];
+  const reasons = reasonTexts(report, notes, calibration.distortion_model);
   return el("header", { class: "opening" },
     // Where it was captured the page itself has said so.
     ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
@@ -160,8 +161,7 @@ function opening({ calibration, report, origin, again, notes = [] }, trial) {
     ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: listViews(trial.without) }))] : []),
     el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
     el("p", { class: "lead" }, ...(practice ? [] : [t(`result.means_${level}`), " "]), t("result.sentence", values)),
-    ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map(({ code, text }) =>
-      el("li", {}, known(`result.reason_${code}`) ? t(`result.reason_${code}`) : text)))] : []),
+    ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
     ...(again && !trial ? [el("div", { class: "actions" }, button(again.label(), again.action, { id: "once-more" }))] : []),
   );
 }

@@ -127,7 +127,14 @@ class ViewState(Open):
 class Advice(Open):
     """Something the user should know of the whole capture."""
 
-    code: Literal["prediction_disagrees", "model_too_simple", "limit_reached"]
+    code: Literal[
+        "prediction_disagrees",
+        "limit_reached",
+        "model_too_simple",
+        "board_bent",
+        "motion",
+        "focus_changed",
+    ]
     text: str
 
 

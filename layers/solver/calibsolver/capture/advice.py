@@ -16,7 +16,14 @@ from .consistency import thin
 class Advice:
     """A code for programs and an English sentence for people."""
 
-    code: Literal["prediction_disagrees", "model_too_simple", "limit_reached"]
+    code: Literal[
+        "prediction_disagrees",
+        "limit_reached",
+        "model_too_simple",
+        "board_bent",
+        "motion",
+        "focus_changed",
+    ]
     text: str
 
 

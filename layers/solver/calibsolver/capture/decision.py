@@ -1,12 +1,14 @@
 """Values of a capture: the estimate after some views, exclusions of views, the decision about a view."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from ..fitting.calibration import Calibration
 from ..fitting.uncertainty import Uncertainty
 from ..guidance.hints import Hint
+from ..quality.systematic import probable_cause
+from ..view import View
 from .admission import Reason
 from .advice import Advice
 
@@ -78,6 +80,26 @@ class Estimate:
     excluded: Mapping[int, Exclusion] = field(default_factory=dict)
     advice: tuple[Advice, ...] = ()
     suggested_model: str | None = None
+
+    def with_cause(self, views: Sequence[View]) -> "Estimate":
+        """Add the probable cause of systematic residuals to the advice, first, if it is noticeable.
+
+        Parameters
+        ----------
+        views
+            All views, the excluded ones too.
+
+        A model that is suggested already stays the cause, unless another explains most of the residuals.
+        """
+        if self.calibration is None:
+            return self
+        active = [view for i, view in enumerate(views) if i not in self.excluded]
+        cause = probable_cause(self.calibration, active)
+        if cause is None or not cause.is_noticeable or (self.suggested_model and not cause.is_main):
+            return self
+        others = (advice for advice in self.advice if advice.code != "model_too_simple")
+        advice = (Advice(cause.code, cause.text), *others)
+        return replace(self, advice=advice, suggested_model=cause.model)
 
 
 @dataclass(frozen=True, eq=False)

@@ -156,7 +156,7 @@ class Capture:
             if i not in keep and self.consistency.is_consistent([views[k] for k in keep], views[i]):
                 keep.append(i)
         left_out = {i: excluded.get(i, EXCLUDED_MINORITY) for i in range(len(views)) if i not in keep}
-        return self.estimate(views, self._drop_outliers(views, left_out))
+        return self.estimate(views, self._drop_outliers(views, left_out)).with_cause(views)
 
     def next_target(
         self,
@@ -236,7 +236,8 @@ class Capture:
         estimate = self.estimate(all_views, left_out)
         if estimate.calibration is None or len(views) in left_out:
             return self._refuse("outlier", view, target)
-        return ViewDecision(True, None, self._check_prediction(all_views, estimate, before, excluded_before))
+        checked = self._check_prediction(all_views, estimate, before, excluded_before)
+        return ViewDecision(True, None, checked.with_cause(all_views))
 
     def _resolve_conflict(
         self,

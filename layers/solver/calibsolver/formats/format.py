@@ -40,7 +40,17 @@ class Format(ABC):
         """Return the file's content; `conversion.camera` is what it says, the rest is `source`'s."""
 
     def comment(self, source: ExportSource, conversion: Conversion) -> list[str]:
-        """Say whose calibration this is, and the warning, where comments begin with a hash."""
+        """Say whose calibration this is, its expected error, and the warning; comments begin with a hash.
+
+        The error is that of the record: of the picture as calibrated, with what is systematic in the views.
+        """
         name = " ".join("".join(c if c.isprintable() else " " for c in source.name).split())
         whose = f"# {name} {source.identifier}".rstrip()
-        return [whose, f"# {conversion.warning}"] if conversion.warning else [whose]
+        lines = [whose]
+        error, size = source.record.get("uncertainty"), source.record.get("img_size")
+        if error and size:
+            over = f"{size[0]} x {size[1]} px"
+            lines.append(
+                f"# expected error over {over}: {error['rms']:.3g} px rms, {error['max']:.3g} px at most"
+            )
+        return [*lines, f"# {conversion.warning}"] if conversion.warning else lines

@@ -34,6 +34,8 @@ OLD_NAMES = {
     "icam_intrinsics_optimization_inputs": "icam_intrinsics",
 }
 """Members by the names that mrcal 1 gave them."""
+MIN_NOTED_INFLATION = 1.2
+"""Inflation from which mrcal's own uncertainty, which is that of white noise, is a tenth too small."""
 MAX_UNZIPPED_BYTES = 64_000_000
 """Bytes that the measurements in a file may unpack to."""
 
@@ -71,7 +73,7 @@ class Mrcal(Format):
         if source.views and source.board and source.board.kind != "aprilgrid":
             packed = self._inputs(source, conversion, source.board, lens_model)
             body += ["    'icam_intrinsics': 0,", f"    'optimization_inputs': {packed!r},"]
-        return text.lines(self.comment(source, conversion), body, "}")
+        return text.lines(self.comment(source, conversion), _white_noise_note(source), body, "}")
 
     @staticmethod
     def _inputs(source: ExportSource, conversion: Conversion, board: Board, lens_model: str) -> bytes:
@@ -115,6 +117,15 @@ class Mrcal(Format):
         packed = io.BytesIO()
         np.savez_compressed(packed, allow_pickle=False, **inputs)
         return base64.b85encode(packed.getvalue())
+
+
+def _white_noise_note(source: ExportSource) -> list[str]:
+    """Say by what mrcal's uncertainty falls short: it is that of white noise, whatever the weights."""
+    inflation = source.record.get("systematic")
+    if not source.views or inflation is None or inflation < MIN_NOTED_INFLATION:
+        return []
+    factor = f"{math.sqrt(inflation):.2g}"
+    return [f"# mrcal takes errors of corners for independent: multiply its uncertainty by {factor}"]
 
 
 class CornersVnl(Format):

@@ -24,6 +24,9 @@ Code = Literal[
     "over_fitted",
     "model_too_simple",
     "board_not_flat",
+    "board_bent",
+    "motion",
+    "focus_changed",
     "noisy",
     "outliers",
     "views_left_out",
@@ -47,6 +50,8 @@ MAX_HELD_OUT_RATIO = (1.4, 2.5)
 """Error on views left out / error on those fitted."""
 MAX_FIXED_PATTERN_SHARE = 0.3
 """Share of the residuals' length that is the same in all views."""
+WIDE_MODELS = ("fisheye", "rational", "omnidirectional")
+"""Models for lenses that another cannot follow."""
 MAX_NOISE_PX = (0.5, 1.5)
 """px, noise of one coordinate."""
 MAX_OUTLIER_SHARE = (0.05, 0.2)
@@ -111,11 +116,12 @@ def assess(calibration: Calibration, views: Sequence[View], held_out: float | No
         text += f", those in it {format_px_error(train, width, 2)}"
         note(_above(held_out / max(train, 1e-12), MAX_HELD_OUT_RATIO), "over_fitted", text)
 
-    share, common = fixed_pattern_residual(calibration, views)
-    if common > MIN_NOTICEABLE_PX * scale:
-        text = f"all views err in the same way by {common:.1f} px: the model {calibration.camera.model}"
-        text += " cannot follow this lens, or the board is not flat"
-        note(_above(share, (MAX_FIXED_PATTERN_SHARE, np.inf)), "model_too_simple", text)
+    if has_fixed_pattern(calibration, views):
+        model, common = calibration.camera.model, fixed_pattern_residual(calibration, views)[1]
+        others = [name for name in WIDE_MODELS if name != model]
+        text = f"all views err in the same way by {common:.1f} px: the model {model} cannot follow this lens"
+        text += f" (choose {', '.join(others[:-1])} or {others[-1]}), or the board is not flat"
+        note("fair", "model_too_simple", text)
 
     text = f"corners were found to {calibration.noise:.1f} px only: blur, motion, or a board that is not flat"
     note(_above(calibration.noise / scale, MAX_NOISE_PX), "noisy", text)
@@ -169,6 +175,13 @@ def rim_covered(views: Sequence[View], img_size: tuple[int, int], grid: tuple[in
     points = np.concatenate([view.image_points for view in views])
     distance = np.linalg.norm(centers[:, None] - points[None], axis=2).min(axis=1)
     return float(np.mean(distance < COVERAGE_RADIUS_DIAGONALS * np.hypot(*img_size)))
+
+
+def has_fixed_pattern(calibration: Calibration, views: Sequence[View]) -> bool:
+    """Whether the residuals noticeably depend on the place in the image, alike in all views."""
+    share, common = fixed_pattern_residual(calibration, views)
+    least = MIN_NOTICEABLE_PX * calibration.camera.img_size[0] / REFERENCE_WIDTH_PX
+    return common > least and share > MAX_FIXED_PATTERN_SHARE
 
 
 def fixed_pattern_residual(

@@ -11,7 +11,7 @@ from ..fitting.calibration import Calibration
 from ..view import View
 from .assessment import Assessment, Reason, assess, residual_vectors
 from .board_flatness import ShapedFit, board_reasons
-from .systematic import probable_cause
+from .systematic import Cause, probable_cause
 
 __all__ = ["Assessment", "Json", "Reason", "assess", "describe"]
 
@@ -46,18 +46,21 @@ def describe(
     px ``held_out`` as drawn and ``held_out_shaped``; null where too few views tell it), ``std`` (standard
     deviations of the intrinsics), ``error_map`` (predicted
     projection error over the image, px, null where the model has no ray), ``held_out`` (px; null where there
-    is none, or more than the image is wide), ``views``: per view its ``index``, ``rms``, ``points`` (px),
+    is none, or more than the image is wide), ``systematic`` (``inflation``; probable ``cause``, what to do in
+    ``text``, the ``model`` to choose; null where there is none; a cause that moves corners by more than their
+    noise is a reason of the verdict too), ``views``: per view its ``index``, ``rms``, ``points`` (px),
     ``residuals`` (measured minus predicted, px), ``rvec``, ``tvec`` (board -> camera), ``cut`` (numbers of
     the points left out), ``reason`` (why the whole view was left out, or null). A degenerate view has neither
     pose nor error: null.
     """
     verdict = assess(calibration, views, held_out)
+    cause = probable_cause(calibration, views)
     reasons = verdict.reasons if board is None else (*verdict.reasons, *board_reasons(board))
+    reasons = _with_cause(reasons, cause)
     level = "fair" if verdict.level == "good" and reasons else verdict.level
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
     grid, width = (20, 15), calibration.camera.img_size[0]
     vectors = residual_vectors(calibration, views)
-    cause = probable_cause(calibration, views)
     return {
         "verdict": {
             "level": level,
@@ -72,6 +75,7 @@ def describe(
             "inflation": _digits(calibration.inflation),
             "cause": cause.code if cause else None,
             "text": cause.text if cause else None,
+            "model": cause.model if cause else None,
         },
         "error_map": {
             "grid": list(grid),
@@ -92,6 +96,13 @@ def describe(
             for i, view in enumerate(views)
         ],
     }
+
+
+def _with_cause(reasons: tuple[Reason, ...], cause: Cause | None) -> tuple[Reason, ...]:
+    """Add a noticeable cause to the reasons of a verdict; it replaces the suspicion of the model."""
+    if cause is None or not cause.is_noticeable:
+        return reasons
+    return (*(reason for reason in reasons if reason.code != "model_too_simple"), cause.reason)
 
 
 def _board(found: ShapedFit, shape: BoardShape) -> dict[str, Json]:

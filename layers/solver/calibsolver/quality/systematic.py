@@ -1,36 +1,54 @@
 """Probable causes of systematic residuals: a bent board, motion, a changed focus, a model that is too simple.
 
 Each cause moves the corners of a view in a way of its own: regressors of the residuals, computed from the
-*predicted* corners (measured ones hold the noise, and would explain all of it). What a cause explains is the
-adjusted R^2 (Theil 1961) of the residuals of all views, with the pose of each view projected out: 0 where it
-explains no more than chance.
+*predicted* corners (measured ones hold the noise, and would explain all of it). The share that a cause
+explains is the adjusted R^2 (Theil 1961) of the residuals of all views, with the pose of each view projected
+out: 0 where it explains no more than chance. Another model explains the noise that its fit does away with.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
 
-from .. import models
+from .. import deadline, models
 from ..arrays import Array
+from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
+from ..fitting.fit import fit
 from ..fitting.normal_equations import POSE_SIZE, Poses, linearize
 from ..fitting.observations import Observations
 from ..view import View
+from .assessment import REFERENCE_WIDTH_PX, Reason, has_fixed_pattern
+from .model_selection import simplicity_rank
 
-Code = Literal["board_bent", "motion", "focus_changed"]
+Code = Literal["board_bent", "motion", "focus_changed", "model_too_simple"]
+InView = Literal["board_bent", "motion", "focus_changed"]
+"""Causes that differ from view to view."""
 
+MIN_CAUSE_VIEWS = 3
+"""Views from which a cause is looked for: fewer fit the intrinsics to it."""
 MIN_EXPLAINED_SHARE = 0.15
 """Share of the residuals' variance that a cause explains, from which it is named."""
-MIN_BEND_RATIO = 0.75
-"""Share that a bend explains / share that motion explains, from which it is the bend that is named."""
-ADVICE: Mapping[Code, str] = {
+MIN_SHARE_RATIO = 0.75
+"""Share that a cause explains / the largest one, from which it is named rather than one with more numbers."""
+MAX_SHARE_BESIDE_MODEL = 0.5
+"""Share that a cause within the views explains, up to which another model may be to blame: half of it all."""
+MIN_CAUSED_PX = 0.2
+"""px, rms of what a cause explains, from which a calibration is not good: as much as the noise of corners."""
+MIN_CAUSED_INFLATION = 4.0
+"""Inflation from which any cause leaves it not good: error bars are twice those of white noise."""
+MAX_MODELS_S = 1.0
+"""Time for fits of other models, where the time is limited."""
+_NO_MODEL: tuple[str | None, float] = (None, 0.0)
+ADVICE: Mapping[InView, str] = {
+    "focus_changed": "The focus changed between views: switch autofocus off.",
     "board_bent": "The board is not flat: glue it to something rigid, such as glass or a tray.",
     "motion": "The board or the camera moved while a picture was taken: hold it still for longer.",
-    "focus_changed": "The focus changed between views: switch autofocus off.",
 }
-"""Advice to the person who holds the board."""
+"""Advice to the person who holds the board, by cause; causes with fewer numbers a view come first."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +63,35 @@ class Cause:
         Share of the residuals' variance that it explains, 0 to 1.
     text
         What to do about it.
+    px
+        Root mean square of the residuals that it explains, px at REFERENCE_WIDTH_PX.
+    inflation
+        Of the calibration: variance of its intrinsics / that under white noise.
+    model
+        The model that follows the lens, where this one is too simple; else None.
     """
 
     code: Code
     share: float
     text: str
+    px: float
+    inflation: float
+    model: str | None = None
+
+    @property
+    def is_noticeable(self) -> bool:
+        """Whether it moves corners by no less than their noise does, or doubles the error bars."""
+        return self.px >= MIN_CAUSED_PX or self.inflation >= MIN_CAUSED_INFLATION
+
+    @property
+    def is_main(self) -> bool:
+        """Whether it explains so much that no other model is to blame."""
+        return self.share >= MAX_SHARE_BESIDE_MODEL
+
+    @property
+    def reason(self) -> Reason:
+        """Reason of a verdict."""
+        return Reason(self.code, self.text)
 
 
 def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | None:
@@ -60,20 +102,60 @@ def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | N
     calibration, views
         The fit, and what was fitted; views that took no part do not count.
 
-    Motion has six numbers a view, a bend three: motion explains much of what a bend does, not the reverse. So
-    the bend is named unless motion explains clearly more.
+    Motion has six numbers a view, a bend three, the focus one: motion explains much of what the others do,
+    not the reverse. So a cause with fewer numbers is named unless another explains clearly more.
     """
-    shares = explained_shares(calibration, views)
-    code: Code = max(ADVICE, key=lambda name: shares[name])
-    if code == "motion" and shares["board_bent"] > MIN_BEND_RATIO * shares[code]:
-        code = "board_bent"
-    if shares[code] < MIN_EXPLAINED_SHARE:
+    taken = [i for i, used in enumerate(calibration.used) if used.any()]
+    if len(taken) < MIN_CAUSE_VIEWS:
         return None
-    return Cause(code, shares[code], ADVICE[code])
+    shares = explained_shares(calibration, views)
+    kept = [views[i] for i in taken]
+    most = max(shares.values())
+    model, share = _NO_MODEL
+    if most < MAX_SHARE_BESIDE_MODEL:
+        compute = partial(_better_model, calibration, views, kept)
+        model, share = deadline.compute_within(MAX_MODELS_S, compute, _NO_MODEL)
+    most = max(most, share)
+    if most < MIN_EXPLAINED_SHARE:
+        return None
+    errors = np.concatenate([calibration.residuals[i][calibration.used[i]] for i in taken])
+    f = calibration.inflation
+    rms = float(np.sqrt(np.mean(errors**2))) * REFERENCE_WIDTH_PX / calibration.camera.img_size[0]
+    if model is not None and share >= MIN_SHARE_RATIO * most:
+        text = f"The lens bends more than the {calibration.camera.model} model can: choose the {model} model."
+        return Cause("model_too_simple", share, text, float(np.sqrt(share)) * rms, f, model)
+    code = next(name for name in ADVICE if shares[name] >= MIN_SHARE_RATIO * most)
+    return Cause(code, shares[code], ADVICE[code], float(np.sqrt(shares[code])) * rms, f)
 
 
-def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[Code, float]:
-    """Share of the residuals' variance that each cause explains: adjusted R^2."""
+def _better_model(
+    calibration: Calibration, views: Sequence[View], kept: Sequence[View]
+) -> tuple[str | None, float]:
+    """Find the model that leaves less noise in the views that took part, and the share that it explains.
+
+    Others are fitted only where all views err alike. Of models that explain about as much it is the simplest.
+    """
+    if not has_fixed_pattern(calibration, views):
+        return _NO_MODEL
+    noise: dict[str, float] = {}
+    for name in models.NAMES:
+        if name == calibration.camera.model:
+            continue
+        try:
+            noise[name] = fit(kept, calibration.camera.img_size, name).noise
+        except CalibrationError:
+            continue
+    shares = {name: 1 - (value / max(calibration.noise, 1e-12)) ** 2 for name, value in noise.items()}
+    most = max(shares.values(), default=0.0)
+    if most <= 0:
+        return _NO_MODEL
+    alike = [name for name, share in shares.items() if share >= MIN_SHARE_RATIO * most]
+    best = min(alike, key=simplicity_rank)
+    return best, shares[best]
+
+
+def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[InView, float]:
+    """Share of the residuals' variance that each cause within a view explains: adjusted R^2."""
     taken = [i for i, used in enumerate(calibration.used) if used.any()]
     obs = Observations.of([views[i] for i in taken])
     poses = Poses.of_vectors(calibration.poses[taken])
@@ -82,11 +164,13 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[Co
     height = calibration.camera.img_size[1]
     middle = obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask].mean(axis=1)
     scale = np.abs(obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask] - middle[:, None]).max()
-    fits: dict[Code, _Regression] = {code: _Regression() for code in ADVICE}
+    fits: dict[InView, _Regression] = {code: _Regression() for code in ADVICE}
     shared = _SharedRegression()
     for i, view in enumerate(taken):
         used = np.flatnonzero(calibration.used[view])
         j = rows[:, :, i, used]
+        if not np.isfinite(j).all():
+            continue
         residual = (obs.pixels[i][:, used] - q[:, i, used]).reshape(-1)
         by_pose, by_place = j[model.size :], j[model.size + 3 :]
         x, y = (obs.points[i, :2, used].T - middle[:, None]) / scale
@@ -96,7 +180,7 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[Co
         zoom = (k[0] * j[0] + k[1] * j[1])[None]
         basis = np.linalg.qr(_columns(by_pose))[0]
         r = residual - basis @ (basis.T @ residual)
-        regressors_of: dict[Code, Array] = {"board_bent": bend, "motion": late, "focus_changed": zoom}
+        regressors_of: dict[InView, Array] = {"board_bent": bend, "motion": late, "focus_changed": zoom}
         for code, regressors in regressors_of.items():
             z = _columns(regressors)
             z = z - basis @ (basis.T @ z)

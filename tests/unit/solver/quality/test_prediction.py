@@ -44,7 +44,7 @@ def test_failed_prediction_gives_advice_and_continues() -> None:
     assert other.estimate is not None
     assert not other.estimate.converged
     assert other.estimate.progress <= 0.95
-    assert other.estimate.advice[0].code == "prediction_disagrees"
+    assert "prediction_disagrees" in [advice.code for advice in other.estimate.advice]
 
 
 def test_too_simple_model_gets_a_suggestion() -> None:
@@ -71,6 +71,12 @@ def squashed(camera: Camera, factor: float) -> Camera:
     return Camera(camera.model, matrix, camera.distortion, camera.img_size)
 
 
+def error_after(views: list[View], camera: Camera) -> float:
+    """Actual projection error of the fit of views, px rms over the image."""
+    error = synthetic.projection_error(camera, fit(views, camera.img_size).camera)
+    return float(np.sqrt(np.nanmean(error**2)))
+
+
 @pytest.mark.parametrize("factor", [1.0, 1.3, 0.6])
 def test_seed_starts_a_capture_and_does_not_end_it(factor: float) -> None:
     """Right or wrong, the prior leaves no trace in the result."""
@@ -81,7 +87,8 @@ def test_seed_starts_a_capture_and_does_not_end_it(factor: float) -> None:
         assert rules.camera(None).matrix[0, 0] == pytest.approx(prior.matrix[0, 0])
         session = synthetic.run(camera, np.random.default_rng(i), views=6, capture=rules)
         assert session.stopped is not None
-        assert session.stopped <= 6
+        # Longer than five views only where the target is not reached with them.
+        assert session.stopped <= 5 or (session.stopped == 6 and error_after(session.views[:5], camera) > 0.3)
         without = Capture(BOARD, camera.img_size).estimate(session.views)
         assert without.calibration is not None
         assert session.calibration is not None

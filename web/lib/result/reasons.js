@@ -1,0 +1,29 @@
+// Reasons of a verdict as people read them, and what to do about the probable cause of systematic errors.
+import { known, language, t } from "../i18n.js";
+
+/**
+ * @typedef {import("./numbers.js").Report} Report
+ * @typedef {{code: string, text: string}} Reason
+ */
+
+/** Models for lenses that another cannot follow. */
+const WIDE_MODELS = ["fisheye", "rational", "omnidirectional"];
+
+/**
+ * Sentences: why a calibration is not good, the probable cause, and notes of the capture; each once.
+ * @param {Pick<Report, "verdict" | "systematic"> | null} report @param {Reason[]} notes @param {string} model of the calibration
+ * @returns {string[]}
+ */
+export function reasonTexts(report, notes, model) {
+  const { cause, text, model: better } = report?.systematic ?? {};
+  const told = [...(report?.verdict.reasons ?? []), ...(cause ? [{ code: cause, text: text ?? "" }] : []), ...notes];
+  const shaped = told.some(({ code }) => code === "board_not_flat"); // which says the same, and what was done about it
+  return [...new Map(told.filter(({ code }) => !shaped || code !== "board_bent").map((reason) => [reason.code, reason])).values()].map((reason) => wording(reason, better ?? null, model));
+}
+
+/** @param {Reason} reason @param {string | null} better model that follows the lens, if one is known @param {string} model */
+function wording({ code, text }, better, model) {
+  if (code === "model_too_simple" && better) return t("result.reason_choose_model", { model: better });
+  const models = new Intl.ListFormat(language(), { type: "disjunction" }).format(WIDE_MODELS.filter((name) => name !== model));
+  return known(`result.reason_${code}`) ? t(`result.reason_${code}`, { models }) : text;
+}
