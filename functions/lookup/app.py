@@ -20,7 +20,7 @@ from calibdb.errors import NotFoundError, UnavailableError
 from calibdb.http import application, metrics
 from calibdb.lookup.edge_content import is_public
 from calibdb.lookup.finding import Found, Wanted, find
-from calibdb.schema import ConsensusDocument, LookupRequest, Miss, RefitRequest, Sighting
+from calibdb.schema import ConsensusDocument, LookupRequest, Miss, NoCalibration, RefitRequest, Sighting
 from calibdb.schema.fields import size_text, zoom_text
 from calibdb.store import Known
 from calibdb.store.keys import alias_digest
@@ -53,6 +53,11 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
             found.answer, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
         )
     url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
+    if request.miss == "ok":
+        metrics.count(now, Lookups=1, Misses=1)
+        return application.json_response(
+            NoCalibration(reason=found.reason, guidance_url=url, detail=found.detail)
+        )
     if not (request.redirect and call.flag("redirect", default=True)):
         metrics.count(now, Lookups=1, Misses=1)
         raise NotFoundError(

@@ -8,7 +8,7 @@ function handler(event) {
     statusDescription: 'No Content',
     headers: {
       'access-control-allow-origin': { value: '*' },
-      'access-control-allow-methods': { value: 'GET,POST,DELETE,OPTIONS' },
+      'access-control-allow-methods': { value: 'GET,POST,PATCH,DELETE,OPTIONS' },
       'access-control-allow-headers': { value: 'authorization,content-type,accept' },
       'access-control-max-age': { value: '86400' },
       'cache-control': { value: 'no-store' },

@@ -145,11 +145,13 @@ class TooManyError(CalibdbError):
 
     status, kind, title = 429, "quota", "Quota used up"
 
-    def __init__(self, retry_after: int) -> None:
-        super().__init__(
-            "The plan allows no more calls this hour; retry after the time in Retry-After.",
-            headers={"Retry-After": str(max(1, retry_after))},
-        )
+    def __init__(
+        self,
+        retry_after: int,
+        detail: str = "The plan allows no more calls this hour; retry after the time in Retry-After.",
+        headers: Mapping[str, str] | None = None,
+    ) -> None:
+        super().__init__(detail, headers={"Retry-After": str(max(1, retry_after)), **(headers or {})})
 
 
 class UnavailableError(CalibdbError):

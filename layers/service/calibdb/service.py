@@ -9,9 +9,20 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from calibdb.access.plans import NETWORK_SHARES, PLANS, Kind, Plan, plan
+from calibdb.access.plans import MAX_MANAGEMENT_CALLS, NETWORK_SHARES, PLANS, Counter, Kind, Plan, plan
+from calibdb.access.rate_limits import RateLimit, rate_limit_headers
 from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
-from calibdb.access.tokens import ApiToken, SessionIds, Ticket, contributor, matches, network, parse
+from calibdb.access.tokens import (
+    ApiToken,
+    SessionIds,
+    Ticket,
+    contributor,
+    manages,
+    matches,
+    network,
+    parse,
+    parse_management,
+)
 from calibdb.errors import ForbiddenError, TooManyError
 from calibdb.lookup.sightings import SightingFilter
 from calibdb.settings import Settings
@@ -75,7 +86,9 @@ class Service:
 
     def ticket(self, token: ApiToken, origin: str | None) -> Ticket:
         """Return a new session's ticket. Session names sort by the time of their start."""
-        return Ticket(f"{self.now:08x}{self.random_hex(8)}", token.id, origin if token.origins else None)
+        return Ticket(
+            f"{self.now:08x}{self.random_hex(8)}", token.id, origin if token.is_restricted else None
+        )
 
     def api_token(self, text: str) -> ApiToken:
         """Return the token that `text` is; raises ForbiddenError when it is unknown or its secret is wrong.
@@ -86,7 +99,38 @@ class Service:
         token = self._tokens.get(parts[0]) if parts else None
         if parts is None or token is None or not matches(token, parts[1], self.clock()):
             raise ForbiddenError("The API token is not valid.")
+        if token.is_expired(self.clock()):
+            raise ForbiddenError(
+                "The API token has expired: it was not used within 30 days. Make a new one.",
+                kind="token-expired",
+            )
+        self._tokens.keep(token)
         return token
+
+    def managed_token(self, text: str) -> ApiToken:
+        """Return the token that the management token `text` manages, be it revoked, as the bucket has it.
+
+        Raises ForbiddenError, which tells an unknown one from a wrong secret neither in words nor in time.
+        """
+        parts = parse_management(text)
+        token = self.store.tokens.read(parts[0]) if parts else None
+        if parts is None or not manages(token, parts[1]) or token is None:
+            raise ForbiddenError("The management token is not valid.")
+        return token
+
+    def limit_management(
+        self, token: ApiToken, counter: Counter = "management", limit: int = MAX_MANAGEMENT_CALLS
+    ) -> None:
+        """Count a call that manages the token; raises TooManyError."""
+        if not self.store.quotas.take(token.id, counter, self.now, limit):
+            raise TooManyError(
+                retry_after(self.now),
+                f"At most {limit} such calls are allowed in an hour; retry after the time in Retry-After.",
+            )
+
+    def plan_of(self, token: ApiToken) -> Plan:
+        """Limits of a token."""
+        return plan(token.plan, self._plans)
 
     def token_of(self, ticket: Ticket) -> ApiToken:
         """Return the token that opened a session; raises ForbiddenError once it is revoked."""
@@ -99,11 +143,11 @@ class Service:
         """Contributor of a request, as a keyed hash."""
         return contributor(self.settings.contributor_secret, address, token_id)
 
-    def count_lookup(self, token: ApiToken, address: str) -> None:
-        """Count a read with an API token, in memory; raises TooManyError."""
-        self._tokens.count_lookup(token, *self._shares(token, address))
+    def count_lookup(self, token: ApiToken, address: str) -> tuple[RateLimit, ...]:
+        """Count a read with an API token, in memory, and return what is left; raises TooManyError."""
+        return self._tokens.count_lookup(token, *self._shares(token, address))
 
-    def charge(self, token: ApiToken, kind: Kind, address: str) -> None:
+    def charge(self, token: ApiToken, kind: Kind, address: str) -> tuple[RateLimit, ...]:
         """Count a call against this hour's share of the contributor, of their line, of all; TooManyError.
 
         In this order, so that who has used up their own share takes nothing from the others any more.
@@ -115,9 +159,18 @@ class Service:
         limits = [(each, who), (together, "")]
         if line is not None and each is not None:
             limits.insert(1, (NETWORK_SHARES * each, line))
+        left: list[RateLimit] = []
         for limit, name in limits:
-            if limit is not None and not self.store.quotas.take(token.id, kind, now, limit, name):
-                raise TooManyError(retry_after(now))
+            if limit is None:
+                continue
+            used = self.store.quotas.take(token.id, kind, now, limit, name)
+            policy = f"{kind}-each" if name else kind
+            if not used:
+                exhausted = RateLimit(policy, limit, 0, retry_after(now))
+                raise TooManyError(retry_after(now), headers=rate_limit_headers([*left, exhausted]))
+            if name != line:
+                left.append(RateLimit(policy, limit, limit - used, retry_after(now)))
+        return tuple(left)
 
     def _shares(self, token: ApiToken, address: str) -> tuple[str, str | None]:
         """Keyed hashes of a contributor and, of IPv6, of their line."""

@@ -97,6 +97,8 @@ class Settings:
     edge_secrets: tuple[
         str, ...
     ] = ()  # one of them our CloudFront shows; others who forward are not believed
+    verify_function: str | None = None  # set where proofs of origins are asked for: tokens
+    max_new_tokens: int = 5  # a day and source that people make for themselves
     web_bucket: str | None = None  # where answers at the edge are written: `refit` and operators
     edge_answers: bool = True  # whether lookups may be answered at the edge, and so remain uncounted
 
@@ -116,6 +118,8 @@ class Settings:
             refit_function=environment.get("REFIT_FUNCTION") or None,
             region=environment.get("AWS_REGION") or environment.get("AWS_DEFAULT_REGION") or "us-east-1",
             edge_secrets=tuple(s for s in environment.get("EDGE_SECRETS", "").split(",") if s),
+            verify_function=environment.get("VERIFY_FUNCTION") or None,
+            max_new_tokens=_count({"NEW_TOKENS": "5"} | dict(environment), "NEW_TOKENS", 0),
             web_bucket=environment.get("WEB_BUCKET_NAME") or None,
             edge_answers=_switch(environment, "EDGE_ANSWERS"),
         )

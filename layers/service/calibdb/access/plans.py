@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 HOUR_S = 3600  # period of all plans
 
@@ -12,6 +12,16 @@ NETWORK_SHARES = 3
 """Users whose share the contributors of one IPv6 line have together."""
 
 Kind = Literal["sessions", "views", "poses", "lookups"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+Counter = Kind | Literal["management", "proofs", "tokens"]
+"""Everything that is counted: calls under a plan, and what bounds the making and managing of tokens."""
+
+MAX_MANAGEMENT_CALLS = 120
+"""Calls under a management token in one hour."""
+MAX_PROOF_CALLS = 20
+"""Of them, those that fetch proofs."""
+TRIAL_PERIOD_S = 30 * 24 * HOUR_S
+"""Time within which a trial token must be used once."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +45,8 @@ class Plan:
 
     together: Allowance
     each: Allowance
+    counts_each_lookup: bool = False
+    """Whether every lookup is written down at once, so that its user sees it."""
 
 
 # A capture is four to six views and a few refused ones; who calibrates all cameras in the house needs ten
@@ -42,9 +54,12 @@ class Plan:
 # The token of a page is public: one stranger who copies it gets the share of one user, of three if their line
 # has IPv6, and many of them exhaust that page's plan, nobody else's.
 _EACH = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
+_TRIAL = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
 _NONE = Allowance(None, None, None, None)
 
 PLANS: dict[str, Plan] = {
+    # Whoever tries the service out: every page on a machine of their own, and programs.
+    "trial": Plan(_TRIAL, _TRIAL, counts_each_lookup=True),
     "free": Plan(Allowance(sessions=60, views=1_500, lookups=10_000, poses=4_500), _EACH),
     "page": Plan(Allowance(sessions=1_000, views=25_000, lookups=200_000, poses=75_000), _EACH),
     # A server of someone's own, which asks for many users from one address.
@@ -57,5 +72,5 @@ PLANS: dict[str, Plan] = {
 
 
 def plan(name: str, plans: Mapping[str, Plan] = PLANS) -> Plan:
-    """Return the plan; the smallest where the name is of a plan that is no more."""
+    """Return the plan; `free` where the name is of a plan that is no more."""
     return plans.get(name, plans["free"])

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from calibdb.access.plans import HOUR_S, NETWORK_SHARES, PLANS, Kind, Plan, plan
+from calibdb.access.rate_limits import RateLimit, rate_limit_headers
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
 
@@ -32,6 +33,9 @@ class Tokens(Protocol):
     def get(self, token_id: str) -> ApiToken | None:
         """Return the token, None when there is none (any more)."""
 
+    def keep(self, token_id: str) -> None:
+        """Note that the token was used: it does not expire."""
+
 
 class Quotas(Protocol):
     """Store of use counts."""
@@ -48,6 +52,7 @@ class _Entry:
     lookups: int = 0  # since then
     next_flush: float = 0.0  # unix seconds; after a failure, of the next attempt to write them down
     hour: int = 0
+    used: int = 0  # lookups of this hour by all instances, as last written down
     used_up: bool = False  # in this hour
     sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
 
@@ -110,32 +115,56 @@ class TokenCache:
         self._flush(known, now)
         return token
 
-    def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> None:
-        """Count a lookup from `source` on the line `network`; TooManyError where the hour's are used up."""
-        allowed = plan(token.plan, self._plans)
-        if allowed.together.lookups is None:
+    def keep(self, token: ApiToken) -> None:
+        """Have a token not expire that is used for the first time."""
+        if token.expires is None:
             return
+        try:
+            self._tokens.keep(token.id)
+        except UnavailableError:  # no reason to refuse; the next use notes it
+            return
+        with self._lock:
+            known = self._known.get(token.id)
+            if known is not None:
+                known.token = replace(known.token, expires=None)
+
+    def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> tuple[RateLimit, ...]:
+        """Count a lookup from `source` on the line `network`, and return what is left.
+
+        Raises TooManyError where the hour's are used up.
+        """
+        allowed = plan(token.plan, self._plans)
+        together, each = allowed.together.lookups, allowed.each.lookups
+        if together is None:
+            return ()
         now = self._clock()
         with self._lock:
             known = self._known.get(token.id)
             if known is None:  # it was one of too many
-                return
+                return ()
             if known.hour != int(now // HOUR_S):
-                known.hour, known.used_up = int(now // HOUR_S), False
+                known.hour, known.used, known.used_up = int(now // HOUR_S), 0, False
                 known.sources.clear()
             # Hashes differ from process to process: no address is kept.
             shares = {hash(source): 1} | ({} if network is None else {hash((network,)): NETWORK_SHARES})
-            each = allowed.each.lookups
+            own = known.sources.get(hash(source), 0)
+            left_together = 0 if known.used_up else together - known.used - known.lookups
             if known.used_up or (
                 each is not None
                 and any(known.sources.get(who, 0) >= share * each for who, share in shares.items())
             ):
-                raise TooManyError(retry_after(now))
+                limits = _limits("lookups", now, (each, 0), (together, left_together))
+                raise TooManyError(retry_after(now), headers=rate_limit_headers(limits))
             if len(known.sources) + len(shares) > _MAX_SOURCES:
                 known.sources.clear()
             for who in shares:
                 known.sources[who] = known.sources.get(who, 0) + 1
             known.lookups += 1
+        if allowed.counts_each_lookup:
+            self._flush(known, now)
+        return _limits(
+            "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)
+        )
 
     def _flush(self, known: _Entry, now: float) -> None:
         with self._lock:
@@ -154,7 +183,7 @@ class TokenCache:
             return
         limit = plan(known.token.plan, self._plans).together.lookups
         with self._lock:
-            known.hour = int(now // HOUR_S)
+            known.hour, known.used = int(now // HOUR_S), used
             known.used_up = limit is not None and used >= limit
 
 
@@ -163,6 +192,18 @@ def retry_after(now: float) -> int:
     return HOUR_S - int(now) % HOUR_S
 
 
+def _limits(
+    kind: Kind, now: float, each: tuple[int | None, int], together: tuple[int | None, int]
+) -> tuple[RateLimit, ...]:
+    """Return the limits of one user and of all: pairs of a quota, None without a bound, and what is left."""
+    named = ((f"{kind}-each", *each), (kind, *together))
+    return tuple(
+        RateLimit(name, limit, left, retry_after(now)) for name, limit, left in named if limit is not None
+    )
+
+
 def _lookups_per_flush(allowed: Plan) -> int:
     limit = allowed.together.lookups
+    if allowed.counts_each_lookup:
+        return 1
     return LOOKUPS_PER_FLUSH if limit is None else max(1, min(LOOKUPS_PER_FLUSH, limit // 20))

@@ -11,16 +11,20 @@ import hmac
 import ipaddress
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from itsdangerous import BadData, TimestampSigner, URLSafeTimedSerializer
 
 from calibdb.errors import ForbiddenError
 from calibdb.schema.fields import IPV6_SOURCE
+from calibdb.schema.origins import is_loopback, portless
 
 SESSION_LIFETIME_S = 30 * 60  # seconds; a capture takes two minutes, a distracted one ten
 TOKEN_PATTERN = re.compile(r"cdb_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
+MANAGEMENT_PATTERN = re.compile(r"cdbm_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
+MAX_FORMER_SECRETS = 4
+"""Secrets before the present one that may still open: who gets no answer to a rotation asks again."""
 _MAX_SKEW_S = 300  # s by which the clock of who signed may be ahead of the clock of who verifies
 _MAX_SESSION_ID_LENGTH = 1024
 _SALT = "calibdb.session"
@@ -38,18 +42,37 @@ class ApiToken:
     # The secret before it was exchanged, and the unix time until which it still opens.
     former_sha256: str | None = None
     former_until: int = 0
+    earlier: tuple[tuple[str, int], ...] = ()  # secrets before that one, newest first, with the same times
+    # Of a token that somebody made for themselves:
+    pending: tuple[str, ...] = ()  # origins that are claimed and not proved
+    management_sha256: str | None = None
+    name: str = ""
+    expires: int | None = None  # unix seconds; unless it is used before
+    revoked: int | None = None
+    version: int = field(default=0, compare=False)  # grows by one with each change
+
+    @property
+    def is_restricted(self) -> bool:
+        """Whether pages of some origins only may use the token."""
+        return bool(self.origins or self.pending)
 
     def admits(self, origin: str | None) -> bool:
         """Tell whether a page of `origin` may use the token.
 
         Without an Origin header there is no page to protect: a program outside a browser can send whatever
         header it likes, and a plain navigation (GET lookup) sends none. An origin that ends with `:*` is one
-        at any port.
+        at any port, and so is one of the machine itself that is named without a port.
         """
-        if origin is None or not self.origins or origin in self.origins:
+        if origin is None or not self.is_restricted or origin in self.origins:
             return True
         without_port = re.sub(r":[0-9]{1,5}$", "", origin)
-        return f"{without_port}:*" in self.origins
+        return f"{without_port}:*" in self.origins or (
+            is_loopback(origin) and portless(origin) in self.origins
+        )
+
+    def is_expired(self, now: float) -> bool:
+        """Tell whether the token was never used within its time."""
+        return self.expires is not None and now >= self.expires
 
 
 def parse(text: str) -> tuple[str, str] | None:
@@ -69,10 +92,48 @@ def secret_hash(secret: str) -> str:
 def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
     """Tell whether `secret` is the token's at unix time `now`, in constant time."""
     sent = secret_hash(secret)
-    if hmac.compare_digest(token.secret_sha256, sent):
-        return True
-    former = token.former_sha256
-    return former is not None and now < token.former_until and hmac.compare_digest(former, sent)
+    known = [token.secret_sha256, *(former for former, until in former_secrets(token) if now < until)]
+    return sum(hmac.compare_digest(one, sent) for one in known) > 0  # all of them, in constant time
+
+
+def former_secrets(token: ApiToken) -> tuple[tuple[str, int], ...]:
+    """Return the hashes of earlier secrets, newest first, and the unix times until which they open."""
+    if token.former_sha256 is None:
+        return ()
+    return ((token.former_sha256, token.former_until), *token.earlier)
+
+
+def with_secret(token: ApiToken, sha256: str, now: int, grace_s: int) -> ApiToken:
+    """Return the token with another secret; every earlier one opens for `grace_s` more at most.
+
+    A rotation whose answer got lost is simply repeated: the secret that is in use keeps its time.
+    """
+    if token.secret_sha256 == sha256:  # repeated, since the first answer of storage got lost
+        return token
+    earlier = [(one, min(until, now + grace_s)) for one, until in former_secrets(token)]
+    former = [(token.secret_sha256, now + grace_s), *earlier]
+    valid = [(one, until) for one, until in former if until > now]
+    kept = valid[: MAX_FORMER_SECRETS - 1] + valid[MAX_FORMER_SECRETS - 1 :][-1:]  # and always the oldest
+    newest, until = kept[0] if kept else (None, 0)
+    return replace(
+        token, secret_sha256=sha256, former_sha256=newest, former_until=until, earlier=tuple(kept[1:])
+    )
+
+
+_NO_HASH = secret_hash("")
+
+
+def parse_management(text: str) -> tuple[str, str] | None:
+    """Split a management token into id and secret; None when it is not one."""
+    match = MANAGEMENT_PATTERN.fullmatch(text)
+    return (match[1], match[2]) if match else None
+
+
+def manages(token: ApiToken | None, secret: str) -> bool:
+    """Tell whether `secret` manages the token, in constant time, whether there is such a token or not."""
+    known = None if token is None else token.management_sha256
+    same = hmac.compare_digest(known or _NO_HASH, secret_hash(secret))
+    return same and known is not None
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from starlette.routing import Route
 
 from calibdb.errors import PROBLEMS, CalibdbError, DeniedReadError
 from calibdb.http import metrics
+from calibdb.http.call import RATE_LIMITS
 from calibdb.http.call import Call as Call
 from calibdb.service import Service
 
@@ -155,7 +156,7 @@ async def _on_unhandled(_: Request, __: Exception) -> Response:
 #: headers of the answer to a CORS preflight: every origin, since tokens say which they admit
 PREFLIGHT = {
     "Access-Control-Allow-Origin": "*",
-    "Access-Control-Allow-Methods": "GET,POST,DELETE,OPTIONS",
+    "Access-Control-Allow-Methods": "GET,POST,PATCH,DELETE,OPTIONS",
     "Access-Control-Allow-Headers": "authorization,content-type,accept",
     "Access-Control-Max-Age": "86400",
 }
@@ -180,6 +181,9 @@ def _with_default_headers(app: Starlette) -> Any:
                 message["headers"].append((b"x-content-type-options", b"nosniff"))
                 if b"cache-control" not in present:
                     message["headers"].append((b"cache-control", b"no-store"))
+                for name, value in scope.get(RATE_LIMITS, {}).items():
+                    if name.lower().encode() not in present:
+                        message["headers"].append((name.lower().encode(), value.encode()))
             await send(message)
 
         await app(scope, receive, sending)

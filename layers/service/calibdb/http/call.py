@@ -15,6 +15,7 @@ from pydantic_core import from_json
 from starlette.requests import Request
 
 from calibdb.access.plans import Kind
+from calibdb.access.rate_limits import RateLimit, rate_limit_headers
 from calibdb.access.tokens import ApiToken, Ticket
 from calibdb.errors import (
     MAX_FIELD_ERRORS,
@@ -39,6 +40,8 @@ MAX_COMPUTE_S = 2.8
 """Processor time of one request: no computation of a camera that anybody holds takes it."""
 MIN_REMAINING_S = 1.5
 """Time of an invocation that is kept for storage and the answer."""
+RATE_LIMITS = "calibdb.rate_limits"
+"""Place in a request's scope of the headers that tell what is left of the plan."""
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -140,7 +143,7 @@ class Call:
         ticket = self.service.session_ids.verify(self._bearer(), self.origin)
         token = self.service.token_of(ticket)
         if charge is not None:
-            self.service.charge(token, charge, self.address)
+            self._tell(self.service.charge(token, charge, self.address))
         return ticket
 
     def api_token(self, credential: str | None = None, charge: Kind = "lookups") -> ApiToken:
@@ -154,12 +157,31 @@ class Call:
             sent = self._bearer()
         token = self.service.api_token(sent)
         if not token.admits(self.origin):
+            if self.origin in token.pending:
+                raise ForbiddenError(
+                    "Pages of this origin may use the API token once the origin is verified: place "
+                    "the proof, then POST /v1/tokens/self/verify.",
+                    kind="origin-unverified",
+                )
             raise ForbiddenError("The API token does not admit pages of this origin.", kind="origin")
         if charge == "lookups":
-            self.service.count_lookup(token, self.address)
+            self._tell(self.service.count_lookup(token, self.address))
         else:
-            self.service.charge(token, charge, self.address)
+            self._tell(self.service.charge(token, charge, self.address))
         return token
+
+    def managed_token(self) -> ApiToken:
+        """Return the token whose management token was sent as bearer, be it revoked; the call is counted.
+
+        Raises UnauthenticatedError, ForbiddenError, or TooManyError.
+        """
+        token = self.service.managed_token(self._bearer())
+        self.service.limit_management(token)
+        return token
+
+    def _tell(self, limits: Sequence[RateLimit]) -> None:
+        """Have the answer tell what is left of the plan, whatever the answer will be."""
+        self.request.scope[RATE_LIMITS] = rate_limit_headers(limits)
 
     @property
     def origin(self) -> str | None:

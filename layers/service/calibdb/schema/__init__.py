@@ -32,7 +32,18 @@ from calibdb.schema.documents import (
 )
 from calibdb.schema.export import FORMATS, ExportQuery
 from calibdb.schema.fields import DISTORTION_MODELS
-from calibdb.schema.lookup import LookupRequest, Miss
+from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration
+from calibdb.schema.managed_token import (
+    HourlyLimits,
+    ManagedToken,
+    RotationRequest,
+    TokenChange,
+    TokenCreated,
+    TokenFacts,
+    TokenRequest,
+    TokenRotated,
+    UsageAnswer,
+)
 from calibdb.schema.prior import PriorDocument
 from calibdb.schema.problem import FieldProblem, LookupProblem, Problem
 from calibdb.schema.refit import BackfillAnswer, BackfillBatch, RefitAnswer, RefitRequest, Sighting
@@ -77,24 +88,34 @@ __all__ = [
     "FitRecord",
     "GroupsDocument",
     "Health",
+    "HourlyLimits",
     "LookupAnswer",
     "LookupProblem",
     "LookupRequest",
+    "ManagedToken",
     "Miss",
+    "NoCalibration",
     "Pose",
     "PriorDocument",
     "Problem",
     "RefitAnswer",
     "RefitRequest",
     "ReportedCalibration",
+    "RotationRequest",
     "SessionDocument",
     "SessionOpened",
     "SessionRequest",
     "SessionState",
     "Sighting",
+    "TokenChange",
+    "TokenCreated",
     "TokenDocument",
+    "TokenFacts",
+    "TokenRequest",
+    "TokenRotated",
     "Track",
     "Uncertainty",
+    "UsageAnswer",
     "ViewAnswer",
     "ViewDocument",
     "ViewRequest",

@@ -60,6 +60,18 @@ class LookupRequest(BaseModel):
         description="`resizeMode` of the track: a stream that the browser crops is another picture.",
     )
     redirect: Annotated[bool, BeforeValidator(_flag)] = True
+    miss: Literal["ok"] | None = Field(
+        None, description="`ok`: a miss is answered with 200 and `calibration: null`, not with 307 or 404."
+    )
+
+
+class NoCalibration(Open):
+    """Answer with 200 where nothing reliable is known (`miss: "ok"`)."""
+
+    calibration: None = None
+    reason: Reason
+    guidance_url: str
+    detail: str = Field(description="The reason in words.")
 
 
 class Miss(Open):

@@ -1,4 +1,4 @@
-"""An API token as the operator stored it: `tokens/<id>.json`. Its secret is not in it."""
+"""An API token as it is stored: `tokens/<id>.json`. Its secrets are not in it."""
 
 from __future__ import annotations
 
@@ -18,4 +18,10 @@ class TokenDocument(Open):
     created: int = 0
     former_sha256: str | None = None
     former_until: int = 0
+    earlier: tuple[tuple[str, int], ...] = ()
+    pending: tuple[str, ...] = ()
+    management_sha256: str | None = None
+    name: str = ""
+    expires: int | None = None
+    version: int = 0
     revoked: int | None = None

@@ -10,6 +10,7 @@ from calibdb.store.leases import Leases
 from calibdb.store.locks import Locks
 from calibdb.store.objects import Objects
 from calibdb.store.priors import Priors
+from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
 from calibdb.store.sessions import Sessions
@@ -32,6 +33,7 @@ __all__ = [
     "Locks",
     "Objects",
     "Priors",
+    "Proofs",
     "Quotas",
     "Refit",
     "Sessions",

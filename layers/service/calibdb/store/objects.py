@@ -31,9 +31,18 @@ class Objects:
 
     def get(self, name: str) -> bytes | None:
         """Return the object's content, None when there is none; raises DeniedReadError."""
+        found = self.get_version(name)
+        return None if found is None else found[0]
+
+    def get_version(self, name: str) -> tuple[bytes, str] | None:
+        """Return the object's content and the tag of this version, None where there is none.
+
+        Raises DeniedReadError.
+        """
         with available():
             try:
-                return self._client().get_object(Bucket=self._bucket, Key=name)["Body"].read()
+                found = self._client().get_object(Bucket=self._bucket, Key=name)
+                return found["Body"].read(), found["ETag"]
             except ClientError as error:
                 # To whom may not list, S3 says of a missing object that it is forbidden, too.
                 if code(error) == "AccessDenied":
@@ -41,6 +50,23 @@ class Objects:
                 elif code(error) != "NoSuchKey":
                     raise
                 return None
+
+    def replace(self, name: str, content: bytes, tag: str) -> bool:
+        """Write the object over the version with this tag; False, and nothing written, over another."""
+        with available():
+            try:
+                self._client().put_object(
+                    Bucket=self._bucket,
+                    Key=name,
+                    Body=content,
+                    ContentType="application/json",
+                    IfMatch=tag,
+                )
+            except ClientError as error:
+                if code(error) not in ("PreconditionFailed", "NoSuchKey", _UNDECIDED):
+                    raise
+                return False
+        return True
 
     def _confirm_missing(self, name: str) -> None:
         """Raise DeniedReadError unless the list of the bucket, which has another right, lacks the object."""

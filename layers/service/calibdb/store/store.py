@@ -16,6 +16,7 @@ from calibdb.store.leases import Leases
 from calibdb.store.locks import Locks
 from calibdb.store.objects import Objects
 from calibdb.store.priors import Priors
+from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
 from calibdb.store.sessions import Sessions
@@ -41,6 +42,7 @@ class Store:
     aliases: Aliases
     edge_answers: EdgeAnswers
     refit: Refit
+    proofs: Proofs
 
     @classmethod
     def of(cls, settings: Settings) -> Store:
@@ -58,6 +60,9 @@ class Store:
             votes=Votes(table, objects),
             priors=Priors(table, objects),
             leases=Leases(table),
+            proofs=Proofs(
+                table, functools.partial(clients.lambda_, settings.region), settings.verify_function
+            ),
             locks=Locks(table),
             aliases=Aliases(table),
             edge_answers=EdgeAnswers(s3, settings.web_bucket),

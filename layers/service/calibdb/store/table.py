@@ -118,6 +118,21 @@ class Table:
                 return None
         return int(str(_decode(changed["Attributes"])[name]))
 
+    def remove(self, pk: str, sk: str, name: str) -> None:
+        """Remove the attribute `name` of an item, if there is such an item."""
+        with available():
+            try:
+                self._client().update_item(
+                    TableName=self._name,
+                    Key={"pk": {"S": pk}, "sk": {"S": sk}},
+                    UpdateExpression="REMOVE #name",
+                    ConditionExpression="attribute_exists(pk)",
+                    ExpressionAttributeNames={"#name": name},
+                )
+            except ClientError as error:
+                if code(error) != "ConditionalCheckFailedException":
+                    raise
+
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
         """Remove the item, if there is one; False, and nothing removed, when `condition` does not hold."""
         with available():

@@ -1,15 +1,23 @@
-"""API tokens: objects `tokens/<id>.json`, written by the operator, and index items, read by functions."""
+"""API tokens: objects `tokens/<id>.json`, the truth, and index items, read by functions.
+
+Every change reads the object and replaces that very version of it, then writes the index item, which grows
+by the same version. A writer that was overtaken, or killed in between, leaves an older index item; the next
+change or look of who manages the token writes it anew.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from calibdb.access.tokens import ApiToken
+from calibdb.errors import UnavailableError
 from calibdb.schema import TokenDocument
 from calibdb.store.objects import Objects
-from calibdb.store.table import Item, Table
+from calibdb.store.table import Condition, Item, Table
 
 PREFIX = "tokens/"
+_MAX_ATTEMPTS = 8  # to replace an object that others replace, too
 
 
 class Tokens:
@@ -22,66 +30,116 @@ class Tokens:
     def get(self, token_id: str) -> ApiToken | None:
         """Return the token, None when there is none (any more)."""
         item = self._table.get(_pk(token_id), "META", consistent=False)
-        return _token(token_id, item) if item else None
+        return _token(token_id, item) if item and "revoked" not in item else None
+
+    def keep(self, token_id: str) -> None:
+        """Note that the token was used, so that it does not expire."""
+        self._table.remove(_pk(token_id), "META", "ttl")
 
     def create(self, token: ApiToken) -> bool:
         """Store a new token; False when the id is taken, be it by one that was revoked."""
-        if not self._objects.create(_name(token.id), _content(token, None)):
+        if not self._objects.create(_name(token.id), _content(token)):
             return False
         self.index(token)
         return True
 
+    def read(self, token_id: str) -> ApiToken | None:
+        """Return the token as the bucket has it, revoked ones, too, and let the index know it as it is.
+
+        Its `expires` follows the index, where the first use is noted.
+        """
+        content = self._objects.get(_name(token_id))
+        if content is None:
+            return None
+        token = _from_document(content)
+        item = self._table.get(_pk(token_id), "META")
+        if item is not None and "ttl" not in item and "revoked" not in item:
+            token = replace(token, expires=None)
+        if item is None or int(str(item.get("version", 0))) < token.version:
+            self.index(token)
+        return token
+
+    def update(self, token_id: str, change: Callable[[ApiToken], ApiToken]) -> ApiToken | None:
+        """Replace the token by what `change` makes of it; None, and nothing changed, where it was revoked.
+
+        `change` is called again where another change got ahead. Raises UnavailableError where that goes on.
+        """
+        for _ in range(_MAX_ATTEMPTS):
+            found = self._objects.get_version(_name(token_id))
+            if found is None:
+                return None
+            content, tag = found
+            token = _from_document(content)
+            if token.revoked is not None:
+                self.index(token)
+                return None
+            item = self._table.get(_pk(token_id), "META")
+            if item is not None and "ttl" not in item:
+                token = replace(token, expires=None)
+            changed = replace(change(token), version=token.version + 1)
+            if self._objects.replace(_name(token_id), _content(changed), tag):
+                self.index(changed)
+                return changed
+        raise UnavailableError("Other requests keep changing this token; send this one again.")
+
     def change(self, token: ApiToken) -> None:
-        """Store the token in the place of the one with its id."""
-        self._objects.put(_name(token.id), _content(token, None))
-        self.index(token)
+        """Store the token in the place of the one with its id, new where there is none. For operators."""
+        if self.update(token.id, lambda _: token) is None:
+            self._objects.put(_name(token.id), _content(token))
+            self.index(token)
 
     def revoke(self, token: ApiToken, now: int) -> None:
         """Refuse the token from now on; functions that remember it do so for half a minute more.
 
         The object says so first: an index that is made anew does not bring a revoked token back.
         """
-        self._objects.put(_name(token.id), _content(token, now))
-        self._table.delete(_pk(token.id), "META")
+        if self.update(token.id, lambda known: replace(known, revoked=now)) is None:
+            self._table.delete(_pk(token.id), "META")
 
     def index(self, token: ApiToken) -> None:
-        """Write the index item; it follows from the token."""
-        self._table.put(_item(token))
+        """Write the index item, unless it is of a later version; it follows from the token."""
+        newer = Condition(
+            "attribute_not_exists(pk) OR attribute_not_exists(#version) OR #version <= :version",
+            {"version": token.version},
+            {"version": "version"},
+        )
+        self._table.put(_item(token), newer)
 
     def all(self) -> Iterator[ApiToken]:
         """Yield every token in the bucket that was not revoked. For operators."""
-        for document in self._documents():
-            if document.revoked is None:
-                yield ApiToken(
-                    id=document.id,
-                    secret_sha256=document.secret_sha256,
-                    origins=document.origins,
-                    plan=document.plan,
-                    created=document.created,
-                    former_sha256=document.former_sha256,
-                    former_until=document.former_until,
-                )
+        for token in self._documents():
+            if token.revoked is None:
+                yield token
 
     def ids(self) -> Iterator[str]:
         """Yield the id of every token that there ever was, revoked ones, too. For operators."""
         for name in self._objects.names(PREFIX):
             yield name.removeprefix(PREFIX).removesuffix(".json")
 
-    def reindex(self) -> int:
-        """Let the index know every token that there is, none that was revoked; return how many there are."""
-        tokens = list(self.all())
-        for token in tokens:
-            self.index(token)
-        for document in self._documents():
-            if document.revoked is not None:
-                self._table.delete(_pk(document.id), "META")
-        return len(tokens)
+    def reindex(self, now: int = 0, trial_period_s: int = 0) -> int:
+        """Let the index know every token that there is, none that was revoked; return how many there are.
 
-    def _documents(self) -> Iterator[TokenDocument]:
+        An index that is made anew does not know which tokens were used. So a token that the index lacks, and
+        that might have expired, has its time once more.
+        """
+        count = 0
+        for token in self._documents():
+            if token.revoked is not None:
+                self._table.delete(_pk(token.id), "META")
+                continue
+            count += 1
+            item = self._table.get(_pk(token.id), "META")
+            if token.expires is not None:
+                expires = max(token.expires, now + trial_period_s)
+                token = replace(token, expires=_ttl(item) if item else expires)
+            self.index(token)
+        return count
+
+    def _documents(self) -> Iterator[ApiToken]:
         for name in self._objects.names(PREFIX):
             content = self._objects.get(name)
             if content is not None:
-                yield TokenDocument.model_validate_json(content)
+                yield _from_document(content)
 
 
 def _pk(token_id: str) -> str:
@@ -92,14 +150,28 @@ def _name(token_id: str) -> str:
     return f"{PREFIX}{token_id}.json"
 
 
-def _content(token: ApiToken, revoked: int | None) -> bytes:
-    return TokenDocument(**vars(token), revoked=revoked).model_dump_json().encode()
+def _content(token: ApiToken) -> bytes:
+    return TokenDocument(**vars(token)).model_dump_json().encode()
+
+
+def _from_document(content: bytes) -> ApiToken:
+    document = TokenDocument.model_validate_json(content)
+    return ApiToken(**{name: getattr(document, name) for name in ApiToken.__dataclass_fields__})
+
+
+def _ttl(item: Item) -> int | None:
+    ttl = item.get("ttl")
+    return None if ttl is None else int(str(ttl))
+
+
+_TOMBSTONE_S = 86_400  # s for which a revoked token's item keeps writers away that were overtaken
 
 
 def _item(token: ApiToken) -> Item:
-    item: Item = {
-        "pk": _pk(token.id),
-        "sk": "META",
+    item: Item = {"pk": _pk(token.id), "sk": "META", "version": token.version}
+    if token.revoked is not None:
+        return item | {"revoked": token.revoked, "ttl": token.revoked + _TOMBSTONE_S}
+    item |= {
         "secret_sha256": token.secret_sha256,
         "origins": list(token.origins),
         "plan": token.plan,
@@ -107,18 +179,32 @@ def _item(token: ApiToken) -> Item:
     }
     if token.former_sha256 is not None:
         item |= {"former_sha256": token.former_sha256, "former_until": token.former_until}
+    if token.earlier:
+        item["earlier"] = [f"{sha256} {until}" for sha256, until in token.earlier]
+    if token.pending:
+        item["pending"] = list(token.pending)
+    if token.expires is not None:
+        item["ttl"] = token.expires
     return item
 
 
 def _token(token_id: str, item: Item) -> ApiToken:
-    origins = item.get("origins", [])
     former = item.get("former_sha256")
     return ApiToken(
         id=token_id,
         secret_sha256=str(item["secret_sha256"]),
-        origins=tuple(origins) if isinstance(origins, list) else (),
+        origins=_texts(item, "origins"),
         plan=str(item.get("plan", "free")),
         created=int(str(item.get("created", 0))),
         former_sha256=None if former is None else str(former),
         former_until=int(str(item.get("former_until", 0))),
+        earlier=tuple((one, int(until)) for one, until in map(str.split, _texts(item, "earlier"))),
+        pending=_texts(item, "pending"),
+        expires=_ttl(item),
+        version=int(str(item.get("version", 0))),
     )
+
+
+def _texts(item: Item, name: str) -> tuple[str, ...]:
+    found = item.get(name, [])
+    return tuple(found) if isinstance(found, list) else ()

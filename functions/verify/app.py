@@ -1,0 +1,43 @@
+"""Verify: looks for the proof of an origin and notes that it was found. Invoked by `tokens` alone.
+
+It is the only function that connects to a host that a stranger names. So its role reads nothing, and writes
+nothing but that note; it has no secret and none of the other functions' settings.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from calibdb.proof import fetch
+from calibdb.schema.managed_token import ProofAnswer, ProofFailure, ProofRequest
+from calibdb.schema.origins import proof_content, proof_host
+from calibdb.store import Table, clients
+from calibdb.store.proofs import store_proof
+
+
+def handler(event: Mapping[str, Any], _: Any) -> dict[str, Any]:
+    """Answer whether the origin's file holds the line of the token."""
+    request = ProofRequest.model_validate(dict(event))
+    failure = look_for(request)
+    if failure is None:
+        region = os.environ["AWS_REGION"]
+        table = Table(functools.partial(clients.dynamodb, region), os.environ["TABLE_NAME"])
+        store_proof(table, request.token_id, request.origin, int(time.time()))
+    return ProofAnswer(failure=failure).model_dump(mode="json")
+
+
+def look_for(request: ProofRequest) -> ProofFailure | None:
+    """Fetch the file of the origin; return why it proves nothing, None where it does."""
+    host = proof_host(request.origin)
+    if host is None:
+        return "name"
+    try:
+        text = fetch.read_proof(host)
+    except fetch.ProofError as error:
+        return error.reason
+    lines = {line.strip() for line in text.splitlines()}
+    return None if proof_content(request.token_id) in lines else "content"

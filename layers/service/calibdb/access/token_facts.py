@@ -1,0 +1,68 @@
+"""Facts about a token, as its owner is shown them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from calibdb.access.plans import Allowance, Plan
+from calibdb.access.tokens import ApiToken, former_secrets
+from calibdb.schema.managed_token import (
+    HourlyLimits,
+    OriginProof,
+    OriginState,
+    PlanLimits,
+    ProofFailure,
+    TokenFacts,
+)
+from calibdb.schema.origins import proof_content, proof_url
+
+_DETAILS: dict[ProofFailure, str] = {
+    "name": "The domain name has no address.",
+    "address": "The domain name has an address that is not on the public internet.",
+    "connection": "The host does not accept connections at port 443, or closed one.",
+    "tls": "The host's certificate is not valid for this name.",
+    "timeout": "The host did not answer within 3 seconds.",
+    "redirect": "The host redirects; the file must be at this very address.",
+    "status": "The host did not answer with 200: the file is not there.",
+    "size": "The answer is larger than 1024 bytes.",
+    "answer": "The answer is not plain HTTP/1.1, or is compressed.",
+    "content": "The file is there, and this line is not in it.",
+}
+
+
+def facts(
+    token: ApiToken, allowed: Plan, now: int, failures: Mapping[str, ProofFailure] | None = None
+) -> TokenFacts:
+    """Describe a token; `failures`: why origins could not be verified just now."""
+    verified = (OriginState(origin=origin, state="verified") for origin in token.origins)
+    pending = (_pending(token, origin, (failures or {}).get(origin)) for origin in token.pending)
+    former = [until for _, until in former_secrets(token) if until > now]
+    return TokenFacts(
+        id=token.id,
+        name=token.name or None,
+        plan=token.plan,
+        origins=(*verified, *pending),
+        created=token.created,
+        expires=token.expires,
+        former_until=max(former, default=None),
+        limits=hourly_limits(allowed),
+    )
+
+
+def hourly_limits(allowed: Plan) -> HourlyLimits:
+    """Write the limits of a plan as answers do."""
+    return HourlyLimits(together=_limits(allowed.together), each=_limits(allowed.each))
+
+
+def _limits(allowed: Allowance) -> PlanLimits:
+    return PlanLimits(**vars(allowed))
+
+
+def _pending(token: ApiToken, origin: str, failure: ProofFailure | None) -> OriginState:
+    return OriginState(
+        origin=origin,
+        state="pending",
+        proof=OriginProof(url=proof_url(origin), content=proof_content(token.id)),
+        failure=failure,
+        detail=None if failure is None else _DETAILS[failure],
+    )

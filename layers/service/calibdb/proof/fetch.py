@@ -1,0 +1,215 @@
+"""Fetch of a proof: one GET over HTTPS, to an address that was checked, within bounds of time and size.
+
+The name is resolved once. Every address that it has must be public, the connection goes to one of these
+addresses and to no name, and the peer's address is checked again: a name that resolves to something else a
+moment later changes nothing. TLS verifies the name. No redirect is followed and no cookie is kept.
+"""
+
+from __future__ import annotations
+
+import http.client
+import io
+import select
+import socket
+import ssl
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from typing import Any, cast
+
+from calibdb.proof.addresses import is_public
+from calibdb.schema.managed_token import ProofFailure
+from calibdb.schema.origins import PROOF_PATH
+
+MAX_FETCH_S = 3.0  # s, for all of it: name, connection, handshake, answer
+MAX_PROOF_BYTES = 1024
+_MAX_ANSWER_BYTES = 16_384  # with its headers
+_MAX_ADDRESSES = 2  # tried one after the other
+_HTTPS_PORT = 443
+_AGENT = "calibDB origin verification"
+
+Resolve = Callable[[str], Sequence[str]]
+Connect = Callable[[str, float], socket.socket]
+
+
+class ProofError(Exception):
+    """No proof could be read; `reason` says at which step."""
+
+    def __init__(self, reason: ProofFailure) -> None:
+        super().__init__(reason)
+        self.reason: ProofFailure = reason
+
+
+def resolve(host: str) -> list[str]:
+    """Return the addresses of a name, as the system's resolver orders them."""
+    found = socket.getaddrinfo(host, _HTTPS_PORT, type=socket.SOCK_STREAM)
+    return list(dict.fromkeys(str(entry[4][0]) for entry in found))
+
+
+def connect(address: str, timeout_s: float) -> socket.socket:
+    """Connect to an address, never a name, at HTTPS's port."""
+    return socket.create_connection((address, _HTTPS_PORT), timeout=timeout_s)
+
+
+def read_proof(
+    host: str,
+    *,
+    context: ssl.SSLContext | None = None,
+    resolve: Resolve = resolve,
+    connect: Connect = connect,
+    clock: Callable[[], float] = time.monotonic,
+) -> str:
+    """Return the text of `https://<host>/.well-known/calibdb.txt`.
+
+    Raises
+    ------
+    ProofError
+        If it cannot be had: see `ProofFailure`.
+    """
+    deadline = clock() + MAX_FETCH_S
+    addresses = _public_addresses(host, resolve, deadline - clock())
+    connection = _connected(addresses, connect, clock, deadline)
+    trusted = context or ssl.create_default_context()
+    try:
+        with connection:
+            _check_peer(connection)
+            connection.settimeout(_left(deadline, clock))
+            with trusted.wrap_socket(
+                connection, server_hostname=host, do_handshake_on_connect=False
+            ) as secured:
+                _shake_hands(secured, clock, deadline)
+                secured.settimeout(_left(deadline, clock))
+                secured.sendall(_request(host))
+                return _text(_receive(secured, clock, deadline))
+    except TimeoutError as error:
+        raise ProofError("timeout") from error
+    except ssl.SSLError as error:
+        raise ProofError("tls") from error
+    except OSError as error:
+        raise ProofError("connection") from error
+
+
+def _public_addresses(host: str, resolve: Resolve, timeout_s: float) -> Sequence[str]:
+    """Resolve the name once; ProofError where any of its addresses is not public."""
+    # The resolver has no time limit of its own. A thread that is still waiting dies with the instance.
+    worker = ThreadPoolExecutor(1)
+    try:
+        addresses = worker.submit(resolve, host).result(timeout_s)
+    except FutureTimeoutError as error:
+        raise ProofError("timeout") from error
+    except (OSError, UnicodeError) as error:
+        raise ProofError("name") from error
+    finally:
+        worker.shutdown(wait=False, cancel_futures=True)
+    if not addresses:
+        raise ProofError("name")
+    if not all(map(is_public, addresses)):
+        raise ProofError("address")
+    return addresses
+
+
+def _connected(
+    addresses: Sequence[str], connect: Connect, clock: Callable[[], float], deadline: float
+) -> socket.socket:
+    # IPv4 first: functions outside of a VPC have no IPv6.
+    tried = sorted(addresses, key=lambda address: ":" in address)[:_MAX_ADDRESSES]
+    for left, address in zip(range(len(tried), 0, -1), tried, strict=True):
+        try:
+            return connect(address, _left(deadline, clock) / left)
+        except TimeoutError:
+            failed: ProofFailure = "timeout"
+        except OSError:
+            failed = "connection"
+    raise ProofError(failed)
+
+
+def _check_peer(connection: socket.socket) -> None:
+    if not is_public(str(connection.getpeername()[0])):
+        raise ProofError("address")
+
+
+def _left(deadline: float, clock: Callable[[], float]) -> float:
+    """Return the s that are left; ProofError where there are none."""
+    left = deadline - clock()
+    if left <= 0:
+        raise ProofError("timeout")
+    return left
+
+
+def _shake_hands(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float) -> None:
+    """Shake hands before the deadline: a peer that sends a byte at a time restarts every other time limit."""
+    secured.settimeout(0.0)
+    while True:
+        try:
+            secured.do_handshake()
+        except ssl.SSLWantReadError:
+            _wait(secured, clock, deadline, reading=True)
+        except ssl.SSLWantWriteError:
+            _wait(secured, clock, deadline, reading=False)
+        else:
+            return
+
+
+def _wait(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float, *, reading: bool) -> None:
+    waited = [secured]
+    select.select(waited if reading else [], [] if reading else waited, [], _left(deadline, clock))
+
+
+def _request(host: str) -> bytes:
+    lines = (
+        f"GET {PROOF_PATH} HTTP/1.1",
+        f"Host: {host}",
+        f"User-Agent: {_AGENT}",
+        "Accept: text/plain, */*",
+        "Accept-Encoding: identity",
+        "Connection: close",
+    )
+    return "\r\n".join((*lines, "", "")).encode("ascii")
+
+
+def _receive(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float) -> bytes:
+    """Read the answer to its end; ProofError where it is too large or too slow."""
+    received = bytearray()
+    while True:
+        secured.settimeout(_left(deadline, clock))
+        try:
+            part = secured.recv(4096)
+        except ssl.SSLEOFError:
+            part = b""
+        if not part:
+            return bytes(received)
+        received += part
+        if len(received) > _MAX_ANSWER_BYTES:
+            raise ProofError("size")
+
+
+class _Received:
+    """Answer that was read, as `http.client` wants a socket."""
+
+    def __init__(self, content: bytes) -> None:
+        self._content = content
+
+    def makefile(self, *_: Any, **__: Any) -> io.BytesIO:
+        return io.BytesIO(self._content)
+
+
+def _text(received: bytes) -> str:
+    answer = http.client.HTTPResponse(cast("socket.socket", _Received(received)), method="GET")
+    try:
+        answer.begin()
+        content = answer.read(MAX_PROOF_BYTES + 1)
+    except (http.client.HTTPException, ValueError, OSError) as error:
+        raise ProofError("answer") from error
+    if 300 <= answer.status < 400:
+        raise ProofError("redirect")
+    if answer.status != 200:
+        raise ProofError("status")
+    if len(content) > MAX_PROOF_BYTES:
+        raise ProofError("size")
+    if answer.getheader("Content-Encoding", "identity").lower() != "identity":
+        raise ProofError("answer")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ProofError("content") from error
