@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from calibdb.access.plans import TRIAL_PERIOD_S
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import session_rules
@@ -104,7 +105,7 @@ def reindex(
     for vote in context.track(votes.all(), "votes"):
         votes.index(vote)
         cast += 1
-    issued = Tokens(table, context.objects).reindex()
+    issued = Tokens(table, context.objects).reindex(context.now, TRIAL_PERIOD_S)
     priors = Priors(table, context.objects)
     for prior in priors.all():
         priors.index(prior)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from urllib.parse import urlsplit
 
-from calibdb.access.plans import PLANS
-from calibdb.access.tokens import ApiToken, secret_hash
+from calibdb.access import token_use
+from calibdb.access.plans import HOUR_S, PLANS
+from calibdb.access.tokens import ApiToken, secret_hash, with_secret
+from calibdb.schema.managed_token import TokenUse
 from infra.ops.context import OpsContext
 from infra.ops.errors import OpsError
 
@@ -36,10 +37,17 @@ def list_all(context: OpsContext) -> list[ApiToken]:
     return sorted(context.store.tokens.all(), key=lambda token: (token.created, token.id))
 
 
-def describe(token: ApiToken) -> tuple[str, str, str, str]:
-    """Describe a token in words: id, day, plan, origins."""
+def describe(token: ApiToken) -> tuple[str, str, str, str, str]:
+    """Describe a token in words: id, day, plan, who made it, origins."""
     day = time.strftime("%Y-%m-%d", time.gmtime(token.created))
-    return token.id, day, token.plan, " ".join(token.origins) or "any origin"
+    made_by = "operator" if token.management_sha256 is None else "itself"
+    origins = [*token.origins, *(f"{origin} (pending)" for origin in token.pending)]
+    return token.id, day, token.plan, made_by, " ".join(origins) or "any origin"
+
+
+def use(context: OpsContext, token_id: str) -> TokenUse:
+    """Sum up the use of a token by hour and by day."""
+    return token_use.summary(context.store.quotas.use(token_id, context.now), context.now)
 
 
 def get(context: OpsContext, token_id: str) -> ApiToken:
@@ -53,17 +61,13 @@ def get(context: OpsContext, token_id: str) -> ApiToken:
 def rotate(context: OpsContext, token_id: str, grace: float) -> str:
     """Give the token another secret and return it; the old one still works for `grace` hours.
 
-    At most two secrets work: a second rotation within the grace ends the first secret at once.
+    Every earlier secret works until its own time ends, and for `grace` at most; 0 ends them all.
     """
     token = get(context, token_id)
     secret = context.random_hex(_SECRET_BYTES)
-    context.store.tokens.change(
-        replace(
-            token,
-            secret_sha256=secret_hash(secret),
-            former_sha256=token.secret_sha256,
-            former_until=context.now + int(grace * 3600),
-        )
+    context.store.tokens.update(
+        token.id,
+        lambda known: with_secret(known, secret_hash(secret), context.now, int(grace * HOUR_S)),
     )
     return f"cdb_{token_id}_{secret}"
 

@@ -114,7 +114,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
     if dry_run:
         return done
     # Their shares of the hour.
-    used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("QUOTA#"))
+    used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("SHARE#"))
     context.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
     reindex.reindex(context, only=affected, forget_pending=True)
     return done

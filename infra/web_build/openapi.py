@@ -17,6 +17,8 @@ from infra.web_build.parameters import Node
 __all__ = ["OPENAPI_PATH", "OPERATIONS", "document", "text"]
 
 OPENAPI_PATH = Path(__file__).resolve().parents[2] / "web" / "openapi.json"
+RATE_LIMITED = ("RateLimit-Policy", "RateLimit")
+"""Headers of every answer under a plan that has limits."""
 _REFERENCE = "#/components/schemas/{model}"
 
 
@@ -47,6 +49,7 @@ def document() -> Node:
                 "apiToken": {"type": "http", "scheme": "bearer", "bearerFormat": "cdb_<id>_<secret>"},
                 "apiTokenInQuery": {"type": "apiKey", "in": "query", "name": "key"},
                 "apiTokenInOldQuery": {"type": "apiKey", "in": "query", "name": "api_key"},
+                "managementToken": {"type": "http", "scheme": "bearer", "bearerFormat": "cdbm_<id>_<secret>"},
                 "sessionId": {"type": "http", "scheme": "bearer", "bearerFormat": "signed session id"},
             },
         },
@@ -55,7 +58,8 @@ def document() -> Node:
 
 def _models(operations: Sequence[Operation]) -> tuple[list[type[BaseModel]], list[type[BaseModel]]]:
     requests = {o.body: None for o in operations if o.body}
-    answers = {c.model: None for o in operations for c in o.answers.values() if c.model}
+    contents = [c for o in operations for c in o.answers.values()]
+    answers = {model: None for c in contents for model in (c.model, c.other) if model}
     return list(requests), [*answers, schema.Problem]
 
 
@@ -64,15 +68,18 @@ def _operation(operation: Operation, names: Any) -> Node:
         found: Node = names[(model, mode)]
         return found
 
+    limited = RATE_LIMITED if set(operation.credentials) & {"apiToken", "sessionId"} else ()
+
     def answer(content: Content) -> Node:
         node: Node = {"description": content.description}
         if content.model or content.pictures:
             media: Node = {picture: {} for picture in content.pictures}
             if content.model:
-                media[content.media_type] = {"schema": reference(content.model, "serialization")}
+                shown = [reference(one, "serialization") for one in (content.model, content.other) if one]
+                media[content.media_type] = {"schema": {"anyOf": shown} if len(shown) > 1 else shown[0]}
             node["content"] = media
         always = {name: {"schema": {"type": "string"}, "required": True} for name in content.headers}
-        some = {name: {"schema": {"type": "string"}} for name in content.sometimes}
+        some = {name: {"schema": {"type": "string"}} for name in (*content.sometimes, *limited)}
         if always or some:
             node["headers"] = always | some
         return node
@@ -91,7 +98,7 @@ def _operation(operation: Operation, names: Any) -> Node:
         node["parameters"] = list(operation.parameters)
     if operation.body:
         content = {JSON: {"schema": reference(operation.body, "validation")}}
-        node["requestBody"] = {"required": True, "content": content}
+        node["requestBody"] = {"required": operation.body_required, "content": content}
     if operation.credentials:
         node["security"] = [{name: []} for name in operation.credentials]
     return node

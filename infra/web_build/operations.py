@@ -25,7 +25,7 @@ PROBLEMS = {
     410: "It was withdrawn; `reason` says for what kind of reason: wrong, abuse, privacy, other.",
     413: f"The body is larger than {MAX_BODY_BYTES} bytes.",
     422: "Fields are not what they must be; `errors` names them.",
-    429: "The plan's calls of this hour are used up; `Retry-After` says when the next begins.",
+    429: "The calls that are allowed in this hour or day are used up; `Retry-After` says when more are.",
     500: "Something went wrong here, not in the request.",
     503: "Storage or another function did not answer; try again.",
 }
@@ -41,13 +41,14 @@ class Content:
     headers: tuple[str, ...] = ()  # that every such answer carries
     sometimes: tuple[str, ...] = ()  # that some carry
     media_type: str = JSON
+    other: type[BaseModel] | None = None  # model that it may be instead
 
 
 @dataclass(frozen=True)
 class Operation:
     """One call of the API."""
 
-    method: Literal["get", "post", "delete"]
+    method: Literal["get", "post", "patch", "delete"]
     path: str
     name: str
     summary: str
@@ -56,6 +57,7 @@ class Operation:
     credentials: tuple[str, ...] = ()
     body: type[BaseModel] | None = None
     parameters: tuple[Node, ...] = ()
+    body_required: bool = True
 
 
 _LOOKUP = query_of(
@@ -68,20 +70,95 @@ _LOOKUP = query_of(
         "distortion_model": "The model to answer with.",
         "resize_mode": "`resizeMode` of the track.",
         "redirect": "`false`: 404 with `guidance_url` instead of the redirect.",
+        "miss": "`ok`: 200 with `calibration: null` instead of the redirect.",
     },
     deprecated=("userAgent", "imsize"),
 )
-_REDIRECT = _LOOKUP[-1]
+_REDIRECT = next(node for node in _LOOKUP if node["name"] == "redirect")
 _STATE = Content("The session's state.", schema.SessionState)
-_TOKEN, _SESSION = ("apiToken",), ("sessionId",)
+_TOKEN, _SESSION, _MANAGEMENT = ("apiToken",), ("sessionId",), ("managementToken",)
+_MANAGED = Content("All about the token.", schema.ManagedToken)
 _ASKED = (401, 403, 429, 500, 503)
 _FOUND = {
-    200: Content("The calibration.", schema.LookupAnswer),
+    200: Content(
+        "The calibration; with `miss=ok` also that nothing reliable is known.",
+        schema.LookupAnswer,
+        other=schema.NoCalibration,
+    ),
     307: Content("Nothing reliable is known: to the guidance page.", schema.Miss, headers=("Location",)),
     404: Content(
         "Nothing reliable is known, and `redirect=false`.", schema.LookupProblem, media_type=PROBLEM
     ),
 }
+
+_TOKENS = (
+    Operation(
+        "post",
+        "/v1/tokens",
+        "createToken",
+        "Make an API token for pages of some origins, and for programs",
+        {201: Content("The token. Its two secrets are shown this once.", schema.TokenCreated)},
+        (400, 413, 422, 429, 500, 503),
+        body=schema.TokenRequest,
+    ),
+    Operation(
+        "get",
+        "/v1/tokens/self",
+        "showToken",
+        "Facts about a token, its limits, and its use by hour and day",
+        {200: _MANAGED},
+        _ASKED,
+        _MANAGEMENT,
+    ),
+    Operation(
+        "patch",
+        "/v1/tokens/self",
+        "changeToken",
+        "Give a token other origins or another name",
+        {200: _MANAGED},
+        (400, *_ASKED, 413, 422),
+        _MANAGEMENT,
+        schema.TokenChange,
+    ),
+    Operation(
+        "delete",
+        "/v1/tokens/self",
+        "revokeToken",
+        "Revoke a token for good, within a minute",
+        {204: Content("Revoked.")},
+        _ASKED,
+        _MANAGEMENT,
+    ),
+    Operation(
+        "post",
+        "/v1/tokens/self/verify",
+        "verifyToken",
+        "Look for the proofs of the origins that are pending",
+        {200: _MANAGED},
+        _ASKED,
+        _MANAGEMENT,
+    ),
+    Operation(
+        "post",
+        "/v1/tokens/self/rotate",
+        "rotateToken",
+        "Give a token another secret; without a body the one until now opens for a day more",
+        {200: Content("The token with its new secret, shown this once.", schema.TokenRotated)},
+        (400, *_ASKED, 413, 422),
+        _MANAGEMENT,
+        schema.RotationRequest,
+        body_required=False,
+    ),
+    Operation(
+        "get",
+        "/v1/usage",
+        "showUsage",
+        "Limits and use of an API token in this hour",
+        {200: Content("Limits and use.", schema.UsageAnswer)},
+        _ASKED,
+        _TOKEN,
+    ),
+)
 
 OPERATIONS = (
     Operation(
@@ -242,6 +319,7 @@ OPERATIONS = (
         _TOKEN,
         parameters=(path("key", {"type": "string"}, "As a search answered it."),),
     ),
+    *_TOKENS,
     Operation(
         "get",
         "/healthz",

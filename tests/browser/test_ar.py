@@ -207,7 +207,7 @@ def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserCon
     picture(page, "ar-unknown")
     [request] = [request for request in sent if request.method != "GET"]
     assert set(json.loads(request.post_data or "")) <= {
-        "camera", "platform", "img_size", "zoom", "distortion_model", "redirect",
+        "camera", "platform", "img_size", "zoom", "distortion_model", "redirect", "miss",
     }  # fmt: skip
 
 

@@ -43,7 +43,12 @@ test("a known camera is answered with its calibration", async () => {
   assert.deepEqual([guidanceUrl, reason], [null, null]);
   const [{ address, method, headers, body }] = asked;
   assert.deepEqual([address, method, headers.authorization], [`${API}/lookup`, "POST", "Bearer cdb_a_b"]);
-  assert.deepEqual(body, { ...KEY, distortion_model: "fisheye", redirect: false });
+  assert.deepEqual(body, { ...KEY, distortion_model: "fisheye", redirect: false, miss: "ok" });
+});
+
+test("a miss that is no error is answered as one is", async () => {
+  const { options } = service(json(200, { calibration: null, ...MISS }));
+  assert.deepEqual(await lookup(KEY, options), { calibration: null, guidanceUrl: MISS.guidance_url, reason: "too_few" });
 });
 
 test("an unknown camera is answered with where to calibrate it, and whoever asked is told", async () => {

@@ -167,11 +167,12 @@ function explain(error, { outcome }) {
  * @returns {Promise<Found>}
  */
 async function askService(key, model, options) {
-  // A redirect's Location is hidden from fetch(): ask for it in words.
-  const request = { method: "POST", body: JSON.stringify({ ...key, distortion_model: model, redirect: false }) };
-  const answer = await ask("lookup", request, options);
-  const { guidance_url: guidanceUrl, reason = null } = answer.body;
-  if (answer.response.status === 404 && guidanceUrl) return { calibration: null, guidanceUrl, reason };
+  // A redirect's Location is hidden from fetch(), and browsers report a 404 as an error: ask for a miss in words.
+  const asked = { ...key, distortion_model: model, redirect: false, miss: "ok" };
+  const answer = await ask("lookup", { method: "POST", body: JSON.stringify(asked) }, options);
+  const { calibration, guidance_url: guidanceUrl, reason = null } = answer.body;
+  // 404: as a service answers that does not know `miss`.
+  if (guidanceUrl && (answer.response.status === 404 || (answer.response.ok && calibration === null))) return { calibration: null, guidanceUrl, reason };
   return known(calibrationIn(answer));
 }
 

@@ -41,7 +41,9 @@ def list_tokens(as_json: Json = False) -> None:
 
         found = tokens.list_all(run.context)
         rows = [tokens.describe(token) for token in found]
-        run.output.table(("id", "created", "plan", "origins"), rows, ("  ".join(row) for row in rows))
+        run.output.table(
+            ("id", "created", "plan", "made by", "origins"), rows, ("  ".join(row) for row in rows)
+        )
         run.output.value(
             [
                 {
@@ -49,11 +51,48 @@ def list_tokens(as_json: Json = False) -> None:
                     "created": token.created,
                     "plan": token.plan,
                     "origins": token.origins,
+                    "pending": token.pending,
+                    "name": token.name or None,
+                    "self_made": token.management_sha256 is not None,
                     "former_until": token.former_until or None,
                 }
                 for token in found
             ]
         )
+
+
+@app.command("show")
+def show_token(token_id: TokenId, as_json: Json = False) -> None:
+    """Show a token and its use: by hour for two days, by day for thirty."""
+    with opened(as_json=as_json) as run:
+        from infra.ops import tokens
+
+        token = tokens.get(run.context, token_id)
+        use = tokens.use(run.context, token_id)
+        run.output.line("  ".join(tokens.describe(token)))
+        periods = [
+            *((used.hour, used) for used in use.hours),
+            *((used.day, used) for used in use.days),
+        ]
+        rows = [
+            (period, *map(str, (used.sessions, used.views, used.poses, used.lookups)))
+            for period, used in periods
+            if used.sessions or used.views or used.poses or used.lookups
+        ]
+        run.output.table(
+            ("period (UTC)", "sessions", "views", "poses", "lookups"), rows, ("  ".join(row) for row in rows)
+        )
+        run.output.value({"id": token.id, "plan": token.plan, "use": use.model_dump(mode="json")})
+
+
+@app.command("made")
+def count_made(as_json: Json = False) -> None:
+    """Count the tokens that people made for themselves, day by day."""
+    with opened(as_json=as_json) as run:
+        days = list(run.context.store.quotas.issued())
+        rows = [(day, str(count)) for day, count in days]
+        run.output.table(("day (UTC)", "tokens"), rows, ("  ".join(row) for row in rows))
+        run.output.value([{"day": day, "tokens": count} for day, count in days])
 
 
 @app.command("revoke")
