@@ -77,7 +77,7 @@ _LOOKUP = query_of(
 _REDIRECT = next(node for node in _LOOKUP if node["name"] == "redirect")
 _STATE = Content("The session's state.", schema.SessionState)
 _TOKEN, _SESSION, _MANAGEMENT = ("apiToken",), ("sessionId",), ("managementToken",)
-_MANAGED = Content("All about the token.", schema.ManagedToken)
+_MANAGED_TOKEN = Content("All about the token.", schema.ManagedToken)
 _ASKED = (401, 403, 429, 500, 503)
 _FOUND = {
     200: Content(
@@ -106,7 +106,7 @@ _TOKENS = (
         "/v1/tokens/self",
         "showToken",
         "Facts about a token, its limits, and its use by hour and day",
-        {200: _MANAGED},
+        {200: _MANAGED_TOKEN},
         _ASKED,
         _MANAGEMENT,
     ),
@@ -115,7 +115,7 @@ _TOKENS = (
         "/v1/tokens/self",
         "changeToken",
         "Give a token other origins or another name",
-        {200: _MANAGED},
+        {200: _MANAGED_TOKEN},
         (400, *_ASKED, 413, 422),
         _MANAGEMENT,
         schema.TokenChange,
@@ -134,7 +134,7 @@ _TOKENS = (
         "/v1/tokens/self/verify",
         "verifyToken",
         "Look for the proofs of the origins that are pending",
-        {200: _MANAGED},
+        {200: _MANAGED_TOKEN},
         _ASKED,
         _MANAGEMENT,
     ),

@@ -64,6 +64,7 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
         with recorder.recording():
             invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
             use(stack)
+            manage(stack)
             clock.ahead += 700  # what was counted in memory is written down
             use_again(stack)
             objects = boto3.client("s3").list_objects_v2(
@@ -145,6 +146,24 @@ def overtaken() -> Iterator[None]:
     _to_lose.append(True)
     yield
     assert not _to_lose
+
+
+def manage(stack: LocalStack) -> None:
+    """A token that somebody makes, proves, changes, uses, and revokes."""
+    client = Client(stack)
+    made = client.call("POST", "/v1/tokens", {"origins": ["https://example.org"]}, token="").json
+    managing, line = made["management_token"], made["origins"][0]["proof"]["content"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("calibdb.proof.fetch.read_proof", lambda _: line)
+        verified = client.call("POST", "/v1/tokens/self/verify", token=managing).json
+    assert [origin["state"] for origin in verified["origins"]] == ["verified"]
+    other = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="").json
+    for _ in range(2):
+        assert client.call("GET", "/v1/usage", token=other["token"]).json["plan"] == "trial"
+    assert client.call("PATCH", "/v1/tokens/self", {"name": "x"}, token=managing).status == 200
+    assert client.call("POST", "/v1/tokens/self/rotate", token=managing).status == 200
+    assert client.call("GET", "/v1/tokens/self", token=managing).status == 200
+    assert client.call("DELETE", "/v1/tokens/self", token=managing).status == 204
 
 
 def use_again(stack: LocalStack) -> None:

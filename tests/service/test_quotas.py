@@ -45,6 +45,8 @@ def token(store: Store, request: pytest.FixtureRequest) -> str:
 def assert_used_up(answer: Answer) -> None:
     assert answer.status == 429
     assert answer.json["type"].endswith("/docs/problems/#quota")
+    assert ";r=0;t=" in answer.headers["ratelimit"]
+    assert ";w=3600" in answer.headers["ratelimit-policy"]
     assert 1 <= int(answer.headers["retry-after"]) <= 3600
 
 
@@ -156,8 +158,10 @@ def test_the_counters_expire(client: Client, stack: LocalStack, token: str) -> N
     client.call("POST", "/v1/auth", token=token)
     items = boto3.client("dynamodb").query(
         TableName=stack.environment["TABLE_NAME"],
-        KeyConditionExpression="pk = :pk AND begins_with(sk, :quota)",
-        ExpressionAttributeValues={":pk": {"S": f"TOKEN#{token.split('_')[1]}"}, ":quota": {"S": "QUOTA#"}},
+        KeyConditionExpression="pk = :pk",
+        FilterExpression="sk <> :meta",
+        ExpressionAttributeValues={":pk": {"S": f"TOKEN#{token.split('_')[1]}"}, ":meta": {"S": "META"}},
     )["Items"]
-    assert len(items) == 2  # the contributor's and the token's
+    assert {item["sk"]["S"].partition("#")[0] for item in items} == {"QUOTA", "SHARE"}  # all, the contributor
+    assert len(items) == 2
     assert all("ttl" in item and item["sessions"]["N"] == "1" for item in items)

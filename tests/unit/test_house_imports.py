@@ -35,6 +35,7 @@ SERVICE_ARROWS: dict[str, set[str]] = {
     "schema": {"errors", "settings", "camera_key"},
     "access": _RULED,
     "rules": _RULED,
+    "proof": _RULED,
     "store": _RULED | {"access", "rules"},
     "lookup": _RULED | {"access", "rules", "store"},
     "service": _RULED | {"access", "rules", "store", "lookup"},

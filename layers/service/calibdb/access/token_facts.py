@@ -16,7 +16,7 @@ from calibdb.schema.managed_token import (
 )
 from calibdb.schema.origins import proof_content, proof_url
 
-_DETAILS: dict[ProofFailure, str] = {
+_FAILURE_DETAILS: dict[ProofFailure, str] = {
     "name": "The domain name has no address.",
     "address": "The domain name has an address that is not on the public internet.",
     "connection": "The host does not accept connections at port 443, or closed one.",
@@ -64,5 +64,5 @@ def _pending(token: ApiToken, origin: str, failure: ProofFailure | None) -> Orig
         state="pending",
         proof=OriginProof(url=proof_url(origin), content=proof_content(token.id)),
         failure=failure,
-        detail=None if failure is None else _DETAILS[failure],
+        detail=None if failure is None else _FAILURE_DETAILS[failure],
     )

@@ -59,6 +59,7 @@ def read_proof(
     resolve: Resolve = resolve,
     connect: Connect = connect,
     clock: Callable[[], float] = time.monotonic,
+    max_s: float = MAX_FETCH_S,
 ) -> str:
     """Return the text of `https://<host>/.well-known/calibdb.txt`.
 
@@ -67,7 +68,7 @@ def read_proof(
     ProofError
         If it cannot be had: see `ProofFailure`.
     """
-    deadline = clock() + MAX_FETCH_S
+    deadline = clock() + max_s
     addresses = _public_addresses(host, resolve, deadline - clock())
     connection = _connected(addresses, connect, clock, deadline)
     trusted = context or ssl.create_default_context()

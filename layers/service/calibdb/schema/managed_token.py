@@ -58,14 +58,14 @@ class TokenRequest(Strict):
 
 
 class TokenChange(Strict):
-    """What is to be different; what is left out stays."""
+    """Change of a token; what is left out stays."""
 
     origins: Origins | None = None
     name: TokenName | None = None
 
 
 class RotationRequest(Strict):
-    """How the secret is exchanged."""
+    """Exchange of the secret."""
 
     grace_s: int = Field(
         DEFAULT_GRACE_S,
@@ -189,6 +189,6 @@ class ProofRequest(Strict):
 
 
 class ProofAnswer(Open):
-    """Whether the proof was found: no failure."""
+    """Result of a look for a proof; without a failure it was found."""
 
     failure: ProofFailure | None = None

@@ -54,7 +54,7 @@ def proof_host(origin: str) -> str | None:
 
 
 def requirement(origin: str) -> str | None:
-    """Return what an origin must be that it is not; None where a token may have it."""
+    """Return the text of what an origin must be and is not; None where a token may have it."""
     if is_loopback(origin) or proof_host(origin) is not None:
         return None
     if origin != origin.lower():

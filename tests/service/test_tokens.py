@@ -1,0 +1,398 @@
+"""Tokens that strangers make for themselves: origins, proofs, use, rotation, revocation, and their bounds."""
+
+import functools
+import json
+import logging
+import subprocess
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+from calibdb.access.plans import MAX_MANAGEMENT_CALLS, MAX_PROOF_CALLS, TRIAL_PERIOD_S
+from calibdb.proof.fetch import ProofError
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store
+from infra.local import LocalStack
+from infra.ops.context import OpsContext
+from infra.ops.reindex import reindex
+from tests.helpers.service import published
+from tests.helpers.service.client import CAMERA, EDGE, Answer, Client
+
+SITE = "https://example.org"
+
+
+@dataclass
+class Time:
+    ahead: float = 0.0
+
+    def __call__(self) -> float:
+        return time.time() + self.ahead
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[LocalStack]:
+    with LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
+        yield stack
+
+
+@pytest.fixture
+def clock() -> Iterator[Time]:
+    """A service that remembers no token, at a time that a test says."""
+    moved = Time()
+
+    @functools.cache
+    def make(settings: Settings) -> Service:
+        return Service.build(settings, Store.of(settings), moved, token_ttl_s=0)
+
+    with Service.override(make):
+        yield moved
+
+
+@pytest.fixture
+def client(stack: LocalStack, clock: Time, request: pytest.FixtureRequest) -> Client:  # noqa: ARG001
+    """A client at an address of its own for each test."""
+    number = abs(hash(request.node.name))
+    return Client(stack, address=f"198.51.{number % 251}.{number // 251 % 251}")
+
+
+def make(client: Client, *origins: str, **named: object) -> Any:
+    answer = client.call("POST", "/v1/tokens", {"origins": list(origins), **named}, token="")
+    assert answer.status == 201, answer.body
+    return answer.json
+
+
+def ask(client: Client, token: str, origin: str | None = None) -> Answer:
+    headers = {} if origin is None else {"origin": origin}
+    return client.call("POST", "/v1/lookup", {**CAMERA, "miss": "ok"}, token=token, headers=headers)
+
+
+def manage(client: Client, method: str, made: Any, action: str = "", body: object = None) -> Answer:
+    return client.call(method, f"/v1/tokens/self{action}", body, token=made["management_token"])
+
+
+@pytest.fixture
+def site(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+    """Proofs on hosts: text by name. Every other host has none."""
+    files: dict[str, str] = {}
+
+    def read_proof(host: str) -> str:
+        if host not in files:
+            raise ProofError("status")
+        return files[host]
+
+    monkeypatch.setattr("calibdb.proof.fetch.read_proof", read_proof)
+    return files
+
+
+def states(answer: Answer) -> dict[str, str]:
+    assert answer.status == 200, answer.body
+    return {origin["origin"]: origin["state"] for origin in answer.json["origins"]}
+
+
+def test_curl_alone_goes_from_nothing_to_a_calibration() -> None:
+    with LocalStack() as stack, stack.serve() as url:
+        for n in range(5):
+            published.store(stack).calibrations.publish(published.calibration("Known to all", n, views=3))
+        reindex(context(stack))
+
+        def curl(path: str, body: object, *options: str) -> Any:
+            command = ["curl", "-sS", "--fail", url + path, "-H", "content-type: application/json"]
+            sent = subprocess.run(
+                [*command, *options, "-d", json.dumps(body)], capture_output=True, text=True, check=True
+            )
+            return json.loads(sent.stdout)
+
+        token = curl("/v1/tokens", {"origins": ["http://localhost"]})["token"]
+        camera = {"camera": "Known to all", "platform": published.PLATFORM, "img_size": [1280, 720]}
+        found = curl("/v1/lookup", camera, "-H", f"authorization: Bearer {token}")
+        assert found["reliable"]
+        assert found["camera_matrix"][0][0] == pytest.approx(950, rel=0.02)
+
+
+def context(stack: LocalStack) -> OpsContext:
+    return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
+
+
+def test_loopback_origins_are_verified_at_once_and_stand_for_all_their_ports(client: Client) -> None:
+    made = make(client, "http://localhost", "http://127.0.0.1:8000", "http://[::1]", "https://app.localhost")
+    assert {origin["state"] for origin in made["origins"]} == {"verified"}
+    assert made["plan"] == "trial"
+    for origin in (
+        None, "http://localhost", "http://localhost:5173", "http://127.0.0.1:8000", "http://[::1]:3000",
+        "https://app.localhost:8443",
+    ):  # fmt: skip
+        assert ask(client, made["token"], origin).status == 200, origin
+    for origin in (
+        "https://localhost",
+        "http://127.0.0.1",
+        "http://127.0.0.1:80",
+        "https://evil.example",
+        "null",
+    ):
+        answer = ask(client, made["token"], origin)
+        assert (answer.status, answer.json["type"].rpartition("#")[2]) == (403, "origin")
+
+
+@pytest.mark.parametrize(
+    "origin",
+    [
+        "http://example.org",
+        "http://localhost:80",
+        "http://localhost:99999",
+        "http://LOCALHOST",
+        "*",
+        "null",
+        "",
+    ],
+)
+def test_origin_that_cannot_be_proved_is_refused_and_not_counted(client: Client, origin: str) -> None:
+    for _ in range(6):
+        answer = client.call("POST", "/v1/tokens", {"origins": [origin]}, token="")
+        assert answer.status == 422
+        assert answer.json["errors"][0]["field"] == "origins.0"
+    make(client, "http://localhost")
+
+
+def test_origin_is_admitted_once_its_proof_is_found(client: Client, site: dict[str, str]) -> None:
+    made = make(client, "http://localhost", SITE)
+    (pending,) = [origin for origin in made["origins"] if origin["state"] == "pending"]
+    assert pending["proof"] == {
+        "url": "https://example.org/.well-known/calibdb.txt",
+        "content": f"calibdb-site-verification={made['id']}",
+    }
+    refused = ask(client, made["token"], SITE)
+    assert (refused.status, refused.json["type"].rpartition("#")[2]) == (403, "origin-unverified")
+    assert "/v1/tokens/self/verify" in refused.json["detail"]
+    looked = manage(client, "POST", made, "/verify")
+    assert states(looked) == {"http://localhost": "verified", SITE: "pending"}
+    assert looked.json["origins"][1]["failure"] == "status"
+    for wrong in ("", made["id"], f"calibdb-site-verification={made['id']}0", "calibdb-site-verification="):
+        site["example.org"] = wrong
+        assert manage(client, "POST", made, "/verify").json["origins"][1]["failure"] == "content"
+    assert manage(client, "GET", made).json["plan"] == "trial"
+    site["example.org"] = f"calibdb-site-verification=another\r\n {pending['proof']['content']} \r\n"
+    looked = manage(client, "POST", made, "/verify")
+    assert states(looked) == {"http://localhost": "verified", SITE: "verified"}
+    assert (looked.json["plan"], looked.json["expires"]) == ("free", None)
+    assert ask(client, made["token"], SITE).status == 200
+    site.clear()  # again is answered by how it is
+    assert states(manage(client, "POST", made, "/verify"))[SITE] == "verified"
+    assert ask(client, made["token"], "https://www.example.org").status == 403
+
+
+def test_session_of_a_restricted_token_is_for_the_page_that_opened_it(client: Client) -> None:
+    made = make(client, "http://localhost")
+    opened = client.call("POST", "/v1/auth", token=made["token"], headers={"origin": "http://localhost:5173"})
+    client.session_id = opened.json["session_id"]
+    assert (
+        client.call("POST", "/v1/session", CAMERA, headers={"origin": "http://localhost:9999"}).status == 403
+    )
+    assert (
+        client.call("POST", "/v1/session", CAMERA, headers={"origin": "http://localhost:5173"}).status == 201
+    )
+
+
+def test_origins_and_name_can_be_changed_and_proofs_are_kept(client: Client, site: dict[str, str]) -> None:
+    made = make(client, SITE, name="One")
+    site["example.org"] = f"calibdb-site-verification={made['id']}"
+    manage(client, "POST", made, "/verify")
+    changed = manage(client, "PATCH", made, body={"origins": [SITE, "https://other.example"], "name": "Two"})
+    assert states(changed) == {SITE: "verified", "https://other.example": "pending"}
+    assert (changed.json["name"], changed.json["plan"]) == ("Two", "free")
+    assert manage(client, "PATCH", made, body={"origins": []}).status == 422
+    left = manage(client, "PATCH", made, body={"origins": ["http://localhost"]})
+    assert (states(left), left.json["plan"]) == ({"http://localhost": "verified"}, "trial")
+    assert left.json["name"] == "Two"
+    assert ask(client, made["token"], SITE).status == 403
+    back = manage(client, "PATCH", made, body={"origins": [SITE]})
+    assert states(back) == {SITE: "pending"}  # it has to be proved anew
+    assert ask(client, made["token"], "http://localhost").status == 403
+
+
+def test_nobody_learns_whether_an_origin_has_a_token(client: Client, site: dict[str, str]) -> None:
+    other = Client(client.stack, address="198.18.7.7")
+    first = make(client, SITE)
+    site["example.org"] = f"calibdb-site-verification={first['id']}"
+    assert states(manage(client, "POST", first, "/verify")) == {SITE: "verified"}
+    second, unclaimed = make(other, SITE), make(other, "https://unclaimed.example")
+    hidden = {"id", "token", "management_token", "origins", "created", "expires"}
+    assert {k: v for k, v in second.items() if k not in hidden} == {
+        k: v for k, v in unclaimed.items() if k not in hidden
+    }
+    looked = manage(other, "POST", second, "/verify")
+    assert looked.json["origins"][0]["failure"] == "content"  # the file's, which all can read, not ours
+    assert ask(other, second["token"], SITE).json == {
+        **ask(other, unclaimed["token"], "https://unclaimed.example").json
+    }
+
+
+def test_secret_is_rotated_and_earlier_ones_keep_their_time(client: Client, clock: Time) -> None:
+    made = make(client, "http://localhost")
+    # The first answer gets lost: whoever asks again has the old secret and the newest.
+    lost = manage(client, "POST", made, "/rotate").json["token"]
+    newest = manage(client, "POST", made, "/rotate", body={"grace_s": 3600}).json
+    assert newest["former_until"] == pytest.approx(clock() + 3600, abs=5)
+    assert [ask(client, token).status for token in (made["token"], lost, newest["token"])] == [200] * 3
+    clock.ahead = 3700
+    assert [ask(client, token).status for token in (made["token"], lost, newest["token"])] == [403, 403, 200]
+    last = manage(client, "POST", made, "/rotate", body={"grace_s": 0}).json
+    assert last["former_until"] is None
+    assert [ask(client, token).status for token in (newest["token"], last["token"])] == [403, 200]
+    assert manage(client, "POST", made, "/rotate", body={"grace_s": 10**9}).status == 422
+
+
+def test_revoked_token_opens_nothing_and_says_so_to_its_owner(client: Client) -> None:
+    made = make(client, "http://localhost")
+    assert ask(client, made["token"]).status == 200
+    assert [manage(client, "DELETE", made).status for _ in range(2)] == [204, 204]
+    assert ask(client, made["token"]).status == 403
+    for method, action in (("GET", ""), ("POST", "/rotate"), ("POST", "/verify")):
+        answer = manage(client, method, made, action)
+        assert (answer.status, answer.json["type"].rpartition("#")[2]) == (403, "token-revoked")
+    reindex(context(client.stack))
+    assert ask(client, made["token"]).status == 403
+
+
+def test_trial_token_that_was_never_used_expires(client: Client, clock: Time) -> None:
+    unused, used = make(client, "http://localhost"), make(client, "http://localhost")
+    assert unused["expires"] == pytest.approx(clock() + TRIAL_PERIOD_S, abs=5)
+    assert ask(client, used["token"]).status == 200
+    clock.ahead = TRIAL_PERIOD_S + 60
+    answer = ask(client, unused["token"])
+    assert (answer.status, answer.json["type"].rpartition("#")[2]) == (403, "token-expired")
+    assert manage(client, "GET", unused).status == 403
+    assert ask(client, used["token"]).status == 200
+    assert manage(client, "GET", used).json["expires"] is None
+
+
+def test_first_use_is_noted_whatever_it_is(client: Client) -> None:
+    made = make(client, "http://localhost")
+    assert client.call("POST", "/v1/auth", token=made["token"][:-1] + "x").status == 403
+    assert manage(client, "GET", made).json["expires"] is not None  # nobody used it
+    assert client.call("POST", "/v1/auth", token=made["token"]).status == 201
+    assert manage(client, "GET", made).json["expires"] is None
+
+
+def test_use_is_shown_by_hour_and_day(client: Client, clock: Time) -> None:
+    made = make(client, "http://localhost")
+    for _ in range(3):
+        ask(client, made["token"])
+    client.call("POST", "/v1/auth", token=made["token"])
+    now = time.gmtime(clock())
+    use = manage(client, "GET", made).json["use"]
+    assert (len(use["hours"]), len(use["days"])) == (48, 30)
+    counted = {"sessions": 1, "views": 0, "poses": 0, "lookups": 3}
+    assert use["hours"][-1] == {**counted, "hour": time.strftime("%Y-%m-%dT%H", now)}
+    assert use["days"][-1] == {**counted, "day": time.strftime("%Y-%m-%d", now)}
+    clock.ahead = 3 * 86_400
+    ask(client, made["token"])
+    use = manage(client, "GET", made).json["use"]
+    assert [day["lookups"] for day in use["days"]][-4:] == [3, 0, 0, 1]
+    assert sum(hour["lookups"] for hour in use["hours"]) == 1
+
+
+def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client) -> None:
+    made = make(client, "http://localhost")
+    left = []
+    for _ in range(3):
+        answer = ask(client, made["token"])
+        assert answer.headers["ratelimit-policy"] == '"lookups-each";q=600;w=3600, "lookups";q=600;w=3600'
+        left.append(answer.headers["ratelimit"].split(";")[1])
+    assert left == ["r=599", "r=598", "r=597"]
+    invalid = client.call("POST", "/v1/lookup", {}, token=made["token"])
+    assert (invalid.status, ";r=596;" in invalid.headers["ratelimit"]) == (422, True)
+    opened = client.call("POST", "/v1/auth", token=made["token"])
+    assert opened.headers["ratelimit"].startswith('"sessions-each";r=19;t=')
+    usage = client.call("GET", "/v1/usage", token=made["token"])
+    assert usage.json["plan"] == "trial"
+    assert usage.json["limits"] == made["limits"]
+    assert usage.json["used"] == {"sessions": 1, "views": 0, "poses": 0, "lookups": 5}
+    assert usage.json["used_here"]["sessions"] == 1
+    assert 0 < usage.json["resets_at"] - time.time() <= 3600
+    assert "ratelimit" not in client.call("GET", "/healthz", token="").headers
+
+
+def test_miss_is_answered_without_an_error_where_that_is_asked_for(client: Client) -> None:
+    token = make(client, "http://localhost")["token"]
+    body = {**CAMERA, "camera": "Nobody has this one"}
+    missed = client.call("POST", "/v1/lookup", {**body, "miss": "ok"}, token=token)
+    assert missed.status == 200
+    assert (missed.json["calibration"], missed.json["reason"]) == (None, "unknown_camera")
+    assert "Nobody+has+this+one" in missed.json["guidance_url"]
+    assert client.call("POST", "/v1/lookup", {**body, "redirect": False}, token=token).status == 404
+    assert client.call("POST", "/v1/lookup", body, token=token).status == 307
+    assert client.call("POST", "/v1/lookup", {**body, "miss": "no"}, token=token).status == 422
+    query = "camera=a&platform=X11&img_size=1280x720&miss=ok"
+    visited = client.call("GET", "/v1/lookup", token=token, query=query)
+    assert (visited.status, visited.headers["cache-control"]) == (200, "no-store")
+
+
+def test_five_tokens_a_day_and_source(client: Client, clock: Time) -> None:
+    for _ in range(5):
+        make(client, "http://localhost")
+    refused = client.call("POST", "/v1/tokens", {"origins": [SITE]}, token="")
+    assert refused.status == 429
+    assert 1 <= int(refused.headers["retry-after"]) <= 86_400
+    assert "5 new tokens a day" in refused.json["detail"]
+    make(Client(client.stack, address="198.18.7.8"), "http://localhost")
+    clock.ahead = 86_400
+    make(client, "http://localhost")
+    issued = dict(context(client.stack).store.quotas.issued())
+    assert issued[time.strftime("%Y-%m-%d", time.gmtime(clock()))] >= 1
+
+
+def test_one_ipv6_line_is_one_source(client: Client) -> None:
+    for n in range(5):
+        make(Client(client.stack, address=f"2001:db8:7:{n:x}::1"), "http://localhost")
+    last = Client(client.stack, address="2001:db8:7:ff::1")
+    assert last.call("POST", "/v1/tokens", {"origins": [SITE]}, token="").status == 429
+
+
+def test_management_is_bounded(client: Client, site: dict[str, str]) -> None:
+    made = make(client, SITE)
+    assert not site
+    statuses = [manage(client, "POST", made, "/verify").status for _ in range(MAX_PROOF_CALLS + 1)]
+    assert statuses == [200] * MAX_PROOF_CALLS + [429]
+    others = [manage(client, "PATCH", made, body={"name": "x"}).status for _ in range(MAX_MANAGEMENT_CALLS)]
+    assert others.count(200) == MAX_MANAGEMENT_CALLS - len(statuses)
+    assert ask(client, made["token"]).status == 200
+
+
+def test_management_token_is_not_an_api_token_nor_the_other_way_round(
+    client: Client, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.DEBUG)
+    made = make(client, "http://localhost")
+    assert ask(client, made["management_token"]).status == 403
+    id_, secret = made["management_token"].split("_")[1:]
+    unknown = f"cdbm_{'0' * len(id_)}_{secret}"
+    wrong = f"cdbm_{id_}_{'0' * len(secret)}"
+    answers = [
+        client.call("GET", "/v1/tokens/self", token=sent)
+        for sent in (made["token"], unknown, wrong, f"cdbm_{id_}_{made['token'].split('_')[2]}", "cdbm__")
+    ]
+    assert {(a.status, a.body) for a in answers} == {(403, answers[0].body)}
+    assert client.call("GET", "/v1/tokens/self", token="").status == 401
+    for text in (made["token"].split("_")[2], secret):
+        assert text not in caplog.text
+    document = client.stack.storage and published.store(client.stack).tokens.read(id_)
+    assert document
+    assert secret not in repr(document)
+
+
+def test_operator_sees_and_revokes_what_strangers_made(client: Client) -> None:
+    from infra.ops import tokens
+
+    made = make(client, "http://localhost", SITE, name="Mine")
+    operator = context(client.stack)
+    (seen,) = [token for token in tokens.list_all(operator) if token.id == made["id"]]
+    assert tokens.describe(seen)[2:] == ("trial", "itself", f"http://localhost {SITE} (pending)")
+    ask(client, made["token"])
+    assert tokens.use(operator, made["id"]).days[-1].lookups == 1
+    tokens.revoke(operator, made["id"])
+    assert ask(client, made["token"]).status == 403
+    assert manage(client, "GET", made).status == 403
