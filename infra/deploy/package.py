@@ -19,7 +19,7 @@ TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
 DASHBOARD = ROOT / "infra" / "deploy" / "dashboard.json"
 # Resources that stand in files of their own
 FRAGMENTS = (
-    *(ROOT / "infra" / "edge" / name for name in ("headers.yaml", "caching.yaml")),
+    *(ROOT / "infra" / "edge" / name for name in ("headers.yaml", "caching.yaml", "distribution.yaml")),
     *(ROOT / "infra" / "deploy" / name for name in ("alarms.yaml", "monitoring.yaml", "replication.yaml")),
 )
 UNRELEASED = "source"  # the release of a template that nobody packaged
