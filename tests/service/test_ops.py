@@ -48,7 +48,10 @@ def test_a_token_is_issued_listed_and_revoked(data_dir: Path, capsys: pytest.Cap
     _, token_id, secret = token.split("_")
     assert main(["token", "list"]) == 0
     listed = capsys.readouterr().out
-    assert f"{token_id}  {time.strftime('%Y-%m-%d', time.gmtime())}  page  https://page.example\n" in listed
+    assert (
+        f"{token_id}  {time.strftime('%Y-%m-%d', time.gmtime())}  page  operator  https://page.example\n"
+        in listed
+    )
     assert secret not in listed
     with LocalStack(data_dir) as stack:
         client = Client(stack)
@@ -170,7 +173,7 @@ def test_a_token_gets_another_secret(data_dir: Path, capsys: pytest.CaptureFixtu
 
 def test_a_plan_must_be_known(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["token", "create", "--plan", "golden"]) == 1
-    assert "there is no plan 'golden'; there are free" in capsys.readouterr().err
+    assert "there is no plan 'golden'; there are trial, free" in capsys.readouterr().err
 
 
 def test_cameras_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None:

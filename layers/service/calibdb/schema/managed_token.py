@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from calibdb.schema.fields import Label, Open, Strict
-from calibdb.schema.origins import MAX_ORIGIN_LENGTH, requirement
+from calibdb.schema.origins import MAX_ORIGIN_LENGTH, PATTERN, requirement
 
 MAX_ORIGINS = 10
 DEFAULT_GRACE_S, MAX_GRACE_S = 86_400, 30 * 86_400
@@ -34,7 +34,11 @@ def _different(origins: tuple[str, ...]) -> tuple[str, ...]:
 
 Origin = Annotated[
     str,
-    Field(max_length=MAX_ORIGIN_LENGTH, examples=["http://localhost", "https://example.org"]),
+    Field(
+        max_length=MAX_ORIGIN_LENGTH,
+        examples=["http://localhost", "https://example.org"],
+        json_schema_extra={"pattern": PATTERN},
+    ),
     AfterValidator(_nameable),
 ]
 Origins = Annotated[

@@ -76,7 +76,11 @@ class Tokens:
             item = self._table.get(_pk(token_id), "META")
             if item is not None and "ttl" not in item:
                 token = replace(token, expires=None)
-            changed = replace(change(token), version=token.version + 1)
+            changed = change(token)
+            if changed == _from_document(content):
+                self.index(replace(changed, version=token.version))
+                return changed
+            changed = replace(changed, version=token.version + 1)
             if self._objects.replace(_name(token_id), _content(changed), tag):
                 self.index(changed)
                 return changed

@@ -1,96 +1,18 @@
 """Tokens that strangers make for themselves: origins, proofs, use, rotation, revocation, and their bounds."""
 
-import functools
 import json
 import logging
 import subprocess
-import time
-from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import pytest
 
-from calibdb.access.plans import MAX_MANAGEMENT_CALLS, MAX_PROOF_CALLS, TRIAL_PERIOD_S
-from calibdb.proof.fetch import ProofError
-from calibdb.service import Service
-from calibdb.settings import Settings
-from calibdb.store import Store
+from calibdb.access.plans import TRIAL_PERIOD_S
 from infra.local import LocalStack
-from infra.ops.context import OpsContext
 from infra.ops.reindex import reindex
 from tests.helpers.service import published
-from tests.helpers.service.client import CAMERA, EDGE, Answer, Client
-
-SITE = "https://example.org"
-
-
-@dataclass
-class Time:
-    ahead: float = 0.0
-
-    def __call__(self) -> float:
-        return time.time() + self.ahead
-
-
-@pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
-    with LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
-        yield stack
-
-
-@pytest.fixture
-def clock() -> Iterator[Time]:
-    """A service that remembers no token, at a time that a test says."""
-    moved = Time()
-
-    @functools.cache
-    def make(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), moved, token_ttl_s=0)
-
-    with Service.override(make):
-        yield moved
-
-
-@pytest.fixture
-def client(stack: LocalStack, clock: Time, request: pytest.FixtureRequest) -> Client:  # noqa: ARG001
-    """A client at an address of its own for each test."""
-    number = abs(hash(request.node.name))
-    return Client(stack, address=f"198.51.{number % 251}.{number // 251 % 251}")
-
-
-def make(client: Client, *origins: str, **named: object) -> Any:
-    answer = client.call("POST", "/v1/tokens", {"origins": list(origins), **named}, token="")
-    assert answer.status == 201, answer.body
-    return answer.json
-
-
-def ask(client: Client, token: str, origin: str | None = None) -> Answer:
-    headers = {} if origin is None else {"origin": origin}
-    return client.call("POST", "/v1/lookup", {**CAMERA, "miss": "ok"}, token=token, headers=headers)
-
-
-def manage(client: Client, method: str, made: Any, action: str = "", body: object = None) -> Answer:
-    return client.call(method, f"/v1/tokens/self{action}", body, token=made["management_token"])
-
-
-@pytest.fixture
-def site(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
-    """Proofs on hosts: text by name. Every other host has none."""
-    files: dict[str, str] = {}
-
-    def read_proof(host: str) -> str:
-        if host not in files:
-            raise ProofError("status")
-        return files[host]
-
-    monkeypatch.setattr("calibdb.proof.fetch.read_proof", read_proof)
-    return files
-
-
-def states(answer: Answer) -> dict[str, str]:
-    assert answer.status == 200, answer.body
-    return {origin["origin"]: origin["state"] for origin in answer.json["origins"]}
+from tests.helpers.service.client import CAMERA, Client
+from tests.helpers.service.strangers import SITE, Time, ask, context, make, manage, states
 
 
 def test_curl_alone_goes_from_nothing_to_a_calibration() -> None:
@@ -111,10 +33,6 @@ def test_curl_alone_goes_from_nothing_to_a_calibration() -> None:
         found = curl("/v1/lookup", camera, "-H", f"authorization: Bearer {token}")
         assert found["reliable"]
         assert found["camera_matrix"][0][0] == pytest.approx(950, rel=0.02)
-
-
-def context(stack: LocalStack) -> OpsContext:
-    return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
 
 
 def test_loopback_origins_are_verified_at_once_and_stand_for_all_their_ports(client: Client) -> None:
@@ -275,93 +193,6 @@ def test_first_use_is_noted_whatever_it_is(client: Client) -> None:
     assert manage(client, "GET", made).json["expires"] is not None  # nobody used it
     assert client.call("POST", "/v1/auth", token=made["token"]).status == 201
     assert manage(client, "GET", made).json["expires"] is None
-
-
-def test_use_is_shown_by_hour_and_day(client: Client, clock: Time) -> None:
-    made = make(client, "http://localhost")
-    for _ in range(3):
-        ask(client, made["token"])
-    client.call("POST", "/v1/auth", token=made["token"])
-    now = time.gmtime(clock())
-    use = manage(client, "GET", made).json["use"]
-    assert (len(use["hours"]), len(use["days"])) == (48, 30)
-    counted = {"sessions": 1, "views": 0, "poses": 0, "lookups": 3}
-    assert use["hours"][-1] == {**counted, "hour": time.strftime("%Y-%m-%dT%H", now)}
-    assert use["days"][-1] == {**counted, "day": time.strftime("%Y-%m-%d", now)}
-    clock.ahead = 3 * 86_400
-    ask(client, made["token"])
-    use = manage(client, "GET", made).json["use"]
-    assert [day["lookups"] for day in use["days"]][-4:] == [3, 0, 0, 1]
-    assert sum(hour["lookups"] for hour in use["hours"]) == 1
-
-
-def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client) -> None:
-    made = make(client, "http://localhost")
-    left = []
-    for _ in range(3):
-        answer = ask(client, made["token"])
-        assert answer.headers["ratelimit-policy"] == '"lookups-each";q=600;w=3600, "lookups";q=600;w=3600'
-        left.append(answer.headers["ratelimit"].split(";")[1])
-    assert left == ["r=599", "r=598", "r=597"]
-    invalid = client.call("POST", "/v1/lookup", {}, token=made["token"])
-    assert (invalid.status, ";r=596;" in invalid.headers["ratelimit"]) == (422, True)
-    opened = client.call("POST", "/v1/auth", token=made["token"])
-    assert opened.headers["ratelimit"].startswith('"sessions-each";r=19;t=')
-    usage = client.call("GET", "/v1/usage", token=made["token"])
-    assert usage.json["plan"] == "trial"
-    assert usage.json["limits"] == made["limits"]
-    assert usage.json["used"] == {"sessions": 1, "views": 0, "poses": 0, "lookups": 5}
-    assert usage.json["used_here"]["sessions"] == 1
-    assert 0 < usage.json["resets_at"] - time.time() <= 3600
-    assert "ratelimit" not in client.call("GET", "/healthz", token="").headers
-
-
-def test_miss_is_answered_without_an_error_where_that_is_asked_for(client: Client) -> None:
-    token = make(client, "http://localhost")["token"]
-    body = {**CAMERA, "camera": "Nobody has this one"}
-    missed = client.call("POST", "/v1/lookup", {**body, "miss": "ok"}, token=token)
-    assert missed.status == 200
-    assert (missed.json["calibration"], missed.json["reason"]) == (None, "unknown_camera")
-    assert "Nobody+has+this+one" in missed.json["guidance_url"]
-    assert client.call("POST", "/v1/lookup", {**body, "redirect": False}, token=token).status == 404
-    assert client.call("POST", "/v1/lookup", body, token=token).status == 307
-    assert client.call("POST", "/v1/lookup", {**body, "miss": "no"}, token=token).status == 422
-    query = "camera=a&platform=X11&img_size=1280x720&miss=ok"
-    visited = client.call("GET", "/v1/lookup", token=token, query=query)
-    assert (visited.status, visited.headers["cache-control"]) == (200, "no-store")
-
-
-def test_five_tokens_a_day_and_source(client: Client, clock: Time) -> None:
-    for _ in range(5):
-        make(client, "http://localhost")
-    refused = client.call("POST", "/v1/tokens", {"origins": [SITE]}, token="")
-    assert refused.status == 429
-    assert 1 <= int(refused.headers["retry-after"]) <= 86_400
-    assert "5 new tokens a day" in refused.json["detail"]
-    make(Client(client.stack, address="198.18.7.8"), "http://localhost")
-    clock.ahead = 86_400
-    make(client, "http://localhost")
-    issued = dict(context(client.stack).store.quotas.issued())
-    assert issued[time.strftime("%Y-%m-%d", time.gmtime(clock()))] >= 1
-
-
-def test_one_ipv6_line_is_one_source(client: Client) -> None:
-    for n in range(5):
-        make(Client(client.stack, address=f"2001:db8:7:{n:x}::1"), "http://localhost")
-    last = Client(client.stack, address="2001:db8:7:ff::1")
-    assert last.call("POST", "/v1/tokens", {"origins": [SITE]}, token="").status == 429
-
-
-def test_management_is_bounded(client: Client, site: dict[str, str]) -> None:
-    made = make(client, SITE)
-    assert not site
-    statuses = [manage(client, "POST", made, "/verify").status for _ in range(MAX_PROOF_CALLS + 1)]
-    assert statuses == [200] * MAX_PROOF_CALLS + [429]
-    used = MAX_MANAGEMENT_CALLS - len(statuses) - 2
-    published.store(client.stack).quotas.add(made["id"], "management", int(time.time()), used)
-    others = [manage(client, "PATCH", made, body={"name": "x"}).status for _ in range(4)]
-    assert others == [200, 200, 429, 429]
-    assert ask(client, made["token"]).status == 200
 
 
 def test_management_token_is_not_an_api_token_nor_the_other_way_round(

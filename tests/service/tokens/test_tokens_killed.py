@@ -34,7 +34,7 @@ class KilledError(BaseException):
 
 @dataclass
 class Process:
-    """What a process that is killed has written until then."""
+    """Process that is killed, and the number of its writes until then."""
 
     written: int = 0
     killed: bool = False

@@ -1,0 +1,43 @@
+"""Requests of strangers with tokens of their own, and a clock to turn."""
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from infra.local import LocalStack
+from infra.ops.context import OpsContext
+from tests.helpers.service.client import CAMERA, Answer, Client
+
+SITE = "https://example.org"
+
+
+@dataclass
+class Time:
+    ahead: float = 0.0
+
+    def __call__(self) -> float:
+        return time.time() + self.ahead
+
+
+def make(client: Client, *origins: str, **named: object) -> Any:
+    answer = client.call("POST", "/v1/tokens", {"origins": list(origins), **named}, token="")
+    assert answer.status == 201, answer.body
+    return answer.json
+
+
+def ask(client: Client, token: str, origin: str | None = None) -> Answer:
+    headers = {} if origin is None else {"origin": origin}
+    return client.call("POST", "/v1/lookup", {**CAMERA, "miss": "ok"}, token=token, headers=headers)
+
+
+def manage(client: Client, method: str, made: Any, action: str = "", body: object = None) -> Answer:
+    return client.call(method, f"/v1/tokens/self{action}", body, token=made["management_token"])
+
+
+def states(answer: Answer) -> dict[str, str]:
+    assert answer.status == 200, answer.body
+    return {origin["origin"]: origin["state"] for origin in answer.json["origins"]}
+
+
+def context(stack: LocalStack) -> OpsContext:
+    return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)

@@ -1,0 +1,54 @@
+"""A stack behind an edge, a clock to turn, a client for each test, and hosts with proofs."""
+
+import functools
+from collections.abc import Iterator
+
+import pytest
+
+from calibdb.proof.fetch import ProofError
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store
+from infra.local import LocalStack
+from tests.helpers.service.client import EDGE, Client
+from tests.helpers.service.strangers import Time
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[LocalStack]:
+    with LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
+        yield stack
+
+
+@pytest.fixture
+def clock() -> Iterator[Time]:
+    """A service that remembers no token, at a time that a test says."""
+    moved = Time()
+
+    @functools.cache
+    def make(settings: Settings) -> Service:
+        return Service.build(settings, Store.of(settings), moved, token_ttl_s=0)
+
+    with Service.override(make):
+        yield moved
+
+
+@pytest.fixture
+def client(stack: LocalStack, clock: Time, request: pytest.FixtureRequest) -> Client:  # noqa: ARG001
+    """A client at an address of its own for each test."""
+    number = abs(hash(request.node.name))
+    return Client(stack, address=f"198.51.{number % 251}.{number // 251 % 251}")
+
+
+@pytest.fixture
+def site(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+    """Proofs on hosts: text by name. Every other host has none."""
+    files: dict[str, str] = {}
+
+    def read_proof(host: str) -> str:
+        if host not in files:
+            raise ProofError("status")
+        return files[host]
+
+    monkeypatch.setattr("calibdb.proof.fetch.read_proof", read_proof)
+    return files

@@ -1,0 +1,95 @@
+"""Use of tokens that strangers make for themselves: limits, headers, counts, and how many there may be."""
+
+import time
+
+from calibdb.access.plans import MAX_MANAGEMENT_CALLS, MAX_PROOF_CALLS
+from tests.helpers.service import published
+from tests.helpers.service.client import CAMERA, Client
+from tests.helpers.service.strangers import SITE, Time, ask, context, make, manage
+
+
+def test_use_is_shown_by_hour_and_day(client: Client, clock: Time) -> None:
+    made = make(client, "http://localhost")
+    for _ in range(3):
+        ask(client, made["token"])
+    client.call("POST", "/v1/auth", token=made["token"])
+    now = time.gmtime(clock())
+    use = manage(client, "GET", made).json["use"]
+    assert (len(use["hours"]), len(use["days"])) == (48, 30)
+    counted = {"sessions": 1, "views": 0, "poses": 0, "lookups": 3}
+    assert use["hours"][-1] == {**counted, "hour": time.strftime("%Y-%m-%dT%H", now)}
+    assert use["days"][-1] == {**counted, "day": time.strftime("%Y-%m-%d", now)}
+    clock.ahead = 3 * 86_400
+    ask(client, made["token"])
+    use = manage(client, "GET", made).json["use"]
+    assert [day["lookups"] for day in use["days"]][-4:] == [3, 0, 0, 1]
+    assert sum(hour["lookups"] for hour in use["hours"]) == 1
+
+
+def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client) -> None:
+    made = make(client, "http://localhost")
+    left = []
+    for _ in range(3):
+        answer = ask(client, made["token"])
+        assert answer.headers["ratelimit-policy"] == '"lookups-each";q=600;w=3600, "lookups";q=600;w=3600'
+        left.append(answer.headers["ratelimit"].split(";")[1])
+    assert left == ["r=599", "r=598", "r=597"]
+    invalid = client.call("POST", "/v1/lookup", {}, token=made["token"])
+    assert (invalid.status, ";r=596;" in invalid.headers["ratelimit"]) == (422, True)
+    opened = client.call("POST", "/v1/auth", token=made["token"])
+    assert opened.headers["ratelimit"].startswith('"sessions-each";r=19;t=')
+    usage = client.call("GET", "/v1/usage", token=made["token"])
+    assert usage.json["plan"] == "trial"
+    assert usage.json["limits"] == made["limits"]
+    assert usage.json["used"] == {"sessions": 1, "views": 0, "poses": 0, "lookups": 5}
+    assert usage.json["used_here"]["sessions"] == 1
+    assert 0 < usage.json["resets_at"] - time.time() <= 3600
+    assert "ratelimit" not in client.call("GET", "/healthz", token="").headers
+
+
+def test_miss_is_answered_without_an_error_where_that_is_asked_for(client: Client) -> None:
+    token = make(client, "http://localhost")["token"]
+    body = {**CAMERA, "camera": "Nobody has this one"}
+    missed = client.call("POST", "/v1/lookup", {**body, "miss": "ok"}, token=token)
+    assert missed.status == 200
+    assert (missed.json["calibration"], missed.json["reason"]) == (None, "unknown_camera")
+    assert "Nobody+has+this+one" in missed.json["guidance_url"]
+    assert client.call("POST", "/v1/lookup", {**body, "redirect": False}, token=token).status == 404
+    assert client.call("POST", "/v1/lookup", body, token=token).status == 307
+    assert client.call("POST", "/v1/lookup", {**body, "miss": "no"}, token=token).status == 422
+    query = "camera=a&platform=X11&img_size=1280x720&miss=ok"
+    visited = client.call("GET", "/v1/lookup", token=token, query=query)
+    assert (visited.status, visited.headers["cache-control"]) == (200, "no-store")
+
+
+def test_five_tokens_a_day_and_source(client: Client, clock: Time) -> None:
+    for _ in range(5):
+        make(client, "http://localhost")
+    refused = client.call("POST", "/v1/tokens", {"origins": [SITE]}, token="")
+    assert refused.status == 429
+    assert 1 <= int(refused.headers["retry-after"]) <= 86_400
+    assert "5 new tokens a day" in refused.json["detail"]
+    make(Client(client.stack, address="198.18.7.8"), "http://localhost")
+    clock.ahead = 86_400
+    make(client, "http://localhost")
+    issued = dict(context(client.stack).store.quotas.issued())
+    assert issued[time.strftime("%Y-%m-%d", time.gmtime(clock()))] >= 1
+
+
+def test_one_ipv6_line_is_one_source(client: Client) -> None:
+    for n in range(5):
+        make(Client(client.stack, address=f"2001:db8:7:{n:x}::1"), "http://localhost")
+    last = Client(client.stack, address="2001:db8:7:ff::1")
+    assert last.call("POST", "/v1/tokens", {"origins": [SITE]}, token="").status == 429
+
+
+def test_management_is_bounded(client: Client, site: dict[str, str]) -> None:
+    made = make(client, SITE)
+    assert not site
+    statuses = [manage(client, "POST", made, "/verify").status for _ in range(MAX_PROOF_CALLS + 1)]
+    assert statuses == [200] * MAX_PROOF_CALLS + [429]
+    used = MAX_MANAGEMENT_CALLS - len(statuses) - 2
+    published.store(client.stack).quotas.add(made["id"], "management", int(time.time()), used)
+    others = [manage(client, "PATCH", made, body={"name": "x"}).status for _ in range(4)]
+    assert others == [200, 200, 429, 429]
+    assert ask(client, made["token"]).status == 200
