@@ -17,7 +17,7 @@ def items(stack: LocalStack) -> dict[Key, Any]:
         (item["pk"]["S"], item["sk"]["S"]): {k: v for k, v in item.items() if k != "ttl"}
         for page in pages
         for item in page["Items"]
-        if not (item["sk"]["S"].startswith("QUOTA#") or item["pk"]["S"].startswith("REFIT#"))
+        if not (item["sk"]["S"].startswith(("QUOTA#", "SHARE#")) or item["pk"]["S"].startswith("REFIT#"))
     }
 
 

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from calibdb.schema.fields import Label, Open, Strict
-from calibdb.schema.origins import MAX_ORIGIN_LENGTH, PATTERN, requirement
+from calibdb.schema.origins import MAX_ORIGIN_LENGTH, ORIGIN_PATTERN, requirement
 
 MAX_ORIGINS = 10
 DEFAULT_GRACE_S, MAX_GRACE_S = 86_400, 30 * 86_400
@@ -37,7 +37,7 @@ Origin = Annotated[
     Field(
         max_length=MAX_ORIGIN_LENGTH,
         examples=["http://localhost", "https://example.org"],
-        json_schema_extra={"pattern": PATTERN},
+        json_schema_extra={"pattern": ORIGIN_PATTERN},
     ),
     AfterValidator(_nameable),
 ]

@@ -23,7 +23,7 @@ _MAX_PORT = 65_535
 # 7686, 8375; ICANN resolution 2024.07.29.06).
 _PRIVATE_SUFFIXES = (".local", ".internal", ".home.arpa", ".onion", ".arpa", ".localhost")
 
-PATTERN = (
+ORIGIN_PATTERN = (
     r"^(http://(localhost|127\.0\.0\.1|\[::1\])(:[1-9][0-9]{3})?"
     r"|https://([a-z0-9]([a-z0-9-]{0,30}[a-z0-9])?\.){1,4}[a-z]([a-z0-9-]{0,30}[a-z0-9])?)$"
 )

@@ -17,6 +17,7 @@ from calibdb.store.objects import Objects
 from calibdb.store.table import Condition, Item, Table
 
 PREFIX = "tokens/"
+_TOMBSTONE_S = 86_400  # s for which a revoked token's item keeps writers away that were overtaken
 _MAX_ATTEMPTS = 8  # to replace an object that others replace, too
 
 
@@ -129,7 +130,10 @@ class Tokens:
         count = 0
         for token in self._documents():
             if token.revoked is not None:
-                self._table.delete(_pk(token.id), "META")
+                if now < token.revoked + _TOMBSTONE_S:
+                    self.index(token)
+                else:
+                    self._table.delete(_pk(token.id), "META")
                 continue
             count += 1
             item = self._table.get(_pk(token.id), "META")
@@ -166,9 +170,6 @@ def _from_document(content: bytes) -> ApiToken:
 def _ttl(item: Item) -> int | None:
     ttl = item.get("ttl")
     return None if ttl is None else int(str(ttl))
-
-
-_TOMBSTONE_S = 86_400  # s for which a revoked token's item keeps writers away that were overtaken
 
 
 def _item(token: ApiToken) -> Item:

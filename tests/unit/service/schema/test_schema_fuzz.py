@@ -55,6 +55,8 @@ def described(node: dict[str, Any], known: dict[str, Any], depth: int = 0) -> st
             return members(node, known, depth)
         case "array":
             return elements(node, known, depth)
+        case "string" if "pattern" in node:
+            return st.from_regex(node["pattern"], fullmatch=True) | st.text(max_size=40)
         case "string":
             return st.text(min_size=node.get("minLength", 0), max_size=min(node.get("maxLength", 40), 40))
         case "integer":
