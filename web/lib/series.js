@@ -17,11 +17,8 @@
  * @property {Map<number, number>} numbers of the views, by the indices that the session gave them
  */
 
-/**
- * Error up to which a calibration is worth storing, px at 1280 px width: beyond it the service's verdict is that it is
- * poor.
- */
-const WORTHWHILE = 2;
+/** Expected error up to which a calibration can be taken, be its verdict poor, px at 1280 px width. */
+const MAX_EXPECTED_ERROR_PX = 5;
 const MIN_VIEWS = 4; // that agree, of which the service makes a calibration
 export const MAX_VIEWS = 100; // offered, so that a video ends within a user's share of requests
 const MAX_POINTS = 20_000; // of all views, that a session holds
@@ -38,7 +35,7 @@ export async function calibrate(api, token, request, views, onJudgement) {
   const begun = await api.json("POST", "/session", credential, { body: { ...request, capture: "recorded" } });
   const { state, numbers } = await offer(api, credential, begun, views, onJudgement);
   const used = state.views.filter((view) => !view.set_aside).length;
-  if (used < MIN_VIEWS || (state.uncertainty?.rms ?? Infinity) > (WORTHWHILE * request.img_size[0]) / 1280) {
+  if (used < MIN_VIEWS || (state.uncertainty?.rms ?? Infinity) > (MAX_EXPECTED_ERROR_PX * request.img_size[0]) / 1280) {
     return { state, wanted: await api.json("GET", "/session/pose", credential), numbers };
   }
   return { state: await api.json("POST", "/session/finish", credential), wanted: null, numbers };
