@@ -84,7 +84,7 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
 
 
 def test_keypoints_that_determine_too_little_are_not_stored(page: Page, tmp_path: Path) -> None:
-    """A fit of all 13 views of opencv_left still expects 1.2 px at 640 px; more than 1 px is not stored."""
+    """A fit of all 13 views of opencv_left still expects more than 1.5 px at 640 px."""
     content = write(captured("opencv_left")[0], "photonvision")
     page.goto("/import/")
     give(page, tmp_path, content.filename, content.content)

@@ -18,7 +18,7 @@
  */
 
 /** Expected error up to which a calibration can be taken, be its verdict poor, px at 1280 px width. */
-const MAX_EXPECTED_ERROR_PX = 5;
+const MAX_EXPECTED_ERROR_PX = 3;
 const MIN_VIEWS = 4; // that agree, of which the service makes a calibration
 export const MAX_VIEWS = 100; // offered, so that a video ends within a user's share of requests
 const MAX_POINTS = 20_000; // of all views, that a session holds
