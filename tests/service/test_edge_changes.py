@@ -151,11 +151,14 @@ def test_off_means_no_objects() -> None:
             assert httpx.get(f"{url}/config.json").json()["edge_answers"] == "off"
 
 
-def test_refit_that_runs_out_of_time_stores_whole_models_and_goes_on_from_there(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_refit_that_runs_out_of_time_stores_whole_models_and_goes_on_from_there() -> None:
     """The edge says what is stored; nobody gets a half answer; what is stored is not computed again."""
-    with quick_solver(), LocalStack(environment=PRIVATE) as stack:
+    # Undone in the opposite order: of one function there are two replacements.
+    with (
+        quick_solver(),
+        LocalStack(environment=PRIVATE) as stack,
+        pytest.MonkeyPatch.context() as patch,
+    ):
         at_rest, mode = store(stack), mode_of(calibration(LABEL, 0, views=3))
         pool, pooled, last = consensus.pool, [], 1
 
@@ -166,7 +169,7 @@ def test_refit_that_runs_out_of_time_stores_whole_models_and_goes_on_from_there(
             pooled.append(given[2])
             return pool(*given)
 
-        monkeypatch.setattr(consensus, "pool", pool_some)
+        patch.setattr(consensus, "pool", pool_some)
         with pytest.raises(UnavailableError):
             publish(stack)
         assert [known.distortion_model for known in at_rest.consensuses.at(mode)] == pooled

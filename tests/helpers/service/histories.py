@@ -8,8 +8,6 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
-
 import calibsolver.consensus
 from calibdb import schema
 from calibdb.camera_key import camera_key
@@ -95,11 +93,22 @@ def pool(members: Any, img_size: tuple[int, int], model: str, rule: Any) -> Simp
     )
 
 
+_SOLVER = calibsolver.consensus.pool
+_users = 0  # of the quick solver, in whatever order they end
+
+
 @contextmanager
 def quick_solver() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(calibsolver.consensus, "pool", pool)
+    """Pool without fitting for a while; the last user brings the solver back."""
+    global _users
+    _users += 1
+    calibsolver.consensus.pool = pool  # type: ignore[assignment]
+    try:
         yield
+    finally:
+        _users -= 1
+        if not _users:
+            calibsolver.consensus.pool = _SOLVER
 
 
 class History:
