@@ -30,7 +30,7 @@ _BINARY = {
     b"\x89PNG": "a picture, no text",
     b"\xff\xd8": "a picture, no text",
 }
-"""What files begin with that hold no text, and what to do with them."""
+"""First bytes of files that hold no text, and the remedy for each."""
 
 
 class _FormError(ValueError):
