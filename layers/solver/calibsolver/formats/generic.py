@@ -76,7 +76,7 @@ def _camera(matrix: Array, d: Array, size: tuple[int, int], model: str | None, x
 
 
 def _data(value: Any) -> Any:
-    """Unwrap an OpenCV or ROS matrix into nested lists; leave any other value as it is."""
+    """Unwrap the numbers of an OpenCV or ROS matrix; leave any other value as it is."""
     if isinstance(value, Mapping):
         inner = Members(value)
         found = inner.get("data", "values", "value", "elements")
