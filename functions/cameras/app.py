@@ -1,4 +1,4 @@
-"""Cameras: a search by words, and all that is known of one camera."""
+"""Cameras: a search by words, all that is known of one camera, and a badge of it."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from concurrent.futures import ThreadPoolExecutor
 from starlette.responses import Response
 
 from calibdb.camera_key import PATTERN
+from calibdb.camera_key.usb_vendors import vendor_of
+from calibdb.camera_key.virtual import is_practice
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.lookup import camera_search
+from calibdb.lookup.badge import NOT_CALIBRATED, badge_of, parse_size, svg
 from calibdb.schema import ConsensusDocument
 from calibdb.schema.cameras import CameraDetail, CameraList, CameraMode, CamerasRequest
 from calibdb.store import StreamMode
@@ -18,6 +21,11 @@ from calibdb.store.cameras import is_place
 _MAX_MEMBERS = 200
 _MAX_MODES = 60  # sizes and zooms of a camera that are shown; anybody can add one
 _READERS = 8  # cameras, or modes of one, read at a time
+_BADGE_HEADERS = {
+    "Cache-Control": "public, max-age=300",
+    "Content-Security-Policy": "default-src 'none'",
+    "X-Content-Type-Options": "nosniff",
+}
 _PRIVATE_CACHE = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
 
 
@@ -26,18 +34,25 @@ def search(call: application.Call) -> Response:
     call.api_token()
     request = call.query(CamerasRequest)
     wanted = camera_search.query_words(request.query)
-    least = call.service.settings.thresholds.min_contributors
+    thresholds = call.service.settings.thresholds
     word = wanted[0] if wanted else ""
     if request.after is not None and not is_place(word, request.after):
         raise InvalidError.field("after", "must be the `next` value of an earlier answer to the same query")
     store = call.service.store.cameras
     found, following = store.search(word, request.limit, request.after)
+    if not word:
+        # Whoever practises leaves a camera behind: they are found by their name alone.
+        real = [camera for camera in found if not is_practice(camera[1])]
+        if found and is_practice(found[-1][1]) and following is not None:
+            following = camera_search.AFTER_PRACTICE
+        found = real
     with ThreadPoolExecutor(_READERS) as readers:
         known = list(readers.map(lambda camera: store.known(camera[0]).consensuses, found))
     entries = (
-        camera_search.camera_entry(key, name, consensuses)
+        camera_search.camera_entry(key, name, consensuses, thresholds.min_calibrations)
         for (key, name), consensuses in zip(found, known, strict=True)
-        if camera_search.is_listed(consensuses, least)
+        if camera_search.is_listed(consensuses, thresholds.min_contributors)
+        and request.reliable in (None, any(c.reliable for c in consensuses))
         and camera_search.has_words(wanted[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
@@ -61,9 +76,32 @@ def show(call: application.Call) -> Response:
     shown = camera_search.best_modes(known, _MAX_MODES)
     with ThreadPoolExecutor(_READERS) as readers:
         modes = tuple(readers.map(lambda found: _mode(call, StreamMode(key, *found[0]), found[1]), shown))
-    return application.json_response(
-        CameraDetail(key=key, camera=camera, platform=platform, modes=modes), headers=_PRIVATE_CACHE
+    usb_id = camera_search.usb_id(known)
+    detail = CameraDetail(
+        key=key, camera=camera, platform=platform, usb_id=usb_id, vendor=vendor_of(usb_id), modes=modes
     )
+    return application.json_response(detail, headers=_PRIVATE_CACHE)
+
+
+def badge(call: application.Call) -> Response:
+    """Answer with the badge of a camera at a size; one that says so where nothing is known.
+
+    No credential: it is the same for all, and kept at the edge. A picture that is missing would be a hole in
+    a page, so an unknown camera and a size that is none get one, too.
+    """
+    key, img_size = call.path("key"), parse_size(call.path("file"))
+    found = NOT_CALIBRATED
+    if img_size is not None and PATTERN.fullmatch(key):
+        thresholds = call.service.settings.thresholds
+        known = call.service.store.cameras.known(key).consensuses
+        found = badge_of(
+            camera_search.display_name("", known)[0],
+            known,
+            img_size,
+            min_calibrations=thresholds.min_calibrations,
+            min_contributors=thresholds.min_contributors,
+        )
+    return Response(svg(found), 200, _BADGE_HEADERS, "image/svg+xml")
 
 
 def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocument]) -> CameraMode:
@@ -76,6 +114,8 @@ def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocumen
         zoom=mode.zoom,
         calibrations=max(c.total for c in known),
         contributors=best.calibration.contributors if best.calibration else 0,
+        agreeing=camera_search.agreeing(best),
+        required=call.service.settings.thresholds.min_calibrations,
         reason=None if best.reliable else best.reason,
         groups=groups,
         consensus={c.distortion_model: c.calibration for c in known if c.calibration},
@@ -86,4 +126,5 @@ def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocumen
 handler = application.handler(
     application.route("/v1/cameras", GET=search),
     application.route("/v1/cameras/{key}", GET=show),
+    application.route("/badge/{key}/{file}", GET=badge),
 )

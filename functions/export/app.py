@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb.camera_key import VERSION
+from calibdb.camera_key import VERSION, current_key
 from calibdb.errors import GoneError, InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.schema import CalibrationDocument, ExportQuery, FitRecord, ReportedCalibration
@@ -58,7 +58,10 @@ def computed(call: application.Call, document: CalibrationDocument | None, asked
 
 def to_reported(document: CalibrationDocument) -> ReportedCalibration:
     """Return a single calibration, with what its session found out about it."""
-    return ReportedCalibration(**dict(document.answer()), report=document.report)
+    key = current_key(document.camera_key, document.camera, document.platform)
+    return ReportedCalibration(
+        **dict(document.answer()), report=document.report, board=document.board, camera_key=key
+    )
 
 
 def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
@@ -92,7 +95,9 @@ def consensus(call: application.Call, calibration_id: str) -> ReportedCalibratio
         others = store.cameras.known(key).same_as  # of a key that was made by earlier rules
         found = store.consensuses.get(f"{others[0]}~{place}") if len(others) == 1 else None
     calibration = found.calibration if found else None
-    return ReportedCalibration(**dict(calibration)) if calibration else None
+    if found is None or calibration is None:
+        return None
+    return ReportedCalibration(**dict(calibration), camera_key=found.camera_key)
 
 
 def file(found: ReportedCalibration, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
@@ -112,7 +117,7 @@ def file(found: ReportedCalibration, document: CalibrationDocument | None, asked
         identifier=found.id or "",
         rms=found.avg_reprojection_error,
         time=found.calibration_time,
-        record=found.model_dump(exclude={"report"}),
+        record=found.model_dump(exclude={"report", "board", "camera_key"}),
     )
     try:
         change = image_transform.identity(found.img_size)

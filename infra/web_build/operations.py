@@ -14,6 +14,7 @@ from calibdb.schema.fields import MAX_INDEX
 from infra.web_build.parameters import SWITCH, Node, path, query, query_of
 
 JSON, PROBLEM, JPEG, PNG = "application/json", "application/problem+json", "image/jpeg", "image/png"
+SVG = "image/svg+xml"
 
 PROBLEMS = {
     400: "The body is not JSON.",
@@ -318,6 +319,18 @@ OPERATIONS = (
         (*_ASKED, 404),
         _TOKEN,
         parameters=(path("key", {"type": "string"}, "As a search answered it."),),
+    ),
+    Operation(
+        "get",
+        "/badge/{key}/{file}",
+        "showBadge",
+        "A picture that says whether a camera is calibrated at a size, for a README",
+        {200: Content("The badge; a grey one where nothing is known.", pictures=(SVG,))},
+        (500, 503),
+        parameters=(
+            path("key", {"type": "string"}, "As a search answered it."),
+            path("file", {"type": "string"}, "Width, x, height and `.svg`, as in `1280x720.svg`."),
+        ),
     ),
     *_TOKENS,
     Operation(

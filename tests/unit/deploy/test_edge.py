@@ -112,6 +112,12 @@ def test_answers_to_known_cameras_are_the_same_for_all_callers() -> None:
     assert not {"AllowedMethods", "OriginRequestPolicyId", "FunctionAssociations"} & behaviour.keys()
 
 
+def test_badges_are_the_same_for_all_and_take_nothing_of_the_caller_along() -> None:
+    (behaviour,) = (b for b in DISTRIBUTION["CacheBehaviors"] if b["PathPattern"] == "/badge/*")
+    assert (behaviour["TargetOriginId"], behaviour["CachePolicyId"]) == ("api", {"Ref": "AnswerCaching"})
+    assert not {"AllowedMethods", "OriginRequestPolicyId"} & behaviour.keys()
+
+
 def test_preflights_are_answered_at_the_edge_as_by_code() -> None:
     asked = {"access-control-request-method": {"value": "POST"}, "origin": {"value": "https://x.example"}}
     answer, plain, get = run(

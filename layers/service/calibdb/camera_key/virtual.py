@@ -43,6 +43,11 @@ _PROGRAMS = {
 _PATTERNS = tuple((name, re.compile(pattern)) for name, pattern in _PROGRAMS.items())
 
 
+def is_practice(name: str) -> bool:
+    """Tell whether a normalised name is that of the pages' simulated camera."""
+    return name.startswith(_OURS)
+
+
 def spelling_of(posing: str, label: str) -> str:
     """Return the program's name as `label` spells it, without anything else that stands there."""
     match = re.search(_PROGRAMS[posing], label, re.IGNORECASE)

@@ -6,13 +6,17 @@ import itertools
 import unicodedata
 from collections.abc import Iterator, Sequence
 
+from calibdb.camera_key import VERSION, identify
 from calibdb.camera_key.names import is_maker, words
+from calibdb.camera_key.usb_vendors import vendor_of, vendor_words
 from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.cameras import CameraEntry, CameraSize
 
 SizeAndZoom = tuple[tuple[int, int], float]
 _MAX_QUERY_WORDS = 8
 _LISTED = 2  # contributors
+AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"
+"""Place in the list of all cameras behind the simulated ones, which are next to each other."""
 
 
 def query_words(query: str) -> list[str]:
@@ -27,10 +31,10 @@ def query_words(query: str) -> list[str]:
 
 
 def has_words(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocument]) -> bool:
-    """Tell whether every word that is wanted begins a word of the camera's name or labels."""
+    """Tell whether every word that is wanted begins a word of the camera's name, labels or USB vendor."""
     labels = {c.calibration.camera for c in known if c.calibration}
     text = unicodedata.normalize("NFKC", " ".join((name, *labels))).casefold()
-    there = words(text)
+    there = [*words(text), *vendor_words(usb_id(known))]
     return all(any(word.startswith(w) for word in there) for w in wanted)
 
 
@@ -38,10 +42,11 @@ def is_listed(known: Sequence[ConsensusDocument], min_contributors: int) -> bool
     """Tell whether a camera is shown to who does not ask for it by its key.
 
     A label is whatever its sender wrote. So it is, once the database vouches for the camera, or calibrations
-    of another contributor agree; at once where one contributor suffices for everything, as at home.
+    of another contributor agree. Where one contributor suffices for everything, as at home, its first
+    consensus suffices: until that is there, nothing is known but a name.
     """
     enough = min(_LISTED, min_contributors)
-    return enough == 1 or any(
+    return (enough == 1 and bool(known)) or any(
         c.reliable or (c.calibration is not None and c.calibration.contributors >= enough) for c in known
     )
 
@@ -74,7 +79,20 @@ def best_consensus(known: Sequence[ConsensusDocument]) -> ConsensusDocument:
     return max(known, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
 
 
-def camera_entry(key: str, name: str, known: Sequence[ConsensusDocument]) -> CameraEntry:
+def agreeing(best: ConsensusDocument) -> int:
+    """Count the calibrations that agree in the best consensus of a size."""
+    return best.calibration.calibrations if best.calibration else 0
+
+
+def usb_id(known: Sequence[ConsensusDocument]) -> str | None:
+    """Return the USB id `vid:pid` in the camera's labels, None where they have none."""
+    named = ((c.calibration.camera, c.calibration.platform) for c in known if c.calibration)
+    return next((found for name in named if (found := identify(*name).usb_id)), None)
+
+
+def camera_entry(
+    key: str, name: str, known: Sequence[ConsensusDocument], min_calibrations: int
+) -> CameraEntry:
     """Return a camera as a search shows it; `name`: its normalised label."""
     camera, platform = display_name(name, known)
     sizes = []
@@ -87,10 +105,22 @@ def camera_entry(key: str, name: str, known: Sequence[ConsensusDocument]) -> Cam
                 models=tuple(c.distortion_model for c in here),
                 calibrations=max(c.total for c in here),
                 contributors=best.calibration.contributors if best.calibration else 0,
+                agreeing=agreeing(best),
+                required=min_calibrations,
                 reliable=best.reliable,
+                fx=best.calibration.camera_matrix[0][0] if best.calibration else None,
+                calibration_time=best.calibration.calibration_time if best.calibration else None,
             )
         )
-    return CameraEntry(key=key, camera=camera, platform=platform, sizes=tuple(sizes))
+    own = usb_id(known)
+    return CameraEntry(
+        key=key,
+        camera=camera,
+        platform=platform,
+        usb_id=own,
+        vendor=vendor_of(own),
+        sizes=tuple(sizes),
+    )
 
 
 def display_name(name: str, known: Sequence[ConsensusDocument]) -> tuple[str, str]:

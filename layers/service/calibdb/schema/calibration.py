@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from calibdb.schema.board import Board
 from calibdb.schema.fields import DistortionModel, ImgSize, Members, Open, Row
 
 Basis = Literal["consensus", "checked"]
@@ -145,3 +146,5 @@ class ReportedCalibration(Calibration):
         None,
         description="Verdict with reasons, standard deviations, error over the image, residuals.",
     )
+    board: Board | None = Field(None, description="The board that was seen; null: of a consensus.")
+    camera_key: str | None = Field(None, description="Key of the camera, as a search answers it.")

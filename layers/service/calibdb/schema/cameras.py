@@ -13,6 +13,10 @@ from calibdb.schema.lookup import Reason
 MAX_CAMERAS = 50
 
 
+def _switch(value: object) -> object:
+    return {"true": True, "1": True, "false": False, "0": False}.get(str(value).lower(), value)
+
+
 def _whole(value: object) -> object:
     return int(value) if isinstance(value, str) and value.isascii() and value.isdecimal() else value
 
@@ -22,7 +26,14 @@ class CamerasRequest(BaseModel):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
 
-    query: str = Field("", max_length=128, description="Words; none: all cameras.")
+    query: str = Field(
+        "",
+        max_length=128,
+        description="Words of a name, a USB id, or a USB vendor; none: all cameras but simulated ones.",
+    )
+    reliable: Annotated[bool | None, BeforeValidator(_switch)] = Field(
+        None, description="`true`: cameras that a lookup answers at some size; `false`: the others."
+    )
     limit: Annotated[int, Field(ge=1, le=MAX_CAMERAS), BeforeValidator(_whole)] = Field(
         20, description="A page."
     )
@@ -37,7 +48,11 @@ class CameraSize(Open):
     models: tuple[DistortionModel, ...] = Field(description="That were computed.")
     calibrations: int = Field(description="All that count, whether they agree or not.")
     contributors: int = Field(description="Of those that agree.")
+    agreeing: int = Field(description="How many calibrations agree.")
+    required: int = Field(description="How many calibrations must agree before a lookup answers with them.")
     reliable: bool = Field(description="A lookup answers with it, by at least one model.")
+    fx: float | None = Field(description="px; null: there is no consensus yet.")
+    calibration_time: int | None = Field(description="Of the newest that agrees; Unix time, seconds.")
 
 
 class CameraEntry(Open):
@@ -46,6 +61,8 @@ class CameraEntry(Open):
     key: str
     camera: str
     platform: str
+    usb_id: str | None = Field(description="`vid:pid`; null: no label has one.")
+    vendor: str | None = Field(description="Name of the USB vendor; null: not known.")
     sizes: tuple[CameraSize, ...]
 
 
@@ -77,6 +94,8 @@ class CameraMode(Open):
     zoom: float
     calibrations: int
     contributors: int
+    agreeing: int = Field(description="How many calibrations agree.")
+    required: int = Field(description="How many calibrations must agree before a lookup answers with them.")
     reason: Reason | None = Field(description="Why it is not reliable by any model; null: it is.")
     groups: tuple[tuple[str, ...], ...] = Field(description="Calibrations that agree, largest group first.")
     consensus: dict[DistortionModel, Calibration] = Field(description="By model; where there is one.")
@@ -89,4 +108,6 @@ class CameraDetail(Open):
     key: str
     camera: str
     platform: str
+    usb_id: str | None = Field(description="`vid:pid`; null: no label has one.")
+    vendor: str | None = Field(description="Name of the USB vendor; null: not known.")
     modes: tuple[CameraMode, ...]

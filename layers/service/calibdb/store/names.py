@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 from calibdb.camera_key import PATTERN, Identity, current_key, identify, public_label, public_platform
 from calibdb.camera_key.names import words
+from calibdb.camera_key.usb_vendors import vendor_words
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import camera_pk
 from calibdb.store.table import IF_NOT_EXISTS, Item, Table
@@ -104,7 +105,7 @@ def _aliases(named: _Named) -> list[Item]:
 def _search_items(named: _Named) -> list[Item]:
     found = list(dict.fromkeys(words(named.identity.name)))[:_MAX_NAME_WORDS]
     if named.identity.usb_id:
-        found += named.identity.usb_id.split(":")
+        found += [*named.identity.usb_id.split(":"), *vendor_words(named.identity.usb_id)]
     name = named.identity.name
     by_word: list[Item] = [
         {"pk": ALL + word[0], "sk": f"{word}#{named.key}", "name": name} for word in dict.fromkeys(found)

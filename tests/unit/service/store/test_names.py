@@ -67,6 +67,8 @@ def test_the_search_finds_words_cut_short(calibrations: Calibrations, cameras: C
         "web": [c920],
         "046d": [c920],
         "082d": [c920],
+        "logitech": [c920],  # the USB vendor: the label does not say it
+        "raz": [kiyo],
         "kiy": [kiyo],
         "": [c920, kiyo],
         "920": [],

@@ -1,0 +1,107 @@
+"""Badge of one camera at one size: a small SVG picture for a README, which says whether it is calibrated.
+
+No script, no style sheet, no font: it is shown as an image, by sites that pass nothing else.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+from xml.sax.saxutils import escape, quoteattr
+
+from calibdb.lookup.camera_search import agreeing, best_consensus, group_by_mode, is_listed
+from calibdb.schema import ConsensusDocument
+
+Colour = Literal["green", "amber", "grey"]
+_COLOURS: dict[Colour, str] = {"green": "#2a6b2f", "amber": "#8a5a00", "grey": "#5d6468"}
+_SIZE = re.compile(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})\.svg")
+_ID = re.compile(r"\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$", re.IGNORECASE)
+_MAX_NAME = 40  # characters of a label that are shown
+_NARROW, _WIDE = frozenset("fijlrt.,:;'|!()[] "), frozenset("mwMW@%ABCDEFGHKNOQRSUVXYZ±×")
+
+
+@dataclass(frozen=True)
+class Badge:
+    """Text of a badge: the camera on the left, what is known of it on the right."""
+
+    camera: str
+    state: str
+    colour: Colour
+
+
+NOT_CALIBRATED = Badge("calibDB", "not calibrated", "grey")
+
+
+def parse_size(text: str) -> tuple[int, int] | None:
+    """Return the size in `1280x720.svg`, None where the text is no such name."""
+    found = _SIZE.fullmatch(text)
+    return (int(found[1]), int(found[2])) if found else None
+
+
+def badge_of(
+    camera: str,
+    known: Sequence[ConsensusDocument],
+    img_size: tuple[int, int],
+    *,
+    min_calibrations: int,
+    min_contributors: int,
+) -> Badge:
+    """Return the badge of a camera at a size.
+
+    Parameters
+    ----------
+    camera
+        Its label.
+    known
+        Its consensuses.
+    img_size
+        Width and height, px. Of several zooms the one that a lookup answers counts.
+    min_calibrations, min_contributors
+        As in `Thresholds`. A camera that no search shows has no name here either.
+    """
+    if not is_listed(known, min_contributors):
+        return NOT_CALIBRATED
+    name = _ID.sub("", camera)
+    short = name if len(name) <= _MAX_NAME else name[: _MAX_NAME - 1] + "…"
+    left = f"{short} {img_size[0]}×{img_size[1]}"
+    here = [found for (size, _), found in group_by_mode(known) if size == img_size]
+    if not here:
+        return Badge(left, "not calibrated", "grey")
+    best = max((best_consensus(found) for found in here), key=lambda c: (c.reliable, agreeing(c)))
+    if not best.reliable or best.calibration is None:
+        return Badge(left, f"{agreeing(best)} of {min_calibrations} calibrations", "amber")
+    return Badge(left, f"calibrated ± {_rough(best.calibration.uncertainty.rms)} px", "green")
+
+
+def svg(badge: Badge) -> str:
+    """Draw the badge. Every text is escaped, and set to a width of its own, whatever font is there."""
+    left, right = _width(badge.camera) + 12, _width(badge.state) + 12
+    total = left + right
+    title = f"{badge.camera}: {badge.state}"
+
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{total}" height="20" viewBox="0 0 {total} 20"'
+        f' role="img" aria-label={quoteattr(title)}><title>{escape(title)}</title>'
+        f'<rect width="{total}" height="20" rx="3" fill="#2b3032"/>'
+        f'<path d="M{left} 0h{right - 3}a3 3 0 0 1 3 3v14a3 3 0 0 1 -3 3h-{right - 3}z"'
+        f' fill="{_COLOURS[badge.colour]}"/>'
+        '<g fill="#ffffff" font-family="Verdana,Geneva,DejaVu Sans,sans-serif" font-size="11">'
+        f"{_text(badge.camera, 6, left - 12)}{_text(badge.state, left + 6, right - 12)}</g></svg>"
+    )
+
+
+def _text(words: str, x: int, width: int) -> str:
+    place = f'x="{x}" y="14" textLength="{width}" lengthAdjust="spacingAndGlyphs"'
+    return f"<text {place}>{escape(words)}</text>"
+
+
+def _width(words: str) -> int:
+    """Return the width of a text in Verdana at 11 px, roughly."""
+    return round(sum(4.2 if c in _NARROW else 8.4 if c in _WIDE else 6.9 for c in words))
+
+
+def _rough(value: float) -> str:
+    """Write a positive length with two digits that count."""
+    return f"{value:.2f}" if value < 0.995 else f"{value:.1f}" if value < 9.95 else f"{value:.0f}"

@@ -1,0 +1,54 @@
+"""Badges: what they say, and that nothing a contributor wrote leaves its place in them."""
+
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from calibdb.lookup.badge import NOT_CALIBRATED, Badge, badge_of, parse_size, svg
+from calibdb.schema import ConsensusDocument
+from tests.helpers.service.known import consensus, fit
+
+SIZE = (1280, 720)
+
+
+def badge(*known: ConsensusDocument, camera: str = "C920 (046d:082d)", least: int = 1) -> Badge:
+    return badge_of(camera, known, SIZE, min_calibrations=5, min_contributors=least)
+
+
+def test_badge_of_a_reliable_camera_says_its_typical_error() -> None:
+    found = badge(consensus(fit(uncertainty=0.042)))
+    assert found == Badge("C920 1280×720", "calibrated ± 0.04 px", "green")
+
+
+def test_badge_of_too_few_calibrations_counts_them() -> None:
+    found = badge(consensus(reason="too_few", calibrations=2))
+    assert (found.state, found.colour) == ("2 of 5 calibrations", "amber")
+
+
+def test_badge_of_another_size_is_grey() -> None:
+    found = badge(consensus(fit(img_size=(640, 480))))
+    assert (found.camera, found.state, found.colour) == ("C920 1280×720", "not calibrated", "grey")
+
+
+def test_camera_that_no_search_shows_has_no_name_in_a_badge() -> None:
+    assert badge() == NOT_CALIBRATED
+    assert badge(consensus(reason="too_few", calibrations=1), least=3) == NOT_CALIBRATED
+
+
+@pytest.mark.parametrize("label", ['<script>alert("1")</script>', "a & b", "]]>", "x\" onload='y", "ж" * 300])
+def test_label_in_a_badge_is_text_and_nothing_else(label: str) -> None:
+    drawn = svg(badge(consensus(), camera=label))
+    root = ET.fromstring(drawn)
+    elements = [element.tag.rpartition("}")[2] for element in root.iter()]
+    assert elements == ["svg", "title", "rect", "path", "g", "text", "text"]
+    text = root.findall(".//{*}text")[0].text or ""
+    assert text == (label if len(label) <= 40 else label[:39] + "…") + " 1280×720"
+    assert {name for element in root.iter() for name in element.attrib}.isdisjoint(
+        {"onload", "style", "href"}
+    )
+
+
+def test_sizes_are_read_from_names_of_files() -> None:
+    assert parse_size("1280x720.svg") == SIZE
+    for name in ("1280x720", "0x720.svg", "1280x720.png", "axb.svg", "123456x1.svg", "../x.svg", ""):
+        assert parse_size(name) is None
