@@ -200,6 +200,7 @@ def vote(
             contributor=contributor(secret, call.address, ticket.token),
             source=where,
             time=service.now,
+            **request.consent,
         )
     )
     # For the other models; this one's is asked for at once.

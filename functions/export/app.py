@@ -60,7 +60,11 @@ def to_reported(document: CalibrationDocument) -> ReportedCalibration:
     """Return a single calibration, with what its session found out about it."""
     key = current_key(document.camera_key, document.camera, document.platform)
     return ReportedCalibration(
-        **dict(document.answer()), report=document.report, board=document.board, camera_key=key
+        **dict(document.answer()),
+        report=document.report,
+        board=document.board,
+        camera_key=key,
+        **document.consent,
     )
 
 

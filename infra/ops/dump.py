@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import functools
-import hashlib
-import hmac
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -12,19 +10,31 @@ from typing import Any
 import pyarrow as pa
 from pyarrow import parquet
 
-from calibdb.camera_key import public_label, public_platform
-from calibdb.schema import CalibrationDocument, VoteDocument
+from calibdb.dump.public_copy import aliases, public_copy, unnamed_copy
+from calibdb.schema import CalibrationDocument
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.errors import OpsError
 from infra.ops.restore import CALIBRATIONS, VOTES
 
+Select = Callable[[Any], Any]  # of a stored document, its copy in the dump; None: it stays out
 _ROWS = 500  # calibrations written to Parquet together
 
 ABOUT = """calibDB: calibrations of cameras, and the keypoints that they were computed from
 
-To the extent possible under law, everyone who contributed has waived all copyright and related rights to this
-work: CC0 1.0 Universal, https://creativecommons.org/publicdomain/zero/1.0/
+To the extent possible under law, everyone who contributed to this dump has waived all copyright and related
+rights to it: CC0 1.0 Universal, https://creativecommons.org/publicdomain/zero/1.0/
 
+Each calibration and each vote says under which licence it was given, and the date of the text that its
+contributor agreed to. Measurements that were given without a licence are not in here.
+"""
+
+PRIVATE = """calibDB: calibrations of cameras, and the keypoints that they were computed from
+
+NOT TO BE GIVEN AWAY: this copy also holds measurements that their contributors gave without a licence. It is
+for whoever runs the service, to load it into another stack.
+"""
+
+CONTENTS = """
 calibrations.jsonl    one calibration a line, with the corners of every view; pixel centres at whole numbers
 votes.jsonl           one check of a camera's calibrations on fresh views a line
 calibrations.parquet  one row a calibration: camera, matrix, distortion, error
@@ -56,6 +66,7 @@ _TABLE = pa.schema(
         ("squares_y", pa.int32()),
         ("time", pa.timestamp("s", tz="UTC")),
         ("contributor", pa.string()),
+        ("licence", pa.string()),
     ]
 )
 _CORNERS = pa.schema(
@@ -69,17 +80,19 @@ _CORNERS = pa.schema(
 )
 
 
-def dump(context: OpsContext, folder: Path) -> tuple[int, int]:
-    """Write everything that counts to a new folder; return how many calibrations and votes.
+def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[int, int]:
+    """Write all that may be given away to a new folder; return how many calibrations and votes.
 
-    Withdrawn calibrations are left out. Contributors are named by a hash whose key is thrown away, and the
-    names of people that a label may hold are removed once more, by today's rules.
+    Withdrawn calibrations are left out, and what was given without a licence. Contributors are named by a
+    hash whose key is thrown away. `private`: with what was given without a licence, for the operator alone.
 
     Raises OpsError where the folder is there already.
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")
-    alias = _aliases(context.random_hex(32))
+    select = functools.partial(
+        unnamed_copy if private else public_copy, alias=aliases(context.random_hex(32))
+    )
     draft = folder.with_name(folder.name + ".partial")  # a dump is whole or it is not there
     draft.mkdir(parents=True, exist_ok=True)
     with (
@@ -89,7 +102,7 @@ def dump(context: OpsContext, folder: Path) -> tuple[int, int]:
     ):
         count = 0
         batch: list[CalibrationDocument] = []
-        for document in _public(context, alias):
+        for document in _selected(context, select):
             lines.write(document.model_dump_json() + "\n")
             count += 1
             batch.append(document)
@@ -97,45 +110,29 @@ def dump(context: OpsContext, folder: Path) -> tuple[int, int]:
                 _write(table, corners, batch)
                 batch = []
         _write(table, corners, batch)
-    votes = _votes(context, alias, draft / VOTES)
-    (draft / "README.txt").write_text(ABOUT, encoding="utf-8")
+    votes = _votes(context, select, draft / VOTES)
+    (draft / "README.txt").write_text((PRIVATE if private else ABOUT) + CONTENTS, encoding="utf-8")
     draft.rename(folder)
     return count, votes
 
 
-def _public(context: OpsContext, alias: Callable[[str], str]) -> Iterator[CalibrationDocument]:
+def _selected(context: OpsContext, select: Select) -> Iterator[CalibrationDocument]:
     total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
     for document, withdrawn in context.track(context.store.calibrations.everything(), "calibrations", total):
-        if not withdrawn:
-            yield document.model_copy(
-                update={
-                    "camera": public_label(document.camera),
-                    "platform": public_platform(document.platform),
-                    "contributor": alias(document.contributor),
-                    "source": document.source and alias(document.source),
-                }
-            )
+        copy = None if withdrawn else select(document)
+        if copy is not None:
+            yield copy
 
 
-def _votes(context: OpsContext, alias: Callable[[str], str], path: Path) -> int:
+def _votes(context: OpsContext, select: Select, path: Path) -> int:
     count = 0
     with path.open("w", encoding="utf-8") as lines:
         for vote in context.track(context.store.votes.all(), "votes"):
-            named: VoteDocument = vote.model_copy(
-                update={
-                    "camera": public_label(vote.camera),
-                    "platform": public_platform(vote.platform),
-                    "contributor": alias(vote.contributor),
-                    "source": vote.source and alias(vote.source),
-                }
-            )
-            lines.write(named.model_dump_json() + "\n")
-            count += 1
+            copy = select(vote)
+            if copy is not None:
+                lines.write(copy.model_dump_json() + "\n")
+                count += 1
     return count
-
-
-def _aliases(key: str) -> Callable[[str], str]:
-    return lambda contributor: hmac.new(key.encode(), contributor.encode(), hashlib.sha256).hexdigest()
 
 
 def _write(table: Any, corners: Any, documents: list[CalibrationDocument]) -> None:
@@ -168,6 +165,7 @@ def _row(document: CalibrationDocument) -> dict[str, Any]:
         "squares_y": document.board.squares[1],
         "time": document.time,
         "contributor": document.contributor,
+        "licence": document.licence,
     }
 
 

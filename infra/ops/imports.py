@@ -5,12 +5,14 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import get_args
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 import calibsolver
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument, Track, ViewDocument
+from calibdb.schema.licence import Licence
 from calibdb.schema.session import SetAside
 from calibsolver import CalibrationError, Camera, View, fit, models
 from calibsolver.formats import ImportedFile
@@ -38,6 +40,17 @@ class ReportedCamera:
     camera: str
     platform: str
     zoom: float = 0.0
+    licence: Licence | None = None  # under which the views may be given away; None: not in dumps
+
+
+def licence_of(name: str | None) -> Licence | None:
+    """Return the licence with this SPDX identifier; raises OpsError where dumps are under another."""
+    if name is None:
+        return None
+    try:
+        return TypeAdapter[Licence](Licence).validate_python(name)
+    except ValidationError as error:
+        raise OpsError(f"dumps are given away under {get_args(Licence)[0]}, not under {name!r}") from error
 
 
 def import_file(
@@ -148,6 +161,7 @@ def _document(
             solver=calibsolver.__version__,
             contributor=f"import-{digest[:12]}",
             time=context.now,
+            licence=reported.licence,
         )
     except ValidationError as error:
         what = error.errors(include_url=False)[0]

@@ -33,8 +33,8 @@ def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with LocalStack(folder) as stack:
         client = Client(stack)
         for seed in range(5):
-            Truth(seed=seed).calibrate(client)
-        Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM)
+            Truth(seed=seed).calibrate(client, licence="CC0-1.0")
+        Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM, licence="CC0-1.0")
         until(lambda: client.lookup().status == 200, 60)
     return folder
 
@@ -115,7 +115,8 @@ def test_a_dump_names_nobody(data_dir: Path, dumped: Path, tmp_path: Path) -> No
 def test_dumped_labels_follow_the_current_rules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
     label, platform = "Anna's webcam Z77 +49 170 1234567", "Linux; Anna Schmidt"
-    stored = calibration("webcam Z77", 0).model_copy(update={"camera": label, "platform": platform})
+    named = {"camera": label, "platform": platform, "licence": "CC0-1.0"}
+    stored = calibration("webcam Z77", 0).model_copy(update=named)
     vote = VoteDocument(**stored.model_dump(exclude={"layout", "fits", "time"}), noise=0.1, time=0)
     with LocalStack(tmp_path / "data") as stack:
         store = Store.of(Settings.from_environment(stack.environment))

@@ -38,6 +38,7 @@ SERVICE_ARROWS: dict[str, set[str]] = {
     "proof": _RULED,
     "store": _RULED | {"access", "rules"},
     "lookup": _RULED | {"access", "rules", "store"},
+    "dump": _RULED | {"access", "rules", "store", "lookup"},
     "service": _RULED | {"access", "rules", "store", "lookup"},
     "http": _RULED | {"access", "rules", "store", "lookup", "service"},
 }

@@ -8,6 +8,8 @@ export function openPage(catalogs) {
   const select = document.getElementById("language");
   if (select instanceof HTMLSelectElement) offerLanguages(select);
   translate(document.documentElement);
+  // Pages that calibrate have a consent block.
+  if (document.getElementById("consent")) void import("./consent.js").then(({ offerConsent }) => offerConsent());
   cacheFiles();
 }
 

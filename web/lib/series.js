@@ -1,4 +1,5 @@
 // A calibration from views that are all there already: every view counts that agrees with the others.
+import { consentFields } from "./consent.js";
 
 /**
  * @typedef {import("./api.js").Api} Api
@@ -32,7 +33,7 @@ const MAX_POINTS = 20_000; // of all views, that a session holds
 export async function calibrate(api, token, request, views, onJudgement) {
   const { session_id: credential } = await api.json("POST", "/auth", token);
   /** @type {SessionState} */
-  const begun = await api.json("POST", "/session", credential, { body: { ...request, capture: "recorded" } });
+  const begun = await api.json("POST", "/session", credential, { body: { ...request, ...consentFields(), capture: "recorded" } });
   const { state, numbers } = await offer(api, credential, begun, views, onJudgement);
   const used = state.views.filter((view) => !view.set_aside).length;
   if (used < MIN_VIEWS || (state.uncertainty?.rms ?? Infinity) > (MAX_EXPECTED_ERROR_PX * request.img_size[0]) / 1280) {

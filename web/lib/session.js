@@ -1,6 +1,7 @@
 // Session of one guided capture at the service. Its views are also stored in the page and on this device: nothing is lost
 // when the session expires, the network fails or the page is reloaded.
 import { ApiError, OfflineError } from "./api.js";
+import { consentFields } from "./consent.js";
 
 /**
  * @typedef {import("./board-outline.js").Corners} Corners
@@ -96,7 +97,7 @@ export class CaptureSession {
   /** @returns {Promise<SessionState>} */
   async start() {
     const { session_id } = await this.#call("POST", "/auth", { credential: this.#token });
-    const state = await this.#call("POST", "/session", { credential: session_id, body: this.#request });
+    const state = await this.#call("POST", "/session", { credential: session_id, body: { ...this.#request, ...consentFields() } });
     this.#credential = session_id;
     return state;
   }

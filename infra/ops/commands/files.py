@@ -16,12 +16,19 @@ from infra.ops.session import opened
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER")]
 
 
-def dump(folder: Folder, as_json: Json = False) -> None:
-    """Write all calibrations and keypoints to a new folder (CC0)."""
+def dump(
+    folder: Folder,
+    private: Annotated[
+        bool,
+        typer.Option("--private", help="Also what was given without a licence. Nobody else may have it."),
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Write all calibrations and keypoints that were given under CC0 to a new folder."""
     with opened(as_json=as_json) as run:
         from infra.ops.dump import dump
 
-        calibrations, votes = dump(run.context, folder)
+        calibrations, votes = dump(run.context, folder, private=private)
         run.output.line(f"{calibrations} calibrations and {votes} votes written to {folder}")
         run.output.value({"calibrations": calibrations, "votes": votes, "folder": str(folder)})
 
@@ -87,6 +94,13 @@ def import_files(
             autocompletion=complete_model,
         ),
     ] = "",
+    licence: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CC0-1.0",
+            help="Licence under which the keypoints may be given away. Without it, no dump has them.",
+        ),
+    ] = None,
     dry_run: DryRun = False,
     as_json: Json = False,
 ) -> None:
@@ -96,9 +110,9 @@ def import_files(
     """
     with opened(as_json=as_json) as run:
         from calibsolver.formats.hints import Hints
-        from infra.ops.imports import ReportedCamera, import_file
+        from infra.ops.imports import ReportedCamera, import_file, licence_of
 
-        reported = ReportedCamera(camera, platform, zoom)
+        reported = ReportedCamera(camera, platform, zoom, licence_of(licence))
         hints = Hints(img_size, camera_number, squares)
         told: list[dict[str, str]] = []
         run.output.value(told)

@@ -73,6 +73,7 @@ def begin(
         target_error=TARGET_ERROR_PER_WIDTH * request.img_size[0] if target is None else target,
         track=request.track,
         capture=request.capture,
+        **request.consent,
         prior=seed,
     )
 
@@ -95,16 +96,10 @@ def find_seed(
 def is_same_start(running: SessionDocument, asked: SessionDocument) -> bool:
     """Tell whether `asked` would have started the session that is running."""
     names = (
-        "camera",
-        "platform",
-        "img_size",
-        "zoom",
-        "distortion_model",
-        "board",
-        "guidance",
-        "target_error",
+        *("camera", "platform", "img_size", "zoom", "distortion_model", "board", "guidance", "target_error"),
+        *("track", "capture", "licence", "licence_version"),
     )
-    return all(getattr(running, n) == getattr(asked, n) for n in (*names, "track", "capture"))
+    return all(getattr(running, name) == getattr(asked, name) for name in names)
 
 
 def is_idempotent_replay(document: SessionDocument, view: ViewRequest) -> bool:
@@ -316,6 +311,7 @@ def to_calibration(document: SessionDocument) -> CalibrationDocument:
         target_error=document.target_error,
         track=document.track,
         capture=document.capture,
+        **document.consent,
         views=tuple(view for view in document.views if view.set_aside is None),
         set_aside=tuple(view for view in document.views if view.set_aside is not None),
         fits={document.distortion_model: fit},

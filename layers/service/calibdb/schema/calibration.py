@@ -8,6 +8,7 @@ from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.fields import DistortionModel, ImgSize, Members, Open, Row
+from calibdb.schema.licence import Licensed
 
 Basis = Literal["consensus", "checked"]
 Relation = Literal["scale", "crop", "scale+crop", "neither"]
@@ -139,7 +140,7 @@ class LookupAnswer(Calibration):
     )
 
 
-class ReportedCalibration(Calibration):
+class ReportedCalibration(Calibration, Licensed):
     """One stored calibration, and what its session found out about it."""
 
     report: Members | None = Field(

@@ -17,6 +17,7 @@ from calibdb.schema.fields import (
     Strict,
     Zoom,
 )
+from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import ResizeMode
 from calibdb.schema.seen import Seen
 
@@ -27,7 +28,7 @@ class CheckView(Seen):
     """One frame: the board corners seen."""
 
 
-class CheckRequest(Strict):
+class CheckRequest(Strict, Licensed):
     """A camera key and fresh views."""
 
     camera: Label = Field(description="`MediaStreamTrack.label`")

@@ -9,6 +9,7 @@ from pydantic import Field
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, FitRecord, Uncertainty
 from calibdb.schema.fields import CaptureKind, DistortionModel, Guidance, ImgSize, Members, Open, Pixel
+from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import Reason
 from calibdb.schema.session import Advice, SetAside, Track
 
@@ -46,7 +47,7 @@ class Finish(Open):
     report: Members | None = None  # how good the result is, in detail
 
 
-class CaptureDocument(Open):
+class CaptureDocument(Open, Licensed):
     """Camera, board and options of a session, as it was started."""
 
     layout: Literal[1] = 1
@@ -118,7 +119,7 @@ class Votes(Open):
     disagree: int = 0
 
 
-class VoteDocument(Open):
+class VoteDocument(Open, Licensed):
     """One check that counts: `votes/<camera key>/<id>.json`. Never overwritten.
 
     It keeps the views, not the finding: they are scored anew whenever the consensus changes, so that no

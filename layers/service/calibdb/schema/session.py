@@ -22,6 +22,7 @@ from calibdb.schema.fields import (
     TargetError,
     Zoom,
 )
+from calibdb.schema.licence import Licence, LicenceVersion, Licensed
 from calibdb.schema.seen import Seen
 
 Fact = Annotated[str, Field(max_length=64)]
@@ -75,7 +76,7 @@ class Track(Open):
     frameRate: Quantity | None = None  # noqa: N815
 
 
-class SessionRequest(Strict):
+class SessionRequest(Strict, Licensed):
     """Starts a guided capture of one camera."""
 
     camera: Label = Field(description="`MediaStreamTrack.label`")
@@ -158,6 +159,8 @@ class SessionState(Open):
     guidance: Guidance
     target_error: float
     capture: CaptureKind = "live"
+    licence: Licence | None = Field(None, description="As the session was started.")
+    licence_version: LicenceVersion | None = None
     views: tuple[ViewState, ...]
     progress: float = Field(ge=0, le=1)
     uncertainty: Uncertainty | None

@@ -1,0 +1,62 @@
+"""The licence of what a contributor gives: validated, and stored with session and calibration."""
+
+from typing import Any
+
+import boto3
+import pytest
+
+from calibdb.schema import CalibrationDocument, SessionDocument
+from tests.helpers.service.client import CAMERA, Client, Truth
+from tests.helpers.service.published import calibration, store
+
+CONSENT = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
+
+
+@pytest.mark.parametrize(
+    ("said", "field"),
+    [
+        ({"licence": "MIT"}, "licence"),
+        ({"licence": True}, "licence"),
+        ({"licence": "CC0-1.0", "licence_version": "next year"}, "licence_version"),
+        ({"licence": "CC0-1.0", "licence_version": "2026-13-01"}, "licence_version"),
+        ({"licence": "CC0-1.0", "licence_version": "2026-W47-7"}, "licence_version"),
+        ({"licence_version": "2026-11-22"}, "licence_version"),
+    ],
+)
+def test_consent_to_something_else_is_refused(client: Client, said: dict[str, Any], field: str) -> None:
+    answer = client.open(**said)
+    assert (answer.status, [e["field"] for e in answer.json["errors"]]) == (422, [field])
+
+
+def test_licence_is_stored_with_session_calibration_and_export(client: Client) -> None:
+    ended = Truth(seed=3).calibrate(client, camera="Licensed Z1", **CONSENT)
+    assert {name: ended[name] for name in CONSENT} == CONSENT
+    name = boto3.client("s3").list_objects_v2(
+        Bucket=client.stack.environment["BUCKET_NAME"], Prefix=f"sessions/{sid(client)}/"
+    )["Contents"][-1]["Key"]
+    content = boto3.client("s3").get_object(Bucket=client.stack.environment["BUCKET_NAME"], Key=name)
+    session = SessionDocument.model_validate_json(content["Body"].read())
+    assert session.consent == CONSENT
+    stored = store(client.stack).calibrations.get(ended["calibration_id"])
+    assert stored is not None
+    assert stored.consent == CONSENT
+    shown = client.call("GET", f"/v1/calibrations/{stored.id}", token=client.api_token)
+    assert {name: shown.json[name] for name in CONSENT} == CONSENT
+
+
+def sid(client: Client) -> str:
+    return next(iter(store(client.stack).sessions.all())).session
+
+
+def test_session_without_licence_is_as_before(client: Client) -> None:
+    state = client.open(camera="Unlicensed Z1").json
+    assert (state["licence"], state["licence_version"]) == (None, None)
+    # An old document lacks the fields, and is read.
+    document = calibration("webcam Z77", 0).model_dump_json(exclude=set(CONSENT))
+    assert CalibrationDocument.model_validate_json(document).consent == {}
+
+
+def test_other_consent_is_another_session(client: Client) -> None:
+    assert client.open(**CONSENT).status == 201
+    assert client.call("POST", "/v1/session", {**CAMERA, **CONSENT}).status == 201
+    assert client.call("POST", "/v1/session", CAMERA).status == 409

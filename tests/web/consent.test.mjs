@@ -1,0 +1,44 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+const kept = new Map();
+globalThis.localStorage = {
+  getItem: (key) => kept.get(key) ?? null,
+  setItem: (key, value) => void kept.set(key, value),
+  removeItem: (key) => void kept.delete(key),
+};
+const { LICENCE_VERSION } = await import("../../web/lib/consent.js");
+const { calibrate } = await import("../../web/lib/series.js");
+const { CaptureSession } = await import("../../web/lib/session.js");
+
+const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
+let fresh = 0;
+
+/** Bodies of POST /session that both kinds of capture send, with the consent that is kept now. */
+async function started() {
+  // The choice is read once a page: another page is another module.
+  const page = `?${fresh++}`;
+  const sent = [];
+  const json = async (method, path, _, { body } = {}) => {
+    if (path === "/session" && method === "POST") sent.push(body);
+    return { session_id: "s", views: [] };
+  };
+  const api = { json, send: async (...call) => new Response(JSON.stringify(await json(...call))) };
+  return { sent, api, page };
+}
+
+test("no session says a licence unless the person agreed", async () => {
+  const { sent, api } = await started();
+  await calibrate(api, "t", REQUEST, [], () => {});
+  await new CaptureSession(api, "t", REQUEST).start();
+  assert.deepEqual(sent.map((body) => [body.licence, body.licence_version]), [[undefined, undefined], [undefined, undefined]]);
+});
+
+test("consent to an earlier text is none to this one", async () => {
+  kept.set("calibdb.consent", "2020-01-01");
+  const { hasConsent } = await import("../../web/lib/consent.js?earlier");
+  assert.equal(hasConsent(), false);
+  kept.set("calibdb.consent", LICENCE_VERSION);
+  const { consentFields } = await import("../../web/lib/consent.js?later");
+  assert.deepEqual(consentFields(), { licence: "CC0-1.0", licence_version: LICENCE_VERSION });
+});

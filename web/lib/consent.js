@@ -1,0 +1,71 @@
+// Consent of the person who calibrates: may the measurements be given away under CC0? Asked on every page that calibrates,
+// never assumed, kept on this device until it is changed.
+import messages from "../messages/consent.js";
+import { addMessages, onLanguage, t, translate } from "./i18n.js";
+
+/** Licence under which dumps are given away, an SPDX identifier, and the date of the text on /terms/ that is agreed to. */
+export const LICENCE = "CC0-1.0";
+export const LICENCE_VERSION = "2026-11-22";
+const CONSENT_KEY = "calibdb.consent";
+
+/** Was it given on this device, to the text as it is today? @type {boolean | null} null: not read yet */
+let given = null;
+
+/** Whether the person agrees. */
+export function hasConsent() {
+  return (given ??= read() === LICENCE_VERSION);
+}
+
+/**
+ * Fields of POST /v1/session that say so; none where the person does not agree.
+ * @returns {{licence?: "CC0-1.0", licence_version?: string}}
+ */
+export function consentFields() {
+  return hasConsent() ? { licence: LICENCE, licence_version: LICENCE_VERSION } : {};
+}
+
+/** Makes the page's consent block work: its check box, and the sentence below it. */
+export function offerConsent() {
+  const box = /** @type {HTMLInputElement | null} */ (document.getElementById("consent"));
+  const note = document.getElementById("consent-note");
+  if (!box || !note) throw new TypeError("the page has no consent block");
+  addMessages({ consent: messages });
+  translate(/** @type {Element} */ (box.closest(".consent")));
+  const show = () => {
+    box.checked = hasConsent();
+    note.textContent = t(hasConsent() ? "consent.given" : "consent.not_given");
+  };
+  box.addEventListener("change", () => {
+    given = box.checked;
+    write(given);
+    show();
+  });
+  // Given or taken back in another tab.
+  addEventListener("storage", ({ key }) => {
+    if (key !== CONSENT_KEY && key !== null) return;
+    given = null;
+    show();
+  });
+  onLanguage(show);
+  show();
+}
+
+/** @returns {string | null} date of the text that was agreed to */
+function read() {
+  try {
+    return globalThis.localStorage?.getItem(CONSENT_KEY) ?? null;
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error;
+    return null; // a browser that keeps nothing for pages
+  }
+}
+
+/** @param {boolean} agreed */
+function write(agreed) {
+  try {
+    if (agreed) localStorage.setItem(CONSENT_KEY, LICENCE_VERSION);
+    else localStorage.removeItem(CONSENT_KEY);
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error; // holds for this page, then
+  }
+}
