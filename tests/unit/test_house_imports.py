@@ -25,6 +25,7 @@ SOLVER_ARROWS: dict[str, set[str]] = {
     "consensus": _FITTED,
     "formats": _FITTED,
     "capture": _FITTED | {"guidance", "quality"},
+    "rig": _FITTED | {"guidance", "formats"},
 }
 _RULED = {"errors", "settings", "camera_key", "schema"}
 #: what each package or module of the service may import, itself aside

@@ -13,7 +13,7 @@ from .fitting.uncertainty import Uncertainty
 from .view import View
 
 if TYPE_CHECKING:
-    from . import capture, consensus, fitting, formats, guidance, models, quality
+    from . import capture, consensus, fitting, formats, guidance, models, quality, rig
 
 # Of the solver alone: another one has every stored consensus computed anew.
 __version__ = "0.1.0"
@@ -34,6 +34,7 @@ __all__ = [
     "guidance",
     "models",
     "quality",
+    "rig",
 ]
 
 

@@ -1,10 +1,11 @@
-"""Levenberg-Marquardt on intrinsics and poses, the poses eliminated (bundle adjustment of one camera).
+"""Levenberg-Marquardt on intrinsics and poses, the poses eliminated (bundle adjustment).
 
 Minimises sum rho(|r_i|) + sigma^2 |prior|^2 by iteratively reweighted least squares; rho is Huber's function
 or the square, sigma the noise that the residuals themselves show. (Marquardt 1963; Huber 1964; Triggs et al.
 2000 for the elimination; Transtrum & Sethna 2012 for the geodesic acceleration along narrow valleys.)
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -126,34 +127,33 @@ class Objective:
         return total + self.prior_weight * float(state.prior_residuals @ state.prior_residuals), weights
 
 
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """A model to be fitted to observations of one camera.
+class LeastSquares(ABC):
+    """Least squares in unknowns k that all views share, and in the pose of the board in each view.
 
     Attributes
     ----------
-    basis
-        (p, a): the directions T in which the intrinsics may go, k + T da; None: all are free.
+    obs
+        Points and pixels.
     """
 
-    model: Model
     obs: Observations
-    img_size: tuple[int, int]
-    basis: Array | None = None
 
+    @property
+    @abstractmethod
+    def width(self) -> int:
+        """Width of an image, px: the scale of what is negligible."""
+
+    @abstractmethod
     def is_feasible(self, k: Array) -> bool:
-        """Whether the model has a picture at all with intrinsics k (p,)."""
-        return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
+        """Whether there is a picture at all with the shared unknowns k (p,)."""
 
+    @abstractmethod
     def at(self, k: Array, poses: Poses) -> State:
-        """Linearize at given intrinsics (p,) and poses."""
-        rows, square = residual_rows(self.model, k, poses, self.obs)
-        r, j = prior.residuals(self.model, k, self.img_size)
-        if self.basis is not None:
-            size = self.model.size
-            rows = np.concatenate([np.tensordot(self.basis.T, rows[:size], 1), rows[size:]])
-            j = j @ self.basis
-        return State(k, poses, rows, square, r, j)
+        """Linearize at given shared unknowns (p,) and poses."""
+
+    @abstractmethod
+    def residuals(self, k: Array, poses: Poses) -> Array:
+        """Compute the residuals (2, v, n) at given shared unknowns (p,) and poses, px."""
 
     def solve(self, state: State, weights: Array, options: Options) -> State:
         """Iterate from `state` to the optimum for points of weight (v, n).
@@ -161,10 +161,10 @@ class Problem:
         The result is `converged` where the gradient allows no further decrease, and is not where no step led
         downhill, or the iterations ran out before the predicted decrease was negligible.
         """
-        damping, sigma_floor = options.damping, 1e-6 * self.img_size[0]
+        damping, sigma_floor = options.damping, 1e-6 * self.width
         plain = None if (weights == 1).all() else weights
         counted = weights > 0.5
-        tolerance_abs = self.obs.count * (ROUNDOFF * self.img_size[0]) ** 2
+        tolerance_abs = self.obs.count * (ROUNDOFF * self.width) ** 2
         predicted = sigma = previous_predicted = np.inf
         for iteration in range(options.iterations):
             deadline.check()
@@ -192,17 +192,17 @@ class Problem:
             if not accelerated and is_last_step(predicted, previous_predicted, cost, tolerance):
                 return replace(moved, converged=True)
             state, previous_predicted = moved, predicted
-        visible = max(sigma, NOISE_FLOOR * self.img_size[0])
+        visible = max(sigma, NOISE_FLOOR * self.width)
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
         return replace(state, converged=bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
 
-    def _free(self, da: Array) -> Array:
-        """Change (p,) of the intrinsics by a step (a,) of the free ones."""
-        return da if self.basis is None else self.basis @ da
+    def free(self, da: Array) -> Array:
+        """Change (p,) of the shared unknowns by a step (a,) of the free ones."""
+        return da
 
     def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
-        """Linearize after steps (a,) and (v, 6); None where the model has no picture there."""
-        k = state.k + self._free(da)
+        """Linearize after steps (a,) and (v, 6); None where there is no picture there."""
+        k = state.k + self.free(da)
         return self.at(k, state.poses.retract(dp)) if self.is_feasible(k) else None
 
     def _geodesic_acceleration(
@@ -213,13 +213,13 @@ class Problem:
         The second derivative of the residuals along the step is a finite difference.
         """
         h = FINITE_DIFFERENCE
-        k = state.k + h * self._free(da)
+        k = state.k + h * self.free(da)
         if not self.is_feasible(k):
             return da, dp
-        q = normal_equations.project(self.model, k, state.poses.retract(h * dp), self.obs.points)
+        moved = self.residuals(k, state.poses.retract(h * dp))
         rows, r, size = state.rows, state.rows[-1], len(da)
         first = np.tensordot(da, rows[:size], 1) + np.einsum("vi,iavn->avn", dp, rows[size:-1])
-        second = 2 / h * (((q - self.obs.pixels).transpose(1, 0, 2) - r) / h - first)
+        second = 2 / h * ((moved - r) / h - first)
         weighted = second if weights is None else second * weights
         if not np.isfinite(weighted).all():
             return da, dp
@@ -230,6 +230,50 @@ class Problem:
         if not length <= 2 * MAX_ACCELERATION_RATIO * longest:
             return da, dp
         return da + acceleration_c / 2, dp + acceleration_p / 2
+
+
+@dataclass(frozen=True, eq=False)
+class Problem(LeastSquares):
+    """A model to be fitted to observations of one camera: the views share its intrinsics.
+
+    Attributes
+    ----------
+    basis
+        (p, a): the directions T in which the intrinsics may go, k + T da; None: all are free.
+    """
+
+    model: Model
+    obs: Observations
+    img_size: tuple[int, int]
+    basis: Array | None = None
+
+    @property
+    def width(self) -> int:
+        """Width of the image, px."""
+        return self.img_size[0]
+
+    def is_feasible(self, k: Array) -> bool:
+        """Whether the model has a picture at all with intrinsics k (p,)."""
+        return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
+
+    def at(self, k: Array, poses: Poses) -> State:
+        """Linearize at given intrinsics (p,) and poses."""
+        rows, square = residual_rows(self.model, k, poses, self.obs)
+        r, j = prior.residuals(self.model, k, self.img_size)
+        if self.basis is not None:
+            size = self.model.size
+            rows = np.concatenate([np.tensordot(self.basis.T, rows[:size], 1), rows[size:]])
+            j = j @ self.basis
+        return State(k, poses, rows, square, r, j)
+
+    def residuals(self, k: Array, poses: Poses) -> Array:
+        """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""
+        q = normal_equations.project(self.model, k, poses, self.obs.points)
+        return (q - self.obs.pixels).transpose(1, 0, 2)
+
+    def free(self, da: Array) -> Array:
+        """Change (p,) of the intrinsics by a step (a,) of the free ones."""
+        return da if self.basis is None else self.basis @ da
 
 
 def residual_rows(model: Model, k: Array, poses: Poses, obs: Observations) -> tuple[Array, Array]:

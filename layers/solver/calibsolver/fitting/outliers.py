@@ -35,8 +35,17 @@ def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: 
 
     The noise is that of the points `among` (v, n): what has been left out already does not blur what is left.
     """
+    good = near_points(state, mask, among, sigmas, img_size[0])
+    if good is not mask:
+        count = good.sum(axis=1)
+        good &= (count >= np.maximum(MIN_POINTS, MIN_INLIER_SHARE * mask.sum(axis=1)))[:, None]
+    return good
+
+
+def near_points(state: State, mask: Mask, among: Mask, sigmas: float, width: int) -> Mask:
+    """Mask (v, n) of the points within so many `sigmas`; `mask` itself where all are. See `inlier_mask`."""
     # Beside a view that happens to have less noise, one with as much as others have is no outlier.
-    sigma = max(levenberg_marquardt.robust_sigma(state, among), levenberg_marquardt.NOISE_FLOOR * img_size[0])
+    sigma = max(levenberg_marquardt.robust_sigma(state, among), levenberg_marquardt.NOISE_FLOOR * width)
     if not np.where(mask, state.square, 0.0).max() > (sigmas * sigma) ** 2:
         return mask
     # Real residuals have longer tails than the median promises; what is kept says how long.
@@ -44,8 +53,6 @@ def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: 
         near = state.square[(state.square <= (sigmas * sigma) ** 2) & mask]
         sigma = max(sigma, float(np.sqrt(np.mean(near) / 2)))
     good: Mask = (state.square <= (sigmas * sigma) ** 2) & mask
-    count = good.sum(axis=1)
-    good &= (count >= np.maximum(MIN_POINTS, MIN_INLIER_SHARE * mask.sum(axis=1)))[:, None]
     return good
 
 

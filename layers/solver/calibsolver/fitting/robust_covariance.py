@@ -62,10 +62,11 @@ class Evidence:
     metric: Array
 
     @classmethod
-    def of(cls, rows: Array, poses: Poses, labels: IntArray) -> "Evidence":
+    def of(cls, rows: Array, poses: Poses, labels: IntArray, metric: Array | None = None) -> "Evidence":
         """Gather the evidence of rows (p + 7, 2, v, n), poses and the cluster (v,) of each view.
 
-        The last row holds the residuals, px; points that do not count have rows of 0.
+        The last row holds the residuals, px; points that do not count have rows of 0. A `metric` (p, p) takes
+        the place of the one at the corners seen, which is that of one camera.
         """
         left = normal_equations.residual_jacobian(rows[:-1])
         transposed = left.transpose(0, 2, 1)
@@ -74,7 +75,9 @@ class Evidence:
         count = int(labels.max()) + 1
         if count < len(labels):
             information, gradient = _sum_by(information, labels, count), _sum_by(gradient, labels, count)
-        return cls(information, gradient, _observed_error_metric(rows, poses))
+        if metric is None:
+            metric = _observed_error_metric(rows, poses)
+        return cls(information, gradient, metric)
 
 
 def _sum_by(values: Array, labels: IntArray, count: int) -> Array:

@@ -1,0 +1,371 @@
+"""Joint fit of a rig: intrinsics, relative poses and board poses, by the solver of one camera.
+
+The rig's noise is one number: residuals of a camera with more of it weigh less in proportion (`Member`).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .. import models
+from ..arrays import Array, Mask, frozen
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..fitting import fit as single
+from ..fitting import levenberg_marquardt, outliers, plausibility, robust_covariance
+from ..fitting.levenberg_marquardt import Options, State
+from ..fitting.multistart import TOWARDS_OPTIMUM
+from ..fitting.normal_equations import Poses
+from ..fitting.observations import Observations
+from ..fitting.resection import resect
+from ..fitting.validation import MIN_POINTS, check
+from ..rotation import vector
+from ..view import View
+from . import start as rig_start
+from . import transfer
+from .calibration import RigCalibration
+from .problem import Member, Moment, RigProblem, pack_moments
+from .start import Resected, RigidMotion, Start
+
+MIN_CAMERAS, MAX_CAMERAS = 2, 8
+MAX_MOMENTS = 1000
+MAX_REJECTIONS = 6
+"""Rounds of outlier rejection."""
+MIN_OUTLIER_WIDTHS = 0.003
+"""Distance / image width below which a single point of a good view is no outlier."""
+MAX_TAIL_RMS_RATIO = 1.1
+"""Rms of least squares over all but gross outliers / rms of the inliers, up to which all of them count."""
+MAX_NOISE_RATIO = 4.0
+"""Noise of the noisiest camera / that of the quietest, beyond which it is taken for no larger."""
+
+Specification = Camera | tuple[tuple[int, int], str]
+"""A camera whose intrinsics are held, or the image size (width, height) in px and the model to be fitted."""
+
+
+def fit(
+    moments: Sequence[Moment],
+    cameras: Sequence[Specification],
+    robust: bool = True,
+    *,
+    starts: Mapping[int, Camera] | None = None,
+) -> RigCalibration:
+    """Fit a rig of cameras to moments.
+
+    Parameters
+    ----------
+    moments
+        Of each pose of the board, held still: the views by the positions of their cameras, in any unit of
+        length, the same for all.
+    cameras
+        For each position the image size and the model to be fitted, or a `Camera` whose intrinsics are held.
+    robust
+        Views that contradict the rig are set aside, and points beyond 4 sigma left out. Otherwise plain least
+        squares over all points, and a view that no camera could have seen raises.
+    starts
+        Cameras that may be near, by position.
+
+    Raises
+    ------
+    CalibrationError
+        As `calibsolver.fit`, the camera named; ``bad_rig`` where cameras or positions make no sense,
+        ``unlinked`` where some cameras share no moment with the others.
+    """
+    moments = [dict(moment) for moment in moments]
+    _check(moments, cameras)
+    with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
+        alone = [_single(moments, i, each, robust, (starts or {}).get(i)) for i, each in enumerate(cameras)]
+        resected = [
+            Resected(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
+            for m, moment in enumerate(moments)
+        ]
+        linked = [m for m, moment in enumerate(resected) if moment.poses]
+        began = rig_start.start([each.camera for each in alone], [resected[m] for m in linked])
+        return _Fit(moments, alone, linked, began, robust).run()
+
+
+def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
+    if not MIN_CAMERAS <= len(cameras) <= MAX_CAMERAS:
+        raise CalibrationError(
+            "bad_rig", f"a rig has {MIN_CAMERAS} to {MAX_CAMERAS} cameras, not {len(cameras)}"
+        )
+    if not 1 <= len(moments) <= MAX_MOMENTS:
+        raise CalibrationError(
+            "no_views", f"a rig is fitted to 1 to {MAX_MOMENTS} moments, not {len(moments)}"
+        )
+    for m, moment in enumerate(moments):
+        for position in moment:
+            if position not in range(len(cameras)):
+                raise CalibrationError(
+                    "bad_rig", f"moment {m} has a view of camera {position}: there are {len(cameras)}"
+                )
+    for position in range(len(cameras)):
+        if not any(position in moment for moment in moments):
+            raise CalibrationError("unlinked", f"camera {position} has no view")
+
+
+@dataclass(frozen=True, eq=False)
+class _Single:
+    """One camera by itself: intrinsics, whether they are held, poses and reasons by moment, px of noise."""
+
+    camera: Camera
+    is_held: bool
+    poses: Mapping[int, RigidMotion]
+    reasons: Mapping[int, str]
+    noise: float
+
+
+def _single(
+    moments: Sequence[Moment], position: int, given: Specification, robust: bool, near: Camera | None
+) -> _Single:
+    """Fit, or resect, the views of one camera; CalibrationError names the camera."""
+    numbers = [m for m, moment in enumerate(moments) if position in moment]
+    views = [moments[m][position] for m in numbers]
+    try:
+        if isinstance(given, Camera):
+            return _resected(given, numbers, views, robust)
+        size, model = given
+        found = single.fit(views, size, model, robust, start=near)
+    except CalibrationError as error:
+        raise CalibrationError(error.code, f"camera {position}: {error.message}") from error
+    poses = {
+        m: RigidMotion.of_vector(pose)
+        for i, (m, pose) in enumerate(zip(numbers, found.poses, strict=True))
+        if i not in found.cut_views
+    }
+    reasons = {numbers[i]: reason for i, reason in found.cut_views.items()}
+    return _Single(found.camera, False, poses, reasons, found.noise)
+
+
+def _resected(camera: Camera, numbers: Sequence[int], views: Sequence[View], robust: bool) -> _Single:
+    """Resect the views of a camera whose intrinsics are held."""
+    usable = [i for i, view in enumerate(views) if len(view) >= MIN_POINTS or not robust]
+    if not usable:
+        raise CalibrationError("too_few_points", f"every view needs {MIN_POINTS} points")
+    obs = check([views[i] for i in usable], camera.img_size)
+    poses, square = resect(models.get(camera.model), camera.intrinsics, obs)
+    count = obs.mask.sum(axis=1)
+    seen = np.isfinite(square)
+    if not seen.any():
+        raise CalibrationError("no_fit", "no view can be explained with the intrinsics given")
+    spread = square[seen] / np.maximum(2 * count[seen] - 6, 1)
+    return _Single(
+        camera,
+        True,
+        {numbers[usable[i]]: RigidMotion(poses.r[i], poses.t[i]) for i in np.flatnonzero(seen).tolist()},
+        {m: "outlier" for i, m in enumerate(numbers) if i not in usable or not seen[usable.index(i)]},
+        float(np.sqrt(np.median(spread))),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """One joint fit: moments, the cameras by themselves, moments that have a pose, the start."""
+
+    given: Sequence[Moment]
+    alone: Sequence[_Single]
+    linked: Sequence[int]
+    began: Start
+    robust: bool
+
+    @cached_property
+    def problem(self) -> RigProblem:
+        """Cameras and observations of the moments that have a pose."""
+        count = len(self.alone)
+        lengths = [max(len(m[i]) for m in self.began.moments if i in m) for i in range(count)]
+        starts = np.cumsum([0, *lengths]).tolist()
+        noises = np.maximum([each.noise for each in self.alone], 1e-12)
+        noises = np.minimum(noises, MAX_NOISE_RATIO * noises.min())
+        common = float(np.exp(np.log(noises).mean())) if self.robust else 1.0
+        members = tuple(
+            Member(
+                models.get(each.camera.model),
+                each.camera.img_size,
+                each.camera.intrinsics if each.is_held else None,
+                slice(starts[i], starts[i + 1]),
+                common / float(noises[i]) if self.robust else 1.0,
+            )
+            for i, each in enumerate(self.alone)
+        )
+        return RigProblem(members, pack_moments(self.began.moments, lengths))
+
+    @cached_property
+    def mask(self) -> Mask:
+        """Points (m, n) that may take part: of views that could be explained by themselves."""
+        mask = self.problem.obs.mask.copy()
+        for row, m in enumerate(self.linked):
+            for i, member in enumerate(self.problem.members):
+                if m in self.alone[i].reasons:
+                    mask[row, member.slots] = False
+        return mask
+
+    def run(self) -> RigCalibration:
+        """Fit from the start."""
+        problem = self.problem
+        motions = np.array([each.vector() for each in self.began.cameras])
+        k = problem.pack([each.camera.intrinsics for each in self.alone], motions)
+        boards = self.began.boards
+        state = problem.at(
+            k, Poses(np.array([each.r for each in boards]), np.array([each.t for each in boards]))
+        )
+        try:
+            if not self.robust:
+                return self._result(
+                    problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask
+                )
+            state = problem.solve(state, outliers.unit_weights(self.mask), TOWARDS_OPTIMUM)
+            inliers = self._inliers(state, self.mask, outliers.GROSS_OUTLIER_SIGMAS)
+            state, good = self._reject_outliers(state, inliers)
+            if good.any() and not np.array_equal(inliers, good):
+                tails = problem.solve(state, outliers.unit_weights(inliers), Options())
+                ratio = np.mean(tails.square[inliers]) / np.mean(state.square[good])
+                if ratio < MAX_TAIL_RMS_RATIO**2:
+                    state, good = tails, inliers
+            return self._result(state, good)
+        except np.linalg.LinAlgError:
+            raise CalibrationError("not_believable", "the moments leave the rig undetermined") from None
+
+    def _inliers(self, state: State, among: Mask, sigmas: float) -> Mask:
+        """Inlier mask (m, n): a view most of whose points lie beyond so many `sigmas` is left out whole.
+
+        Of the others single points are left out only from MIN_OUTLIER_WIDTHS on: what a detector finds has
+        tails, and they hardly move a rig.
+        """
+        near = outliers.near_points(state, self.mask, among, sigmas, self.problem.width)
+        if near is self.mask:
+            return near
+        good = near | (self.mask & (state.square < (MIN_OUTLIER_WIDTHS * self.problem.width) ** 2))
+        for member in self.problem.members:
+            kept = near[:, member.slots].sum(axis=1)
+            there = self.mask[:, member.slots].sum(axis=1)
+            good[:, member.slots] &= (kept >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there))[
+                :, None
+            ]
+        return good
+
+    def _reject_outliers(self, state: State, inliers: Mask) -> tuple[State, Mask]:
+        """Fit by least squares and reject outliers in turn, from the mask `inliers` (m, n) on."""
+        good = inliers
+        for _ in range(MAX_REJECTIONS):
+            self._check_links(good)
+            state = self.problem.solve(state, outliers.unit_weights(good), Options())
+            previous, good = good, self._inliers(state, good, outliers.OUTLIER_SIGMAS)
+            if np.array_equal(previous, good):
+                return state, good
+        return state, previous
+
+    def _check_links(self, good: Mask) -> None:
+        """Raise CalibrationError where what is left does not link the cameras."""
+        seen = np.stack([good[:, member.slots].any(axis=1) for member in self.problem.members], axis=1)
+        reached = {0}
+        for _ in seen.T:
+            linked = seen[seen[:, sorted(reached)].any(axis=1)].any(axis=0)
+            reached |= set(np.flatnonzero(linked).tolist())
+        lost = [i for i in range(seen.shape[1]) if i not in reached]
+        if lost:
+            raise CalibrationError(
+                "unlinked", f"what camera {lost[0]} saw contradicts the others: too few moments are left"
+            )
+
+    def _result(self, state: State, good: Mask) -> RigCalibration:
+        """Describe the optimum; `good` (m, n) are the points that took part."""
+        if not state.converged:
+            raise CalibrationError(
+                "not_converged", "the fit did not settle: the moments contradict each other"
+            )
+        problem, obs = self.problem, self.problem.obs
+        cameras = tuple(problem.camera(state.k, i) for i in range(len(self.alone)))
+        self._check_domain(cameras, state, good)
+        used = 2 * float(good.sum())
+        unknowns = problem.size + 6 * float(good.any(axis=1).sum())
+        sigma = float(np.sqrt(state.square[good].sum() / max(used - unknowns, 0.1 * used, 1.0)))
+        sigma = max(sigma, levenberg_marquardt.ROUNDOFF * problem.width)
+        believed = problem.prior_information(state.k) * max(sigma, 1e-5 * problem.width) ** 2
+        poses = problem.camera_poses(state.k)
+        taken = np.flatnonzero(good.any(axis=1))
+        rows = (state.rows * good)[:, :, taken]
+        boards = Poses(state.poses.r[taken], state.poses.t[taken])
+        image = problem.members[0]
+        labels = robust_covariance.same_pose_labels(
+            boards,
+            Observations(obs.points[taken], obs.pixels[taken], obs.mask[taken]),
+            good[taken],
+            float(image.model.focal(problem.intrinsics(state.k, 0))[0]) / image.img_size[0],
+        )
+        distances = transfer.working_distances(problem, state, good)
+        jacobian = transfer.jacobian(problem, state.k, distances)
+        metric = transfer.metric(jacobian, rows)
+        evidence = robust_covariance.Evidence.of(rows, boards, labels, metric)
+        spread = robust_covariance.estimate(evidence, sigma, believed)
+        if not np.isfinite(spread.covariance).all():
+            raise CalibrationError("not_believable", "the fit has no finite error")
+        square = np.where(obs.mask, state.square, 0.0)
+        for member in problem.members:
+            square[:, member.slots] /= member.weight**2
+        aside = self._set_aside(good)
+        left = self._explained(square, aside)
+        board_poses = np.full((len(self.given), 6), np.nan)
+        board_poses[list(self.linked)] = np.concatenate([vector(state.poses.r), state.poses.t], axis=1)
+        return RigCalibration(
+            cameras=cameras,
+            poses=frozen(poses),
+            board_poses=frozen(board_poses),
+            rms=float(np.sqrt(square[left].sum() / max(left.sum(), 1))),
+            view_errors=self._view_errors(square),
+            covariance=frozen(self._all_intrinsics(spread.covariance)),
+            noise=sigma,
+            inflation=spread.inflation,
+            uncertainty=transfer.uncertainty(problem, state.k, jacobian, spread.covariance, distances),
+            set_aside=aside,
+            turned=tuple((self.linked[row], position) for row, position in self.began.turned),
+        )
+
+    def _check_domain(self, cameras: Sequence[Camera], state: State, good: Mask) -> None:
+        """Raise CalibrationError where many points lie where a camera's model is not one-to-one."""
+        in_rig, vectors = (
+            state.poses.camera_points(self.problem.obs.points),
+            self.problem.camera_poses(state.k),
+        )
+        for i, (camera, member) in enumerate(zip(cameras, self.problem.members, strict=True)):
+            p = RigidMotion.of_vector(vectors[i])(in_rig[:, :, member.slots].transpose(0, 2, 1))
+            seen = camera.valid(p)[good[:, member.slots]]
+            if seen.size and np.mean(~seen) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN:
+                raise CalibrationError("not_believable", f"camera {i}: its points lie where the model folds")
+
+    def _set_aside(self, good: Mask) -> dict[tuple[int, int], str]:
+        """Reasons why views are wholly left out, by (moment, position)."""
+        reasons = {(m, i): why for i, each in enumerate(self.alone) for m, why in each.reasons.items()}
+        for row, m in enumerate(self.linked):
+            for i in self.given[m]:
+                if not good[row, self.problem.members[i].slots].any():
+                    reasons.setdefault((m, i), "contradicts")
+        return reasons
+
+    def _explained(self, square: Array, aside: Mapping[tuple[int, int], str]) -> Mask:
+        """Mask (m, n) of the points given, but for those of views set aside, which have no board pose."""
+        left = self.problem.obs.mask & np.isfinite(square)
+        for row, m in enumerate(self.linked):
+            for i, member in enumerate(self.problem.members):
+                if (m, i) in aside:
+                    left[row, member.slots] = False
+        return left
+
+    def _view_errors(self, square: Array) -> dict[tuple[int, int], float]:
+        """Rms, px, of each view under the rig, by (moment, position)."""
+        errors = {}
+        for row, m in enumerate(self.linked):
+            for i in self.given[m]:
+                part = self.problem.members[i].slots
+                errors[m, i] = float(
+                    np.sqrt(square[row, part].sum() / self.problem.obs.mask[row, part].sum())
+                )
+        return errors
+
+    def _all_intrinsics(self, covariance: Array) -> Array:
+        """Covariance (q, q) with rows and columns of 0 for intrinsics that are held."""
+        held = [np.full(member.model.size, member.held is not None) for member in self.problem.members]
+        free = np.flatnonzero(~np.concatenate([*held, np.zeros(6 * (len(held) - 1), dtype=bool)]))
+        out = np.zeros((sum(map(len, held)) + 6 * (len(held) - 1),) * 2)
+        out[np.ix_(free, free)] = covariance
+        return out

@@ -1,0 +1,214 @@
+"""Least squares of a rig: one board pose for each moment, seen by cameras that do not move to each other.
+
+The unknowns that all moments share are the intrinsics of the cameras that are free, one after the other, and
+then the poses rvec|tvec of cameras 1, 2, ... The points of one moment in all cameras are one row of padded
+arrays: each camera has its own columns in it, its slots, so that the solver of one camera does for rigs.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .. import rotation
+from ..arrays import Array, Mask
+from ..camera import Camera
+from ..fitting import prior
+from ..fitting.levenberg_marquardt import LeastSquares, State
+from ..fitting.normal_equations import POSE_SIZE, Poses
+from ..fitting.observations import Observations
+from ..models import Model
+from ..view import View
+
+Moment = Mapping[int, View]
+"""Views of one still board pose, by the positions of their cameras."""
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """One camera of a rig as the solver sees it.
+
+    Attributes
+    ----------
+    model, img_size
+        Camera model, and width and height in px.
+    held
+        (p,) intrinsics that are known; None: they are fitted.
+    slots
+        Columns of the padded arrays that hold its points.
+    weight
+        Noise of the rig / noise of this camera: what its residuals are multiplied by.
+    """
+
+    model: Model
+    img_size: tuple[int, int]
+    held: Array | None
+    slots: slice
+    weight: float = 1.0
+
+    @property
+    def free_size(self) -> int:
+        """Number of intrinsics that are fitted."""
+        return 0 if self.held is not None else self.model.size
+
+
+@dataclass(frozen=True, eq=False)
+class RigProblem(LeastSquares):
+    """Cameras of a rig to be fitted to moments.
+
+    Attributes
+    ----------
+    members
+        The cameras, by position.
+    obs
+        Points (m, 3, n) and pixels (m, 2, n) of all moments; each camera's in its slots.
+    """
+
+    members: tuple[Member, ...]
+    obs: Observations
+
+    @property
+    def width(self) -> int:
+        """Width of the widest image, px."""
+        return max(member.img_size[0] for member in self.members)
+
+    @cached_property
+    def offsets(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Places of each camera's intrinsics and of its pose among the shared unknowns; camera 0 has none."""
+        sizes = [member.free_size for member in self.members]
+        total, count = sum(sizes), len(sizes)
+        first = tuple(int(n) for n in np.cumsum([0, *sizes])[:-1])
+        return first, (-1, *(total + POSE_SIZE * i for i in range(count - 1)))
+
+    @property
+    def size(self) -> int:
+        """Number of shared unknowns, p."""
+        return sum(member.free_size for member in self.members) + POSE_SIZE * (len(self.members) - 1)
+
+    def pack(self, intrinsics: Sequence[Array], poses: Array) -> Array:
+        """Shared unknowns (p,) of the cameras' intrinsics and of their poses (c, 6)."""
+        free = [k for k, member in zip(intrinsics, self.members, strict=True) if member.held is None]
+        return np.concatenate([*free, poses[1:].reshape(-1)])
+
+    def intrinsics(self, k: Array, position: int) -> Array:
+        """Intrinsics of one camera at shared unknowns k (p,)."""
+        member, start = self.members[position], self.offsets[0][position]
+        return k[start : start + member.model.size] if member.held is None else member.held
+
+    def camera_poses(self, k: Array) -> Array:
+        """Poses (c, 6) rvec|tvec, camera 0 -> camera i, at shared unknowns k (p,)."""
+        count = POSE_SIZE * (len(self.members) - 1)
+        tail = k[len(k) - count :].reshape(-1, POSE_SIZE)
+        return np.concatenate([np.zeros((1, POSE_SIZE)), tail])
+
+    def camera(self, k: Array, position: int) -> Camera:
+        """One camera at shared unknowns k (p,)."""
+        member = self.members[position]
+        return Camera.from_intrinsics(member.model.name, self.intrinsics(k, position), member.img_size)
+
+    def is_feasible(self, k: Array) -> bool:
+        """Whether every camera has a picture at all with the shared unknowns k (p,)."""
+        every = [(member.model, self.intrinsics(k, i)) for i, member in enumerate(self.members)]
+        return all(x[0] > 0 and x[1] > 0 and model.magnification(x[4:])[0] > 0 for model, x in every)
+
+    def at(self, k: Array, poses: Poses) -> State:
+        """Linearize at given shared unknowns (p,) and board poses, board -> camera 0."""
+        mask, size = self.obs.mask, self.size
+        rows = np.zeros((size + POSE_SIZE + 1, 2, *mask.shape))
+        rotated = poses.r @ self.obs.points
+        in_rig = rotated + poses.t[:, :, None]
+        vectors = self.camera_poses(k)
+        for i, member in enumerate(self.members):
+            part = member.slots
+            r, t = rotation.matrix(vectors[i, :3]), vectors[i, 3:]
+            turned = r @ in_rig[:, :, part]
+            p = (turned + t[:, None]).transpose(1, 0, 2)
+            q, by_k, by_p = member.model.jacobian(self.intrinsics(k, i), p)
+            if member.held is None:
+                first = self.offsets[0][i]
+                rows[first : first + member.model.size, :, :, part] = by_k
+            by_rig = np.tensordot(r.T, by_p, 1)
+            rows[size + 3 : size + 6, :, :, part] = by_rig
+            rows[size : size + 3, :, :, part] = cross(rotated[:, :, part].transpose(1, 0, 2), by_rig)
+            if i:
+                first = self.offsets[1][i]
+                by_turn = cross(turned.transpose(1, 0, 2), by_p)
+                rows[first : first + 3, :, :, part] = np.tensordot(
+                    left_jacobian(vectors[i, :3]).T, by_turn, 1
+                )
+                rows[first + 3 : first + 6, :, :, part] = by_p
+            np.subtract(q, self.obs.pixels[:, :, part].transpose(1, 0, 2), out=rows[-1, :, :, part])
+            if member.weight != 1:
+                rows[:, :, :, part] *= member.weight
+        if not mask.all():
+            rows = np.where(mask, rows, 0.0)
+        r, j = self._prior(k)
+        return State(k, poses, rows, rows[-1, 0] ** 2 + rows[-1, 1] ** 2, r, j)
+
+    def residuals(self, k: Array, poses: Poses) -> Array:
+        """Compute the weighted residuals (2, m, n) at given shared unknowns (p,) and board poses, px."""
+        in_rig, vectors = poses.camera_points(self.obs.points), self.camera_poses(k)
+        out = np.empty((2, *self.obs.mask.shape))
+        for i, member in enumerate(self.members):
+            part = member.slots
+            p = rotation.matrix(vectors[i, :3]) @ in_rig[:, :, part] + vectors[i, 3:, None]
+            q = member.model.project(self.intrinsics(k, i), p.transpose(1, 0, 2))
+            out[:, :, part] = (q - self.obs.pixels[:, :, part].transpose(1, 0, 2)) * member.weight
+        return np.where(self.obs.mask, out, 0.0)
+
+    def prior_information(self, k: Array) -> Array:
+        """Information (p, p) of the prior of the free intrinsics."""
+        _, j = self._prior(k)
+        m: Array = j.T @ j
+        return m
+
+    def _prior(self, k: Array) -> tuple[Array, Array]:
+        """Whitened residuals (m,) of the prior of the free intrinsics, and their Jacobian (m, p)."""
+        residuals, jacobians = [np.zeros(0)], [np.zeros((0, self.size))]
+        for i, member in enumerate(self.members):
+            if member.held is None:
+                r, j = prior.residuals(member.model, self.intrinsics(k, i), member.img_size)
+                wide = np.zeros((len(r), self.size))
+                wide[:, self.offsets[0][i] : self.offsets[0][i] + member.model.size] = j
+                residuals.append(r)
+                jacobians.append(wide)
+        return np.concatenate(residuals), np.concatenate(jacobians)
+
+
+def pack_moments(moments: Sequence[Moment], lengths: Sequence[int]) -> Observations:
+    """Pack moments: camera i has `lengths[i]` columns, padded where it saw less, or nothing."""
+    total, count = sum(lengths), len(moments)
+    points, pixels = np.zeros((count, 3, total)), np.zeros((count, 2, total))
+    mask: Mask = np.zeros((count, total), dtype=bool)
+    starts = np.cumsum([0, *lengths])
+    for m, moment in enumerate(moments):
+        points[m] = next(iter(moment.values())).object_points[0][:, None]
+        for position, view in moment.items():
+            part = slice(starts[position], starts[position] + len(view))
+            points[m, :, part], pixels[m, :, part] = view.object_points.T, view.image_points.T
+            mask[m, part] = True
+    return Observations(points, pixels, mask)
+
+
+def left_jacobian(rvec: Array) -> Array:
+    """Left Jacobian J (3, 3) of a rotation vector: matrix(r + d) = matrix(J d) matrix(r) to first order."""
+    angle2 = float(rvec @ rvec)
+    angle = np.sqrt(angle2)
+    k = rotation.skew(rvec)
+    if angle < 1e-4:
+        small: Array = np.eye(3) + k / 2 + k @ k / 6
+        return small
+    a, b = (1 - np.cos(angle)) / angle2, (angle - np.sin(angle)) / (angle2 * angle)
+    out: Array = np.eye(3) + a * k + b * (k @ k)
+    return out
+
+
+def cross(p: Array, b: Array) -> Array:
+    """Products p x b (3, 2, ...) of points (3, ...) and derivatives by a point (3, 2, ...).
+
+    b . (w x p) = w . (p x b) is what a small turn w of the point does.
+    """
+    x, y, z = p
+    bx, by, bz = b
+    return np.stack([y * bz - z * by, z * bx - x * bz, x * by - y * bx])

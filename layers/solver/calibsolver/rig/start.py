@@ -1,0 +1,258 @@
+"""Start of a rig's fit: relative poses of the cameras by robust averaging over moments.
+
+Each moment that two cameras share gives their relative pose. One view may show the board turned: a plain
+chessboard looks the same after half a turn, a square one after a quarter, and a detector numbers its corners
+from whichever corner comes first. So each moment's relative pose is a hypothesis; the one that explains the
+other moments best, their views turned where that explains them better, is averaged with those that agree
+(hypothesize and verify, as RANSAC does; the chordal mean of rotations: Hartley et al., "Rotation averaging",
+2013). A maximum spanning tree of shared moments leads from camera 0 to all the others.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import rotation
+from ..arrays import Array, IntArray
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..fitting.observations import Observations
+from ..view import View
+from .problem import Moment
+
+MAX_HYPOTHESES = 40
+"""Relative poses of a pair of cameras that are tried, at most."""
+MAX_START_ERROR_WIDTHS = 0.04
+"""Distance of points / image width from which it does not matter how far away they are."""
+MIN_TURN_GAIN = 3.0
+"""Error of a view as it came / error of it turned from which it is taken for turned."""
+SQUARE_RATIO = 1e-3
+"""Relative difference of a board's sides below which a quarter turn leaves it the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class RigidMotion:
+    """Rotation (3, 3) and translation (3,): x -> r x + t."""
+
+    r: Array
+    t: Array
+
+    @classmethod
+    def of_vector(cls, rt: Array) -> "RigidMotion":
+        """Motion of (6,) rvec|tvec."""
+        return cls(rotation.matrix(rt[:3]), np.asarray(rt[3:], dtype=np.float64))
+
+    def vector(self) -> Array:
+        """(6,) rvec|tvec."""
+        return np.concatenate([rotation.vector(self.r), self.t])
+
+    def __matmul__(self, other: "RigidMotion") -> "RigidMotion":
+        return RigidMotion(self.r @ other.r, self.r @ other.t + self.t)
+
+    def inverse(self) -> "RigidMotion":
+        """Motion back."""
+        return RigidMotion(self.r.T, -self.r.T @ self.t)
+
+    def __call__(self, points: Array) -> Array:
+        """Points (n, 3) after the motion."""
+        moved: Array = points @ self.r.T + self.t
+        return moved
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Relative poses of the cameras, and the moments as they are believed to be.
+
+    Attributes
+    ----------
+    cameras
+        Motions camera 0 -> camera i.
+    boards
+        Motions board -> camera 0 of each moment.
+    moments
+        The moments with turned views turned back.
+    turned
+        (moment, position) of the views that were turned back.
+    """
+
+    cameras: tuple[RigidMotion, ...]
+    boards: tuple[RigidMotion, ...]
+    moments: tuple[Moment, ...]
+    turned: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Resected:
+    """A moment's views with the pose of the board in each camera alone (position -> motion)."""
+
+    views: Moment
+    poses: Mapping[int, RigidMotion]
+
+
+def start(cameras: Sequence[Camera], moments: Sequence[Resected]) -> Start:
+    """Find the relative poses of `cameras`, which are nearly known, from moments.
+
+    Raises CalibrationError ``unlinked`` where some cameras share no moment with the others, directly or by
+    way of third ones.
+    """
+    turns = symmetries([view for moment in moments for view in moment.views.values()])
+    links = _links(moments)
+    to_rig = {0: RigidMotion(np.eye(3), np.zeros(3))}
+    while len(to_rig) < len(cameras):
+        reachable = {pair: n for pair, n in links.items() if (pair[0] in to_rig) != (pair[1] in to_rig)}
+        if not reachable:
+            lost = ", ".join(str(i) for i in range(len(cameras)) if i not in to_rig)
+            raise CalibrationError(
+                "unlinked",
+                f"camera {lost} never sees the board together with another camera that camera 0 is linked to",
+            )
+        pair = max(reachable, key=lambda each: (reachable[each], (-each[0], -each[1])))
+        known, new = pair if pair[0] in to_rig else pair[::-1]
+        to_rig[new] = _relative_pose(cameras, known, new, moments, turns) @ to_rig[known]
+    motions = tuple(to_rig[i] for i in range(len(cameras)))
+    settled = [_settle(cameras, motions, moment, turns) for moment in moments]
+    return Start(
+        motions,
+        tuple(board for board, _, _ in settled),
+        tuple(views for _, views, _ in settled),
+        tuple((m, position) for m, (_, _, turned) in enumerate(settled) for position in turned),
+    )
+
+
+def symmetries(views: Sequence[View]) -> tuple[RigidMotion, ...]:
+    """Find the turns of the board about its middle that leave its lattice the same, the identity first."""
+    points = np.concatenate([view.object_points for view in views])
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, (width, height, _) = (low + high) / 2, high - low
+    quarters = (0, 1, 2, 3) if abs(width - height) < SQUARE_RATIO * max(width, height) else (0, 2)
+    turns = []
+    for quarter in quarters:
+        r = np.round(rotation.matrix(np.array([0.0, 0.0, quarter * np.pi / 2])))
+        turns.append(RigidMotion(r, middle - r @ middle))
+    return tuple(turns)
+
+
+def turn_back(view: View, turn: RigidMotion) -> View:
+    """View of the board turned: each pixel belongs to the point that the turn leads to."""
+    return View(turn(view.object_points), view.image_points)
+
+
+def _links(moments: Sequence[Resected]) -> dict[tuple[int, int], int]:
+    """Count the moments that each pair of cameras shares."""
+    links: dict[tuple[int, int], int] = {}
+    for moment in moments:
+        seen = sorted(moment.poses)
+        for a in range(len(seen)):
+            for b in range(a + 1, len(seen)):
+                links[seen[a], seen[b]] = links.get((seen[a], seen[b]), 0) + 1
+    return links
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Views of one camera as padded arrays, under each turn of the board.
+
+    Attributes
+    ----------
+    points
+        (s, m, 3, n) board frame, of each of the turns.
+    pixels
+        (m, 2, n) px, NaN where there is none.
+    """
+
+    camera: Camera
+    points: Array
+    pixels: Array
+
+    @classmethod
+    def of(cls, camera: Camera, views: Sequence[View], turns: Sequence[RigidMotion]) -> "_Seen":
+        """Pack views of one camera."""
+        obs = Observations.of(views)
+        pixels = np.where(obs.mask[:, None], obs.pixels, np.nan)
+        turned = [turn.r @ obs.points + turn.t[:, None] for turn in turns]
+        return cls(camera, np.stack(turned), pixels)
+
+    def errors(self, boards: Sequence[RigidMotion]) -> tuple[Array, IntArray]:
+        """Median distance (m,), px, between each view and its prediction, and the turn (m,) that makes it so.
+
+        Infinite where half of the points cannot be seen; boards are in the camera's frame.
+        """
+        r, t = np.stack([each.r for each in boards]), np.stack([each.t for each in boards])
+        p = r @ self.points + t[:, :, None]
+        seen = self.camera.project(p.transpose(0, 1, 3, 2)).transpose(0, 1, 3, 2)
+        distance = np.linalg.norm(seen - self.pixels, axis=2)
+        distance = np.sort(np.where(np.isfinite(distance), distance, np.inf), axis=2)
+        middle = np.isfinite(self.pixels[:, 0]).sum(axis=1) // 2
+        medians = np.take_along_axis(distance, middle[None, :, None], axis=2)[:, :, 0]
+        best = np.argmin(medians, axis=0)
+        errors = medians.min(axis=0)
+        best[~(errors * MIN_TURN_GAIN < medians[0])] = 0
+        return np.where(best > 0, errors, medians[0]), best
+
+
+def _relative_pose(
+    cameras: Sequence[Camera],
+    one: int,
+    other: int,
+    moments: Sequence[Resected],
+    turns: Sequence[RigidMotion],
+) -> RigidMotion:
+    """Pose camera `one` -> camera `other` that most of the moments they share agree on."""
+    shared = [moment for moment in moments if one in moment.poses and other in moment.poses]
+    seen = _Seen.of(cameras[other], [moment.views[other] for moment in shared], turns)
+    width = cameras[other].img_size[0]
+    tried = []
+    for hypothesis in shared[:: -(-len(shared) // MAX_HYPOTHESES)]:
+        relative = hypothesis.poses[other] @ hypothesis.poses[one].inverse()
+        errors, turned = seen.errors([relative @ moment.poses[one] for moment in shared])
+        cost = float(np.minimum(errors, MAX_START_ERROR_WIDTHS * width).sum())
+        tried.append((cost, relative, errors, turned))
+    _, relative, errors, turned = min(tried, key=lambda each: each[0])
+    near = max(2 * float(np.median(errors)), 1e-3 * width)
+    agreed = [
+        moment.poses[other] @ turns[turn].inverse() @ moment.poses[one].inverse()
+        for moment, turn, error in zip(shared, turned.tolist(), errors.tolist(), strict=True)
+        if error <= near
+    ]
+    if not agreed:
+        return relative
+    r = rotation.nearest(np.sum([each.r for each in agreed], axis=0))
+    return RigidMotion(r, np.median([each.t for each in agreed], axis=0))
+
+
+def _settle(
+    cameras: Sequence[Camera],
+    motions: Sequence[RigidMotion],
+    moment: Resected,
+    turns: Sequence[RigidMotion],
+) -> tuple[RigidMotion, Moment, tuple[int, ...]]:
+    """Board pose of a moment in camera 0's frame, its views turned back, and which of them were turned.
+
+    The view with which most of the others agree says where the board is. The fewest turns are believed; of
+    two views either of which may be turned, the one that shows the board upright is as it should be.
+    """
+    packed = {i: _Seen.of(cameras[i], [view], turns) for i, view in moment.views.items()}
+    best: tuple[tuple[float, ...], RigidMotion, dict[int, int]] | None = None
+    for reference, pose in moment.poses.items():
+        board = motions[reference].inverse() @ pose
+        cost, labels = 0.0, {}
+        for position, seen in packed.items():
+            width = cameras[position].img_size[0]
+            errors, turn = seen.errors([motions[position] @ board])
+            cost += min(float(errors[0]) / width, MAX_START_ERROR_WIDTHS)
+            if errors[0] < MAX_START_ERROR_WIDTHS * width:
+                labels[position] = int(turn[0])
+        turned = sum(turn > 0 for turn in labels.values())
+        upright = pose.r[0, 0] + pose.r[1, 1]
+        rank = (-len(labels), turned, -round(upright) if turned else 0, cost, reference)
+        if best is None or rank < best[0]:
+            best = rank, board, labels
+    if best is None:
+        raise CalibrationError("degenerate", "a moment has no view of which the pose is known")
+    _, board, labels = best
+    views = {
+        position: turn_back(view, turns[labels[position]]) if labels.get(position) else view
+        for position, view in moment.views.items()
+    }
+    return board, views, tuple(position for position, turn in labels.items() if turn)

@@ -1,0 +1,116 @@
+"""Synthetic rigs: cameras of known intrinsics and poses, and moments that they see."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibsolver import Board, Camera, View, rotation
+from calibsolver.arrays import Array
+from calibsolver.rig.start import RigidMotion
+
+MIN_SEEN = 12
+"""Corners of a view, at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """Cameras and their motions, camera 0 -> camera i, board units."""
+
+    cameras: Sequence[Camera]
+    motions: Sequence[RigidMotion]
+
+    def see(self, board: Board, pose: RigidMotion, noise: float, rng: np.random.Generator) -> dict[int, View]:
+        """Views of a board at `pose`, board -> camera 0, of the cameras that see enough of it."""
+        moment = {}
+        for i, (camera, motion) in enumerate(zip(self.cameras, self.motions, strict=True)):
+            seen = project(camera, (motion @ pose)(board.points))
+            w, h = camera.img_size
+            inside = ((seen > 2) & (seen < (w - 3, h - 3))).all(axis=1)
+            if inside.sum() >= MIN_SEEN:
+                ids = np.flatnonzero(inside)
+                moment[i] = board.view(ids, seen[ids] + rng.normal(0, noise, (len(ids), 2)))
+        return moment
+
+
+def project(camera: Camera, points: Array) -> Array:
+    """Pixels (n, 2) of points (n, 3); -1 where the board is not in front or faces away."""
+    return np.nan_to_num(camera.project(points), nan=-1.0, posinf=-1.0, neginf=-1.0)
+
+
+def placed(centre: Sequence[float], turn: Sequence[float]) -> RigidMotion:
+    """Motion camera 0 -> a camera with this centre, turned by a rotation vector, both in camera 0's frame."""
+    r = rotation.matrix(np.asarray(turn, dtype=np.float64)).T
+    return RigidMotion(r, -r @ np.asarray(centre, dtype=np.float64))
+
+
+def side_by_side(cameras: Sequence[Camera], baseline: float) -> Rig:
+    """Rig of cameras on a line, `baseline` board units apart, each turned a little."""
+    motions = [
+        placed((i * baseline, 0.02 * i, 0), (0.01 * i, -0.02 * i, 0.005 * i)) for i in range(len(cameras))
+    ]
+    return Rig(cameras, motions)
+
+
+def ring(cameras: Sequence[Camera], radius: float) -> Rig:
+    """Rig of cameras on a circle, looking outwards."""
+    step = 2 * np.pi / len(cameras)
+    motions = [
+        placed((radius * np.sin(i * step), 0, radius * (np.cos(i * step) - 1)), (0, i * step, 0))
+        for i in range(len(cameras))
+    ]
+    return Rig(cameras, motions)
+
+
+def moments(
+    rig: Rig, board: Board, count: int, noise: float, rng: np.random.Generator, shared: int = 2
+) -> list[dict[int, View]]:
+    """Moments of boards held at random before each camera in turn, seen by `shared` cameras at least."""
+    found: list[dict[int, View]] = []
+    middle = board.points.mean(axis=0)
+    while len(found) < count:
+        which = len(found) % len(rig.cameras)
+        camera = rig.cameras[which]
+        w, h = camera.img_size
+        pixel = rng.uniform((0.1 * w, 0.15 * h), (0.9 * w, 0.85 * h))
+        ray = camera.unproject(pixel[None])[0]
+        distance = rng.uniform(0.8, 1.6) * board.size[0] * camera.focal[0] / w
+        tilt = rotation.matrix(np.append(rng.uniform(-0.6, 0.6, 2), rng.uniform(-0.3, 0.3)))
+        r = rotation.rotation_to_ray(ray[None])[0] @ tilt
+        before = RigidMotion(r, distance * ray - r @ middle)
+        moment = rig.see(board, rig.motions[which].inverse() @ before, noise, rng)
+        if len(moment) >= shared:
+            found.append(moment)
+    return found
+
+
+def transfer_error(
+    truth: Rig, found: Rig, distances: Sequence[float], grid: tuple[int, int] = (12, 9)
+) -> float:
+    """Rms distance, px, between points of one camera in another: where they are, and where `found` has them.
+
+    Over all ordered pairs, of pixels on a grid that land in the other image, at a distance along the ray.
+    """
+    squares = []
+    for i, one in enumerate(found.cameras):
+        w, h = one.img_size
+        x, y = np.meshgrid(
+            (np.arange(grid[0]) + 0.5) * w / grid[0] - 0.5, (np.arange(grid[1]) + 0.5) * h / grid[1] - 0.5
+        )
+        pixels = np.stack([x.ravel(), y.ravel()], axis=1)
+        for j, other in enumerate(found.cameras):
+            if i == j:
+                continue
+            seen = [
+                rig.cameras[j].project(
+                    (rig.motions[j] @ rig.motions[i].inverse())(
+                        distances[i] * rig.cameras[i].unproject(pixels)
+                    )
+                )
+                for rig in (truth, found)
+            ]
+            size = np.asarray(other.img_size) - 1
+            inside = ((seen[1] > 0) & (seen[1] < size)).all(axis=1) & np.isfinite(seen[0]).all(axis=1)
+            if inside.sum() >= 3:
+                squares.append(((seen[0] - seen[1])[inside] ** 2).sum(axis=1))
+    return float(np.sqrt(np.concatenate(squares).mean()))
