@@ -13,6 +13,7 @@ const BASE = new URL("./", location.href);
 const SHELL = new URL("shell.json", BASE).href;
 const CACHE = "calibdb";
 const DEVELOPED = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
+const LANGUAGE = /^(de|uk)\//; // folders of pages
 const DETECTING = /\/(calibrate|photos|ar)\/$/;
 
 /** The file a request is for, "" and "board/" being pages; null where it is none of ours. @param {Request} request */
@@ -55,17 +56,23 @@ async function update() {
   if (!response.ok) return;
   const cache = await caches.open(CACHE);
   const before = await current(cache);
+  const pages = await worker.clients.matchAll({ type: "window", includeUncontrolled: true });
+  /** Pages in English are for everybody, those in another language for who has one of them open. @param {string} name */
+  const isSpoken = (name) => {
+    const folder = LANGUAGE.exec(name)?.[0];
+    return !folder || pages.some((/** @type {{url: string}} */ { url }) => url.startsWith(`${BASE.href}${folder}`));
+  };
   /** @type {Shell} */
   const shell = await response.clone().json();
   if (shell.version !== before?.version) {
-    const now = Object.entries(shell.files).filter(([name]) => !shell.late.includes(name));
+    const now = Object.entries(shell.files).filter(([name]) => !shell.late.includes(name) && isSpoken(name));
     await Promise.all(now.map(([name, hash]) => keep(cache, name, hash)));
     await cache.put(SHELL, response);
     // Pages that are open still go by the list before.
     const wanted = new Set([SHELL, ...[shell, before].flatMap((list) => Object.entries(list?.files ?? {}).map(([name, hash]) => keyOf(name, hash)))]);
     for (const { url } of await cache.keys()) if (!wanted.has(url)) await cache.delete(url);
   }
-  const pages = await worker.clients.matchAll({ type: "window", includeUncontrolled: true });
+  await Promise.all(Object.entries(shell.files).filter(([name]) => LANGUAGE.test(name) && isSpoken(name)).map(([name, hash]) => keep(cache, name, hash)));
   if (pages.some((/** @type {{url: string}} */ { url }) => DETECTING.test(new URL(url).pathname))) {
     await Promise.all(shell.late.map((name) => keep(cache, name, shell.files[name])));
   }

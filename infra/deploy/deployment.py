@@ -20,6 +20,7 @@ from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_temp
 from infra.deploy.prune import prune
 from infra.deploy.site import uploads
 from infra.deploy.steps import Step, Target, steps
+from infra.web_build.site import Options
 
 
 def deploy(target: Target, template: str | None = None, leave_out: Collection[str] = ()) -> None:
@@ -69,7 +70,9 @@ def _do(step: Step, target: Target, source: str) -> None:
             s3, bucket = boto3.client("s3", region), made["WebBucketName"]
             token = page_token.current(made, region, aws.settings(s3, bucket))
             settings = {"api": "/v1", "token": token, "edge_answers": made["EdgeAnswers"]}
-            files = uploads(ROOT / "web", settings, made.get("SecurityContact"), datetime.now(UTC))
+            contact = made.get("SecurityContact")
+            options = Options(made["SiteUrl"])
+            files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)
             print(f"   {aws.upload(s3, bucket, files)} files")
             if made["EdgeAnswers"] == "off":
                 print(f"   {aws.remove_answers(s3, bucket)} answers at the edge removed")

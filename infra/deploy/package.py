@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from infra.local.intrinsics import parse_text
+from infra.web_build.site import page_keys
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
@@ -120,9 +121,8 @@ def _inline_function(match: re.Match[str]) -> str:
 
 def _pages() -> list[str]:
     """List the folders of the site that hold a page, as they stand in addresses."""
-    web = ROOT / "web"
-    pages = (path.parent.relative_to(web).as_posix() for path in web.rglob("index.html"))
-    return sorted("/" if page == "." else f"/{page}/" for page in pages if not page.startswith("vendor"))
+    index = "index.html"
+    return sorted(f"/{key.removesuffix(index)}" for key in page_keys() if key.endswith(index))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -12,6 +12,7 @@ from datetime import datetime, timedelta
 from pathlib import Path
 
 from infra.local.pages import media_type
+from infra.web_build import site
 from infra.web_build.precache_manifest import shell_of
 
 # What others made, under a name that changes with its content, is kept for good. Everything else the edge
@@ -38,7 +39,11 @@ class Upload:
 
 
 def uploads(
-    web: Path, settings: Mapping[str, str], contact: str | None = None, now: datetime | None = None
+    web: Path,
+    settings: Mapping[str, str],
+    contact: str | None = None,
+    now: datetime | None = None,
+    options: site.Options | None = None,
 ) -> Iterator[Upload]:
     """Yield everything to upload, pages last: what they load is there before them; then the list of it all.
 
@@ -50,12 +55,14 @@ def uploads(
         What `/config.json` says: `api`, `token`.
     contact, now
         Where to report a vulnerability, and the time; without both there is no `security.txt`.
+    options
+        What the pages say about the deployment.
     """
     files = {
         path.relative_to(web).as_posix(): path.read_bytes()
         for path in sorted(web.rglob("*"))
         if path.is_file() and not path.name.endswith(_EXCLUDED_SUFFIXES)
-    }
+    } | dict(site.made_files(web, options))
     vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})}/"
     digests: dict[str, str] = {}
     for key in sorted(files, key=lambda key: (key.endswith(".html"), key)):

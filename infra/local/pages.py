@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
 import mimetypes
 import os
+from collections.abc import Mapping
+from http import HTTPStatus
 from pathlib import Path
 from typing import Any
 
-from starlette.responses import FileResponse, Response
-from starlette.staticfiles import StaticFiles
+from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.staticfiles import NotModifiedResponse, StaticFiles
 from starlette.types import Scope
+
+from infra.web_build import site
 
 _POLICY = {
     "default-src": "'self'",
@@ -42,13 +50,40 @@ _TYPES = {
 
 
 class Pages(StaticFiles):
-    """The files of one folder and nothing outside of it, `index.html` for folders; GET and HEAD.
+    """The pages made of one folder, and its files, `index.html` for folders; GET and HEAD.
 
     Not compressed: over the loopback interface that costs more time than it saves.
     """
 
     def __init__(self, folder: Path):
         super().__init__(directory=folder, html=True, check_dir=False)
+        self._folder = folder
+        self._made: Mapping[str, bytes] = {}
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """Answer with a file as it is made of its sources now, or as it lies there."""
+        key = scope["path"].removeprefix("/")
+        is_folder = not key or key.endswith("/")
+        if scope["method"] not in ("GET", "HEAD"):
+            return await super().get_response(path, scope)
+        if is_folder or "." not in key or key.endswith(".html") or not self._made:
+            # With each page, not with each of the many files it loads.
+            try:
+                self._made = await run_in_threadpool(site.made_files, self._folder)
+            except site.SiteError as error:
+                return PlainTextResponse(str(error), 500)
+        made = f"{key}index.html" if is_folder else key
+        if made in self._made:
+            return _made_response(made, self._made[made], scope)
+        if f"{key}/index.html" in self._made:
+            query = scope["query_string"].decode("latin-1")
+            return RedirectResponse(f"/{key}/{query and '?'}{query}")
+        try:
+            return await super().get_response(path, scope)
+        except HTTPException as error:
+            if error.status_code != HTTPStatus.NOT_FOUND or "404.html" not in self._made:
+                raise
+            return _made_response("404.html", self._made["404.html"], scope, error.status_code)
 
     def file_response(
         self,
@@ -66,6 +101,14 @@ class Pages(StaticFiles):
         if scope["path"].startswith(SHARED):
             response.headers.update(FOR_EVERYONE)
         return response
+
+
+def _made_response(key: str, content: bytes, scope: Scope, status: int = HTTPStatus.OK) -> Response:
+    tag = f'"{hashlib.sha256(content).hexdigest()[:24]}"'
+    answer = headers(key) | {"content-type": media_type(key), "etag": tag}
+    if status == HTTPStatus.OK and Headers(scope=scope).get("if-none-match") == tag:
+        return NotModifiedResponse(Headers(answer))
+    return Response(content, status, answer)
 
 
 def media_type(path: str) -> str:

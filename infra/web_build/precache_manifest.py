@@ -16,12 +16,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TypedDict
 
+from infra.web_build import site
+
 WEB = Path(__file__).parents[2] / "web"
 # Fetched when a page needs them, not with the first visit: 12 MB, or a script not everybody reads.
 LAZY = re.compile(r"vendor(-[0-9a-f]+)?/(opencv/|font/geologica-cyrillic)")
 SUFFIXES = {".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm"}
 # For who writes applications: of no use without a network, and 3 MB.
-EXCLUDED = re.compile(r"examples/|vendor(-[0-9a-f]+)?/engines/")
+EXCLUDED = re.compile(r"((de|uk)/)?examples/|docs/|vendor(-[0-9a-f]+)?/engines/")
 # Not for pages, or another with every server.
 EXCLUDED_FILES = {"openapi.json", "tsconfig.json", "config.json", "shell.json", "sw.js"}
 
@@ -36,13 +38,13 @@ class Shell(TypedDict):
 
 def shell(folder: Path = WEB) -> Shell:
     """Return the list of the pages' files: path → SHA-256, hexadecimal."""
-    return shell_of(
-        {
-            path.relative_to(folder).as_posix(): _hash(path, *_state(path))
-            for path in sorted(folder.rglob("*"))
-            if path.is_file() and path.suffix in SUFFIXES
-        }
-    )
+    digests = {
+        path.relative_to(folder).as_posix(): _hash(path, *_state(path))
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.suffix in SUFFIXES
+    }
+    made = {key: hashlib.sha256(content).hexdigest() for key, content in site.made_files(folder).items()}
+    return shell_of(dict(sorted((digests | made).items())))
 
 
 def shell_of(digests: Mapping[str, str]) -> Shell:

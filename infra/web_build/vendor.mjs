@@ -68,14 +68,14 @@ function plainSchema(node, named = false) {
   return plain;
 }
 
-/** One variable font: Latin, and Cyrillic that only those load who read it. */
+/** Two variable fonts, for text and for code: Latin, and Cyrillic that only those load who read it. */
 function vendorFont() {
-  const from = `${root}node_modules/@fontsource-variable/geologica/`;
   mkdirSync(`${vendor}font`, { recursive: true });
-  for (const script of ["latin", "cyrillic"]) {
-    copyFileSync(`${from}files/geologica-${script}-wght-normal.woff2`, `${vendor}font/geologica-${script}.woff2`);
+  for (const [name, scripts] of Object.entries({ geologica: ["latin", "cyrillic"], "geist-mono": ["latin"] })) {
+    const from = `${root}node_modules/@fontsource-variable/${name}/`;
+    for (const script of scripts) copyFileSync(`${from}files/${name}-${script}-wght-normal.woff2`, `${vendor}font/${name}-${script}.woff2`);
+    copyFileSync(`${from}LICENSE`, `${vendor}font/${name === "geologica" ? "" : `${name}.`}LICENSE`);
   }
-  copyFileSync(`${from}LICENSE`, `${vendor}font/LICENSE`);
 }
 
 /** The QR encoder. */

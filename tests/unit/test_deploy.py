@@ -41,7 +41,7 @@ def cloud(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 def test_every_file_named_by_another_is_uploaded(site: dict[str, Upload]) -> None:
     static = re.compile(
-        rb"""(?:\bfrom\s+|\bimport\s+|src=|href=|new URL\()["'](\.{1,2}/[^"'?#]*\.[a-z0-9]+)["']"""
+        rb"""(?:\bfrom\s*|\bimport\s*|src=|href=|new URL\()["'](\.{0,2}/[^"'?#]*\.[a-z0-9]+)["']"""
     )
     named = 0
     for key, file in site.items():
@@ -51,7 +51,7 @@ def test_every_file_named_by_another_is_uploaded(site: dict[str, Upload]) -> Non
             line = file.content[: match.start()].rpartition(b"\n")[2]
             if line.lstrip().startswith((b"*", b"//", b"/*")):
                 continue  # of types, in a comment
-            there = posixpath.normpath(posixpath.join(posixpath.dirname(key), match[1].decode()))
+            there = posixpath.normpath(posixpath.join("/", posixpath.dirname(key), match[1].decode()))[1:]
             assert there in site, (key, there)
             named += 1
     assert named > 100

@@ -12,7 +12,8 @@ const names = files("messages/", ".js").map((name) => name.slice(0, -3)).filter(
 const catalogs = Object.fromEntries(await Promise.all(names.map(async (name) =>
   [name, (await import(new URL(`messages/${name}.js`, WEB))).default])));
 const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("messages/") && name !== "lib/i18n.js")
-  .map((name) => readFileSync(new URL(name, WEB), "utf8"));
+  .map((name) => readFileSync(new URL(name, WEB), "utf8"))
+  .concat(readFileSync(new URL("../../infra/web_build/frame.mjs", import.meta.url), "utf8"));
 const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
 /** Parameters of a text: values in braces, children of the element. */
 const needs = (text) => [...new Set(texts(text).flatMap((form) => form.match(/\{\w+\}|<\d>/g) ?? []))].sort();

@@ -1,6 +1,6 @@
 // Address of the capture page: of the capture while it runs, of its result afterwards, so that a reload shows what is there.
 
-import { asked, inLanguage } from "../lib/i18n.js";
+import { inLanguage, language, pageUrl } from "../lib/i18n.js";
 
 /** Fragment of an address that resumes the saved capture. */
 export const RESUME = "#go-on";
@@ -17,24 +17,25 @@ export function captureQuery(parameters) {
   return queryOf(own);
 }
 
+/** This page's address with a query, in the language spoken now. @param {URLSearchParams | string} parameters @param {string} [fragment] */
+const captureAddress = (parameters, fragment = "") =>
+  inLanguage(new URL(CAPTURE_PATH + captureQuery(parameters) + fragment, location.origin).href, language());
+
 /** @param {URLSearchParams} parameters */
 export function showCaptureAddress(parameters) {
-  history.replaceState(null, "", CAPTURE_PATH + queryOf(parameters));
+  history.replaceState(null, "", captureAddress(parameters));
 }
 
 /** @param {URLSearchParams} parameters @param {string | null} id of the result, if it has one */
 export function showResultAddress(parameters, id) {
   if (!id) return;
   const query = new URLSearchParams({ id });
-  for (const name of ["return_to", "lang"]) {
-    const value = parameters.get(name);
-    if (value !== null) query.set(name, value);
-  }
-  history.replaceState(null, "", new URL(`../result/?${query}`, new URL(CAPTURE_PATH, location.origin)));
+  const back = parameters.get("return_to");
+  if (back !== null) query.set("return_to", back);
+  history.replaceState(null, "", pageUrl(`result/?${query}`));
 }
 
 /** Reloads this page with another query, and resumes the capture there. @param {string} query as `captureQuery` gives it */
 export function resumeAt(query) {
-  const [address, language] = [new URL(CAPTURE_PATH + query + RESUME, location.origin).href, asked()];
-  location.assign(language === null ? address : inLanguage(address, language));
+  location.assign(captureAddress(query, RESUME));
 }

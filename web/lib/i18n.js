@@ -10,6 +10,9 @@
 // "{count} views"; one that depends on a number is an object of plural forms, chosen by the value `count`.
 // In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title. Where the element has
 // children of its own, "<0>…</0>" in the text is the first of them, "<1>…</1>" the second.
+//
+// Each page is there in every language, "/board/", "/de/board/", with its texts already in place (infra/web_build/site.mjs).
+// A change of language writes the texts anew where they stand, so that nothing under way is lost, and changes the address.
 
 /**
  * @typedef {"en" | "de" | "uk"} Language
@@ -21,6 +24,8 @@
 export const LANGUAGES = { en: "English", de: "Deutsch", uk: "Українська" };
 const CHOICE = { en: "Language", de: "Sprache", uk: "Мова" };
 const LANGUAGE_KEY = "calibdb.language";
+const ROOT = new URL("../", import.meta.url).pathname; // of the site
+const PREFIX = /^(?:(de|uk)\/)?/; // of an address below it
 const UNIT = /(\d) (?=(?:px|mm|%|s)(?![\p{L}\d]))/gu; // no line ends between a number and its unit
 
 /** @type {Map<string, Catalog>} */
@@ -39,7 +44,7 @@ export function addMessages(named) {
 
 /** The language spoken now. @returns {Language} */
 export function language() {
-  current ??= choose(asked(), keep(), globalThis.navigator?.languages ?? []);
+  current ??= choose(asked() ?? addressLanguage(), keep(), globalThis.navigator?.languages ?? []);
   return current;
 }
 
@@ -57,7 +62,7 @@ export function choose(wanted, kept, preferred) {
 export function setLanguage(chosen) {
   current = chosen;
   keep(chosen);
-  if (asked() !== null) history.replaceState(null, "", inLanguage(location.href, chosen));
+  if (globalThis.location) history.replaceState(history.state, "", inLanguage(location.href, chosen));
   if (globalThis.document) translate(document.documentElement);
   for (const listener of listeners) listener(chosen);
 }
@@ -126,15 +131,18 @@ export function translate(root) {
 
 /** Makes a select the place where the language is chosen. @param {HTMLSelectElement} select */
 export function offerLanguages(select) {
-  select.replaceChildren(...Object.entries(LANGUAGES).map(([code, name]) => {
-    const option = new Option(name, code);
-    option.lang = code;
-    return option;
-  }));
+  if (!select.options.length) {
+    select.replaceChildren(...Object.entries(LANGUAGES).map(([code, name]) => {
+      const option = new Option(name, code);
+      option.lang = code;
+      return option;
+    }));
+  }
   const show = () => {
     select.value = language();
     select.setAttribute("aria-label", CHOICE[language()]);
   };
+  select.dataset.inPlace = "";
   select.addEventListener("change", () => setLanguage(/** @type {Language} */ (select.value)));
   onLanguage(show);
   show();
@@ -162,17 +170,35 @@ function write(element, text) {
   element.replaceChildren(...content);
 }
 
-/** An address that asks for a language. @param {string} address @param {string} language @returns {URL} */
+/** The address of a page in the language spoken now. @param {string} page from the site's root, "board/?squares=8x5" */
+export function pageUrl(page) {
+  return inLanguage(new URL(ROOT + page, globalThis.location?.href ?? import.meta.url).href, language());
+}
+
+/** The address of the same page in another language. @param {string} address @param {Language} language @returns {URL} */
 export function inLanguage(address, language) {
   const there = new URL(address);
-  there.searchParams.set("lang", language);
+  if (!there.pathname.startsWith(ROOT)) return there;
+  there.pathname = ROOT + there.pathname.slice(ROOT.length).replace(PREFIX, language === "en" ? "" : `${language}/`);
+  there.searchParams.delete("lang");
+  // An English address leads to another language whose reader prefers that, unless English was chosen.
+  if (language === "en" && keep() !== "en" && preferred() !== "en") there.searchParams.set("lang", "en");
   return there;
 }
 
-/** The language that the address asks for. */
+/** The language that the address asks for in its query. */
 export function asked() {
   return globalThis.location ? new URLSearchParams(location.search).get("lang") : null;
 }
+
+/** The language whose folder the page lies in; null at English addresses. */
+function addressLanguage() {
+  const path = globalThis.location?.pathname ?? "";
+  return (path.startsWith(ROOT) && PREFIX.exec(path.slice(ROOT.length))?.[1]) || null;
+}
+
+/** The language that the browser prefers. */
+const preferred = () => choose(null, null, globalThis.navigator?.languages ?? []);
 
 /** Keeps the choice, and tells the one kept before. @param {Language} [chosen] @returns {string | null} */
 function keep(chosen) {

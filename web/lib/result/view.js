@@ -1,7 +1,7 @@
 // View of a result: verdict, numbers, plots, downloads.
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
-import { number, onLanguage, sized, t } from "../i18n.js";
+import { number, onLanguage, pageUrl, sized, t } from "../i18n.js";
 import { isKnownModel } from "../../sdk/projection.js";
 import { isVirtual } from "../virtual/name.js";
 import { returnAddress, withResult } from "./return-address.js";
@@ -90,8 +90,8 @@ export class ResultView {
     if (!id) return null;
     const photographs = ["photographs", "video"].includes(platform);
     const query = new URLSearchParams({ camera, ...(photographs ? {} : { img_size: img_size.join("x"), distortion_model }) });
-    const page = new URL(photographs ? "../../photos/" : "../../calibrate/", import.meta.url);
-    return { choose: (without) => void this.#leaveOut(id, without), goOn, elsewhere: `${page.href}?${query}` };
+    const elsewhere = pageUrl(`${photographs ? "photos" : "calibrate"}/?${query}`).href;
+    return { choose: (without) => void this.#leaveOut(id, without), goOn, elsewhere };
   }
 
   /** Shows what it is without some views. @param {string} id @param {number[]} without */

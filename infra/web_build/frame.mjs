@@ -1,0 +1,136 @@
+// Frame of every page around its own content: skip link, header with navigation, footer, languages, preloads.
+import { LANGUAGES } from "../../web/lib/i18n.js";
+
+/**
+ * @typedef {object} Place
+ * @property {string} key of the page in English, "board/index.html"
+ * @property {import("../../web/lib/i18n.js").Language} language
+ * @property {boolean} translated is there a page for each language?
+ * @property {Set<string>} pages keys of all pages in English
+ * @property {Set<string>} inAllLanguages those of them that are translated
+ * @property {string} origin "https://calibdb.example", or "" where it is not known
+ * @property {Record<string, string>} contacts addresses of the operator: "contact", "imprint", "source"
+ * @property {string[]} preloads paths of modules, from the root
+ */
+
+/** Groups and links of the navigation: [message, page] or [message, [[message, page], …]]. */
+const NAVIGATION = [
+  ["common.calibrate", [["common.webcam", "calibrate/"], ["common.photos_video", "photos/"], ["common.import_file", "import/"]]],
+  ["common.cameras", "cameras/"],
+  ["common.docs", "docs/"],
+  ["common.examples", "examples/"],
+  ["common.board", "board/"],
+];
+const FOOTER = [
+  ["common.docs", "docs/"], ["common.api", "docs/api/"], ["common.developers", "developers/"], ["common.data", "data/"], ["common.privacy", "privacy/"], ["common.terms", "terms/"],
+  ["common.status", "status/"],
+];
+const OPERATORS = { contact: "common.contact", imprint: "common.imprint", source: "common.source" };
+
+/** The address of a page, from the root. @param {string} key @param {string} language */
+export function addressOf(key, language) {
+  return `/${language === "en" ? "" : `${language}/`}${key.replace(/(^|\/)index\.html$/, "$1")}`;
+}
+
+/** Puts the common parts into a page. @param {Document} document @param {Place} place */
+export function frame(document, place) {
+  head(document, place);
+  const header = document.querySelector("header.masthead");
+  if (header) header.outerHTML = masthead(place);
+  const column = document.querySelector(".page");
+  if (column) {
+    column.querySelector(":scope > footer.foot")?.remove();
+    column.insertAdjacentHTML("beforeend", foot(place));
+  }
+  skipLink(document);
+}
+
+/** @param {Document} document @param {Place} place */
+function head(document, { key, language, translated, origin, preloads }) {
+  const viewport = document.querySelector("meta[name=viewport]");
+  if (translated) viewport?.insertAdjacentHTML("afterend", '\n  <script src="/language.js"></script>');
+  for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
+  const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
+  const scripts = document.querySelector("header.masthead") ? ['<script type="module" src="/lib/header.js"></script>'] : [];
+  const lines = [...preloads.map((path) => `<link rel="modulepreload" href="${path}">`), ...scripts, ...addresses(key, language, translated, origin)];
+  const social = [
+    ["og:type", "website"], ["og:site_name", "calibDB"],
+    ["og:title", document.title], ["og:description", document.querySelector("meta[name=description]")?.getAttribute("content") ?? ""],
+  ].filter(([name, content]) => content && !document.querySelector(`meta[property="${name}"]`))
+    .map(([name, content]) => `<meta property="${name}" content="${escape(content)}">`);
+  (style ?? viewport)?.insertAdjacentHTML("afterend", [...lines, ...social].map((line) => `\n  ${line}`).join(""));
+}
+
+/** Links to the page in each language. Search engines want whole addresses; without an origin these are from the root. */
+function addresses(key, language, translated, origin) {
+  if (!key.endsWith("index.html")) return [];
+  const canonical = `<link rel="canonical" href="${origin}${addressOf(key, language)}">`;
+  if (!translated) return [canonical];
+  const alternates = Object.keys(LANGUAGES).map((code) => `<link rel="alternate" hreflang="${code}" href="${origin}${addressOf(key, code)}">`);
+  return [canonical, ...alternates, `<link rel="alternate" hreflang="x-default" href="${origin}${addressOf(key, "en")}">`];
+}
+
+/** From this page to another one in the same language. @param {string} page "board/" @param {Place} place */
+function toPage(page, { key, inAllLanguages, translated }) {
+  // 404.html is shown at any address.
+  if (!key.endsWith("index.html") || !translated || !inAllLanguages.has(`${page}index.html`)) return `/${page}`;
+  return `${"../".repeat(key.split("/").length - 1) || "./"}${page}`;
+}
+
+/** @param {Place} place */
+function masthead(place) {
+  const here = place.key.replace(/index\.html$/, "");
+  /** @param {[string, string]} item */
+  const item = ([message, page]) =>
+    `<a href="${toPage(page, place)}"${here === page ? ' aria-current="page"' : ""} data-t="${message}"></a>`;
+  /** @param {[string, string]} link */
+  const there = ([, page]) => place.pages.has(`${page}index.html`);
+  const parts = NAVIGATION.map(([message, target]) => {
+    if (typeof target === "string") return there([message, target]) ? item([message, target]) : "";
+    const inside = target.some(([, page]) => page === here) ? " class=\"within\"" : "";
+    const links = target.filter(there).map((one) => `<li>${item(one)}</li>`).join("");
+    return `<details class="menu"><summary${inside}><span data-t="${message}"></span></summary><ul>${links}</ul></details>`;
+  });
+  return `<header class="masthead">
+      <a class="brand" href="${toPage("", place)}"${here === "" ? ' aria-current="page"' : ""}>calibDB</a>
+      <nav aria-label="Pages" data-t-label="common.pages">${parts.join("")}</nav>
+      ${place.translated ? languageSelect(place.language) : ""}
+    </header>`;
+}
+
+/** @param {string} spoken */
+function languageSelect(spoken) {
+  const options = Object.entries(LANGUAGES).map(([code, name]) => `<option value="${code}" lang="${code}"${code === spoken ? " selected" : ""}>${name}</option>`);
+  return `<select class="language" id="language" data-t-label="common.language" aria-label="Language">${options.join("")}</select>`;
+}
+
+/** @param {Place} place */
+function foot(place) {
+  const links = FOOTER.filter(([, page]) => place.pages.has(`${page}index.html`))
+    .map(([message, page]) => `<li><a href="${toPage(page, place)}" data-t="${message}"></a></li>`);
+  const outside = Object.entries(OPERATORS).filter(([name]) => place.contacts[name])
+    .map(([name, message]) => `<li><a href="${escape(place.contacts[name])}" data-t="${message}"></a></li>`);
+  const languages = place.translated
+    ? Object.entries(LANGUAGES).filter(([code]) => code !== place.language)
+      .map(([code, name]) => `<li><a href="${addressOf(place.key, code)}${code === "en" ? "?lang=en" : ""}" lang="${code}" hreflang="${code}">${name}</a></li>`)
+    : [];
+  return `<footer class="foot">
+      <nav aria-label="Footer" data-t-label="common.footer"><ul>${[...links, ...outside].join("")}</ul></nav>
+      <ul class="languages">${languages.join("")}</ul>
+      <p><span data-t="common.licence"></span> <span data-t="common.method"></span></p>
+    </footer>`;
+}
+
+/** @param {Document} document */
+function skipLink(document) {
+  const main = document.querySelector("main");
+  if (!main) return;
+  if (!main.id) main.id = "content";
+  if (!main.hasAttribute("tabindex")) main.setAttribute("tabindex", "-1");
+  document.body.insertAdjacentHTML("afterbegin", `\n  <a class="skip" href="#${main.id}" data-t="common.skip"></a>`);
+}
+
+/** @param {string} text */
+function escape(text) {
+  return text.replaceAll("&", "&amp;").replaceAll('"', "&quot;").replaceAll("<", "&lt;");
+}

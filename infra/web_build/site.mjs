@@ -1,0 +1,103 @@
+// Makes the site's files of their sources: pages in one frame and every language, scripts and styles without comments and
+// indentation. `site.py` runs it.
+//
+// In: {web, pages: {key: source}, origin, contacts}, JSON. Out: {key: content}, JSON; "de/board/index.html" is the German page.
+import { existsSync, readFileSync, readdirSync } from "node:fs";
+import { readFile } from "node:fs/promises";
+import { posix } from "node:path";
+import { pathToFileURL } from "node:url";
+import { transform } from "esbuild";
+import { parseHTML } from "linkedom";
+import { LANGUAGES, addMessages, setLanguage, translate } from "../../web/lib/i18n.js";
+import { addressOf, frame } from "./frame.mjs";
+import { moduleGraph } from "./module_graph.mjs";
+
+/** Attributes with addresses of files that pages of all languages share. */
+const SHARED = { link: "href", script: "src", img: "src", source: "src", video: "poster", a: "href" };
+const HERE = "https://here.invalid";
+/** Read by people, who load these from pages of their own, or made by others. */
+const AS_WRITTEN = /^(vendor|sdk|webxr|examples)\//;
+
+/** @param {string} web folder of the client */
+async function loadMessages(web) {
+  // "capture.de.js" is a part of "capture.js".
+  const names = readdirSync(`${web}/messages`).map((file) => /^([^.]+)\.js$/.exec(file)?.[1]).filter((name) => name !== undefined);
+  for (const name of names) {
+    addMessages({ [name]: (await import(pathToFileURL(`${web}/messages/${name}.js`).href)).default });
+  }
+}
+
+/**
+ * Makes addresses right for a page that lies in a folder of its language: files from the root; other pages stay relative,
+ * so that they are in the same language.
+ * @param {Document} document @param {string} key of the page in English @param {Set<string>} inAllLanguages
+ */
+function rewriteAddresses(document, key, inAllLanguages) {
+  const relativePages = key.endsWith("index.html") && inAllLanguages.has(key);
+  for (const [tag, attribute] of Object.entries(SHARED)) {
+    for (const element of document.querySelectorAll(`${tag}[${attribute}]`)) {
+      const written = element.getAttribute(attribute) ?? "";
+      if (/^([a-z]+:|\/|#|\?)/i.test(written)) continue;
+      const there = new URL(written, `${HERE}/${key}`);
+      const page = there.pathname.endsWith("/") ? `${there.pathname.slice(1)}index.html` : "";
+      if (tag === "a" && relativePages && inAllLanguages.has(page)) continue;
+      element.setAttribute(attribute, there.pathname + there.search + there.hash);
+    }
+  }
+}
+
+/** Keys of the modules a page begins with. @param {Document} document */
+const entriesOf = (document) => [...document.querySelectorAll("script[type=module][src]")]
+  .map((script) => (script.getAttribute("src") ?? "").replace(/^\//, ""));
+
+/** @param {{web: string, pages: Record<string, string>, origin: string, contacts: Record<string, string>}} input */
+export async function buildPages({ web, pages, origin, contacts }) {
+  await loadMessages(web);
+  const keys = new Set(Object.keys(pages));
+  const inAllLanguages = new Set([...keys].filter((key) => pages[key].includes("data-t=")));
+  const entries = new Set(["lib/header.js"]);
+  for (const [key, source] of Object.entries(pages)) {
+    for (const [, src] of source.matchAll(/<script type="module" src="([^"]+)"/g)) entries.add(posix.join(posix.dirname(key), src));
+  }
+  const graph = await moduleGraph(web, [...entries]);
+  /** @type {Record<string, string>} */
+  const made = {};
+  for (const [key, source] of Object.entries(pages)) {
+    const translated = inAllLanguages.has(key);
+    for (const language of /** @type {(keyof typeof LANGUAGES)[]} */ (translated ? Object.keys(LANGUAGES) : ["en"])) {
+      setLanguage(language);
+      const { document } = parseHTML(source);
+      rewriteAddresses(document, key, inAllLanguages);
+      const own = entriesOf(document);
+      const framed = document.querySelector("header.masthead") ? ["lib/header.js"] : [];
+      const preloads = [...new Set([...own, ...framed].flatMap((entry) => graph[entry] ?? []))].map((path) => `/${path}`);
+      translate(document.documentElement);
+      frame(document, { key, language, translated, pages: keys, inAllLanguages, origin, contacts, preloads });
+      translate(document.documentElement);
+      made[addressOf(key, language).slice(1).replace(/(^|\/)$/, "$1index.html")] = `${document.toString()}\n`;
+    }
+  }
+  return made;
+}
+
+/**
+ * Strips scripts and styles of what only people read. Names stay: a stack trace is as good as before.
+ * @param {string} web folder of the client
+ */
+export async function buildAssets(web) {
+  const keys = readdirSync(web, { recursive: true }).map((name) => String(name).replaceAll("\\", "/"))
+    .filter((name) => /\.(js|css)$/.test(name) && !AS_WRITTEN.test(name)).sort();
+  const stripped = await Promise.all(keys.map(async (key) => {
+    const source = await readFile(`${web}/${key}`, "utf8");
+    const { code } = await transform(source, {
+      loader: key.endsWith(".css") ? "css" : "js", minifyWhitespace: true, legalComments: "none", charset: "utf8",
+    });
+    return [key, code];
+  }));
+  return Object.fromEntries(stripped);
+}
+
+if (existsSync(process.argv[1] ?? "") && import.meta.url === pathToFileURL(process.argv[1]).href) {
+  const task = JSON.parse(readFileSync(0, "utf8"));
+  process.stdout.write(JSON.stringify({ ...await buildAssets(task.web), ...await buildPages(task) }));
+}

@@ -1,0 +1,192 @@
+"""The static site as served and deployed: files made of their sources, the rest as it lies in `web/`.
+
+A page is an HTML file of `web/`, or of a generator (`GENERATORS`), complete and in English. `site.mjs` gives
+all of them the same header, footer, skip link and preloads, and makes those that have texts of the message
+catalogs in every language: `board/index.html` is also `de/board/index.html`. A page that is not there yet is
+left out of the navigation. Scripts and styles lose their comments and indentation.
+
+    python -m infra.web_build.site .build/web     # the whole site, as files
+
+The local stack makes them anew when one of their sources changed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+WEB = ROOT / "web"
+LANGUAGES = ("de", "uk")  # besides English; `web/lib/i18n.js` has them too
+_CACHE = ROOT / ".build" / "site"
+_MAX_CACHED = 8
+_MAX_BUILD_S = 120
+_PAGE_BUILDER = Path(__file__).parent / "site.mjs"
+# Not pages, though HTML or full of files.
+_SKIPPED = ("vendor/",)
+_INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
+
+Generator = Callable[[Path], Mapping[str, str]]
+"""Makes page sources, by key ("docs/api/index.html"), of a client's folder."""
+
+GENERATORS: tuple[Generator, ...] = ()
+"""Those of pages that are not written by hand."""
+
+
+class SiteError(RuntimeError):
+    """A file cannot be made. The message says why."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Facts about a deployment that its pages tell.
+
+    `origin`: "https://calibdb.example"; without it, addresses for search engines are from the root.
+    `contacts`: addresses under "contact", "imprint" and "source" for the footer.
+    """
+
+    origin: str = ""
+    contacts: Mapping[str, str] = field(default_factory=dict)
+
+
+def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, bytes]:
+    """Make all files that are made, or take those made of the same sources before: key → content.
+
+    A folder without message catalogs is no client of ours; nothing is made of it.
+
+    Raises
+    ------
+    SiteError
+        If a file cannot be made.
+    """
+    if not (web / "messages").is_dir():
+        return {}
+    options = options or Options()
+    told = json.dumps([options.origin, dict(options.contacts)], sort_keys=True)
+    return _made(web, told, _state(web))
+
+
+def page_keys(web: Path = WEB) -> list[str]:
+    """List the keys of all pages in all languages, without making them."""
+    made = list(sources(web).items())
+    return sorted(
+        f"{folder}{key}"
+        for key, source in made
+        for folder in ("", *(f"{language}/" for language in LANGUAGES if is_translated(source)))
+    )
+
+
+def is_translated(source: str) -> bool:
+    """Whether a page has texts of the message catalogs, and so is there in every language."""
+    return "data-t=" in source
+
+
+def sources(web: Path = WEB) -> dict[str, str]:
+    """Return the source of every page: key → HTML."""
+    written = {
+        path.relative_to(web).as_posix(): path.read_text(encoding="utf-8")
+        for path in sorted(web.rglob("*.html"))
+    }
+    generated = {key: source for generate in GENERATORS for key, source in generate(web).items()}
+    return {key: text for key, text in (generated | written).items() if not key.startswith(_SKIPPED)}
+
+
+@lru_cache(maxsize=8)
+def _made(web: Path, told: str, state: str) -> Mapping[str, bytes]:
+    kept = _CACHE / f"{hashlib.sha256(f'{state}{told}'.encode()).hexdigest()[:24]}.json"
+    try:
+        made = json.loads(kept.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        made = _build(web, told)
+        _keep(kept, made)
+    return {key: content.encode() for key, content in made.items()}
+
+
+def _build(web: Path, told: str) -> dict[str, str]:
+    origin, contacts = json.loads(told)
+    if source := _repository():
+        contacts = {"source": source} | contacts
+    task = {"web": str(web), "pages": sources(web), "origin": origin, "contacts": contacts}
+    node = shutil.which("node")
+    if node is None:
+        raise SiteError("the site is made with Node.js, which is not there: install it, version 20 or newer")
+    made = subprocess.run(  # noqa: S603
+        [node, str(_PAGE_BUILDER)],
+        cwd=ROOT,
+        input=json.dumps(task),
+        capture_output=True,
+        text=True,
+        timeout=_MAX_BUILD_S,
+        check=False,
+    )
+    if made.returncode:
+        hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
+        raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
+    files: dict[str, str] = json.loads(made.stdout)
+    return files
+
+
+def _repository() -> str | None:
+    """Address of the source code, where the project says one."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    named = {name.lower(): address for name, address in project.get("urls", {}).items()}
+    return named.get("repository") or named.get("source")
+
+
+def _keep(place: Path, made: Mapping[str, str]) -> None:
+    """Write what was made where other processes find it, whole or not at all; leave only the newest."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile("w", dir=place.parent, delete=False, encoding="utf-8") as file:
+        json.dump(made, file)
+    Path(file.name).replace(place)
+    kept = sorted(place.parent.glob("*.json"), key=_age, reverse=True)
+    for old in kept[_MAX_CACHED:]:
+        old.unlink(missing_ok=True)
+
+
+def _age(path: Path) -> int:
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:  # another process took it away
+        return 0
+
+
+def _state(web: Path) -> str:
+    """Name the sources' present state: any change of a file that pages are made of changes it."""
+    whole = hashlib.sha256(str(web).encode())
+    for path in _inputs(web):
+        status = path.stat()
+        whole.update(f"{path}\0{status.st_mtime_ns}\0{status.st_size}\0".encode())
+    return whole.hexdigest()
+
+
+def _inputs(web: Path) -> Iterator[Path]:
+    for folder in (web, ROOT / "docs", Path(__file__).parent):
+        for path in sorted(folder.rglob("*")):
+            if path.suffix in _INPUTS and "vendor" not in path.parts and path.is_file():
+                yield path
+    yield from (ROOT / name for name in ("pyproject.toml", "README.md", "CHANGELOG.md"))
+
+
+def main(folder: Path) -> None:
+    """Write the whole site to a folder."""
+    for path in WEB.rglob("*"):
+        if path.is_file():
+            (folder / path.relative_to(WEB)).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, folder / path.relative_to(WEB))
+    for key, content in made_files().items():
+        (folder / key).parent.mkdir(parents=True, exist_ok=True)
+        (folder / key).write_bytes(content)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

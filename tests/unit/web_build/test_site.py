@@ -1,0 +1,138 @@
+"""The site that is made of page sources: one frame, every language, addresses that hold in every folder."""
+
+import posixpath
+import re
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from infra.web_build import site
+
+ROOT = Path(__file__).parents[3]
+PAGE = """<!doctype html>
+<html lang="en">
+<head>
+  <meta charset="utf-8">
+  <meta name="viewport" content="width=device-width">
+  <title>Trial</title>
+  <link rel="stylesheet" href="../style.css">
+  <script type="module" src="./main.js"></script>
+</head>
+<body>
+  <div class="page">
+    <header class="masthead">old</header>
+    <main>
+      <h1 data-t="common.board">Board</h1><a href="../board/?squares=8x5">b</a><a href="../docs/">d</a>
+    </main>
+  </div>
+</body>
+</html>
+"""
+
+
+@pytest.fixture(scope="module")
+def made() -> Mapping[str, bytes]:
+    return site.made_files()
+
+
+def pages(made: Mapping[str, bytes]) -> dict[str, str]:
+    return {key: content.decode() for key, content in made.items() if key.endswith(".html")}
+
+
+def test_every_page_is_there_in_every_language_with_its_texts(made: Mapping[str, bytes]) -> None:
+    found = pages(made)
+    assert set(found) == set(site.page_keys())
+    for folder, language, words in (("", "en", "Cameras"), ("de/", "de", "Kameras"), ("uk/", "uk", "Камери")):
+        page = found[f"{folder}cameras/index.html"]
+        assert f'<html lang="{language}">' in page
+        assert re.search(rf"<h1[^>]*>{words}</h1>", page)
+    # A text that no catalog has would stand there as its key.
+    for key, page in found.items():
+        assert not re.search(r">(common|landing|board|capture)\.\w+<", page), key
+
+
+def test_one_header_and_one_footer_on_all_pages(made: Mapping[str, bytes]) -> None:
+    for key, page in pages(made).items():
+        assert page.count('class="skip"') == 1, key
+        assert page.count('class="page"') == page.count('<footer class="foot">'), key
+        assert page.count('<header class="masthead">') == page.count('<details class="menu">'), key
+
+
+def test_every_address_on_every_page_leads_to_a_file_of_the_site(made: Mapping[str, bytes]) -> None:
+    files = {path.relative_to(site.WEB).as_posix() for path in site.WEB.rglob("*") if path.is_file()} | set(
+        made
+    )
+    checked = 0
+    for key, page in pages(made).items():
+        for address in re.findall(r'(?:href|src)="([^"#?:]+)[^":]*"', page):
+            there = posixpath.normpath(posixpath.join("/", posixpath.dirname(key), address))[1:]
+            if address.endswith("/") or not there:
+                there = posixpath.join(there, "index.html")
+            assert there in files, (key, address, there)
+            checked += 1
+    assert checked > 1000
+
+
+def test_a_page_in_another_language_leads_to_pages_in_that_language(made: Mapping[str, bytes]) -> None:
+    german = pages(made)["de/board/index.html"]
+    assert 'href="../cameras/"' in german
+    assert '<link rel="alternate" hreflang="uk" href="/uk/board/">' in german
+    assert '<link rel="canonical" href="/de/board/">' in german
+    assert '<script src="/language.js"></script>' in german
+
+
+def test_pages_preload_all_modules_that_they_import(made: Mapping[str, bytes]) -> None:
+    page = pages(made)["calibrate/index.html"]
+    preloaded = set(re.findall(r'rel="modulepreload" href="/([^"]+)"', page))
+    reached, imports = {"calibrate/main.js"}, re.compile(r'(?:from|import)\s*"(\.[^"]+)"')
+    waiting = set(reached)
+    while waiting:
+        name = waiting.pop()
+        source = made[name] if name in made else (site.WEB / name).read_bytes()
+        near = {
+            posixpath.normpath(posixpath.join(posixpath.dirname(name), each))
+            for each in imports.findall(source.decode())
+        }
+        waiting |= near - reached
+        reached |= near
+    assert reached <= preloaded
+    assert len(reached) > 30
+
+
+def test_scripts_of_the_site_keep_their_names_and_lose_their_comments(made: Mapping[str, bytes]) -> None:
+    assert b"export function addMessages(" in made["lib/i18n.js"]
+    assert b"/**" not in made["lib/i18n.js"]
+    assert not any(key.startswith(("sdk/", "webxr/", "examples/three/main")) for key in made), (
+        "read by people"
+    )
+
+
+def test_a_changed_source_is_another_site_and_absent_pages_are_left_out(tmp_path: Path) -> None:
+    web = tmp_path / "web"
+    for name in ("lib/i18n.js", "lib/header.js", "messages/common.js"):
+        (web / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(site.WEB / name, web / name)
+    for name in ("trial", "board"):
+        (web / name).mkdir()
+        (web / name / "index.html").write_text(PAGE)
+    (web / "docs").mkdir()
+    (web / "docs/index.html").write_text(PAGE.replace(' data-t="common.board"', ""))
+    options = site.Options("https://site.example", {"contact": "mailto:a@site.example"})
+    made = site.made_files(web, options)
+    page = made["de/trial/index.html"].decode()
+    assert '<link rel="alternate" hreflang="en" href="https://site.example/trial/">' in page
+    assert 'href="mailto:a@site.example"' in page
+    assert '<a href="../board/?squares=8x5">' in page, "in the same language"
+    assert '<a href="/docs/">' in page, "which is there in English only"
+    assert "old" not in page
+    assert "cameras/" not in page
+    assert "de/docs/index.html" not in made
+    (web / "trial/index.html").write_text(PAGE.replace("Trial", "Another"))
+    assert b"Another" in site.made_files(web, options)["trial/index.html"]
+
+
+def test_a_folder_without_catalogs_is_served_as_it_lies(tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text("x")
+    assert site.made_files(tmp_path) == {}
