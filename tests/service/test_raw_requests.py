@@ -22,7 +22,8 @@ CASES = 2 * int(os.environ.get("CASES", "150"))
 SECRETS = (b"def handler", b"root:x:", b"AWSTemplateFormatVersion", b"[project]", b"Traceback (most recent")
 PATHS = (
     "/v1/auth", "/v1/session", "/v1/session/pose", "/v1/session/views", "/v1/session/views/0",
-    "/v1/lookup", "/v1/calibrations/{id}", "/v1/checks", "/v1/cameras", "/v1/cameras/{key}", "/badge/{key}/1x1.svg", "/healthz",
+    "/v1/lookup", "/v1/calibrations/{id}", "/v1/checks", "/v1/cameras", "/v1/cameras/{key}", "/healthz",
+    "/badge/{key}/1x1.svg",
     "/", "/config.json", "/calibrate/", "/sdk/index.js", "/v1/nothing", "/known/aa/bb.json",
 )  # fmt: skip
 VERBS = (

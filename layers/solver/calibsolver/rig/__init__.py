@@ -2,5 +2,6 @@
 
 from .calibration import RigCalibration, RigUncertainty
 from .fit import fit
+from .guidance import RigTarget, next_moment
 
-__all__ = ["RigCalibration", "RigUncertainty", "fit"]
+__all__ = ["RigCalibration", "RigTarget", "RigUncertainty", "fit", "next_moment"]

@@ -52,6 +52,8 @@ class RigCalibration:
         Variance that the rig sees / variance that white noise of the corners gives it, >= 1.
     uncertainty
         Predicted error.
+    working_distances
+        (c,) median distance of each camera from the board's points that it saw.
     set_aside
         (moment, position) -> why the view took no part: ``outlier``, ``mirrored``, ``degenerate`` by itself,
         ``contradicts`` the rig.
@@ -69,6 +71,7 @@ class RigCalibration:
     noise: float
     inflation: float
     uncertainty: RigUncertainty
+    working_distances: Array
     set_aside: Mapping[tuple[int, int], str]
     turned: tuple[tuple[int, int], ...] = ()
 

@@ -317,6 +317,7 @@ class _Fit:
             noise=sigma,
             inflation=spread.inflation,
             uncertainty=transfer.uncertainty(problem, state.k, jacobian, spread.covariance, distances),
+            working_distances=frozen(distances),
             set_aside=aside,
             turned=tuple((self.linked[row], position) for row, position in self.began.turned),
         )

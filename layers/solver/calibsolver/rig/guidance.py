@@ -1,0 +1,255 @@
+"""Guidance of a rig: the moment after which its predicted error is least, as every camera would see it.
+
+The search is that of one camera (`guidance.search`): poses that a person can hold, sampled wide and then ever
+closer around the best. Poses are drawn before each camera in turn; all cameras that would see enough of the
+board tell of it, so poses that several of them see win by themselves. What hands and boards add is believed
+to be as large as it was in the moments so far: information is divided by the rig's inflation.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import models
+from ..arrays import Array, IntArray, Mask, frozen, symmetric_inverse
+from ..board import Board
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..fitting import normal_equations
+from ..fitting.normal_equations import Poses
+from ..fitting.observations import Observations
+from ..guidance import candidates
+from ..guidance.candidates import CornerGrid, PoseLimits, RayGrid
+from ..guidance.posterior import MIN_NOISE_WIDTHS, IntrinsicsPosterior
+from ..guidance.projection_uncertainty import ProjectionUncertainty
+from ..guidance.target import TargetPose
+from . import transfer
+from .calibration import RigCalibration
+from .fit import Specification
+from .problem import Member, Moment, RigProblem
+from .start import RigidMotion
+
+LIMITS = PoseLimits(width=(0.14, 1.1), max_tilt_deg=50.0, max_roll_deg=40.0, min_visible=0.5)
+"""Limits before the camera that leads: a board that two cameras see may have to be far away."""
+OTHER_LIMITS = replace(LIMITS, min_visible=0.3, max_incidence_deg=72.0)
+"""Limits before the others: beyond, their views are not counted on."""
+MIN_SHARING = 2
+"""Cameras that see a target, at least."""
+SAMPLES = 96
+"""Poses that are tried before each camera that leads."""
+MAX_LEADERS = 4
+"""Cameras before which poses are drawn for one target, at most: the others have their turn with the next."""
+ELITE_COUNT, SAMPLES_PER_ELITE = 4, 12
+SEARCH_RADII = (0.25, 0.15, 0.08)
+"""Poses that are refined in a round, samples around each, and the radii of the rounds."""
+TIE_RATIO = 1.03
+"""Error after a pose / least error within which poses count as equally good: the most cameras decide."""
+
+
+@dataclass(frozen=True, eq=False)
+class RigTarget:
+    """A moment to be captured.
+
+    Attributes
+    ----------
+    pose
+        (6,) rvec|tvec, board -> camera 0; None where the rig is not known yet.
+    views
+        The target as each camera would see it, by position; those that would not see the board are left out.
+    purpose
+        Purpose of the moment, one English phrase.
+    unlinked
+        Positions of the cameras that have shared no moment with camera 0 yet, directly or by way of others.
+    """
+
+    pose: Array | None
+    views: Mapping[int, TargetPose]
+    purpose: str
+    unlinked: tuple[int, ...] = ()
+
+
+def next_moment(
+    board: Board,
+    cameras: Sequence[Specification],
+    moments: Sequence[Moment],
+    calibration: RigCalibration | None,
+    skipped: Sequence[Array] = (),
+) -> RigTarget:
+    """Choose the next moment.
+
+    Parameters
+    ----------
+    cameras
+        As for `fit`.
+    moments
+        The moments so far.
+    calibration
+        The fit to them; None where there is none, since cameras share no moment yet.
+    skipped
+        (6,) poses, board -> camera 0, that the user could not reach: others are chosen.
+    """
+    lost = unlinked(len(cameras), moments)
+    if calibration is None or lost:
+        return _link(board, cameras, moments, lost)
+    with np.errstate(all="ignore"):
+        found = _Search(board, cameras, calibration, skipped).best(len(moments))
+    if found is None:
+        return _link(board, cameras, moments, lost)
+    pose = RigidMotion(*found)
+    views = {}
+    for i, vector in enumerate(calibration.poses):
+        camera = calibration.cameras[i]
+        seen = RigidMotion.of_vector(vector) @ pose
+        target = TargetPose.seen(board, camera, seen.r, seen.t, "to join the cameras", 0.0)
+        if target.ids:
+            views[i] = target
+    return RigTarget(frozen(pose.vector()), views, "to join the cameras")
+
+
+def unlinked(count: int, moments: Sequence[Moment]) -> tuple[int, ...]:
+    """Positions that no chain of shared moments leads to from camera 0."""
+    reached = {0}
+    for _ in range(count):
+        for moment in moments:
+            if reached & set(moment):
+                reached |= set(moment)
+    return tuple(i for i in range(count) if i not in reached)
+
+
+def _link(
+    board: Board, cameras: Sequence[Specification], moments: Sequence[Moment], lost: Sequence[int]
+) -> RigTarget:
+    """Target in one picture, wholly visible: the others are to see the board beside it."""
+    lead = lost[0] if lost and any(lost[0] in moment for moment in moments) else 0
+    given = cameras[lead]
+    size, model = (given.img_size, given.model) if isinstance(given, Camera) else given
+    seed = given if isinstance(given, Camera) else None
+    guide = ProjectionUncertainty(board, size, model, seed)
+    target = guide.first_pose(IntrinsicsPosterior.of(model, size, None, seed))
+    purpose = f"to link camera {lost[0]}" if lost else "a first look"
+    return RigTarget(None, {lead: replace(target, purpose=purpose)}, purpose, tuple(lost))
+
+
+class _Search:
+    """Search for the pose of the board after which the error of transfer is least."""
+
+    def __init__(
+        self,
+        board: Board,
+        cameras: Sequence[Specification],
+        calibration: RigCalibration,
+        skipped: Sequence[Array],
+    ) -> None:
+        self.board = board
+        self.cameras = calibration.cameras
+        self.motions = [RigidMotion.of_vector(pose) for pose in calibration.poses]
+        self.corners = CornerGrid.of(board, 5)
+        self.skipped = [RigidMotion.of_vector(np.asarray(pose)) for pose in skipped]
+        count = self.corners.points.shape[1]
+        self.members = tuple(
+            Member(
+                models.get(camera.model),
+                camera.img_size,
+                camera.intrinsics if isinstance(given, Camera) else None,
+                slice(i * count, (i + 1) * count),
+            )
+            for i, (camera, given) in enumerate(zip(self.cameras, cameras, strict=True))
+        )
+        problem = self._problem(np.zeros((1, count * len(cameras)), dtype=bool))
+        self.k = problem.pack([camera.intrinsics for camera in self.cameras], calibration.poses)
+        free = np.flatnonzero(np.diagonal(calibration.covariance) > 0)
+        if len(free) != problem.size:
+            raise CalibrationError("bad_rig", "the calibration is not one of these cameras")
+        self.noise2 = max(calibration.noise, MIN_NOISE_WIDTHS * problem.width) ** 2 * calibration.inflation
+        self.information = symmetric_inverse(calibration.covariance[np.ix_(free, free)])
+        jacobian = transfer.jacobian(problem, self.k, np.asarray(calibration.working_distances))
+        flat = jacobian.reshape(-1, problem.size)
+        self.metric = flat.T @ flat / max(len(jacobian), 1)
+        self.rays = [RayGrid.of(camera) for camera in self.cameras]
+
+    def best(self, index: int) -> tuple[Array, Array] | None:
+        """Find the best pose, board -> camera 0: rotation (3, 3) and translation (3,); None where none is."""
+        count = len(self.cameras)
+        leaders = [(index + i) % count for i in range(min(count, MAX_LEADERS))]
+        unit = np.concatenate([candidates.r_sequence(SAMPLES, index)] * len(leaders))
+        lead = np.repeat(leaders, SAMPLES)
+        error, sharing = self._errors(unit, lead)
+        offsets = candidates.r_sequence(ELITE_COUNT * SAMPLES_PER_ELITE, 1) - 0.5
+        for radius in SEARCH_RADII:
+            elite = np.argsort(error)[:ELITE_COUNT]
+            if not np.isfinite(error[elite[0]]):
+                return None
+            near = np.repeat(unit[elite], SAMPLES_PER_ELITE, axis=0) + 2 * radius * offsets
+            near[:, 4] %= 1.0
+            near, near_lead = np.clip(near, 0.0, 1.0), np.repeat(lead[elite], SAMPLES_PER_ELITE)
+            near_error, near_sharing = self._errors(near, near_lead)
+            unit, lead = np.concatenate([unit, near]), np.concatenate([lead, near_lead])
+            error, sharing = np.concatenate([error, near_error]), np.concatenate([sharing, near_sharing])
+        ties = np.flatnonzero(error <= TIE_RATIO * error.min())
+        chosen = ties[np.lexsort((error[ties], -sharing[ties]))[0]]
+        poses = self._poses(unit[chosen : chosen + 1], lead[chosen : chosen + 1])
+        return poses.r[0], poses.t[0]
+
+    def _poses(self, unit: Array, lead: IntArray) -> Poses:
+        """Poses, board -> camera 0, of points (c, 6) of the unit cube before the cameras that lead (c,)."""
+        r, t = np.empty((len(unit), 3, 3)), np.empty((len(unit), 3))
+        for i in np.unique(lead).tolist():
+            rows = np.flatnonzero(lead == i)
+            there = candidates.poses_from_unit_cube(unit[rows], self.board, self.rays[i], LIMITS)
+            back = self.motions[i].inverse()
+            r[rows], t[rows] = back.r @ there.r, there.t @ back.r.T + back.t
+        return Poses(r, t)
+
+    def _errors(self, unit: Array, lead: IntArray) -> tuple[Array, IntArray]:
+        """Mean square error of transfer (c,), px^2, after candidates, and how many cameras see them (c,)."""
+        poses = self._poses(unit, lead)
+        visible, seen = self._visibility(poses, lead)
+        sharing = seen.sum(axis=1)
+        feasible = (sharing >= min(MIN_SHARING, len(self.cameras))) & seen[np.arange(len(lead)), lead]
+        for each in self.skipped:
+            feasible &= ~self._is_near(poses, each)
+        use = np.flatnonzero(feasible)
+        error = np.full(len(unit), np.inf)
+        if use.size:
+            problem = self._problem(visible[use])
+            state = problem.at(self.k, Poses(poses.r[use], poses.t[use]))
+            rows = state.rows[:-1] * np.sqrt(self.corners.multiplicity)
+            s = normal_equations.schur_complement(normal_equations.gram_matrices(rows))
+            after = symmetric_inverse(self.information + s / self.noise2)
+            error[use] = np.einsum("cij,ij->c", after, self.metric)
+            error[~np.isfinite(error)] = np.inf
+        return error, sharing
+
+    def _visibility(self, poses: Poses, lead: IntArray) -> tuple[Mask, Mask]:
+        """Tell which corners (c, n) count, in all cameras' slots, and which cameras (c, k) see candidates."""
+        count = self.corners.points.shape[1]
+        visible = np.zeros((len(lead), count * len(self.cameras)), dtype=bool)
+        seen = np.zeros((len(lead), len(self.cameras)), dtype=bool)
+        for i, (camera, motion) in enumerate(zip(self.cameras, self.motions, strict=True)):
+            there = Poses(motion.r @ poses.r, poses.t @ motion.r.T + motion.t)
+            p = there.camera_points(self.corners.points)
+            q = self.members[i].model.project(camera.intrinsics, p.transpose(1, 0, 2)).transpose(1, 0, 2)
+            shown, within = candidates.check_visibility(
+                p, q, there.r[:, :, 2], self.corners, camera, OTHER_LIMITS
+            )
+            _, as_leader = candidates.check_visibility(p, q, there.r[:, :, 2], self.corners, camera, LIMITS)
+            within = np.where(lead == i, as_leader, within)
+            within &= candidates.is_in_front(there, self.board, self.rays[i])
+            seen[:, i] = within
+            visible[:, self.members[i].slots] = shown & within[:, None]
+        return visible, seen
+
+    def _is_near(self, poses: Poses, skipped: RigidMotion) -> Mask:
+        """Whether poses (c) resemble a skipped one: normals within 20 degrees, centres within 1.5 squares."""
+        center = self.board.outline.mean(axis=0)
+        distance = np.linalg.norm(poses.r @ center + poses.t - (skipped.r @ center + skipped.t), axis=1)
+        near: Mask = (poses.r[:, :, 2] @ skipped.r[:, 2] > np.cos(np.radians(20))) & (distance < 1.5)
+        return near
+
+    def _problem(self, visible: Mask) -> RigProblem:
+        """Cameras with the corner grid in the slots of each, as far as it is visible (c, n)."""
+        points = np.tile(self.corners.points, (len(visible), 1, len(self.members)))
+        return RigProblem(
+            self.members, Observations(points, np.zeros((len(visible), 2, points.shape[2])), visible)
+        )
