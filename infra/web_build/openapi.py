@@ -11,11 +11,14 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from calibdb import __version__, schema
+from infra.web_build.operation_texts import TAGS, text_of
 from infra.web_build.operations import JSON, OPERATIONS, PROBLEM, PROBLEMS, Content, Operation
 from infra.web_build.parameters import Node
 
 __all__ = ["OPENAPI_PATH", "OPERATIONS", "document", "text"]
 
+EXAMPLES_PATH = Path(__file__).with_name("examples.json")
+"""Answers to the examples of `operation_texts`, written by `infra.web_build.recorded_examples`."""
 OPENAPI_PATH = Path(__file__).resolve().parents[2] / "web" / "openapi.json"
 RATE_LIMITED = ("RateLimit-Policy", "RateLimit")
 """Headers of every answer under a plan that has limits."""
@@ -30,9 +33,11 @@ def document() -> Node:
         *((model, "serialization") for model in answers),
     ]
     names, definitions = models_json_schema(wanted, ref_template=_REFERENCE)
+    examples = json.loads(EXAMPLES_PATH.read_text(encoding="utf-8"))
     paths: dict[str, Node] = {}
     for operation in OPERATIONS:
-        paths.setdefault(operation.path, {})[operation.method] = _operation(operation, names)
+        node = _operation(operation, names, examples.get(operation.name))
+        paths.setdefault(operation.path, {})[operation.method] = node
     return {
         "openapi": "3.1.0",
         "info": {
@@ -42,6 +47,7 @@ def document() -> Node:
             "license": {"name": "Apache-2.0", "identifier": "Apache-2.0"},
         },
         "servers": [{"url": "/"}],
+        "tags": [{"name": name, "description": description} for name, description in TAGS.items()],
         "paths": paths,
         "components": {
             "schemas": definitions["$defs"],
@@ -63,7 +69,7 @@ def _models(operations: Sequence[Operation]) -> tuple[list[type[BaseModel]], lis
     return list(requests), [*answers, schema.Problem]
 
 
-def _operation(operation: Operation, names: Any) -> Node:
+def _operation(operation: Operation, names: Any, example: Any) -> Node:
     def reference(model: type[BaseModel], mode: JsonSchemaMode) -> Node:
         found: Node = names[(model, mode)]
         return found
@@ -89,15 +95,21 @@ def _operation(operation: Operation, names: Any) -> Node:
     responses |= {
         status: {"description": PROBLEMS[status], "content": problem} for status in operation.problems
     }
+    shown = responses[min(operation.answers)].get("content", {}).get(JSON)
+    if example is not None and shown is not None:
+        shown["example"] = example
+    text = text_of(operation.name)
     node: Node = {
         "operationId": operation.name,
+        "tags": [text.tag],
         "summary": operation.summary,
+        "description": text.description,
         "responses": {str(status): responses[status] for status in sorted(responses)},
     }
     if operation.parameters:
         node["parameters"] = list(operation.parameters)
     if operation.body:
-        content = {JSON: {"schema": reference(operation.body, "validation")}}
+        content = {JSON: {"schema": reference(operation.body, "validation"), "example": text.body}}
         node["requestBody"] = {"required": operation.body_required, "content": content}
     if operation.credentials:
         node["security"] = [{name: []} for name in operation.credentials]

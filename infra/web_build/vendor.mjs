@@ -87,6 +87,22 @@ function vendorQr() {
   copyFileSync(`${from}LICENSE`, `${vendor}uqr/LICENSE`);
 }
 
+/** The search of the documentation. */
+function vendorSearch() {
+  const from = `${root}node_modules/minisearch/`;
+  buildSync({
+    stdin: { contents: 'export { default as MiniSearch } from "minisearch";', resolveDir: root }, outfile: `${vendor}minisearch/minisearch.js`,
+    bundle: true, minify: true, format: "esm", logLevel: "error",
+  });
+  writeFileSync(`${vendor}minisearch/minisearch.d.ts`, `
+    export class MiniSearch {
+      constructor(options: { fields: string[]; storeFields: string[]; searchOptions: object });
+      addAll(documents: readonly object[]): void;
+      search(words: string): ({ id: number; terms: string[] } & Record<string, any>)[];
+    }\n`);
+  copyFileSync(`${from}LICENSE.txt`, `${vendor}minisearch/LICENSE`);
+}
+
 /** The parts of the WebXR polyfill that an own device needs: no headsets, no phones' lenses, no navigator that is replaced unasked. */
 function vendorWebXR() {
   const from = `${root}node_modules/webxr-polyfill/`;
@@ -133,6 +149,7 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   vendorOpenCV();
   vendorFont();
   vendorQr();
+  vendorSearch();
   vendorWebXR();
   await vendorEngines(vendor);
   const api = JSON.parse(readFileSync(`${root}web/openapi.json`, "utf8"));

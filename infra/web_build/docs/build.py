@@ -1,0 +1,134 @@
+"""All pages under `/docs/`, and the texts that their search reads.
+
+python -m infra.web_build.docs.build .build/docs     # the pages as files, before the site's frame
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from html import escape, unescape
+from pathlib import Path
+
+from infra.web_build.docs import catalog, reference
+from infra.web_build.docs.catalog import ENTRIES, FOLDER, GROUPS, Entry, address
+from infra.web_build.docs.fields import Node
+from infra.web_build.docs.fill import fill
+from infra.web_build.docs.markdown import Document, Link, Section, render
+from infra.web_build.docs.page import GROUP_NAMES, page
+
+ROOT = Path(__file__).resolve().parents[3]
+HOME = f"{FOLDER}index.html"
+SEARCH_KEY = f"{FOLDER}search.json"
+_LEAD = (
+    "calibDB tells a program what the lens in front of it does: the camera matrix, the distortion, and how far "
+    "to trust them. Begin with the quickstart, or search."
+)
+_MAX_DESCRIPTION = 160  # characters
+_PROBLEM = re.compile(
+    r'<dt id="([a-z-]+)"><code>\1</code> <span>(.*?)</span></dt>\s*<dd>(.*?)</dd>', re.DOTALL
+)
+
+
+def pages(web: Path) -> Mapping[str, str]:
+    """Make the pages of the documentation, by key. A folder without `docs/docs.js` is no client of ours."""
+    if not (web / FOLDER / "docs.js").is_file():
+        return {}
+    made = {entry.key: _page(entry, document) for entry, document in documents()}
+    return made | dict(reference.pages(_openapi(web))) | {HOME: _home()}
+
+
+def files(web: Path) -> Mapping[str, bytes]:
+    """Make what the pages load and what is no page: texts for the search, pictures."""
+    if not (web / FOLDER / "docs.js").is_file():
+        return {}
+    pictures = {
+        f"docs/images/{path.name}": path.read_bytes() for path in sorted((ROOT / "docs" / "images").iterdir())
+    }
+    return {SEARCH_KEY: search_texts(web).encode(), **pictures}
+
+
+def documents() -> Iterator[tuple[Entry, Document]]:
+    """Yield the documents that are written in Markdown, rendered."""
+    for entry in ENTRIES:
+        if entry.source:
+            text = (ROOT / entry.source).read_text(encoding="utf-8")
+            yield entry, render(text, link_from(entry))
+
+
+def link_from(entry: Entry) -> Link:
+    """Return the function that gives addresses of links on the page of a document."""
+
+    def link(target: str) -> str | None:
+        if catalog.is_elsewhere(target):
+            return target
+        found = catalog.target_key(entry.source or "", target)
+        if found is None:
+            return None
+        key, anchor = found
+        there = "" if key == entry.key and anchor else address(entry.key, key)
+        return there + (f"#{anchor}" if anchor else "")
+
+    return link
+
+
+def search_texts(web: Path) -> str:
+    """Return the sections of all documents as JSON: `[[address, page, title, text], …]`, from `/docs/`."""
+    found = []
+    for entry, document in documents():
+        found += [_row(entry.slug, document.title, section) for section in document.sections]
+    for folder, section in reference.sections(_openapi(web)):
+        found += [_row(f"reference/{folder}", "API reference", section)]
+    problems = (web / FOLDER / "problems" / "index.html").read_text(encoding="utf-8")
+    for kind, status, text in _PROBLEM.findall(problems):
+        plain = unescape(re.sub("<[^>]+>", "", text))
+        found += [_row("problems", "Problems", Section(f"{kind} ({unescape(status)})", kind, [plain]))]
+    return json.dumps(found, ensure_ascii=False, separators=(",", ":"))
+
+
+def _row(folder: str, name: str, section: Section) -> list[str]:
+    anchor = f"#{section.anchor}" if section.anchor else ""
+    text = re.sub(r"\s+", " ", " ".join(section.text)).strip()
+    return [f"{folder}/{anchor}", name, section.title, text]
+
+
+def _openapi(web: Path) -> Node:
+    document: Node = json.loads((web / "openapi.json").read_text(encoding="utf-8"))
+    return document
+
+
+def _page(entry: Entry, document: Document) -> str:
+    body = fill(document.html) if entry.uses_service else document.html
+    first = next((section.text[0] for section in document.sections if section.text), entry.summary)
+    about = re.sub(r"\s+", " ", first)
+    if len(about) > _MAX_DESCRIPTION:
+        about = about[:_MAX_DESCRIPTION].rsplit(" ", 1)[0] + " …"
+    return page(entry.key, document.title, about, body, document.headings, uses_service=entry.uses_service)
+
+
+def _home() -> str:
+    parts = [f'<p class="lead">{_LEAD}</p>']
+    for name, entries in GROUPS.items():
+        items = "".join(
+            f'<li><a href="{address(HOME, entry.key)}">{escape(entry.name)}</a>'
+            f"<span>{escape(entry.summary)}</span></li>"
+            for entry in entries
+        )
+        parts.append(f'<h2 id="{name}">{GROUP_NAMES[name]}</h2>\n<ul class="cards">{items}</ul>')
+    about = "Quickstart, API reference, SDK, Python client, formats, limits."
+    return page(HOME, "Documentation", about, "\n".join(parts))
+
+
+def main(folder: Path) -> None:
+    """Write the pages to a folder."""
+    web = ROOT / "web"
+    made = {key: text.encode() for key, text in pages(web).items()} | dict(files(web))
+    for key, content in made.items():
+        (folder / key).parent.mkdir(parents=True, exist_ok=True)
+        (folder / key).write_bytes(content)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,148 @@
+"""Documents that the site shows under `/docs/`, and where each lies."""
+
+from __future__ import annotations
+
+import posixpath
+from dataclasses import dataclass
+from urllib.parse import urlsplit
+
+FOLDER = "docs/"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One document.
+
+    Attributes
+    ----------
+    source
+        Its path in the repository; None: a page that is made otherwise.
+    slug
+        Its folder under `/docs/`.
+    name, summary
+        In the navigation, and on the page of all documents.
+    uses_service
+        Whether its code is for this service: the page fills in the address of the site and the visitor's token.
+    """
+
+    source: str | None
+    slug: str
+    name: str
+    summary: str
+    uses_service: bool = False
+
+    @property
+    def key(self) -> str:
+        """Path of its page in the site."""
+        return f"{FOLDER}{self.slug}/index.html"
+
+
+GROUPS: dict[str, tuple[Entry, ...]] = {
+    "start": (
+        Entry(
+            "docs/quickstart.md",
+            "quickstart",
+            "Quickstart",
+            "A running page, in five minutes: token, lookup, and the way to the calibration and back.",
+            uses_service=True,
+        ),
+        Entry(
+            "web/sdk/README.md",
+            "sdk",
+            "JavaScript SDK",
+            "Lookups, projection matrices, straightened video, adapters for engines.",
+            uses_service=True,
+        ),
+        Entry(
+            "docs/python.md",
+            "python",
+            "Python client",
+            "Lookups, rectified pictures and other tools’ files in a program or on a robot.",
+            uses_service=True,
+        ),
+        Entry(
+            "docs/api.md", "api", "HTTP API", "All calls explained: tokens, lookups, captures, checks.", True
+        ),
+        Entry(None, "reference", "API reference", "Every call and field, with code to copy and to try."),
+        Entry(None, "problems", "Problems", "Every error that the API answers with, and what to do."),
+        Entry("docs/limits.md", "limits", "Limits", "Calls an hour by plan, sizes, times.", True),
+    ),
+    "understand": (
+        Entry(
+            "docs/conventions.md",
+            "conventions",
+            "Conventions",
+            "Pixels, frames, distortion models, symbols, terms.",
+        ),
+        Entry("docs/formats.md", "formats", "Formats", "Files of other tools: export and import."),
+        Entry("docs/camera-keys.md", "camera-keys", "Camera keys", "Which label finds which camera."),
+        Entry("docs/accuracy.md", "accuracy", "Accuracy and speed", "Every figure, with its command."),
+        Entry("docs/webxr.md", "webxr", "WebXR", "Intrinsics and distortion for WebXR views."),
+        Entry(
+            "layers/solver/README.md",
+            "solver",
+            "Solver",
+            "Calibration in Python, without a service.",
+        ),
+        Entry(
+            "clients/python/README.md", "python-package", "Python package", "The client on one page.", True
+        ),
+    ),
+    "project": (
+        Entry(
+            "docs/security.md", "security", "Security", "What is protected, against whom, and what is not."
+        ),
+        Entry("SECURITY.md", "vulnerabilities", "Vulnerabilities", "How to report one."),
+        Entry(
+            "docs/operations.md", "operations", "Operations", "Deploying, watching, restoring the service."
+        ),
+        Entry("docs/architecture.md", "architecture", "Architecture", "Parts, data at rest, flows."),
+        Entry("docs/decisions.md", "decisions", "Decisions", "What was decided, and why."),
+        Entry("CONTRIBUTING.md", "contributing", "Contributing", "Commands, rules, names."),
+        Entry("CHANGELOG.md", "changelog", "Changelog", "What changed in which version."),
+    ),
+}
+"""Documents by group, in the order of the navigation."""
+
+ENTRIES = tuple(entry for group in GROUPS.values() for entry in group)
+_BY_SOURCE = {entry.source: entry for entry in ENTRIES if entry.source}
+
+
+def address(from_key: str, to_key: str) -> str:
+    """Return the relative address of a page, or another file of the site, on the page `from_key`."""
+    folder, name = posixpath.split(to_key)
+    there = posixpath.relpath(folder or ".", posixpath.dirname(from_key) or ".")
+    return f"{there}/" if name == "index.html" else f"{there}/{name}"
+
+
+def target_key(source: str, target: str) -> tuple[str, str] | None:
+    """Find what a link of a document leads to on the site.
+
+    Parameters
+    ----------
+    source
+        Path of the document in the repository.
+    target
+        The link as it is written there: a path relative to the document.
+
+    Returns
+    -------
+    tuple[str, str] or None
+        Key of a file of the site, and anchor; None where the site does not have it.
+    """
+    parts = urlsplit(target)
+    path = posixpath.normpath(posixpath.join(posixpath.dirname(source), parts.path)) if parts.path else source
+    if path in _BY_SOURCE:
+        return _BY_SOURCE[path].key, parts.fragment
+    if path == "README.md":
+        return f"{FOLDER}index.html", ""
+    if path.startswith("docs/images/"):
+        return path, ""
+    if path.startswith("web/"):
+        return path.removeprefix("web/"), parts.fragment
+    return None
+
+
+def is_elsewhere(target: str) -> bool:
+    """Whether a link leaves the repository."""
+    return bool(urlsplit(target).scheme)

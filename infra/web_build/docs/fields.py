@@ -1,0 +1,139 @@
+"""Fields of JSON schemas as rows of a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+from infra.web_build.docs.markdown import inline
+
+Node = dict[str, Any]
+_REFERENCE = "#/components/schemas/"
+_MAX_DEPTH = 3  # of members within members
+_NAMES = {"string": "text", "integer": "whole number", "number": "number", "boolean": "true or false"}
+_BOUNDS = (
+    ("minimum", "at least {}"),
+    ("exclusiveMinimum", "more than {}"),
+    ("maximum", "at most {}"),
+    ("exclusiveMaximum", "less than {}"),
+    ("minLength", "at least {} characters"),
+    ("maxLength", "at most {} characters"),
+    ("minItems", "at least {}"),
+    ("maxItems", "at most {}"),
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One field: its path from the body's root, what it may be, and its meaning."""
+
+    name: str
+    kind: str
+    required: bool
+    text: str
+
+
+def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int = 0) -> Iterator[Row]:
+    """Yield the fields of an object, each followed by its members.
+
+    Parameters
+    ----------
+    schema
+        JSON schema of the object, or a reference.
+    schemas
+        Those that references name.
+    prefix, depth
+        Path of the object, and how deep it lies.
+    """
+    whole = resolve(schema, schemas)
+    needed = set(whole.get("required", ()))
+    for name, node in whole.get("properties", {}).items():
+        text = node.get("description") or resolve(node, schemas).get("description", "")
+        yield Row(f"{prefix}{name}", kind(node, schemas), name in needed, text)
+        inner, mark = _object(node, schemas)
+        if inner is not None and depth < _MAX_DEPTH:
+            yield from rows(inner, schemas, f"{prefix}{name}{mark}.", depth + 1)
+
+
+def table(found: list[Row], *, with_required: bool) -> str:
+    """Make a table of fields."""
+    head = '<th scope="col">Field</th><th scope="col">Type</th><th scope="col">Meaning</th>'
+    lines = [
+        f'<tr><th scope="row"><code>{escape(row.name)}</code>{_mark(row, with_required)}</th>'
+        f"<td>{escape(row.kind)}</td><td>{inline(row.text)}</td></tr>"
+        for row in found
+    ]
+    return (
+        f'<div class="wide"><table class="fields-table"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{''.join(lines)}</tbody></table></div>\n"
+    )
+
+
+def _mark(row: Row, with_required: bool) -> str:
+    return ' <span class="required">required</span>' if with_required and row.required else ""
+
+
+def resolve(node: Node, schemas: Mapping[str, Node]) -> Node:
+    """Follow a reference, and the one choice of several that is not null."""
+    while True:
+        reference = node.get("$ref", "")
+        if reference.startswith(_REFERENCE):
+            node = schemas[reference.removeprefix(_REFERENCE)]
+            continue
+        choices = [choice for choice in node.get("anyOf", ()) if choice.get("type") != "null"]
+        if len(choices) != 1:
+            return node
+        node = choices[0]
+
+
+def _object(node: Node, schemas: Mapping[str, Node]) -> tuple[Node | None, str]:
+    """Find the object that a field is, or that its items are, and the mark of its path."""
+    whole = resolve(node, schemas)
+    if "properties" in whole:
+        return whole, ""
+    items = resolve(whole.get("items") or {}, schemas)
+    return (items, "[]") if "properties" in items else (None, "")
+
+
+def kind(node: Node, schemas: Mapping[str, Node]) -> str:
+    """Describe in words what a field may be."""
+    null = any(choice.get("type") == "null" for choice in node.get("anyOf", ()))
+    default = node.get("default")
+    whole = resolve(node, schemas)
+    choices = [choice for choice in whole.get("anyOf", ()) if choice.get("type") != "null"]
+    said = " or ".join(dict.fromkeys(kind(choice, schemas) for choice in choices)) or _single(whole, schemas)
+    if null:
+        said += ", or null"
+    if default is not None and not isinstance(default, dict | list):
+        said += f"; {_written(default)} unless given"
+    return said
+
+
+def _single(node: Node, schemas: Mapping[str, Node]) -> str:
+    if "const" in node:
+        return _written(node["const"])
+    if "enum" in node:
+        return "one of " + ", ".join(_written(value) for value in node["enum"])
+    if node.get("type") == "array":
+        return _list(node, schemas)
+    if node.get("type") == "object" or "properties" in node:
+        return "object"
+    bounds = [words.format(f"{node[name]:,}") for name, words in _BOUNDS if name in node]
+    return ", ".join([_NAMES.get(node.get("type", ""), "anything"), *bounds])
+
+
+def _list(node: Node, schemas: Mapping[str, Node]) -> str:
+    fixed = node.get("prefixItems")
+    if fixed:
+        return f"list of {len(fixed)}: {kind(fixed[0], schemas)}"
+    items = kind(node.get("items") or {}, schemas)
+    least, most = node.get("minItems"), node.get("maxItems")
+    count = f"{least} " if least == most and least else ""
+    bounds = "" if count else "".join(f", {words.format(node[n])}" for n, words in _BOUNDS[-2:] if n in node)
+    return f"list of {count}{items}{bounds}"
+
+
+def _written(value: Any) -> str:
+    return {True: "true", False: "false"}.get(value, str(value)) if isinstance(value, bool) else str(value)

@@ -1,0 +1,208 @@
+"""Markdown as HTML: anchors as GitHub makes them, links between documents, code coloured by classes.
+
+The parser is markdown-it-py (CommonMark with tables), the highlighter Pygments. Nothing has a `style`
+attribute, which the policy of the pages forbids.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from markdown_it import MarkdownIt
+from markdown_it.renderer import RendererHTML
+from markdown_it.token import Token
+from pygments import highlight
+from pygments.formatters import HtmlFormatter
+from pygments.lexers import get_lexer_by_name
+
+Link = Callable[[str], str | None]
+"""Address of a link's target on the site; None where the site has no such page."""
+
+LEXERS = {
+    "sh": "bash",
+    "js": "javascript",
+    "html": "html",
+    "python": "python",
+    "json": "json",
+    "webidl": "webidl",
+}
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Heading with its anchor."""
+
+    level: int
+    text: str
+    anchor: str
+
+
+@dataclass
+class Section:
+    """Text under one heading, for the search. The first has the document's title and no anchor."""
+
+    title: str
+    anchor: str
+    text: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Document:
+    """Rendered document."""
+
+    title: str
+    html: str
+    headings: tuple[Heading, ...]
+    sections: tuple[Section, ...]
+
+
+def render(source: str, link: Link) -> Document:
+    """Render a document whose first heading is its title, which is left to the page."""
+    tokens = _parser().parse(source)
+    headings, sections = _outline(tokens)
+    title = headings[0].text if headings and headings[0].level == 1 else ""
+    if title:
+        del tokens[:3]
+    for token in tokens:
+        _mend(token, link)
+    renderer: Any = _Renderer()
+    body = renderer.render(tokens, _parser().options, {})
+    return Document(title, body, tuple(each for each in headings if each.level > 1), tuple(sections))
+
+
+def slug(text: str, taken: set[str]) -> str:
+    """Make the anchor of a heading as GitHub does, and take it."""
+    base = re.sub(r"[^\w\- ]", "", text.strip().lower()).replace(" ", "-")
+    found, count = base, 0
+    while found in taken:
+        count += 1
+        found = f"{base}-{count}"
+    taken.add(found)
+    return found
+
+
+def anchors(source: str) -> set[str]:
+    """Return the anchors of a document's headings."""
+    return {heading.anchor for heading in _outline(_parser().parse(source))[0]}
+
+
+def links(source: str) -> list[str]:
+    """Return the targets of a document's links and images."""
+    found = []
+    for token in _parser().parse(source):
+        for child in token.children or ():
+            target = child.attrGet("href" if child.type == "link_open" else "src")
+            if child.type in {"link_open", "image"} and target:
+                found.append(str(target))
+    return found
+
+
+def code(text: str, language: str) -> str:
+    """Colour code by the classes of Pygments; plain where the language is not known."""
+    if language not in LEXERS:
+        return html.escape(text, quote=False)
+    lexer = get_lexer_by_name(LEXERS[language], stripnl=False)
+    return str(highlight(text, lexer, HtmlFormatter(nowrap=True))).rstrip("\n")
+
+
+def code_block(text: str, language: str) -> str:
+    """Make a block of code with its language; the page adds what copies it."""
+    kind = f' data-language="{language}"' if language else ""
+    inner = code(text.rstrip("\n"), language)
+    return f'<div class="code"{kind}><pre tabindex="0"><code>{inner}</code></pre></div>\n'
+
+
+def _parser() -> MarkdownIt:
+    # Comments mark the parts that benches write; they alone of HTML are let through, to be dropped.
+    return MarkdownIt("commonmark", {"html": True}).enable("table")
+
+
+def _outline(tokens: Sequence[Token]) -> tuple[list[Heading], list[Section]]:
+    headings: list[Heading] = []
+    sections: list[Section] = []
+    taken: set[str] = set()
+    for index, token in enumerate(tokens):
+        if token.type == "inline" and tokens[index - 1].type == "heading_open":
+            text = _plain(token)
+            heading = Heading(int(tokens[index - 1].tag[1]), text, slug(text, taken))
+            headings.append(heading)
+            tokens[index - 1].attrSet("id", heading.anchor)
+            sections.append(Section(text, "" if heading.level == 1 else heading.anchor))
+        elif token.type in {"inline", "fence"} and sections:
+            sections[-1].text.append(_plain(token) if token.type == "inline" else token.content)
+    return headings, sections
+
+
+def _plain(token: Token) -> str:
+    """Return the text of inline content without its marks."""
+    shown = {"text", "code_inline"}
+    parts = [
+        " " if child.type in {"softbreak", "hardbreak"} else child.content if child.type in shown else ""
+        for child in token.children or ()
+    ]
+    return "".join(parts).strip()
+
+
+def _mend(token: Token, link: Link) -> None:
+    """Point links at pages, and replace what our policy forbids."""
+    style = str(token.attrGet("style") or "")
+    if style.startswith("text-align:"):
+        del token.attrs["style"]
+        token.attrJoin("class", style.removeprefix("text-align:"))
+    open_links: list[bool] = []
+    for child in token.children or ():
+        if child.type == "image":
+            source = str(child.attrGet("src"))
+            child.attrSet("src", link(source) or source)
+        elif child.type == "link_open":
+            target = link(str(child.attrGet("href")))
+            open_links.append(target is not None)
+            if target is None:
+                child.type, child.tag, child.nesting = "text", "", 0
+            else:
+                child.attrSet("href", target)
+        elif child.type == "link_close" and not open_links.pop():
+            child.type, child.tag, child.nesting = "text", "", 0
+
+
+class _Renderer(RendererHTML):
+    """Renderer with our code blocks, tables that scroll, and anchors to copy."""
+
+    def fence(self, tokens: Sequence[Token], idx: int, options: Any, env: Any) -> str:
+        info = tokens[idx].info.split()
+        return code_block(tokens[idx].content, info[0] if info else "")
+
+    def html_block(self, tokens: Sequence[Token], idx: int, options: Any, env: Any) -> str:
+        content = tokens[idx].content.strip()
+        return "" if content.startswith("<!--") else html.escape(content, quote=False)
+
+    html_inline = html_block
+
+    def table_open(self, tokens: Sequence[Token], idx: int, options: Any, env: Any) -> str:
+        return '<div class="wide"><table>\n'
+
+    def table_close(self, tokens: Sequence[Token], idx: int, options: Any, env: Any) -> str:
+        return "</table></div>\n"
+
+    def th_open(self, tokens: Sequence[Token], idx: int, options: Any, env: Any) -> str:
+        # An empty head names nothing: it is no header cell.
+        kind = tokens[idx].attrGet("class")
+        self._empty = not tokens[idx + 1].content
+        tag = "td" if self._empty else 'th scope="col"'
+        return f"<{tag}{f' class={chr(34)}{kind}{chr(34)}' if kind else ''}>"
+
+    def th_close(self, tokens: Sequence[Token], idx: int, options: Any, env: Any) -> str:
+        return "</td>\n" if self._empty else "</th>\n"
+
+
+def inline(text: str) -> str:
+    """Render one line of Markdown, without links."""
+    tokens = _parser().parseInline(text)
+    for token in tokens:
+        _mend(token, lambda _: None)
+    renderer: Any = _Renderer()
+    return str(renderer.render(tokens, _parser().options, {}))

@@ -1,0 +1,233 @@
+"""Pages of the API reference, made of the OpenAPI document: a page a group of calls, and one of all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from html import escape
+
+from infra.web_build.docs.catalog import FOLDER, address
+from infra.web_build.docs.fields import Node, Row, kind, rows, table
+from infra.web_build.docs.fill import fill
+from infra.web_build.docs.markdown import Heading, Section, code_block, inline
+from infra.web_build.docs.page import page
+from infra.web_build.docs.samples import LANGUAGES, samples, written
+from infra.web_build.example_calls import Call, calls
+
+HOME = f"{FOLDER}reference/index.html"
+SCRIPT = f"{FOLDER}reference.js"
+_JSON = "application/json"
+_PATH_VALUES = {"index": "0", "file": "1280x720.svg"}
+_MAX_ROWS = 12  # of a field for a body
+_CREDENTIALS = {
+    "apiToken": "API token",
+    "apiTokenInQuery": "API token in the query",
+    "sessionId": "session id",
+    "managementToken": "management token",
+}
+_INTRODUCTION = (
+    "Every call, field and answer, from the document with which the service checks each request. "
+    "The examples are sent to a running service by the project’s tests. Code carries this site’s address "
+    "and, once you have made one, your token; <em>Try it</em> sends a request from this page."
+)
+
+
+def pages(openapi: Node) -> Mapping[str, str]:
+    """Make all pages, by key."""
+    examples = {call.name: call for call in calls()}
+    made = {HOME: _home(openapi)}
+    for tag in openapi["tags"]:
+        made[_key(tag["name"])] = _group(openapi, tag, examples)
+    return made
+
+
+def sections(openapi: Node) -> Iterator[tuple[str, Section]]:
+    """Yield the folder and the texts of each operation, for the search."""
+    for tag in openapi["tags"]:
+        for path, method, operation in _operations(openapi, tag["name"]):
+            fields = _body(operation, openapi)
+            words = [operation["description"], *(f"{row.name} {row.text}" for row in fields)]
+            title = f"{method.upper()} {path}: {operation['summary']}"
+            yield f"{_slug(tag['name'])}/", Section(title, operation["operationId"], words)
+
+
+def _operations(openapi: Node, tag: str) -> Iterator[tuple[str, str, Node]]:
+    for path, methods in openapi["paths"].items():
+        for method, operation in methods.items():
+            if operation["tags"] == [tag]:
+                yield path, method, operation
+
+
+def _slug(tag: str) -> str:
+    return tag.lower()
+
+
+def _key(tag: str) -> str:
+    return f"{FOLDER}reference/{_slug(tag)}/index.html"
+
+
+def _home(openapi: Node) -> str:
+    parts = [
+        f"<p>{_INTRODUCTION}</p>\n"
+        f'<p>Machine-readable: <a href="{address(HOME, "openapi.json")}">openapi.json</a> (OpenAPI 3.1). '
+        f'In words: <a href="{address(HOME, f"{FOLDER}api/index.html")}">The HTTP API</a>.</p>'
+    ]
+    for tag in openapi["tags"]:
+        items = "".join(
+            f'<li><a href="{address(HOME, _key(tag["name"]))}#{operation["operationId"]}">'
+            f"<code>{_signature(method, path)}</code></a><span>{escape(operation['summary'])}</span></li>"
+            for path, method, operation in _operations(openapi, tag["name"])
+        )
+        parts.append(
+            f'<h2 id="{_slug(tag["name"])}">{tag["name"]}</h2>\n<p>{escape(tag["description"])}</p>\n'
+            f'<ul class="cards calls">{items}</ul>'
+        )
+    return page(HOME, "API reference", "Every call of the calibDB API.", "\n".join(parts))
+
+
+def _group(openapi: Node, tag: Node, examples: Mapping[str, Call]) -> str:
+    found = list(_operations(openapi, tag["name"]))
+    shown: dict[str, str] = {}
+    body = [
+        f'<p>{escape(tag["description"])} <a href="{address(_key(tag["name"]), HOME)}">All groups</a></p>',
+        *(_operation(path, method, node, openapi, examples, shown) for path, method, node in found),
+    ]
+    headings = [Heading(2, f"{method.upper()} {path}", node["operationId"]) for path, method, node in found]
+    title = f"{tag['name']}: API reference"
+    key = _key(tag["name"])
+    return page(key, title, tag["description"], fill("\n".join(body)), headings, [SCRIPT], uses_service=True)
+
+
+def _operation(
+    path: str, method: str, node: Node, openapi: Node, examples: Mapping[str, Call], shown: dict[str, str]
+) -> str:
+    """Make the section of one call; `shown`: call by answer, of those that the page has had so far."""
+    name = node["operationId"]
+    call = examples[name]
+    schemas = openapi["components"]["schemas"]
+    parts = [
+        f'<section class="operation" aria-labelledby="{name}">',
+        f'<h2 id="{name}"><code>{_signature(method, path)}</code></h2>',
+        f'<p class="lead">{escape(node["summary"])}</p><p>{inline(node["description"])}</p>',
+        f'<p class="muted">Credential: {_credential(node)}</p>',
+    ]
+    parameters = _parameters(node, schemas)
+    if parameters:
+        parts.append("<h3>Parameters</h3>" + table(parameters, with_required=True))
+    if body := _body(node, openapi):
+        parts.append("<h3>Body</h3>" + table(body, with_required=True))
+    parts.append(_samples(name, call))
+    parts.append(_answer(node, schemas, shown))
+    parts.append(_trial(name, call, node))
+    parts.append("</section>")
+    return "\n".join(parts)
+
+
+def _signature(method: str, path: str) -> str:
+    # Long paths break after a slash.
+    return f"{method.upper()} {escape(path).replace('/', '/<wbr>')}"
+
+
+def _credential(node: Node) -> str:
+    names = [_CREDENTIALS[one] for each in node.get("security", ()) for one in each if one in _CREDENTIALS]
+    return " or ".join(names) or "none"
+
+
+def _parameters(node: Node, schemas: Mapping[str, Node]) -> list[Row]:
+    return [
+        Row(each["name"], kind(each["schema"], schemas), each.get("required", False), each["description"])
+        for each in node.get("parameters", ())
+        if not each.get("deprecated")
+    ]
+
+
+def _body(node: Node, openapi: Node) -> list[Row]:
+    schema = node.get("requestBody", {}).get("content", {}).get(_JSON, {}).get("schema")
+    return list(rows(schema, openapi["components"]["schemas"])) if schema else []
+
+
+def _samples(name: str, call: Call) -> str:
+    choices, blocks = [], []
+    for index, (label, text) in enumerate(samples(call).items()):
+        given = f"{name}-{label}"
+        choices.append(
+            f'<input type="radio" name="{name}-sample" id="{given}" value="{label}"'
+            f'{" checked" if index == 0 else ""}><label for="{given}">{label}</label>'
+        )
+        blocks.append(code_block(text, LANGUAGES[label]))
+    return (
+        f'<fieldset class="samples"><legend class="unseen">Language of the example</legend>'
+        f"{''.join(choices)}{''.join(blocks)}</fieldset>"
+    )
+
+
+def _answer(node: Node, schemas: Mapping[str, Node], shown: dict[str, str]) -> str:
+    parts = ["<h3>Answers</h3>", '<dl class="answers">']
+    for status, answer in node["responses"].items():
+        parts.append(f"<dt><code>{status}</code></dt><dd>{inline(answer['description'])}</dd>")
+    parts.append("</dl>")
+    first = next(iter(node["responses"].values()))
+    content = first.get("content", {}).get(_JSON, {})
+    if "example" in content:
+        block = code_block(written(content["example"]), "json")
+        parts.append(f'<details class="example"><summary>Example of an answer</summary>{block}</details>')
+    if schema := content.get("schema"):
+        parts.append(_fields(schema["anyOf"][0] if "anyOf" in schema else schema, schemas, shown, node))
+    return "\n".join(parts)
+
+
+def _fields(schema: Node, schemas: Mapping[str, Node], shown: dict[str, str], node: Node) -> str:
+    """Make the table of an answer's fields, once a page."""
+    name = schema.get("$ref", "").rpartition("/")[2]
+    if name in shown:
+        there = f'<a href="#{shown[name]}">the same fields as above</a>'
+        return f"<p>The answer has {there}.</p>"
+    shown[name] = node["operationId"]
+    found = table(list(rows(schema, schemas)), with_required=False)
+    return f"<details><summary>Fields of the answer</summary>{found}</details>"
+
+
+def _trial(name: str, call: Call, node: Node) -> str:
+    """Make the form that sends the request; `docs/reference.js` shows and reads it."""
+    credential = next((one for each in node.get("security", ()) for one in each), "")
+    inputs = []
+    if credential:
+        inputs.append(_input(name, "credential", _CREDENTIALS[credential].capitalize(), ""))
+    for each in node.get("parameters", ()):
+        if not each.get("deprecated"):
+            given = {**call.query, **_PATH_VALUES}.get(each["name"], "")
+            inputs.append(_input(name, f"{each['in']}-{each['name']}", each["name"], given))
+    if call.body is not None:
+        inputs.append(_body_input(name, written(call.body)))
+    accept = f' data-accept="{call.accept}"' if call.accept else ""
+    return (
+        f'<details class="trial"><summary>Try it</summary><form data-operation="{name}" '
+        f'data-method="{call.method}" data-path="{escape(_template(call.path))}" '
+        f'data-credential="{credential}"{accept}>{"".join(inputs)}'
+        '<div class="actions"><button class="primary" type="submit">Send</button></div>'
+        '<div class="trial-answer" role="status"></div></form></details>'
+    )
+
+
+def _template(path: str) -> str:
+    """Return a path with names in braces again, where an example stands."""
+    names = {"CALIBRATION_ID": "{id}", "CAMERA_KEY": "{key}", "/views/0": "/views/{index}"}
+    for example, name in (names | {f"/{_PATH_VALUES['file']}": "/{file}"}).items():
+        path = path.replace(example, name)
+    return path
+
+
+def _body_input(name: str, text: str) -> str:
+    given = f"{name}-body"
+    shown = min(_MAX_ROWS, text.count("\n") + 1)
+    return (
+        f'<div class="field"><label for="{given}">Body</label><textarea id="{given}" name="body" '
+        f'rows="{shown}" spellcheck="false">{escape(text)}</textarea></div>'
+    )
+
+
+def _input(name: str, field: str, label: str, value: str) -> str:
+    given = f"{name}-{field}"
+    return (
+        f'<div class="field"><label for="{given}">{escape(label)}</label>'
+        f'<input id="{given}" name="{field}" value="{escape(value)}" autocomplete="off" spellcheck="false"></div>'
+    )

@@ -1,0 +1,117 @@
+"""Requests of the API reference as code: curl, fetch in a browser or Node, and Python with httpx."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from infra.web_build.example_calls import Call
+
+SITE = "http://127.0.0.1:8000"
+"""Address in all code; the pages put their own in its place."""
+JSON = "application/json"
+
+LANGUAGES = {"curl": "sh", "fetch": "js", "python": "python"}
+"""Names of the samples, and the language of each."""
+
+
+def samples(call: Call) -> dict[str, str]:
+    """Return the request in every language."""
+    return {"curl": curl(call), "fetch": fetch(call), "python": python(call)}
+
+
+def curl(call: Call) -> str:
+    """Write a command."""
+    method = "" if call.method == ("GET" if call.body is None else "POST") else f" -X {call.method}"
+    lines = [f"curl -s{' -G' if call.query else ''}{method} {SITE}{call.path}"]
+    if call.credential:
+        lines.append(f'-H "Authorization: Bearer {call.credential}"')
+    if call.accept:
+        lines.append(f'-H "Accept: {call.accept}"')
+    lines += [f'--data-urlencode "{name}={value}"' for name, value in call.query.items()]
+    if call.body is not None:
+        lines += [f'-H "Content-Type: {JSON}"', f"-d '{_json(call.body)}'"]
+    return " \\\n  ".join(lines)
+
+
+def fetch(call: Call) -> str:
+    """Write a module of JavaScript."""
+    lines = []
+    where = f'"{SITE}{call.path}"'
+    if call.query:
+        lines.append(f"const query = new URLSearchParams({_javascript(dict(call.query))});")
+        where = f"`{SITE}{call.path}?${{query}}`"
+    options = [f'method: "{call.method}",'] if call.method != "GET" else []
+    headers = [f'authorization: "Bearer {call.credential}"'] if call.credential else []
+    headers += [f'accept: "{call.accept}"'] if call.accept else []
+    headers += [f'"content-type": "{JSON}"'] if call.body is not None else []
+    options += [f"headers: {{ {', '.join(headers)} }},"] if headers else []
+    if call.body is not None:
+        options.append(f"body: JSON.stringify({_javascript(call.body, 1)}),")
+    given = "".join(f"\n  {option}" for option in options)
+    lines.append(f"const response = await fetch({where}{f', {{{given}{chr(10)}}}' if given else ''});")
+    lines.append("console.log(response.status, await response.text());")
+    return "\n".join(lines)
+
+
+def python(call: Call) -> str:
+    """Write a program for Python with httpx."""
+    options = []
+    headers = [f'"Authorization": "Bearer {call.credential}"'] if call.credential else []
+    headers += [f'"Accept": "{call.accept}"'] if call.accept else []
+    options += [f"headers={{{', '.join(headers)}}},"] if headers else []
+    options += [f"params={_python(dict(call.query))},"] if call.query else []
+    options += [f"json={_python(call.body)},"] if call.body is not None else []
+    function = f"httpx.{call.method.lower()}"
+    where = f'"{SITE}{call.path}"'
+    given = "".join(f"\n    {option}" for option in (f"{where},", *options)) + "\n" if options else where
+    return f"import httpx\n\nresponse = {function}({given})\nprint(response.status_code, response.text)"
+
+
+def written(value: Any, pad: str = "") -> str:
+    """Write JSON with a member of an object a line, and lists of numbers or texts on one."""
+    inner = f"{pad}  "
+    if isinstance(value, dict) and value:
+        members = (f"{inner}{json.dumps(name)}: {written(each, inner)}" for name, each in value.items())
+        return "{\n" + ",\n".join(members) + f"\n{pad}}}"
+    if isinstance(value, list) and any(isinstance(each, dict) for each in value):
+        items = (f"{inner}{written(each, inner)}" for each in value)
+        return "[\n" + ",\n".join(items) + f"\n{pad}]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _json(value: Any) -> str:
+    """Write JSON with one member a line, and what is within on that line."""
+    if not isinstance(value, dict):
+        return json.dumps(value, ensure_ascii=False)
+    members = (f'  "{name}": {json.dumps(each, ensure_ascii=False)}' for name, each in value.items())
+    return "{\n" + ",\n".join(members) + "\n}"
+
+
+def _javascript(value: Any, depth: int = 0) -> str:
+    pad = "  " * depth
+    members = (f"{pad}  {name}: {_inline(each)}," for name, each in value.items())
+    return "{\n" + "\n".join(members) + f"\n{pad}}}"
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{name}: {_inline(each)}" for name, each in value.items()) + " }"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_inline, value))}]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _python(value: Any) -> str:
+    if not isinstance(value, dict):
+        return _literal(value)
+    members = (f"        {json.dumps(name)}: {_literal(each)}," for name, each in value.items())
+    return "{\n" + "\n".join(members) + "\n    }"
+
+
+def _literal(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(k)}: {_literal(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_literal, value))}]"
+    return repr(value) if not isinstance(value, str) else json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,64 @@
+"""Examples of all calls, in an order in which each finds what it needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from infra.web_build.operation_texts import text_of
+from infra.web_build.operations import OPERATIONS
+
+TOKEN = "cdb_dev_local"  # noqa: S105 - that of local stacks; pages put the visitor's in its place
+CREDENTIALS = {"apiToken": TOKEN, "sessionId": "SESSION_ID", "managementToken": "MANAGEMENT_TOKEN"}
+"""What stands for a credential in code, by its name in the OpenAPI document."""
+SCENARIO = (
+    *("health", "createToken", "showToken", "changeToken", "verifyToken", "rotateToken", "showUsage"),
+    *("lookup", "visitLookup", "searchCameras", "showCamera", "showCalibration", "showBadge"),
+    *("openSession", "startSession", "showPose", "submitView", "showSession", "undoView", "checkCalibration"),
+    *("forgetSession", "finishSession", "revokeToken"),
+)
+"""Names of all operations. `finishSession` wants a recorded session of its own."""
+
+
+@dataclass(frozen=True)
+class Call:
+    """One example as it is sent."""
+
+    name: str
+    method: str
+    path: str
+    credential: str | None
+    body: Any = None
+    query: Mapping[str, str] = field(default_factory=dict)
+    accept: str | None = None
+
+
+def calls() -> Iterator[Call]:
+    """Yield the example of each operation in the order of `SCENARIO`, with its placeholders."""
+    operations = {operation.name: operation for operation in OPERATIONS}
+    for name in SCENARIO:
+        operation, text = operations[name], text_of(name)
+        credential = next((CREDENTIALS[one] for one in operation.credentials if one in CREDENTIALS), None)
+        path = operation.path.format(**text.path)
+        yield Call(name, operation.method.upper(), path, credential, text.body, dict(text.query), text.accept)
+
+
+def learn(values: dict[str, str], name: str, answer: Any) -> None:
+    """Note what an answer gives to the placeholders of later examples."""
+    match name:
+        case "createToken":
+            values["MANAGEMENT_TOKEN"] = answer["management_token"]
+        case "openSession":
+            values["SESSION_ID"] = answer["session_id"]
+        case "lookup":
+            values["CALIBRATION_ID"] = answer["id"]
+        case "searchCameras":
+            values["CAMERA_KEY"] = answer["cameras"][0]["key"]
+
+
+def fill_in(text: str, values: Mapping[str, str]) -> str:
+    """Put values in the place of their placeholders."""
+    for placeholder, value in values.items():
+        text = text.replace(placeholder, value)
+    return text

@@ -1,0 +1,124 @@
+"""Answers of the service to the examples of `operation_texts`: `python -m infra.web_build.recorded_examples`.
+
+A stack in memory is told five calibrations of one synthetic camera; then every example of `example_calls` is
+sent to it. `examples.json` has what it answers; the OpenAPI document and the reference take it from there.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any
+from urllib.parse import urlencode
+
+import numpy as np
+
+from calibsolver import Board, Camera
+from calibsolver import rotation as rotations
+from calibsolver.guidance import FixedPlan
+from infra.local.stack import DEVELOPMENT_TOKEN, ROOT, LocalStack
+from infra.web_build.example_calls import calls, fill_in, learn
+from infra.web_build.openapi import EXAMPLES_PATH
+from infra.web_build.operation_texts import CAMERA, PLATFORM, TEXTS
+
+IMG_SIZE = (1280, 720)
+CALIBRATIONS = 5
+_VIEWS = 6
+_NOISE_PX = 0.1
+_PATIENCE_S = 60.0
+_MAX_ITEMS, _KEPT_ITEMS = 8, 3  # of a list in the file
+_DIGITS = 6
+_TRUTH = Camera(
+    "rectilinear",
+    np.array([[958.0, 0.0, 641.2], [0.0, 957.1, 362.9], [0.0, 0.0, 1.0]]),
+    np.array([0.062, -0.118, 0.0004, -0.0002, 0.021]),
+    IMG_SIZE,
+)
+
+
+def prepare(stack: LocalStack) -> None:
+    """Publish the calibrations by which the camera of the examples is reliably known."""
+    for index in range(CALIBRATIONS):
+        session = record(stack, index)
+        send(stack, "POST", "/v1/session/finish", session)
+    end = time.monotonic() + _PATIENCE_S
+    while json.loads(send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, TEXTS["lookup"].body)).get(
+        "reason"
+    ):
+        if time.monotonic() > end:
+            raise ValueError("the calibrations of the examples did not become a consensus")
+        time.sleep(0.02)
+
+
+def record(stack: LocalStack, seed: int) -> str:
+    """Start a recorded session and submit its views; return its id."""
+    token = DEVELOPMENT_TOKEN
+    session: str = json.loads(send(stack, "POST", "/v1/auth", token))["session_id"]
+    started = {"camera": CAMERA, "platform": PLATFORM, "img_size": IMG_SIZE, "capture": "recorded"}
+    send(stack, "POST", "/v1/session", session, started)
+    for index, (ids, points) in enumerate(_views(seed)):
+        send(stack, "POST", "/v1/session/views", session, {"index": index, "ids": ids, "points": points})
+    return session
+
+
+def send(stack: LocalStack, method: str, path: str, credential: str | None, body: Any = None) -> bytes:
+    """Send a request that must succeed; return the body."""
+    headers = {"authorization": f"Bearer {credential}"} if credential else {}
+    path, _, query = path.partition("?")
+    content = b"" if body is None else json.dumps(body).encode()
+    answer = stack.request(method, path, headers | {"accept": "application/json"}, query, content)
+    if answer.status >= 400:
+        raise ValueError(f"{method} {path}: {answer.status} {answer.body.decode(errors='replace')}")
+    return answer.body
+
+
+def _views(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
+    """Yield ids and pixels of the default board in the poses of the fixed plan, with noise."""
+    random = np.random.default_rng(seed)
+    board = Board()
+    for pose in list(FixedPlan(board, IMG_SIZE).poses)[:_VIEWS]:
+        pixels = _TRUTH.project(
+            board.points @ rotations.matrix(np.asarray(pose.rvec)).T + np.asarray(pose.tvec)
+        )
+        pixels = pixels + random.normal(scale=_NOISE_PX, size=pixels.shape)
+        inside = [
+            i for i, (x, y) in enumerate(pixels) if 0 <= x < IMG_SIZE[0] - 1 and 0 <= y < IMG_SIZE[1] - 1
+        ]
+        yield inside, [[round(float(v), 2) for v in pixels[i]] for i in inside]
+
+
+def examples() -> dict[str, Any]:
+    """Return the answers by operation, None where there is no body."""
+    answers: dict[str, Any] = {}
+    values: dict[str, str] = {}
+    with LocalStack(environment={"NEW_TOKENS": "100"}) as stack:
+        prepare(stack)
+        for call in calls():
+            if call.name == "finishSession":
+                values["SESSION_ID"] = record(stack, CALIBRATIONS)
+            path = fill_in(call.path + (f"?{urlencode(call.query)}" if call.query else ""), values)
+            body = send(stack, call.method, path, fill_in(call.credential or "", values) or None, call.body)
+            answers[call.name] = json.loads(body) if body.startswith((b"{", b"[")) else None
+            learn(values, call.name, answers[call.name])
+    return answers
+
+
+def text() -> str:
+    """Return the file's content. Its tokens were those of a stack in memory, which is gone."""
+    return json.dumps(_shortened(examples()), indent=1, ensure_ascii=False) + "\n"
+
+
+def _shortened(node: Any) -> Any:
+    """Cut long lists, and round numbers, to what somebody reads."""
+    if isinstance(node, dict):
+        return {key: _shortened(value) for key, value in node.items()}
+    if isinstance(node, list):
+        return [_shortened(value) for value in (node if len(node) <= _MAX_ITEMS else node[:_KEPT_ITEMS])]
+    return round(node, _DIGITS) if isinstance(node, float) else node
+
+
+if __name__ == "__main__":
+    EXAMPLES_PATH.write_text(text(), encoding="utf-8")
+    print(f"{EXAMPLES_PATH.relative_to(ROOT)}: {EXAMPLES_PATH.stat().st_size} bytes", file=sys.stderr)
