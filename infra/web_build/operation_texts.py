@@ -20,9 +20,9 @@ TAGS = {
 }
 """Groups of calls, in the order of the reference."""
 
-CAMERA = "HD Pro Webcam C920 (046d:082d)"
-PLATFORM = "X11; Linux x86_64"
-_CAMERA = {"camera": CAMERA, "platform": PLATFORM, "img_size": [1280, 720]}
+EXAMPLE_CAMERA = "HD Pro Webcam C920 (046d:082d)"
+EXAMPLE_PLATFORM = "X11; Linux x86_64"
+_EXAMPLE_KEY = {"camera": EXAMPLE_CAMERA, "platform": EXAMPLE_PLATFORM, "img_size": [1280, 720]}
 _BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
 EXAMPLE_IDS = [0, 1, 2, 8, 9, 10, 16]
 EXAMPLE_POINTS = [
@@ -61,14 +61,19 @@ TEXTS: dict[str, OperationText] = {
         '`miss: "ok"` answers 200 with `calibration: null`, the `reason`, and the `guidance_url` '
         "where the camera can be calibrated; `redirect: false` answers 404 with the same; without "
         "either the answer is a redirect to that page, which `fetch()` cannot read.",
-        {**_CAMERA, "zoom": 0, "miss": "ok"},
+        {**_EXAMPLE_KEY, "zoom": 0, "miss": "ok"},
     ),
     "visitLookup": OperationText(
         "Lookup",
         "The same as `POST /v1/lookup`, with the names as query parameters. A browser can "
         "navigate to it with the API token in `key`, and is redirected to the guidance page where "
         "nothing reliable is known.",
-        query={"camera": CAMERA, "platform": PLATFORM, "img_size": "1280x720", "redirect": "false"},
+        query={
+            "camera": EXAMPLE_CAMERA,
+            "platform": EXAMPLE_PLATFORM,
+            "img_size": "1280x720",
+            "redirect": "false",
+        },
     ),
     "openSession": OperationText(
         "Capture",
@@ -81,7 +86,7 @@ TEXTS: dict[str, OperationText] = {
         "views that are all there already (photographs, a video, another program's corners): then "
         "every view that agrees counts, and `POST /v1/session/finish` ends the session. The same "
         "content again is answered again; other content is 409.",
-        {**_CAMERA, "board": _BOARD},
+        {**_EXAMPLE_KEY, "board": _BOARD},
     ),
     "showSession": OperationText(
         "Capture",
@@ -122,7 +127,7 @@ TEXTS: dict[str, OperationText] = {
         "Scores the stored consensus of a camera on one to five fresh views, and counts the "
         "finding as a vote for or against it. Only the poses are fitted to the views. No session "
         "need be started under the session id.",
-        {**_CAMERA, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
+        {**_EXAMPLE_KEY, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
     ),
     "showCalibration": OperationText(
         "Database",
@@ -146,8 +151,8 @@ TEXTS: dict[str, OperationText] = {
     ),
     "showBadge": OperationText(
         "Database",
-        "Answers with a picture for a README or a page: whether a camera is calibrated at a size, and to which "
-        "error. It needs no credential.",
+        "Answers with a picture for a README or a page: whether a camera is calibrated at a size, and to "
+        "which error. It needs no credential.",
         path={"key": "CAMERA_KEY", "file": "1280x720.svg"},
     ),
     "createToken": OperationText(

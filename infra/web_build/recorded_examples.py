@@ -21,13 +21,13 @@ from calibsolver.guidance import FixedPlan
 from infra.local.stack import DEVELOPMENT_TOKEN, ROOT, LocalStack
 from infra.web_build.example_calls import calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.operation_texts import CAMERA, PLATFORM, TEXTS
+from infra.web_build.operation_texts import EXAMPLE_CAMERA, EXAMPLE_PLATFORM, TEXTS
 
 IMG_SIZE = (1280, 720)
 CALIBRATIONS = 5
 _VIEWS = 6
-_NOISE_PX = 0.1
-_PATIENCE_S = 60.0
+_CORNER_NOISE_PX = 0.1
+_CONSENSUS_PATIENCE_S = 60.0
 _MAX_ITEMS, _KEPT_ITEMS = 8, 3  # of a list in the file
 _DIGITS = 6
 _TRUTH = Camera(
@@ -43,7 +43,7 @@ def prepare(stack: LocalStack) -> None:
     for index in range(CALIBRATIONS):
         session = record(stack, index)
         send(stack, "POST", "/v1/session/finish", session)
-    end = time.monotonic() + _PATIENCE_S
+    end = time.monotonic() + _CONSENSUS_PATIENCE_S
     while json.loads(send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, TEXTS["lookup"].body)).get(
         "reason"
     ):
@@ -56,7 +56,12 @@ def record(stack: LocalStack, seed: int) -> str:
     """Start a recorded session and submit its views; return its id."""
     token = DEVELOPMENT_TOKEN
     session: str = json.loads(send(stack, "POST", "/v1/auth", token))["session_id"]
-    started = {"camera": CAMERA, "platform": PLATFORM, "img_size": IMG_SIZE, "capture": "recorded"}
+    started = {
+        "camera": EXAMPLE_CAMERA,
+        "platform": EXAMPLE_PLATFORM,
+        "img_size": IMG_SIZE,
+        "capture": "recorded",
+    }
     send(stack, "POST", "/v1/session", session, started)
     for index, (ids, points) in enumerate(_views(seed)):
         send(stack, "POST", "/v1/session/views", session, {"index": index, "ids": ids, "points": points})
@@ -82,7 +87,7 @@ def _views(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
         pixels = _TRUTH.project(
             board.points @ rotations.matrix(np.asarray(pose.rvec)).T + np.asarray(pose.tvec)
         )
-        pixels = pixels + random.normal(scale=_NOISE_PX, size=pixels.shape)
+        pixels = pixels + random.normal(scale=_CORNER_NOISE_PX, size=pixels.shape)
         inside = [
             i for i, (x, y) in enumerate(pixels) if 0 <= x < IMG_SIZE[0] - 1 and 0 <= y < IMG_SIZE[1] - 1
         ]

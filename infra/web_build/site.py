@@ -24,6 +24,9 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
+from infra.web_build.docs import build as documentation
+from infra.web_build.docs.catalog import ENTRIES
+
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
 LANGUAGES = ("de", "uk")  # besides English; `web/lib/i18n.js` has them too
@@ -36,9 +39,9 @@ _SKIPPED = ("vendor/",)
 _INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
 
 Generator = Callable[[Path], Mapping[str, str]]
-"""Makes page sources, by key ("docs/api/index.html"), of a client's folder."""
+"""Makes page sources, by key ("docs/api/index.html"), and texts that they load, of a client's folder."""
 
-GENERATORS: tuple[Generator, ...] = ()
+GENERATORS: tuple[Generator, ...] = (documentation.pages,)
 """Those of pages that are not written by hand."""
 
 
@@ -96,8 +99,13 @@ def sources(web: Path = WEB) -> dict[str, str]:
         path.relative_to(web).as_posix(): path.read_text(encoding="utf-8")
         for path in sorted(web.rglob("*.html"))
     }
-    generated = {key: source for generate in GENERATORS for key, source in generate(web).items()}
-    return {key: text for key, text in (generated | written).items() if not key.startswith(_SKIPPED)}
+    pages = {key: text for key, text in generated(web).items() if key.endswith(".html")}
+    return {key: text for key, text in (pages | written).items() if not key.startswith(_SKIPPED)}
+
+
+def generated(web: Path = WEB) -> dict[str, str]:
+    """Return all that the generators make."""
+    return {key: text for generate in GENERATORS for key, text in generate(web).items()}
 
 
 @lru_cache(maxsize=8)
@@ -132,7 +140,7 @@ def _build(web: Path, told: str) -> dict[str, str]:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
     files: dict[str, str] = json.loads(made.stdout)
-    return files
+    return {key: text for key, text in generated(web).items() if not key.endswith(".html")} | files
 
 
 def _repository() -> str | None:
@@ -174,7 +182,8 @@ def _inputs(web: Path) -> Iterator[Path]:
         for path in sorted(folder.rglob("*")):
             if path.suffix in _INPUTS and "vendor" not in path.parts and path.is_file():
                 yield path
-    yield from (ROOT / name for name in ("pyproject.toml", "README.md", "CHANGELOG.md"))
+    documents = (ROOT / entry.source for entry in ENTRIES if entry.source)
+    yield from (path for path in (ROOT / "pyproject.toml", *documents) if path.is_file())
 
 
 def main(folder: Path) -> None:

@@ -6,7 +6,7 @@ const LANGUAGE = "calibdb.docs.language";
 const TIMEOUT_MS = 30_000;
 const SHOWN_HEADERS = ["ratelimit", "retry-after", "location", "x-conversion-error"];
 
-/** What answers gave to later requests. @type {{session?: string, id?: string, key?: string}} */
+/** Values that answers gave to later requests. @type {{session?: string, id?: string, key?: string}} */
 const learnt = {};
 
 rememberLanguage();

@@ -1,6 +1,6 @@
 // Tokens that the visitor made on /developers/ and this browser keeps, and the one that examples use.
 
-/** @typedef {{id: string, token: string, management_token?: string, name?: string, origins?: unknown[], api?: string}} KeptToken */
+/** @typedef {{id: string, token: string, management_token?: string, name?: string | null, origins?: unknown[], api?: string}} KeptToken */
 
 const KEPT = "calibdb.tokens";
 const CHOSEN = "calibdb.docs.token";
@@ -44,7 +44,7 @@ function isHere(api) {
   return typeof api !== "string" || new URL(api, location.href).origin === location.origin;
 }
 
-/** What a browser keeps; null where it keeps nothing for pages. @template T @param {() => T} use @returns {T | null} */
+/** Value that the browser keeps; null where it keeps nothing for pages. @template T @param {() => T} use @returns {T | null} */
 function stored(use) {
   try {
     return use();

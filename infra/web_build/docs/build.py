@@ -7,24 +7,22 @@ from __future__ import annotations
 
 import json
 import re
-import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape, unescape
 from pathlib import Path
 
 from infra.web_build.docs import catalog, reference
-from infra.web_build.docs.catalog import ENTRIES, FOLDER, GROUPS, Entry, address
+from infra.web_build.docs.catalog import ENTRIES, FOLDER, GROUPS, ROOT, Entry, address
 from infra.web_build.docs.fields import Node
 from infra.web_build.docs.fill import fill
 from infra.web_build.docs.markdown import Document, Link, Section, render
 from infra.web_build.docs.page import GROUP_NAMES, page
 
-ROOT = Path(__file__).resolve().parents[3]
-HOME = f"{FOLDER}index.html"
+OVERVIEW = f"{FOLDER}index.html"
 SEARCH_KEY = f"{FOLDER}search.json"
 _LEAD = (
-    "calibDB tells a program what the lens in front of it does: the camera matrix, the distortion, and how far "
-    "to trust them. Begin with the quickstart, or search."
+    "calibDB tells a program what the lens in front of it does: the camera matrix, the distortion, and how "
+    "far to trust them. Begin with the quickstart, or search."
 )
 _MAX_DESCRIPTION = 160  # characters
 _PROBLEM = re.compile(
@@ -33,21 +31,19 @@ _PROBLEM = re.compile(
 
 
 def pages(web: Path) -> Mapping[str, str]:
-    """Make the pages of the documentation, by key. A folder without `docs/docs.js` is no client of ours."""
+    """Make the pages of the documentation, and the texts that they load, by key.
+
+    A folder without `docs/docs.js` is no client of ours.
+    """
     if not (web / FOLDER / "docs.js").is_file():
         return {}
-    made = {entry.key: _page(entry, document) for entry, document in documents()}
-    return made | dict(reference.pages(_openapi(web))) | {HOME: _home()}
-
-
-def files(web: Path) -> Mapping[str, bytes]:
-    """Make what the pages load and what is no page: texts for the search, pictures."""
-    if not (web / FOLDER / "docs.js").is_file():
-        return {}
-    pictures = {
-        f"docs/images/{path.name}": path.read_bytes() for path in sorted((ROOT / "docs" / "images").iterdir())
+    rendered = list(documents())
+    made = {entry.key: _page(entry, document) for entry, document in rendered}
+    loaded = {SEARCH_KEY: search_texts(web, rendered)} | {
+        path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8")
+        for path in sorted((ROOT / "docs" / "images").glob("*.svg"))
     }
-    return {SEARCH_KEY: search_texts(web).encode(), **pictures}
+    return made | dict(reference.pages(_openapi(web))) | {OVERVIEW: _home()} | loaded
 
 
 def documents() -> Iterator[tuple[Entry, Document]]:
@@ -74,10 +70,10 @@ def link_from(entry: Entry) -> Link:
     return link
 
 
-def search_texts(web: Path) -> str:
+def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
     """Return the sections of all documents as JSON: `[[address, page, title, text], …]`, from `/docs/`."""
     found = []
-    for entry, document in documents():
+    for entry, document in rendered:
         found += [_row(entry.slug, document.title, section) for section in document.sections]
     for folder, section in reference.sections(_openapi(web)):
         found += [_row(f"reference/{folder}", "API reference", section)]
@@ -112,23 +108,10 @@ def _home() -> str:
     parts = [f'<p class="lead">{_LEAD}</p>']
     for name, entries in GROUPS.items():
         items = "".join(
-            f'<li><a href="{address(HOME, entry.key)}">{escape(entry.name)}</a>'
+            f'<li><a href="{address(OVERVIEW, entry.key)}">{escape(entry.name)}</a>'
             f"<span>{escape(entry.summary)}</span></li>"
             for entry in entries
         )
         parts.append(f'<h2 id="{name}">{GROUP_NAMES[name]}</h2>\n<ul class="cards">{items}</ul>')
     about = "Quickstart, API reference, SDK, Python client, formats, limits."
-    return page(HOME, "Documentation", about, "\n".join(parts))
-
-
-def main(folder: Path) -> None:
-    """Write the pages to a folder."""
-    web = ROOT / "web"
-    made = {key: text.encode() for key, text in pages(web).items()} | dict(files(web))
-    for key, content in made.items():
-        (folder / key).parent.mkdir(parents=True, exist_ok=True)
-        (folder / key).write_bytes(content)
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    return page(OVERVIEW, "Documentation", about, "\n".join(parts))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import posixpath
 from dataclasses import dataclass
+from pathlib import Path
 from urllib.parse import urlsplit
 
+ROOT = Path(__file__).resolve().parents[3]
 FOLDER = "docs/"
 
 
@@ -22,7 +24,7 @@ class Entry:
     name, summary
         In the navigation, and on the page of all documents.
     uses_service
-        Whether its code is for this service: the page fills in the address of the site and the visitor's token.
+        Whether its code is for this service: the page fills in the site's address and the visitor's token.
     """
 
     source: str | None
@@ -138,7 +140,7 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
         return f"{FOLDER}index.html", ""
     if path.startswith("docs/images/"):
         return path, ""
-    if path.startswith("web/"):
+    if path.startswith("web/") and (ROOT / path).exists():
         return path.removeprefix("web/"), parts.fragment
     return None
 

@@ -10,8 +10,8 @@ from typing import Any
 from infra.web_build.docs.markdown import inline
 
 Node = dict[str, Any]
-_REFERENCE = "#/components/schemas/"
-_MAX_DEPTH = 3  # of members within members
+_SCHEMA_PREFIX = "#/components/schemas/"
+_MAX_MEMBER_DEPTH = 3  # of members within members
 _NAMES = {"string": "text", "integer": "whole number", "number": "number", "boolean": "true or false"}
 _BOUNDS = (
     ("minimum", "at least {}"),
@@ -53,7 +53,7 @@ def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int
         text = node.get("description") or resolve(node, schemas).get("description", "")
         yield Row(f"{prefix}{name}", kind(node, schemas), name in needed, text)
         inner, mark = _object(node, schemas)
-        if inner is not None and depth < _MAX_DEPTH:
+        if inner is not None and depth < _MAX_MEMBER_DEPTH:
             yield from rows(inner, schemas, f"{prefix}{name}{mark}.", depth + 1)
 
 
@@ -79,8 +79,8 @@ def resolve(node: Node, schemas: Mapping[str, Node]) -> Node:
     """Follow a reference, and the one choice of several that is not null."""
     while True:
         reference = node.get("$ref", "")
-        if reference.startswith(_REFERENCE):
-            node = schemas[reference.removeprefix(_REFERENCE)]
+        if reference.startswith(_SCHEMA_PREFIX):
+            node = schemas[reference.removeprefix(_SCHEMA_PREFIX)]
             continue
         choices = [choice for choice in node.get("anyOf", ()) if choice.get("type") != "null"]
         if len(choices) != 1:

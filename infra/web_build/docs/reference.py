@@ -10,10 +10,10 @@ from infra.web_build.docs.fields import Node, Row, kind, rows, table
 from infra.web_build.docs.fill import fill
 from infra.web_build.docs.markdown import Heading, Section, code_block, inline
 from infra.web_build.docs.page import page
-from infra.web_build.docs.samples import LANGUAGES, samples, written
+from infra.web_build.docs.samples import SAMPLE_LANGUAGES, samples, written
 from infra.web_build.example_calls import Call, calls
 
-HOME = f"{FOLDER}reference/index.html"
+REFERENCE = f"{FOLDER}reference/index.html"
 SCRIPT = f"{FOLDER}reference.js"
 _JSON = "application/json"
 _PATH_VALUES = {"index": "0", "file": "1280x720.svg"}
@@ -34,7 +34,7 @@ _INTRODUCTION = (
 def pages(openapi: Node) -> Mapping[str, str]:
     """Make all pages, by key."""
     examples = {call.name: call for call in calls()}
-    made = {HOME: _home(openapi)}
+    made = {REFERENCE: _home(openapi)}
     for tag in openapi["tags"]:
         made[_key(tag["name"])] = _group(openapi, tag, examples)
     return made
@@ -68,12 +68,12 @@ def _key(tag: str) -> str:
 def _home(openapi: Node) -> str:
     parts = [
         f"<p>{_INTRODUCTION}</p>\n"
-        f'<p>Machine-readable: <a href="{address(HOME, "openapi.json")}">openapi.json</a> (OpenAPI 3.1). '
-        f'In words: <a href="{address(HOME, f"{FOLDER}api/index.html")}">The HTTP API</a>.</p>'
+        '<p>Machine-readable: <a href="../../openapi.json">openapi.json</a> (OpenAPI 3.1). '
+        'In words: <a href="../api/">The HTTP API</a>.</p>'
     ]
     for tag in openapi["tags"]:
         items = "".join(
-            f'<li><a href="{address(HOME, _key(tag["name"]))}#{operation["operationId"]}">'
+            f'<li><a href="{address(REFERENCE, _key(tag["name"]))}#{operation["operationId"]}">'
             f"<code>{_signature(method, path)}</code></a><span>{escape(operation['summary'])}</span></li>"
             for path, method, operation in _operations(openapi, tag["name"])
         )
@@ -81,14 +81,14 @@ def _home(openapi: Node) -> str:
             f'<h2 id="{_slug(tag["name"])}">{tag["name"]}</h2>\n<p>{escape(tag["description"])}</p>\n'
             f'<ul class="cards calls">{items}</ul>'
         )
-    return page(HOME, "API reference", "Every call of the calibDB API.", "\n".join(parts))
+    return page(REFERENCE, "API reference", "Every call of the calibDB API.", "\n".join(parts))
 
 
 def _group(openapi: Node, tag: Node, examples: Mapping[str, Call]) -> str:
     found = list(_operations(openapi, tag["name"]))
     shown: dict[str, str] = {}
     body = [
-        f'<p>{escape(tag["description"])} <a href="{address(_key(tag["name"]), HOME)}">All groups</a></p>',
+        f'<p>{escape(tag["description"])} <a href="../">All groups</a></p>',
         *(_operation(path, method, node, openapi, examples, shown) for path, method, node in found),
     ]
     headings = [Heading(2, f"{method.upper()} {path}", node["operationId"]) for path, method, node in found]
@@ -153,7 +153,7 @@ def _samples(name: str, call: Call) -> str:
             f'<input type="radio" name="{name}-sample" id="{given}" value="{label}"'
             f'{" checked" if index == 0 else ""}><label for="{given}">{label}</label>'
         )
-        blocks.append(code_block(text, LANGUAGES[label]))
+        blocks.append(code_block(text, SAMPLE_LANGUAGES[label]))
     return (
         f'<fieldset class="samples"><legend class="unseen">Language of the example</legend>'
         f"{''.join(choices)}{''.join(blocks)}</fieldset>"
@@ -229,5 +229,6 @@ def _input(name: str, field: str, label: str, value: str) -> str:
     given = f"{name}-{field}"
     return (
         f'<div class="field"><label for="{given}">{escape(label)}</label>'
-        f'<input id="{given}" name="{field}" value="{escape(value)}" autocomplete="off" spellcheck="false"></div>'
+        f'<input id="{given}" name="{field}" value="{escape(value)}" autocomplete="off" spellcheck="false">'
+        "</div>"
     )

@@ -11,7 +11,7 @@ SITE = "http://127.0.0.1:8000"
 """Address in all code; the pages put their own in its place."""
 JSON = "application/json"
 
-LANGUAGES = {"curl": "sh", "fetch": "js", "python": "python"}
+SAMPLE_LANGUAGES = {"curl": "sh", "fetch": "js", "python": "python"}
 """Names of the samples, and the language of each."""
 
 
