@@ -1,7 +1,7 @@
 // State of the guided capture: its parts, the events that change it, and what follows from it. No clock, no DOM, no network.
 
 /**
- * @typedef {Required<import("../vendor/api.js").Board>} Board
+ * @typedef {import("../lib/board.js").SentBoard} Board
  * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey
  * @typedef {import("../lib/camera.js").Choice} Choice
  * @typedef {import("../lib/session.js").Pose} Pose

@@ -30,7 +30,7 @@ import { card, guessView } from "./views.js";
  * @typedef {import("../lib/series.js").Judgement} Judgement
  *
  * @typedef {object} Measured
- * @property {Required<import("../vendor/api.js").Board>} board
+ * @property {import("../lib/board.js").SentBoard} board
  * @property {[number, number]} size of the pictures, px
  * @property {Numbered[]} views those that tell most, best first
  * @property {number} count of views in the file

@@ -71,7 +71,7 @@ function parsed(content) {
  * The views as a session takes them, and the board that they are of. Which markers it had nobody asks any more, but a
  * board must have enough of them.
  * @param {View[]} views @param {[number, number]} size of the pictures, px
- * @returns {{board: Required<import("../vendor/api.js").Board>, views: Numbered[]}} throws MalformedError
+ * @returns {{board: import("../lib/board.js").SentBoard, views: Numbered[]}} throws MalformedError
  */
 export function prepare(views, [width, height]) {
   if (views.length === 0) throw new MalformedError("empty");

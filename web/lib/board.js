@@ -1,4 +1,5 @@
-// ChArUco boards: valid layouts, and the positions of their corners. Frame: x right, y down, unit = one square.
+// Calibration boards (ChArUco, chessboard, AprilGrid): valid layouts, and the positions of their corners. Frame: x right, y
+// down, unit = one square, of an AprilGrid one side of a tag.
 
 /**
  * Number of markers of the dictionaries, and cells a side; dictionaries.js lists the white cells.
@@ -12,15 +13,27 @@ const SIZES = {
 };
 const COUNTS = [50, 100, 250, 1000]; // of markers, that OpenCV cuts its own dictionaries to
 const [FEWEST_SQUARES, MOST_SQUARES] = [3, 50]; // a side, that the service takes
+const MAX_CORNERS = 2401; // of a board, likewise
+const MIN_CORNERS = 6;
+const [MIN_TAG_SPACING, MAX_TAG_SPACING] = [0.05, 2]; // of a tag's side
+export const DEFAULT_TAG_SPACING = 0.3;
+/** What a board can be. @type {("charuco" | "chessboard" | "aprilgrid")[]} */
+export const KINDS = ["charuco", "chessboard", "aprilgrid"];
 
 /**
  * @typedef {object} Board
- * @property {[number, number]} squares columns, rows
+ * @property {"charuco" | "chessboard" | "aprilgrid"} [kind] charuco where it is missing
+ * @property {[number, number]} squares columns, rows; of an AprilGrid its tags
  * @property {number} marker_ratio marker side / square side
  * @property {string} dictionary "DICT_4X4_50"
  * @property {boolean} legacy layout of OpenCV before 4.6: boards of an even number of rows start with a white square
+ * @property {boolean} [inverted] white where others are black
+ * @property {number} [tag_spacing] gap / side of a tag, of an AprilGrid
  *
- * @typedef {{code: "squares" | "few_corners" | "ratio" | "dictionary" | "few_markers", values: Record<string, string | number>}} Problem
+ * @typedef {import("../vendor/api.js").Board & Board} SentBoard as the service takes it
+ *
+ * @typedef {{code: "kind" | "squares" | "few_corners" | "many_corners" | "ratio" | "spacing" | "dictionary" | "family" | "few_markers",
+ *   values: Record<string, string | number>}} Problem
  *   why a board cannot be; problem.js has the words
  */
 
@@ -28,27 +41,30 @@ const [FEWEST_SQUARES, MOST_SQUARES] = [3, 50]; // a side, that the service take
 export const DICTIONARIES = Object.keys(SIZES).flatMap((size) =>
   (isCut(size) ? COUNTS.map((count) => `DICT_${size}_${count}`) : [`DICT_${size}`]));
 
-/** @type {Required<import("../vendor/api.js").Board>} */
+/** @type {SentBoard} */
 export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false };
 
 /**
- * The board an address asks for: `squares=9x6`, `marker_ratio`, `dictionary`, `legacy=true`; of each the default where it
- * asks for none.
+ * The board an address asks for: `kind=chessboard`, `squares=9x6`, `marker_ratio`, `dictionary`, `legacy=true`, `inverted=true`,
+ * `tag_spacing`; of each the default where it asks for none.
  * @param {URLSearchParams} query
- * @returns {{board: Required<import("../vendor/api.js").Board>, problem: Problem | null}} problem: why it is the default
- *   board all the same
+ * @returns {{board: SentBoard, problem: Problem | null}} problem: why it is the default board all the same
  */
 export function boardFrom(query) {
-  const [squares, ratio] = [query.get("squares"), query.get("marker_ratio")];
-  const sides = (squares ?? DEFAULT_BOARD.squares.join("x")).split("x").map(Number);
-  const asked = {
-    squares: /** @type {[number, number]} */ (sides),
+  const [squares, ratio, spacing] = [query.get("squares"), query.get("marker_ratio"), query.get("tag_spacing")];
+  const kind = /** @type {Board["kind"]} */ (query.get("kind") ?? "charuco");
+  const flag = (/** @type {string} */ name) => ["true", "1"].includes(query.get(name) ?? "");
+  const asked = /** @type {SentBoard} */ ({
+    ...(kind !== "charuco" && { kind }),
+    squares: /** @type {[number, number]} */ ((squares ?? DEFAULT_BOARD.squares.join("x")).split("x").map(Number)),
     marker_ratio: ratio === null ? DEFAULT_BOARD.marker_ratio : Number(ratio),
-    dictionary: query.get("dictionary") ?? DEFAULT_BOARD.dictionary,
-    legacy: ["true", "1"].includes(query.get("legacy") ?? ""),
-  };
+    dictionary: query.get("dictionary") ?? (kind === "aprilgrid" ? "DICT_APRILTAG_36h11" : DEFAULT_BOARD.dictionary),
+    legacy: flag("legacy"),
+    ...(flag("inverted") && { inverted: true }),
+    ...(kind === "aprilgrid" && { tag_spacing: spacing === null ? DEFAULT_TAG_SPACING : Number(spacing) }),
+  });
   const problem = impossible(asked);
-  return { board: problem ? DEFAULT_BOARD : /** @type {typeof DEFAULT_BOARD} */ (asked), problem };
+  return { board: problem ? DEFAULT_BOARD : asked, problem };
 }
 
 /**
@@ -56,44 +72,84 @@ export function boardFrom(query) {
  * @param {Board} board
  * @returns {URLSearchParams} without those of the default
  */
-export function boardQuery({ squares, marker_ratio, dictionary, legacy }) {
+export function boardQuery({ kind = "charuco", squares, marker_ratio, dictionary, legacy, inverted, tag_spacing: spacing }) {
   const query = new URLSearchParams();
+  if (kind !== "charuco") query.set("kind", kind);
   if (squares.join("x") !== DEFAULT_BOARD.squares.join("x")) query.set("squares", squares.join("x"));
-  if (marker_ratio !== DEFAULT_BOARD.marker_ratio) query.set("marker_ratio", String(marker_ratio));
-  if (dictionary !== DEFAULT_BOARD.dictionary) query.set("dictionary", dictionary);
+  if (kind === "charuco" && marker_ratio !== DEFAULT_BOARD.marker_ratio) query.set("marker_ratio", String(marker_ratio));
+  if (kind !== "chessboard" && dictionary !== DEFAULT_BOARD.dictionary) query.set("dictionary", dictionary);
   if (legacy) query.set("legacy", "true");
+  if (inverted) query.set("inverted", "true");
+  if (kind === "aprilgrid" && spacing !== DEFAULT_TAG_SPACING) query.set("tag_spacing", String(spacing));
   return query;
 }
+
+/** Whether two boards are the same one. @param {Board} a @param {Board} b */
+export const isSameBoard = (a, b) => boardQuery(a).toString() === boardQuery(b).toString();
+
+/** Kind of a board. @param {Board} board */
+export const kindOf = ({ kind }) => kind ?? "charuco";
 
 /**
  * Why there is no such board, by the limits of the service; null where there may be.
  * @param {Board} board
  * @returns {Problem | null}
  */
-function impossible(board) {
-  const { squares, marker_ratio, dictionary } = board;
-  if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= FEWEST_SQUARES && count <= MOST_SQUARES)) {
-    return { code: "squares", values: {} };
+export function impossible(board) {
+  const { squares, marker_ratio: ratio, dictionary, tag_spacing: spacing = DEFAULT_TAG_SPACING } = board;
+  const kind = kindOf(board);
+  if (!KINDS.includes(kind)) return { code: "kind", values: { kind } };
+  const fewest = kind === "aprilgrid" ? 1 : FEWEST_SQUARES;
+  if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= fewest && count <= MOST_SQUARES)) {
+    return { code: "squares", values: { fewest } };
   }
-  if ((squares[0] - 1) * (squares[1] - 1) < 6) return { code: "few_corners", values: {} };
-  if (!(marker_ratio >= 0.3 && marker_ratio <= 0.95)) return { code: "ratio", values: {} };
+  const count = cornerCount(board);
+  if (count < MIN_CORNERS) return { code: "few_corners", values: {} };
+  if (count > MAX_CORNERS) return { code: "many_corners", values: { most: MAX_CORNERS } };
+  if (!(ratio >= 0.3 && ratio <= 0.95)) return { code: "ratio", values: {} };
   if (!DICTIONARIES.includes(dictionary)) return { code: "dictionary", values: { dictionary } };
-  const { count } = dictionaryOf(dictionary);
-  const needed = markers(board).length;
-  return needed > count ? { code: "few_markers", values: { dictionary, has: count, needed } } : null;
+  if (kind === "chessboard") return null;
+  if (kind === "aprilgrid") {
+    if (!dictionary.startsWith("DICT_APRILTAG_")) return { code: "family", values: { dictionary } };
+    if (!(spacing >= MIN_TAG_SPACING && spacing <= MAX_TAG_SPACING)) return { code: "spacing", values: {} };
+  }
+  const [has, needed] = [dictionaryOf(dictionary).count, markers(board).length];
+  return needed > has ? { code: "few_markers", values: { dictionary, has, needed } } : null;
 }
 
-/** Inner corners in the order of their ids: row by row. @param {Board} board @returns {[number, number][]} */
-export function corners({ squares: [columns, rows] }) {
+/** Number of corners that are measured. @param {Board} board */
+function cornerCount({ kind, squares: [columns, rows] }) {
+  return kind === "aprilgrid" ? 4 * columns * rows : (columns - 1) * (rows - 1);
+}
+
+/** Width and height, board units. @param {Board} board @returns {[number, number]} */
+export function sizeOf({ kind, squares: [columns, rows], tag_spacing: spacing = DEFAULT_TAG_SPACING }) {
+  return kind === "aprilgrid" ? [columns + (columns - 1) * spacing, rows + (rows - 1) * spacing] : [columns, rows];
+}
+
+/**
+ * Corners in the order of their ids: row by row; of an AprilGrid tag by tag from the lower left, anticlockwise from the tag's lower left.
+ * @param {Board} board @returns {[number, number][]}
+ */
+export function corners({ kind, squares: [columns, rows], tag_spacing: spacing = DEFAULT_TAG_SPACING }) {
   /** @type {[number, number][]} */
   const points = [];
+  if (kind === "aprilgrid") {
+    for (let tag = 0; tag < columns * rows; tag++) {
+      const [x, y] = [(tag % columns) * (1 + spacing), -Math.floor(tag / columns) * (1 + spacing)];
+      points.push([x, y], [x + 1, y], [x + 1, y - 1], [x, y - 1]);
+    }
+    return points.map(([x, y]) => [x, y || 0]);
+  }
   for (let y = 1; y < rows; y++) for (let x = 1; x < columns; x++) points.push([x, y]);
   return points;
 }
 
-/** The board's edge, clockwise from the origin. @param {Board} board @returns {[number, number][]} */
-export function outline({ squares: [columns, rows] }) {
-  return [[0, 0], [columns, 0], [columns, rows], [0, rows]];
+/** The board's edge, clockwise from the top left. @param {Board} board @returns {[number, number][]} */
+export function outline(board) {
+  const [width, height] = sizeOf(board);
+  const top = board.kind === "aprilgrid" ? -height : 0;
+  return [[0, top], [width, top], [width, top + height], [0, top + height]];
 }
 
 /** Is this square black? @param {Board} board @param {number} x column @param {number} y row */
@@ -115,13 +171,14 @@ function isCut(size) {
   return /^\dX\d$/.test(size);
 }
 
-/** Markers with the square they are in, in the order of their ids. @param {Board} board */
+/** Markers with the square they are in, in the order of their ids; of an AprilGrid rows count from below. @param {Board} board */
 export function markers(board) {
   const [columns, rows] = board.squares;
   /** @type {{id: number, x: number, y: number}[]} */
   const found = [];
+  if (board.kind === "chessboard") return found;
   for (let y = 0; y < rows; y++) {
-    for (let x = 0; x < columns; x++) if (!isBlack(board, x, y)) found.push({ id: found.length, x, y });
+    for (let x = 0; x < columns; x++) if (board.kind === "aprilgrid" || !isBlack(board, x, y)) found.push({ id: found.length, x, y });
   }
   return found;
 }

@@ -80,6 +80,30 @@ export class Detector {
     return this.#ask({ frame, full, probe }, [frame], timeout);
   }
 
+  /**
+   * Looks for boards of any kind; `recognise` of board-recognition.js concludes from several pictures. Takes over the frame and
+   * closes it.
+   * @param {VideoFrame | ImageBitmap} frame
+   * @param {import("./recogniser.js").Hints & {timeout?: number}} [options] timeout: ms
+   * @returns {Promise<import("./board-recognition.js").Sighting>}
+   */
+  sight(frame, { timeout = FRAME_TIMEOUT_MS, ...hints } = {}) {
+    if (this.closed) {
+      frame.close();
+      return Promise.reject(new DetectorError("The board detector was closed."));
+    }
+    return this.#ask({ frame, recognise: hints }, [frame], timeout);
+  }
+
+  /**
+   * Looks for another board from now on.
+   * @param {Board} board
+   * @returns {Promise<void>}
+   */
+  async change(board) {
+    await this.#ask({ open: board, wasm: new URL("opencv.wasm", OPENCV).href, bytes: 1 }, []);
+  }
+
   /** Number of frames in the worker: above 0, drop the next one rather than queue it. */
   get busy() {
     return this.#waiting.size;

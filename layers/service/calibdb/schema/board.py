@@ -1,4 +1,4 @@
-"""The ChArUco board that a session's views show."""
+"""The board that a session's views show: ChArUco, chessboard or AprilGrid."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
-from calibdb.schema.fields import Strict, Whole
+from calibdb.schema.fields import MAX_CORNERS, Strict, Whole
 
 # fmt: off
 Dictionary = Literal[
@@ -28,35 +28,83 @@ _MARKERS = {  # of those whose name does not say it
     "DICT_APRILTAG_36h11": 587,
 }
 
-# Two rows of corners need three rows of squares; one row of corners is a line, and a line fixes no pose.
-SquareCount = Annotated[int, Field(strict=True, ge=3, le=50), Whole]
+BoardKind = Literal["charuco", "chessboard", "aprilgrid"]
+MIN_SQUARES = {"charuco": 3, "chessboard": 3, "aprilgrid": 1}
+"""Squares, or tags, a side. Two rows of corners need three rows of squares; one row of corners fixes no pose."""
+DEFAULT_TAG_SPACING = 0.3
+MAX_SQUARES = 50
+SquareCount = Annotated[int, Field(strict=True, ge=1, le=MAX_SQUARES), Whole]
+
+
+def _is_usual(value: str | bool | float) -> bool:
+    """Tell whether a member that older records and clients do not know has its default: it is left out."""
+    return value in ("charuco", False, DEFAULT_TAG_SPACING)
 
 
 class Board(Strict):
-    """A ChArUco board: squares with a marker in every white one.
+    """A flat calibration board.
 
-    The corner `id` is `row * (squares_x - 1) + column`, counted over the inner corners.
+    `charuco`: squares with a marker in every white one. `chessboard`: squares alone. The corner `id` of both is
+    `row * (squares_x - 1) + column`, counted over the inner corners. `aprilgrid`: tags with a gap between them;
+    `squares` counts tags, row by row from the lower left, and the corner `id` is `4 * tag + corner`, corners
+    anticlockwise from the tag's lower left.
     """
 
-    squares: tuple[SquareCount, SquareCount] = Field((9, 6), description="Columns and rows of squares.")
-    marker_ratio: float = Field(0.65, ge=0.3, le=0.95, description="Side of a marker over side of a square.")
-    dictionary: Dictionary = Field("DICT_4X4_50", validate_default=True)
-    legacy: bool = Field(False, description="Pattern as printed by OpenCV before 4.6.")
+    kind: BoardKind = Field("charuco", exclude_if=_is_usual, description="What is on the board.")
+    squares: tuple[SquareCount, SquareCount] = Field(
+        (9, 6), description="Columns and rows of squares, 3 to 50 each; of an AprilGrid its tags, 1 to 50 each."
+    )
+    marker_ratio: float = Field(
+        0.65, ge=0.3, le=0.95, description="Side of a marker over side of a square (ChArUco)."
+    )
+    dictionary: Dictionary = Field(
+        "DICT_4X4_50",
+        validate_default=True,
+        description="The markers' dictionary; of an AprilGrid an AprilTag family. A chessboard has none.",
+    )
+    legacy: bool = Field(False, description="Pattern as printed by OpenCV before 4.6 (ChArUco).")
+    inverted: bool = Field(
+        False, exclude_if=_is_usual, description="White where other boards are black, and black where white."
+    )
+    tag_spacing: float = Field(
+        DEFAULT_TAG_SPACING,
+        ge=0.05,
+        le=2,
+        exclude_if=_is_usual,
+        description="Gap between the tags of an AprilGrid over side of a tag.",
+    )
 
     @field_validator("squares")
     @classmethod
-    def _has_corners_enough(cls, value: tuple[int, int]) -> tuple[int, int]:
-        if (value[0] - 1) * (value[1] - 1) < MIN_CORNERS:
+    def _has_corners_enough(cls, value: tuple[int, int], info: ValidationInfo) -> tuple[int, int]:
+        kind = info.data.get("kind", "charuco")  # absent where it was refused itself
+        least, most = MIN_SQUARES[kind], MAX_SQUARES
+        if min(value) < least:
             raise PydanticCustomError(
-                "too_few_corners", "a board has at least {least} inner corners", {"least": MIN_CORNERS}
+                "too_few_squares", "each is {least} to {most}", {"least": least, "most": most}
+            )
+        corners = _corner_count(kind, value)
+        if corners < MIN_CORNERS:
+            raise PydanticCustomError(
+                "too_few_corners",
+                "a board has at least {least} {what}",
+                {"least": MIN_CORNERS, "what": "corners" if kind == "aprilgrid" else "inner corners"},
+            )
+        if corners > MAX_CORNERS:
+            raise PydanticCustomError(
+                "too_many_corners", "a board has at most {most} corners", {"most": MAX_CORNERS}
             )
         return value
 
     @field_validator("dictionary")
     @classmethod
     def _holds_all_markers(cls, value: str, info: ValidationInfo) -> str:
-        squares = info.data.get("squares")  # absent where it was refused itself
-        markers = squares[0] * squares[1] // 2 if squares else 0
+        kind, squares = info.data.get("kind"), info.data.get("squares")  # absent where they were refused
+        if kind == "aprilgrid" and not value.startswith("DICT_APRILTAG_"):
+            raise PydanticCustomError("no_tag_family", "the dictionary of an AprilGrid is an AprilTag family")
+        if squares is None or kind in (None, "chessboard"):
+            return value
+        markers = squares[0] * squares[1] // (1 if kind == "aprilgrid" else 2)
         if markers > (_MARKERS.get(value) or int(value.rpartition("_")[2])):
             raise PydanticCustomError(
                 "dictionary_too_small",
@@ -67,5 +115,10 @@ class Board(Strict):
 
     @property
     def corner_count(self) -> int:
-        """Number of inner corners."""
-        return (self.squares[0] - 1) * (self.squares[1] - 1)
+        """Number of corners that are measured."""
+        return _corner_count(self.kind, self.squares)
+
+
+def _corner_count(kind: str, squares: tuple[int, int]) -> int:
+    columns, rows = squares
+    return 4 * columns * rows if kind == "aprilgrid" else (columns - 1) * (rows - 1)

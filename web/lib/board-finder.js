@@ -1,0 +1,73 @@
+// Finder of one board in images, by its kind.
+import { kindOf } from "./board.js";
+import { aprilgridCorners, typicalSide } from "./aprilgrid.js";
+import { createCharucoFinder } from "./charuco-finder.js";
+import { findChessboard } from "./chessboard.js";
+import { exposure, sharpness } from "./frame-metrics.js";
+import { MarkerDetector } from "./marker-detector.js";
+import { negative } from "./charuco-finder.js";
+import { median } from "./marker-grid.js";
+
+/**
+ * @typedef {import("./board.js").Board} Board
+ * @typedef {import("./subpixel.js").Grey} Grey
+ *
+ * @typedef {object} Finder
+ * @property {(image: Grey, full: boolean) => {ids: number[], points: number[][], markers: number, metrics: import("./frame-metrics.js").FrameMetrics}} find
+ *   full: for a view that is kept, with all that the detector can do; else for tracking
+ * @property {(image: Grey, kind: string) => {kind: string, markers: number, corners: number}} probe looks for something else
+ * @property {number} memory bytes that OpenCV's heap has grown to
+ * @property {() => void} delete
+ */
+
+const BORDERS = [1, 2]; // cells: AprilTag's own and OpenCV's tags, and those that Kalibr prints
+const MIN_TAGS = 2;
+
+/** @param {any} cv OpenCV's module @param {Board} board @returns {Finder} */
+export function createFinder(cv, board) {
+  const kind = kindOf(board);
+  return kind === "charuco" ? createCharucoFinder(cv, board) : kind === "aprilgrid" ? createAprilgridFinder(cv, board) : createChessboardFinder(cv, board);
+}
+
+/** @param {any} cv @param {Board} board @returns {Finder} */
+function createAprilgridFinder(cv, board) {
+  const detectors = BORDERS.map((border) => new MarkerDetector(cv, board.dictionary, { border }));
+  let usual = 0; // which of them the board was found with last
+  return {
+    find(image) {
+      const upright = board.inverted ? negative(image) : image;
+      let tags = detectors[usual].find(upright);
+      if (tags.length < MIN_TAGS) {
+        const others = detectors[1 - usual].find(upright);
+        if (others.length > tags.length) [tags, usual] = [others, 1 - usual];
+      }
+      const seen = aprilgridCorners(upright, board, tags);
+      return { ...seen, markers: tags.length, metrics: metricsOf(image, seen.points, typicalSide(tags)) };
+    },
+    probe: (_, kind) => ({ kind, markers: 0, corners: 0 }),
+    memory: 0,
+    delete() {
+      for (const detector of detectors) detector.delete();
+    },
+  };
+}
+
+/** @param {any} cv @param {Board} board @returns {Finder} */
+function createChessboardFinder(cv, board) {
+  void cv;
+  return {
+    find(image, full) {
+      const seen = findChessboard(image, board.squares, { inverted: board.inverted, full });
+      const sides = seen.points.slice(1).map(([x, y], n) => Math.hypot(x - seen.points[n][0], y - seen.points[n][1]));
+      return { ...seen, markers: 0, metrics: metricsOf(image, seen.points, sides.length ? median(sides) : 0) };
+    },
+    probe: (_, kind) => ({ kind, markers: 0, corners: 0 }),
+    memory: 0,
+    delete() {},
+  };
+}
+
+/** @param {Grey} image @param {number[][]} points @param {number} square px @returns {import("./frame-metrics.js").FrameMetrics} */
+function metricsOf(image, points, square) {
+  return { ...exposure(image), sharpness: sharpness(image, points), square, moire: null };
+}

@@ -1,0 +1,148 @@
+// Finder of a ChArUco board: OpenCV.js's detectors for one board.
+import { exposure, frameMetrics } from "./frame-metrics.js";
+import { refine } from "./subpixel.js";
+
+/**
+ * @typedef {import("./board.js").Board} Board
+ * @typedef {import("./subpixel.js").Grey} Grey
+ * @typedef {import("./board-finder.js").Finder} Finder
+ */
+
+/**
+ * The detectors for one board, and the memory they share.
+ * @param {any} cv OpenCV's module
+ * @param {Board} board
+ * @returns {Finder}
+ */
+export function createCharucoFinder(cv, board) {
+  const [columns, rows] = board.squares;
+  const noIds = new cv.Mat();
+  const size = new cv.Size(columns, rows);
+  const refinement = new cv.aruco_RefineParameters(10, 3, true);
+  const charucoParameters = new cv.aruco_CharucoParameters();
+  /** @type {{delete: () => void}[]} */
+  const held = [noIds, refinement, charucoParameters];
+
+  /**
+   * @param {{full?: boolean, legacy?: boolean, name?: string}} options full: all window sizes of the adaptive threshold, or
+   *   the one that serves nearly always
+   */
+  const makeDetector = ({ full = false, legacy = board.legacy, name = board.dictionary }) => {
+    const dictionary = cv.getPredefinedDictionary(cv[name]);
+    const charuco = new cv.aruco_CharucoBoard(size, 1, board.marker_ratio, dictionary, noIds);
+    charuco.setLegacyPattern(legacy);
+    const parameters = new cv.aruco_DetectorParameters();
+    if (!full) {
+      parameters.adaptiveThreshWinSizeMin = 13;
+      parameters.adaptiveThreshWinSizeMax = 13;
+    }
+    const detector = new cv.aruco_CharucoDetector(charuco, charucoParameters, parameters, refinement);
+    parameters.delete();
+    held.push(detector, charuco, dictionary);
+    return detector;
+  };
+  const detectors = { tracking: makeDetector({}), full: makeDetector({ full: true }) };
+  /** Made when first needed: most captures never look for anything else. @type {Map<string, any>} */
+  const others = new Map();
+  /** @param {string} kind */
+  const other = (kind) => {
+    if (kind === "mirrored") return detectors.tracking;
+    const made = others.get(kind) ?? makeDetector(kind === "legacy" ? { legacy: !board.legacy } : { name: kind });
+    others.set(kind, made);
+    return made;
+  };
+  let input = new cv.Mat();
+
+  /**
+   * @param {any} detector @param {Grey} image
+   * @returns {{ids: number[], points: number[][], markers: number, side: number}} side: of the markers, median, px
+   */
+  const detect = (detector, image) => {
+    if (input.rows !== image.height || input.cols !== image.width) {
+      input.delete();
+      input = new cv.Mat(image.height, image.width, cv.CV_8UC1);
+    }
+    input.data.set(image.data);
+    // New for every frame: markers that are there already are taken as found, and corners that are there already stay
+    // there when none is seen.
+    const found = { corners: new cv.Mat(), ids: new cv.Mat() };
+    const markers = { corners: new cv.MatVector(), ids: new cv.Mat() };
+    try {
+      detector.detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
+      const ids = length(found.ids) > 0 ? Array.from(/** @type {Int32Array} */ (found.ids.data32S)) : [];
+      const positions = ids.length > 0 ? found.corners.data32F : [];
+      const points = ids.map((_, index) => [positions[2 * index], positions[2 * index + 1]]);
+      return { ids, points, markers: markers.corners.size(), side: ids.length > 0 ? 0 : markerSide(markers.corners) };
+    } finally {
+      for (const each of [found.corners, found.ids, markers.corners, markers.ids]) each.delete();
+    }
+  };
+
+  return {
+    /** @param {Grey} image @param {boolean} full */
+    find(image, full) {
+      const upright = board.inverted ? negative(image) : image;
+      const { ids, points, markers, side } = detect(full ? detectors.full : detectors.tracking, upright);
+      const seen = full ? refine(upright, { ids, points }, columns - 1) : { ids, points };
+      const metrics = frameMetrics(upright, board, seen, side);
+      return { ...seen, markers, metrics: board.inverted ? { ...metrics, ...exposure(image) } : metrics };
+    },
+    /**
+     * Looks for something else than the board.
+     * @param {Grey} image
+     * @param {string} kind "mirrored", "legacy", a dictionary
+     */
+    probe(image, kind) {
+      const upright = board.inverted ? negative(image) : image;
+      const { ids, markers } = detect(other(kind), kind === "mirrored" ? flipped(upright) : upright);
+      return { kind, markers, corners: ids.length };
+    },
+    /** Bytes that OpenCV's heap has grown to. */
+    get memory() {
+      return input.data.buffer.byteLength;
+    },
+    delete() {
+      for (const each of [...held, input]) each.delete();
+    },
+  };
+}
+
+/**
+ * Median length of the markers' first sides, px; 0 where there are none.
+ * @param {any} corners vector of 1 x 4 points
+ */
+function markerSide(corners) {
+  /** @type {number[]} */
+  const sides = [];
+  for (let index = 0; index < corners.size(); index++) {
+    const marker = corners.get(index);
+    const [x1, y1, x2, y2] = marker.data32F;
+    sides.push(Math.hypot(x2 - x1, y2 - y1));
+    marker.delete();
+  }
+  return sides.sort((a, b) => a - b)[sides.length >> 1] ?? 0;
+}
+
+let [mirror, swapped] = [new Uint8Array(0), new Uint8Array(0)];
+
+/** White for black. @param {Grey} image @returns {Grey} memory that the next call writes over */
+export function negative({ width, height, data }) {
+  if (swapped.length !== width * height) swapped = new Uint8Array(width * height);
+  for (let at = 0; at < swapped.length; at++) swapped[at] = 255 - data[at];
+  return { width, height, data: swapped };
+}
+
+
+/** @param {Grey} image @returns {Grey} memory that the next call writes over */
+function flipped({ width, height, data }) {
+  if (mirror.length !== width * height) mirror = new Uint8Array(width * height);
+  for (let y = 0, at = 0; y < height; y++) {
+    for (let x = width - 1; x >= 0; x--, at++) mirror[at] = data[y * width + x];
+  }
+  return { width, height, data: mirror };
+}
+
+/** Elements of a vector: 1 x n in OpenCV 5, n x 1 before; an empty one may be 1 x 0. @param {any} mat */
+function length(mat) {
+  return mat.rows * mat.cols;
+}
