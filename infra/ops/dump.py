@@ -62,6 +62,7 @@ _TABLE = pa.schema(
         ("avg_reprojection_error", pa.float64()),
         ("uncertainty_rms", pa.float64()),
         ("views", pa.int32()),
+        ("board_kind", pa.string()),
         ("squares_x", pa.int32()),
         ("squares_y", pa.int32()),
         ("time", pa.timestamp("s", tz="UTC")),
@@ -137,11 +138,12 @@ def _votes(context: OpsContext, select: Select, path: Path) -> int:
 
 def _write(table: Any, corners: Any, documents: list[CalibrationDocument]) -> None:
     if documents:
-        table.write_table(pa.Table.from_pylist([_row(d) for d in documents], _TABLE))
+        table.write_table(pa.Table.from_pylist([document_row(d) for d in documents], _TABLE))
         corners.write_table(pa.Table.from_pylist([row for d in documents for row in _points(d)], _CORNERS))
 
 
-def _row(document: CalibrationDocument) -> dict[str, Any]:
+def document_row(document: CalibrationDocument) -> dict[str, Any]:
+    """Return the row of a calibration in the table of all."""
     fit = document.fits[document.distortion_model]
     (fx, _, cx), (_, fy, cy), _ = fit.camera_matrix
     return {
@@ -161,6 +163,7 @@ def _row(document: CalibrationDocument) -> dict[str, Any]:
         "avg_reprojection_error": fit.avg_reprojection_error,
         "uncertainty_rms": fit.uncertainty.rms,
         "views": len(document.views),
+        "board_kind": document.board.kind,
         "squares_x": document.board.squares[0],
         "squares_y": document.board.squares[1],
         "time": document.time,

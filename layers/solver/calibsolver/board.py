@@ -116,6 +116,11 @@ class Board:
         return self.lattice.size
 
     @property
+    def has_markers(self) -> bool:
+        """Whether a part of the board says which part it is: a chessboard is found whole only."""
+        return self.kind != "chessboard"
+
+    @property
     def is_half_turn_symmetric(self) -> bool:
         """Whether it looks the same after half a turn: good for intrinsics, not where a pose is shared."""
         return self.kind == "chessboard" and sum(self.squares) % 2 == 0

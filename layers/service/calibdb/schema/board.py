@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from calibdb.schema.fields import MAX_CORNERS, Strict, Whole
@@ -30,10 +30,21 @@ _MARKERS = {  # of those whose name does not say it
 
 BoardKind = Literal["charuco", "chessboard", "aprilgrid"]
 MIN_SQUARES = {"charuco": 3, "chessboard": 3, "aprilgrid": 1}
-"""Squares, or tags, a side. Two rows of corners need three rows of squares; one row of corners fixes no pose."""
-DEFAULT_TAG_SPACING = 0.3
+"""Squares, or tags, a side. Two rows of corners need three rows of squares; one row fixes no pose."""
 MAX_SQUARES = 50
-SquareCount = Annotated[int, Field(strict=True, ge=1, le=MAX_SQUARES), Whole]
+DEFAULT_TAG_SPACING = 0.3
+
+
+def _enough_squares(value: int, info: ValidationInfo) -> int:
+    least = MIN_SQUARES[info.data.get("kind", "charuco")]  # absent where it was refused itself
+    if value < least:
+        raise PydanticCustomError(
+            "greater_than_equal", "Input should be greater than or equal to {ge}", {"ge": least}
+        )
+    return value
+
+
+SquareCount = Annotated[int, Field(strict=True, ge=1, le=MAX_SQUARES), Whole, AfterValidator(_enough_squares)]
 
 
 def _is_usual(value: str | bool | float) -> bool:
@@ -44,15 +55,16 @@ def _is_usual(value: str | bool | float) -> bool:
 class Board(Strict):
     """A flat calibration board.
 
-    `charuco`: squares with a marker in every white one. `chessboard`: squares alone. The corner `id` of both is
-    `row * (squares_x - 1) + column`, counted over the inner corners. `aprilgrid`: tags with a gap between them;
-    `squares` counts tags, row by row from the lower left, and the corner `id` is `4 * tag + corner`, corners
-    anticlockwise from the tag's lower left.
+    `charuco`: squares with a marker in every white one. `chessboard`: squares alone. The corner `id` of both
+    is `row * (squares_x - 1) + column`, counted over the inner corners. `aprilgrid`: tags with a gap between
+    them; `squares` counts tags, row by row from the lower left, and the corner `id` is `4 * tag + corner`,
+    corners anticlockwise from the tag's lower left.
     """
 
     kind: BoardKind = Field("charuco", exclude_if=_is_usual, description="What is on the board.")
     squares: tuple[SquareCount, SquareCount] = Field(
-        (9, 6), description="Columns and rows of squares, 3 to 50 each; of an AprilGrid its tags, 1 to 50 each."
+        (9, 6),
+        description="Columns and rows of squares, 3 to 50 each; of an AprilGrid its tags, 1 to 50 each.",
     )
     marker_ratio: float = Field(
         0.65, ge=0.3, le=0.95, description="Side of a marker over side of a square (ChArUco)."
@@ -77,12 +89,7 @@ class Board(Strict):
     @field_validator("squares")
     @classmethod
     def _has_corners_enough(cls, value: tuple[int, int], info: ValidationInfo) -> tuple[int, int]:
-        kind = info.data.get("kind", "charuco")  # absent where it was refused itself
-        least, most = MIN_SQUARES[kind], MAX_SQUARES
-        if min(value) < least:
-            raise PydanticCustomError(
-                "too_few_squares", "each is {least} to {most}", {"least": least, "most": most}
-            )
+        kind = info.data.get("kind", "charuco")
         corners = _corner_count(kind, value)
         if corners < MIN_CORNERS:
             raise PydanticCustomError(

@@ -117,7 +117,8 @@ class ProjectionUncertainty:
         last: Placement | None = None,
     ) -> TargetPose:
         """Choose a target by the posterior, as the next of `ahead` views; `index` varies the search."""
-        min_visible = min(1.0, MIN_CORNERS / self.board.corner_count)
+        # A part of a board without markers does not say which part it is.
+        min_visible = min(1.0, MIN_CORNERS / self.board.corner_count) if self.board.has_markers else 1.0
         low, high = limits.width
         min_width = posterior.rays.focal / (MAX_DISTANCE_LENGTHS * max(self.img_size))
         limits = replace(

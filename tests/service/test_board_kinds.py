@@ -1,0 +1,130 @@
+"""Sessions of chessboards, AprilGrids and inverted boards, from the request to the stored calibration."""
+
+import json
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from calibdb.schema import Board as BoardModel
+from calibdb.schema import CalibrationDocument
+from calibsolver import Board, View
+from calibsolver.formats.grid import grid
+from infra.local import LocalStack
+from infra.ops.dump import document_row
+from tests.helpers.data import corner_views
+from tests.helpers.service.client import CAMERA, Client, Truth
+from tests.helpers.service.published import store
+from tests.helpers.solver.export_sources import captured, truth
+
+USUAL = b'{"squares":[9,6],"marker_ratio":0.65,"dictionary":"DICT_4X4_50","legacy":false}'
+APRILGRID = {"kind": "aprilgrid", "squares": [6, 6], "dictionary": "DICT_APRILTAG_36h11"}
+CHESSBOARD = {"kind": "chessboard", "squares": [10, 7]}
+
+
+def stored(stack: LocalStack, calibration_id: str) -> CalibrationDocument:
+    document = store(stack).calibrations.get(calibration_id)
+    assert document is not None
+    return document
+
+
+def test_board_of_old_is_written_as_it_was() -> None:
+    """What is said of boards without a kind stays as it is, byte for byte."""
+    old = BoardModel.model_validate_json(USUAL)
+    assert old.kind == "charuco"
+    assert old.model_dump_json().encode() == USUAL
+    explicit = BoardModel.model_validate_json(b'{"kind":"charuco","inverted":false,"tag_spacing":0.3}')
+    assert explicit.model_dump_json().encode() == USUAL
+
+
+@pytest.mark.parametrize("told", [APRILGRID, CHESSBOARD, {"inverted": True}])
+def test_board_keeps_its_kind_in_records(told: dict[str, Any]) -> None:
+    told_again = BoardModel.model_validate_json(json.dumps(told)).model_dump_json()
+    again = BoardModel.model_validate_json(told_again)
+    assert Board.from_record(again.model_dump()).kind == told.get("kind", "charuco")
+    assert again.inverted == told.get("inverted", False)
+
+
+def test_real_corners_of_a_chessboard_calibrate(client: Client, stack: LocalStack) -> None:
+    """All of OpenCV's photographs of a chessboard count, and fx is OpenCV's within its error."""
+    views, size = corner_views("opencv_left")
+    found = grid(views)
+    told = {"kind": "chessboard", "squares": list(found.squares)}
+    opened = client.open(board=told, img_size=list(size), capture="recorded")
+    assert opened.status == 201, opened.body
+    assert opened.json["board"]["kind"] == "chessboard"
+    for index, (ids, view) in enumerate(zip(found.ids, views, strict=True)):
+        assert client.view(index, list(ids), view.image_points.tolist()).json["accepted"]
+    state = client.call("POST", "/v1/session/finish").json
+    points = [view.image_points.astype(np.float32)[:, None] for view in views]
+    objects = [view.object_points.astype(np.float32) for view in views]
+    extended = cv2.calibrateCameraExtended(objects, points, size, None, None)
+    matrix, deviations = extended[1], extended[5]
+    # Robust weights and a bent board move fx by 0.75 px; plain least squares give OpenCV's to 1e-8 px.
+    assert abs(state["calibration"]["camera_matrix"][0][0] - matrix[0, 0]) < 2 * deviations[0][0]
+    document = stored(stack, state["calibration_id"])
+    assert document.board.kind == "chessboard"
+    assert document_row(document)["board_kind"] == "chessboard"
+
+
+def test_aprilgrid_calibrates_and_is_exported(client: Client, stack: LocalStack) -> None:
+    camera = truth("rectilinear")
+    board = Board(kind="aprilgrid", squares=(6, 6), dictionary="DICT_APRILTAG_36h11")
+    views = captured(camera, board, count=8)
+    opened = client.open(board=APRILGRID, img_size=list(camera.img_size), capture="recorded")
+    assert opened.status == 201, opened.body
+    for index, view in enumerate(views):
+        ids, points = numbered(board, view)
+        assert client.view(index, ids, points).json["accepted"]
+    state = client.call("POST", "/v1/session/finish").json
+    assert abs(state["calibration"]["camera_matrix"][0][0] / camera.matrix[0, 0] - 1) < 0.005
+    document = stored(stack, state["calibration_id"])
+    assert (document.board.kind, document.board.squares) == ("aprilgrid", (6, 6))
+    where = f"/v1/calibrations/{state['calibration_id']}"
+    token = client.api_token
+    assert client.call("GET", where, token=token, query="format=photonvision").status == 200
+    assert client.call("GET", where, token=token, query="format=mrcal").status == 200
+    refused = client.call("GET", where, token=token, query="format=corners-vnl")
+    assert (refused.status, "squares" in refused.json["detail"] + str(refused.json["errors"])) == (422, True)
+
+
+def numbered(board: Board, view: View) -> tuple[list[int], list[list[float]]]:
+    places = {tuple(np.round(p, 6)): i for i, p in enumerate(board.points)}
+    return [places[tuple(np.round(p, 6))] for p in view.object_points], view.image_points.tolist()
+
+
+def test_guided_capture_asks_for_a_chessboard_whole(client: Client) -> None:
+    seen = Truth(squares=(10, 7))
+    assert client.open(board=CHESSBOARD, img_size=list(seen.img_size)).status == 201
+    for _ in range(3):
+        pose = client.pose().json
+        assert len(pose["ids"]) == 9 * 6, "a part of a chessboard does not say which part it is"
+        ids, points = seen.see(pose)
+        if len(ids) == 9 * 6:
+            client.view(pose["index"], ids, points)
+
+
+@pytest.mark.parametrize(
+    ("told", "field"),
+    [
+        ({"kind": "circles"}, "board.kind"),
+        ({"kind": "aprilgrid"}, "board.dictionary"),
+        ({**APRILGRID, "squares": [1, 1]}, "board.squares"),
+        ({**APRILGRID, "tag_spacing": 0}, "board.tag_spacing"),
+        ({"kind": "chessboard", "squares": [2, 7]}, "board.squares.0"),
+        ({**APRILGRID, "dictionary": "DICT_APRILTAG_36h10", "squares": [50, 50]}, "board.squares"),
+        ({"inverted": "yes"}, "board.inverted"),
+    ],
+)
+def test_impossible_boards_are_refused_by_field(client: Client, told: dict[str, Any], field: str) -> None:
+    opened = client.open(board=told)
+    assert opened.status == 422
+    assert [each["field"] for each in opened.json["errors"]] == [field], opened.json
+
+
+def test_corner_beyond_an_aprilgrid_is_refused(client: Client) -> None:
+    assert client.open(**{**CAMERA, "board": APRILGRID}).status == 201
+    ids = [0, 1, 2, 3, 4, 144]
+    answer = client.view(0, ids, [[100.0 + 9 * i, 100.0 + i * i] for i in ids[:5]] + [[10.0, 10.0]])
+    assert answer.status == 422
