@@ -1,4 +1,6 @@
-// The header of every page: its menus close like menus, and the language can be chosen where no page's script offers that.
+// Start of every page with a header: its menus close like menus, blocks of code can be copied, and the language can be chosen
+// where no page's script offers that.
+import { addCopyButton } from "./copy-button.js";
 
 const menus = () => /** @type {NodeListOf<HTMLDetailsElement>} */ (document.querySelectorAll("details.menu"));
 
@@ -26,3 +28,4 @@ document.addEventListener("change", ({ target }) => {
   const address = new URL(there.getAttribute("href") ?? "", location.href);
   location.assign(`${address.pathname}?lang=${target.value}`);
 });
+for (const code of document.querySelectorAll("pre > code")) if (code.parentElement) addCopyButton(code.parentElement);

@@ -44,7 +44,8 @@ export function addMessages(named) {
 
 /** The language spoken now. @returns {Language} */
 export function language() {
-  current ??= choose(asked() ?? addressLanguage(), keep(), globalThis.navigator?.languages ?? []);
+  // Pages are served in their language; who prefers another one has been led on by language.js.
+  current ??= choose(asked(), globalThis.document?.documentElement?.lang || keep(), globalThis.navigator?.languages ?? []);
   return current;
 }
 
@@ -189,12 +190,6 @@ export function inLanguage(address, language) {
 /** The language that the address asks for in its query. */
 export function asked() {
   return globalThis.location ? new URLSearchParams(location.search).get("lang") : null;
-}
-
-/** The language whose folder the page lies in; null at English addresses. */
-function addressLanguage() {
-  const path = globalThis.location?.pathname ?? "";
-  return (path.startsWith(ROOT) && PREFIX.exec(path.slice(ROOT.length))?.[1]) || null;
 }
 
 /** The language that the browser prefers. */

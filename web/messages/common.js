@@ -4,6 +4,9 @@
 export default {
   en: {
     pages: "Pages",
+    copy: "Copy",
+    copied: "Copied",
+    selected: "Selected: press Ctrl+C",
     language: "Language",
     skip: "Skip to content",
     webcam: "Webcam",
@@ -35,6 +38,9 @@ export default {
   },
   de: {
     pages: "Seiten",
+    copy: "Kopieren",
+    copied: "Kopiert",
+    selected: "Markiert: Strg+C drücken",
     language: "Sprache",
     skip: "Zum Inhalt springen",
     webcam: "Webcam",
@@ -66,6 +72,9 @@ export default {
   },
   uk: {
     pages: "Сторінки",
+    copy: "Копіювати",
+    copied: "Скопійовано",
+    selected: "Виділено: натисніть Ctrl+C",
     language: "Мова",
     skip: "Перейти до вмісту",
     webcam: "Вебкамера",

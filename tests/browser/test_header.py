@@ -1,0 +1,102 @@
+"""Header of all pages: language by the address, menus by keyboard and without scripts, code that copies."""
+
+from collections.abc import Callable, Iterator
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+
+from tests.helpers.browser.waiting import TIMEOUT_S, address
+
+from .conftest import close
+
+#: every heading that a document of the visit has shown, from its first moment on
+RECORD = """() => {
+  const look = () => {
+    for (const heading of document.querySelectorAll("h1")) {
+      if (!heading.checkVisibility()) continue;
+      const seen = JSON.parse(sessionStorage.getItem("seen") ?? "[]");
+      if (seen.at(-1) !== heading.textContent) seen.push(heading.textContent);
+      sessionStorage.setItem("seen", JSON.stringify(seen));
+    }
+    requestAnimationFrame(look);
+  };
+  new MutationObserver(look).observe(document, { childList: true, subtree: true, characterData: true });
+}"""
+Visit = Callable[..., Page]
+
+
+@pytest.fixture
+def visit(chromium: Browser, stack: str) -> Iterator[Visit]:
+    """Open a page as a visitor of some kind."""
+    contexts: list[BrowserContext] = []
+
+    def opened(**kind: object) -> Page:
+        context = chromium.new_context(base_url=stack, service_workers="block", **kind)  # type: ignore[arg-type]
+        context.set_default_timeout(1000 * TIMEOUT_S)
+        contexts.append(context)
+        return context.new_page()
+
+    yield opened
+    for context in contexts:
+        close(context)
+
+
+def test_a_german_visitor_never_sees_english_and_keeps_query_and_choice(visit: Visit) -> None:
+    page = visit(locale="de-DE")
+    page.add_init_script(f"({RECORD})()")
+    page.goto("/cameras/?query=c920#top")
+    page.locator("h1", has_text="Kameras").first.wait_for()
+    assert address(page).endswith("/de/cameras/?query=c920#top")
+    assert page.evaluate("JSON.parse(sessionStorage.getItem('seen'))") == ["Kameras"]
+    page.locator("nav a", has_text="Tafel").click()
+    page.wait_for_url("**/de/board/")
+    # English, chosen, stays: here, and wherever an address says no language.
+    page.locator("#language").select_option("en")
+    page.locator("nav a", has_text="Board").wait_for()
+    assert "/de/" not in address(page)
+    page.goto("/cameras/")
+    page.locator("h1", has_text="Cameras").first.wait_for()
+    # A shared address says its language to everybody.
+    page.goto("/uk/cameras/")
+    page.locator("h1", has_text="Камери").first.wait_for()
+
+
+def test_pages_read_and_lead_on_in_their_language_without_scripts(visit: Visit) -> None:
+    page = visit(java_script_enabled=False, viewport={"width": 320, "height": 640})
+    page.goto("/de/cameras/")
+    expect(page.locator("h1").first).to_have_text("Kameras")
+    page.locator("summary", has_text="Kalibrieren").click()
+    page.locator("nav a", has_text="Fotos").click()
+    page.wait_for_url("**/de/photos/")
+    page.locator("footer a", has_text="Українська").click()
+    page.wait_for_url("**/uk/photos/")
+
+
+def test_the_menu_works_by_keyboard_within_a_small_window(page: Page) -> None:
+    page.set_viewport_size({"width": 320, "height": 640})
+    page.goto("/uk/board/")
+    page.keyboard.press("Tab")
+    expect(page.locator(".skip")).to_be_focused()
+    page.locator(".menu summary").focus()
+    page.keyboard.press("Enter")
+    links = page.locator(".menu a")
+    expect(links.last).to_be_visible()
+    for box in links.evaluate_all("links => links.map((link) => link.getBoundingClientRect().toJSON())"):
+        assert box["left"] >= 0
+        assert box["right"] <= 320
+    page.keyboard.press("Tab")
+    expect(links.first).to_be_focused()
+    page.keyboard.press("Escape")
+    expect(links.first).to_be_hidden()
+    expect(page.locator(".menu summary")).to_be_focused()
+    assert page.evaluate("document.documentElement.scrollWidth") == 320
+
+
+def test_code_is_copied_without_the_button(page: Page) -> None:
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.goto("/")
+    page.locator(".code .copy").first.click()
+    expect(page.locator(".code .copy").first).to_have_text("Copied")
+    copied = page.evaluate("navigator.clipboard.readText()")
+    assert copied == page.locator(".code code").first.inner_text().strip()
+    assert "lookup" in copied
