@@ -78,11 +78,12 @@ def capture(truth: rigs.Rig, rng: np.random.Generator) -> tuple[int, float, floa
     cameras = [(camera.img_size, camera.model) for camera in truth.cameras]
     moments: list[dict[int, View]] = []
     calibration: rig.RigCalibration | None = None
-    user, skipped = synthetic.User(), []
-    tries = 0
+    user = synthetic.User()
+    skipped: list[np.ndarray] = []
+    tries = missed = 0
     while len(moments) < MAX_MOMENTS and tries < 3 * MAX_MOMENTS:
         tries += 1
-        target = rig.next_moment(BOARD, cameras, moments, calibration, skipped)
+        target = rig.next_moment(BOARD, cameras, moments, calibration, skipped, missed)
         lead = max(target.views, key=lambda i: len(target.views[i].ids))
         held = target.views[lead]
         if calibration is not None:
@@ -90,12 +91,13 @@ def capture(truth: rigs.Rig, rng: np.random.Generator) -> tuple[int, float, floa
         rvec, tvec = user.hold(BOARD, held, rng)
         pose = truth.motions[lead].inverse() @ RigidMotion(matrix(rvec), tvec)
         moment = truth.see(BOARD, pose, NOISE, rng)
-        if len(moment) < (2 if calibration is not None else 1):
+        if len(moment) < (2 if target.pose is None else 1):
+            missed += 1
             if target.pose is not None:
                 skipped.append(target.pose)
             continue
         moments.append(moment)
-        skipped = []
+        skipped, missed = [], 0
         try:
             calibration = rig.fit(moments, cameras)
         except CalibrationError:

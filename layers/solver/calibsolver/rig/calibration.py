@@ -53,7 +53,7 @@ class RigCalibration:
     uncertainty
         Predicted error.
     working_distances
-        (c,) median distance of each camera from the board's points that it saw.
+        (c,) median distance of each camera from the board's points that it and another camera saw.
     set_aside
         (moment, position) -> why the view took no part: ``outlier``, ``mirrored``, ``degenerate`` by itself,
         ``contradicts`` the rig.

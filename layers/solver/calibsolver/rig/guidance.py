@@ -2,8 +2,9 @@
 
 The search is that of one camera (`guidance.search`): poses that a person can hold, sampled wide and then ever
 closer around the best. Poses are drawn before each camera in turn; all cameras that would see enough of the
-board tell of it, so poses that several of them see win by themselves. What hands and boards add is believed
-to be as large as it was in the moments so far: information is divided by the rig's inflation.
+board tell of it, so poses that several of them see win by themselves; a close-up for one camera alone wins
+where its own lens is what is known least. What hands and boards add is believed to be as large as it was in
+the moments so far: information is divided by the rig's inflation.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,8 +35,6 @@ LIMITS = PoseLimits(width=(0.14, 1.1), max_tilt_deg=50.0, max_roll_deg=40.0, min
 """Limits before the camera that leads: a board that two cameras see may have to be far away."""
 OTHER_LIMITS = replace(LIMITS, min_visible=0.3, max_incidence_deg=72.0)
 """Limits before the others: beyond, their views are not counted on."""
-MIN_SHARING = 2
-"""Cameras that see a target, at least."""
 SAMPLES = 96
 """Poses that are tried before each camera that leads."""
 MAX_LEADERS = 4
@@ -43,6 +42,8 @@ MAX_LEADERS = 4
 ELITE_COUNT, SAMPLES_PER_ELITE = 4, 12
 SEARCH_RADII = (0.25, 0.15, 0.08)
 """Poses that are refined in a round, samples around each, and the radii of the rounds."""
+LINKING = ((0.5, 0.35), (0.8, 0.3), (0.2, 0.3), (0.5, 0.2), (0.85, 0.2), (0.15, 0.2))
+"""Targets that are to link cameras, one after the other: place / image width, and length of the board / image."""
 TIE_RATIO = 1.03
 """Error after a pose / least error within which poses count as equally good: the most cameras decide."""
 
@@ -75,6 +76,7 @@ def next_moment(
     moments: Sequence[Moment],
     calibration: RigCalibration | None,
     skipped: Sequence[Array] = (),
+    missed: int = 0,
 ) -> RigTarget:
     """Choose the next moment.
 
@@ -88,14 +90,16 @@ def next_moment(
         The fit to them; None where there is none, since cameras share no moment yet.
     skipped
         (6,) poses, board -> camera 0, that the user could not reach: others are chosen.
+    missed
+        Targets given up since the last moment while cameras were still to be linked.
     """
     lost = unlinked(len(cameras), moments)
     if calibration is None or lost:
-        return _link(board, cameras, moments, lost)
+        return _link(board, cameras, moments, lost, missed)
     with np.errstate(all="ignore"):
         found = _Search(board, cameras, calibration, skipped).best(len(moments))
     if found is None:
-        return _link(board, cameras, moments, lost)
+        return _link(board, cameras, moments, lost, missed)
     pose = RigidMotion(*found)
     views = {}
     for i, vector in enumerate(calibration.poses):
@@ -118,15 +122,30 @@ def unlinked(count: int, moments: Sequence[Moment]) -> tuple[int, ...]:
 
 
 def _link(
-    board: Board, cameras: Sequence[Specification], moments: Sequence[Moment], lost: Sequence[int]
+    board: Board,
+    cameras: Sequence[Specification],
+    moments: Sequence[Moment],
+    lost: Sequence[int],
+    missed: int,
 ) -> RigTarget:
-    """Target in one picture, wholly visible: the others are to see the board beside it."""
+    """Target in one picture, wholly visible: another camera is to see the board beside it.
+
+    Where that camera stands is not known, so each new attempt is elsewhere: farther away, and to the sides.
+    """
     lead = lost[0] if lost and any(lost[0] in moment for moment in moments) else 0
     given = cameras[lead]
     size, model = (given.img_size, given.model) if isinstance(given, Camera) else given
     seed = given if isinstance(given, Camera) else None
-    guide = ProjectionUncertainty(board, size, model, seed)
-    target = guide.first_pose(IntrinsicsPosterior.of(model, size, None, seed))
+    posterior = IntrinsicsPosterior.of(model, size, None, seed)
+    attempt = missed + sum(lead in moment for moment in moments)
+    if not attempt:
+        target = ProjectionUncertainty(board, size, model, seed).first_pose(posterior)
+    else:
+        x, width = LINKING[(attempt - 1) % len(LINKING)]
+        limits = PoseLimits(width=(width, width), max_tilt_deg=20.0, max_roll_deg=0.0)
+        unit = np.array([[x, 0.5, 0.5, 0.5, 0.25 * attempt % 1.0, 0.5]])
+        pose = candidates.poses_from_unit_cube(unit, board, posterior.rays, limits)
+        target = TargetPose.seen(board, posterior.camera, pose.r[0], pose.t[0], "", 0.0)
     purpose = f"to link camera {lost[0]}" if lost else "a first look"
     return RigTarget(None, {lead: replace(target, purpose=purpose)}, purpose, tuple(lost))
 
@@ -206,7 +225,7 @@ class _Search:
         poses = self._poses(unit, lead)
         visible, seen = self._visibility(poses, lead)
         sharing = seen.sum(axis=1)
-        feasible = (sharing >= min(MIN_SHARING, len(self.cameras))) & seen[np.arange(len(lead)), lead]
+        feasible = seen[np.arange(len(lead)), lead]
         for each in self.skipped:
             feasible &= ~self._is_near(poses, each)
         use = np.flatnonzero(feasible)

@@ -24,12 +24,18 @@ MIN_SHARED = 3
 
 
 def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
-    """Median distance (c,) of each camera from the board's points that it saw, board units."""
+    """Median distance (c,) of each camera from the board's points that it and another camera saw.
+
+    In board units. Close-ups for one camera alone say nothing of where both look.
+    """
+    views = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
+    shared = views.sum(axis=1) > 1
     in_rig, vectors = state.poses.camera_points(problem.obs.points), problem.camera_poses(state.k)
     out = np.empty(len(problem.members))
     for i, member in enumerate(problem.members):
         p = RigidMotion.of_vector(vectors[i])(in_rig[:, :, member.slots].transpose(0, 2, 1))
-        seen = np.linalg.norm(p, axis=2)[good[:, member.slots]]
+        counted = good[:, member.slots] & shared[:, None]
+        seen = np.linalg.norm(p, axis=2)[counted]
         out[i] = np.median(seen) if seen.size else np.nan
     return np.where(np.isfinite(out), out, np.nanmedian(out))
 
