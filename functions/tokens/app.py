@@ -40,6 +40,10 @@ def create(call: application.Call) -> Response:
     request = call.json(TokenRequest)
     service = call.service
     now, limit = service.now, service.settings.max_new_tokens
+    if limit == 0:
+        raise ForbiddenError(
+            "The operator of this service issues its API tokens; ask them for one.", kind="tokens-closed"
+        )
     sender = source(service.settings.contributor_secret, call.address)
     if not service.store.quotas.take_token(sender, now, limit):
         raise TooManyError(
@@ -170,7 +174,7 @@ def _managed(
 
 
 def _with_origins(token: ApiToken, origins: tuple[str, ...]) -> ApiToken:
-    """Return the token with these origins; those of the machine itself and those proved before areproved."""
+    """Return the token with these origins; those of the machine itself and those proved before are proved."""
     verified = tuple(o for o in origins if is_loopback(o) or o in token.origins)
     pending = tuple(o for o in origins if o not in verified)
     return _with_plan(replace(token, origins=verified, pending=pending))

@@ -99,7 +99,7 @@ _TOKENS = (
         "createToken",
         "Make an API token for pages of some origins, and for programs",
         {201: Content("The token. Its two secrets are shown this once.", schema.TokenCreated)},
-        (400, 413, 422, 429, 500, 503),
+        (400, 403, 413, 422, 429, 500, 503),
         body=schema.TokenRequest,
     ),
     Operation(

@@ -1,0 +1,108 @@
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { KeptTokens, STORAGE_KEY, TokenFileError, fileOf, tokensInFile } from "../../web/developers/kept-tokens.js";
+import { isLoopback, originsIn } from "../../web/developers/origins.js";
+import { PLANS } from "../../web/developers/plans.js";
+import { snippet } from "../../web/developers/snippets.js";
+
+const API = "https://calibdb.example/v1";
+const [SECRET, OTHER_SECRET] = ["a".repeat(48), "b".repeat(48)];
+const token = (id, more = {}) => ({ id, token: `cdb_${id}_${SECRET}`, management_token: `cdbm_${id}_${SECRET}`, name: null, origins: ["http://localhost"], api: API, ...more });
+/** A storage, be it full. */
+const storage = (full = false) => {
+  const content = new Map();
+  return {
+    content,
+    getItem: (name) => content.get(name) ?? null,
+    setItem: (name, text) => {
+      if (full) throw new DOMException("full", "QuotaExceededError");
+      content.set(name, text);
+    },
+  };
+};
+
+test("an address of a page stands for its origin, as a browser writes it", () => {
+  for (const [text, ...origins] of [
+    ["http://localhost", "http://localhost"],
+    ["localhost:5173", "http://localhost:5173"],
+    ["http://127.0.0.1:80/page", "http://127.0.0.1"],
+    ["http://[::1]:3000", "http://[::1]:3000"],
+    ["Example.org", "https://example.org"],
+    ["https://Example.ORG:443/app/?a#b,http://app.localhost", "https://example.org", "http://app.localhost"],
+    ["https://bücher.example  https://bücher.example/", "https://xn--bcher-kva.example"],
+    ["https://user:secret@example.org", "https://example.org"],
+  ]) assert.deepEqual(originsIn(text), { origins, wrong: null }, text);
+});
+
+test("what no token can name is told by its reason", () => {
+  for (const [text, fault] of [
+    ["", "none"], [" , ", "none"], ["https://*.example.org", "wildcard"], ["http://example.org", "secure"], ["https://example.org:8443", "port"],
+    ["https://192.0.2.7", "address"], ["https://[2001:db8::1]", "address"], ["https://3232235521", "address"], ["https://intranet", "name"],
+    ["https://printer.local", "name"], ["https://example.org.", "name"], ["null", "name"], ["file:///home/me/page.html", "scheme"],
+    ["https://exa mple", "name"], ["https://", "unreadable"],
+    [Array.from({ length: 11 }, (_, n) => `https://n${n}.example`).join(" "), "too_many"],
+  ]) assert.equal(originsIn(text).wrong?.fault, fault, text);
+  assert.deepEqual(["http://localhost:3000", "https://app.localhost", "http://127.0.0.2", "https://example.org", "https://localhost.example.org"].map(isLoopback), [true, true, true, false, false]);
+});
+
+test("tokens are kept at once, the newest first, and over the one with their id", () => {
+  const place = storage();
+  const kept = new KeptTokens(place);
+  assert.deepEqual(kept.all, []);
+  assert.ok(kept.keep(token("one")));
+  assert.ok(kept.keep(token("two")));
+  assert.ok(kept.keep({ ...token("one"), token: `cdb_one_${OTHER_SECRET}`, name: "Site" }));
+  assert.deepEqual(new KeptTokens(place).all, [token("two"), token("one", { token: `cdb_one_${OTHER_SECRET}`, name: "Site" })]);
+  kept.forget("two");
+  assert.deepEqual(JSON.parse(place.content.get(STORAGE_KEY)).map(({ id }) => id), ["one"]);
+});
+
+test("a browser that keeps nothing is told from one that does, and the page goes on", () => {
+  for (const place of [null, storage(true)]) {
+    const kept = new KeptTokens(place);
+    assert.equal(kept.keep(token("one")), false);
+    assert.deepEqual(kept.all, [token("one")]);
+  }
+});
+
+test("a list that cannot be read is set aside, not lost", () => {
+  const place = storage();
+  place.content.set(STORAGE_KEY, "[{");
+  const kept = new KeptTokens(place);
+  assert.deepEqual(kept.all, []);
+  assert.ok(kept.keep(token("one")));
+  assert.equal(place.content.get(`${STORAGE_KEY}.damaged`), "[{");
+  assert.deepEqual(kept.all, [token("one")]);
+});
+
+test("a file brings back what was saved, and nothing of other services", () => {
+  const tokens = [token("one"), token("two", { name: "Site" })];
+  assert.deepEqual(tokensInFile(fileOf(tokens), API), { tokens, elsewhere: 0 });
+  const mixed = [token("one"), token("two", { api: "https://other.example/v1" }), { token: "no" }, null, 3];
+  assert.deepEqual(tokensInFile(JSON.stringify(mixed), API), { tokens: [token("one")], elsewhere: 1 });
+  // Of a management token of another token nothing is kept, and what belongs to neither stays out.
+  const odd = { ...token("one"), management_token: `cdbm_two_${SECRET}`, evil: "<script>", origins: ["http://localhost", 3], name: {} };
+  assert.deepEqual(tokensInFile(JSON.stringify(odd), API).tokens, [{ id: "one", token: token("one").token, name: null, origins: ["http://localhost"], api: API }]);
+  for (const [text, code] of [["", "unreadable"], ["{}", "empty"], ["null", "empty"], [JSON.stringify([token("one", { api: "https://other.example/v1" })]), "elsewhere"]]) {
+    assert.throws(() => tokensInFile(text, API), (error) => error instanceof TokenFileError && error.code === code, text);
+  }
+});
+
+test("snippets hold the service's address and the token", () => {
+  const values = { origin: "https://calibdb.example", token: token("one").token };
+  const page = snippet("page", values);
+  assert.match(page, /import \{ calibrate, lookup, returned \} from "https:\/\/calibdb\.example\/sdk\/calibdb\.js"/);
+  assert.match(page, /calibrate\(\{ token, source: track, returnTo: location\.href \}\)/);
+  assert.ok(page.includes(`"${values.token}"`));
+  assert.match(snippet("curl", values), /^curl -s https:\/\/calibdb\.example\/v1\/lookup /);
+});
+
+test("the plans are those that the service has", () => {
+  const source = readFileSync(new URL("../../layers/service/calibdb/access/plans.py", import.meta.url), "utf8");
+  const allowance = (text) => Object.fromEntries([...text.matchAll(/(\w+)=([\d_]+)/g)].map(([, kind, limit]) => [kind, Number(limit.replaceAll("_", ""))]));
+  const trial = allowance(/^_TRIAL = Allowance\((.*)\)/m.exec(source)[1]);
+  const each = allowance(/^_EACH = Allowance\((.*)\)/m.exec(source)[1]);
+  const together = allowance(/"free": Plan\(Allowance\((.*?)\), _EACH\)/.exec(source)[1]);
+  for (const [kind, limits] of Object.entries(PLANS)) assert.deepEqual(limits, [trial[kind], each[kind], together[kind]], kind);
+});

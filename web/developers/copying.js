@@ -1,0 +1,46 @@
+// Copying texts, and saving them as files.
+import { el } from "../lib/dom.js";
+import { t } from "../lib/i18n.js";
+
+const SHOWN_MS = 2500; // ms for which a button says that it has copied
+
+/**
+ * Button that copies a text.
+ * @param {() => string} text @param {string} what name of it, for those who cannot see where the button stands
+ * @param {{id?: string, primary?: boolean, onCopied?: () => void}} [options]
+ */
+export function copyButton(text, what, { id, primary = false, onCopied = () => {} } = {}) {
+  const label = el("span", { "aria-hidden": "true" }, t("developers.copy"));
+  const button = el("button", { type: "button", id, class: primary ? "primary copy" : "copy", "aria-label": t("developers.copy_what", { what }) }, label);
+  const said = el("span", { class: "unseen", role: "status" });
+  button.addEventListener("click", async () => {
+    const copied = await copy(text());
+    if (copied) onCopied();
+    label.textContent = t(copied ? "developers.copied" : "developers.not_copied");
+    said.textContent = t(copied ? "developers.copied_what" : "developers.not_copied_what", { what });
+    setTimeout(() => {
+      label.textContent = t("developers.copy");
+      said.textContent = "";
+    }, SHOWN_MS);
+  });
+  return el("span", { class: "copying" }, button, said);
+}
+
+/** @param {string} text @returns {Promise<boolean>} */
+async function copy(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch (error) {
+    // No clipboard on a page without HTTPS, or none for this page.
+    if (!(error instanceof DOMException) && !(error instanceof TypeError)) throw error;
+    return false;
+  }
+}
+
+/** @param {string} name @param {string} text @param {string} type media type */
+export function saveFile(name, text, type) {
+  const link = el("a", { href: URL.createObjectURL(new Blob([text], { type })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}

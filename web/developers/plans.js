@@ -1,0 +1,28 @@
+// Limits of the plans that people can have by themselves, as `layers/service/calibdb/access/plans.py` sets them.
+import { el } from "../lib/dom.js";
+import { t } from "../lib/i18n.js";
+import { KINDS, counted } from "./use-chart.js";
+
+/** @typedef {import("../vendor/api.js").HourlyLimits} HourlyLimits */
+
+/** Calls in one hour: on trial, then on free of each visitor and of all together. @type {Record<string, [number, number, number]>} */
+export const PLANS = {
+  lookups: [600, 600, 10000],
+  sessions: [20, 20, 60],
+  views: [400, 400, 1500],
+  poses: [1200, 1200, 4500],
+};
+
+/** Rows of the table that compares the plans. */
+export const planRows = () => KINDS.map((kind) =>
+  el("tr", {}, el("th", { scope: "row" }, t(`developers.kind_${kind}`)), ...PLANS[kind].map((limit) => el("td", {}, counted(limit)))));
+
+/** Limits of one token as a table. @param {HourlyLimits} limits */
+export function limitsTable({ each, together }) {
+  const written = (/** @type {number | null} */ limit) => (limit === null ? t("developers.unlimited") : counted(limit));
+  return el("table", {}, el("caption", {}, t("developers.limits_of_token")),
+    el("thead", {}, el("tr", {}, el("th", { scope: "col" }, t("developers.an_hour")),
+      el("th", { scope: "col", class: "number" }, t("developers.each")), el("th", { scope: "col", class: "number" }, t("developers.together")))),
+    el("tbody", {}, ...KINDS.map((kind) =>
+      el("tr", {}, el("th", { scope: "row" }, t(`developers.kind_${kind}`)), el("td", {}, written(each[kind])), el("td", {}, written(together[kind]))))));
+}
