@@ -63,7 +63,7 @@ def chromium_path() -> str:
 @pytest.fixture(scope="session")
 def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a running calibDB with an empty database."""
-    with LocalProcess(tmp_path_factory.mktemp("stack") / "data") as server:
+    with LocalProcess(tmp_path_factory.mktemp("stack") / "data", {"NEW_TOKENS": "100"}) as server:
         yield server.url
 
 

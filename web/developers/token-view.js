@@ -52,7 +52,7 @@ export function tokenView(token, facts, choices, actions) {
     band("secrets", ...secretsPart(token, actions)),
     ...(token.management_token ? [
       band("origins", ...originsPart(token, facts, actions)),
-      ...(facts ? [band("use", ...usePart(facts, choices, actions)), band("limits", el("div", { class: "wide" }, limitsTable(facts.limits)))] : []),
+      ...(facts ? [band("use", ...usePart(facts, choices, actions)), band("limits", el("div", { class: "wide", tabindex: 0, role: "region", "aria-label": t("developers.limits_of_token") }, limitsTable(facts.limits)))] : []),
       band("change", ...changePart(token, actions)),
     ] : [band("change", el("p", {}, t("developers.unmanaged")), forgetButton(actions))]));
 }

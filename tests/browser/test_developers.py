@@ -1,0 +1,253 @@
+"""The page for developers: a token of one's own, a lookup with it on another origin, and its upkeep."""
+
+import json
+import re
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from playwright.sync_api import BrowserContext, Page, Playwright, expect
+
+from tests.helpers.browser.captures import agreed, capture
+from tests.helpers.browser.elsewhere import serving
+from tests.helpers.browser.pictures import WIDE, picture
+from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.waiting import TIMEOUT_S, until
+
+from .conftest import CHROMIUM, chromium_path
+
+MAX_ACTIONS = 8
+LABEL = "HD Pro Webcam C920 (046d:082d)"
+# Chromium's own camera, with the name of a real one: the service knows the made-up one for what it is.
+NAMED = f"""
+  Object.defineProperty(MediaStreamTrack.prototype, "label", {{ get: () => {json.dumps(LABEL)} }});
+"""
+CAMERA = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [640, 480]}
+SMALL = Truth(fx=600.0, cx=322.0, cy=238.0, size=(640, 480))
+
+
+@pytest.fixture(scope="module")
+def known(stack: str) -> dict[str, Any]:
+    """Calibration of the camera, on which five contributors agree."""
+    headers = {"authorization": "Bearer cdb_dev_local"}
+    with httpx.Client(base_url=f"{stack}/v1", headers=headers, timeout=60) as api:
+        for seed in range(5):
+            capture(api, SMALL, CAMERA, seed)
+        return agreed(api, CAMERA)
+
+
+@dataclass
+class Developer:
+    """Somebody who has never been here, and what they do."""
+
+    page: Page
+    done: list[str] = field(default_factory=list)
+
+    def act(self, what: str) -> None:
+        """Count an action."""
+        self.done.append(what)
+
+    def click(self, selector: str) -> None:
+        """Click, which is one action."""
+        self.act(f"click {selector}")
+        self.page.locator(selector).first.click()
+
+
+@pytest.fixture
+def developer(playwright: Playwright, stack: str) -> Iterator[Developer]:
+    """Developer with an empty profile and a camera."""
+    fake = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
+    browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *fake])
+    context = browser.new_context(service_workers="block", locale="en-GB")
+    context.set_default_timeout(1000 * TIMEOUT_S)
+    context.grant_permissions(["clipboard-read", "clipboard-write"], origin=stack)
+    context.add_init_script(NAMED)
+    yield Developer(context.new_page())
+    browser.close()
+
+
+def test_from_the_landing_page_to_a_lookup_on_another_origin(
+    developer: Developer, stack: str, known: dict[str, Any], tmp_path: Path
+) -> None:
+    page = developer.page
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    developer.act("open the landing page")
+    page.goto(stack)
+    developer.click('a[href$="developers/"]')
+    developer.click("#make-button")
+    expect(page.locator("#token-heading")).to_be_focused()
+    developer.click("#copy-snippet")
+    expect(page.locator("#copy-snippet")).to_have_text("Copied ✓")
+    copied = page.evaluate("navigator.clipboard.readText()")
+    (made,) = page.evaluate("JSON.parse(localStorage['calibdb.tokens'])")
+    developer.act("save the code as index.html")
+    (tmp_path / "index.html").write_text(copied.replace("<title>", '<link rel="icon" href="data:,"><title>'))
+    with serving(tmp_path) as address:
+        own = address.replace("127.0.0.1", "localhost").rstrip("/")
+        developer.act("open it from a server of one's own")
+        page.goto(own)
+        developer.act("allow the camera")
+        expect(page.locator("#answer")).to_contain_text('"camera_matrix"')
+        assert len(developer.done) <= MAX_ACTIONS, developer.done
+        found = json.loads(page.locator("#answer").text_content() or "")
+        assert found["camera_matrix"] == known["camera_matrix"]
+        assert found["reliable"]
+        # The token is good on this origin, whoever answered, and on no other.
+        ask = """async ([api, token]) => {
+          const response = await fetch(`${api}/v1/usage`, {headers: {authorization: `Bearer ${token}`}});
+          return [response.status, (await response.json()).plan];
+        }"""
+        assert page.evaluate(ask, [stack, made["token"]]) == [200, "trial"]
+        page.goto(address)
+        assert page.evaluate(ask, [stack, made["token"]]) == [403, None]
+        # An unknown camera is calibrated, and its result comes back to the page.
+        page.goto(own)
+        page.evaluate("sessionStorage.clear()")
+        page.add_init_script(
+            'Object.defineProperty(MediaStreamTrack.prototype, "label", { get: () => "New One" });'
+        )
+        page.goto(f"{own}/?again")
+        expect(page.locator("#answer")).to_have_text("calibDB does not know New One yet.")
+        page.locator("#calibrate").click()
+        page.wait_for_url(
+            re.compile(re.escape(f"{stack}/calibrate/?") + r".*return_to=http%3A%2F%2Flocalhost")
+        )
+        page.goto(f"{own}/#calibration={known['id'] or ''}")
+        expect(page.locator("#answer")).to_contain_text('"camera_matrix"')
+    assert errors == []
+
+
+def test_curl_of_the_page_finds_the_camera(page: Page, known: dict[str, Any]) -> None:
+    page.goto("/developers/")
+    page.locator("#make-button").click()
+    page.locator("#snippet-curl").click()
+    line = page.locator("#snippet").text_content()
+    assert line
+    sent = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=True, timeout=60)
+    assert json.loads(sent.stdout)["camera"] == known["camera"]
+    assert json.loads(sent.stdout)["reliable"]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_token_is_kept_and_managed(page: Page, tmp_path: Path, scheme: str) -> None:
+    page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    page.goto("/developers/")
+    page.locator("#origins").fill("http://example.org")
+    page.locator("#make-button").click()
+    expect(page.locator("#origins-problem")).to_contain_text("must begin with https://")
+    expect(page.locator("#origins")).to_be_focused()
+    if scheme == "light":
+        picture(page, "developers-empty", ["desk"], full=True)
+    page.locator("#origins").fill("localhost https://nobody.invalid/page")
+    page.keyboard.press("Enter")
+    expect(page.locator("#token-facts")).to_contain_text("trial")
+    expect(page.locator(".proof-line")).to_have_text(re.compile("calibdb-site-verification=[0-9a-f]{16}"))
+    page.locator("#verify").click()
+    expect(page.locator(".origins .problem")).to_have_text(
+        "The domain name has no address. Check its spelling."
+    )
+    expect(page.locator("#snippet")).to_contain_text("/sdk/calibdb.js")
+    picture(page, f"developers-{scheme}", ["hand"], full=True)
+    page.set_viewport_size({"width": 320, "height": 700})
+    assert page.evaluate(WIDE) == 0
+    if scheme == "dark":
+        return
+
+    def stored() -> Any:
+        return page.evaluate("JSON.parse(localStorage['calibdb.tokens'])")
+
+    # What was shown once is there after a reload, and after a rotation.
+    (made,) = stored()
+    assert made.keys() == {"id", "token", "management_token", "name", "origins", "api"}
+    page.locator("#token-name").fill("My <site>")
+    page.locator("#token-name").press("Enter")
+    expect(page.locator("#token-heading")).to_have_text("My <site>")
+    page.locator("#grace").select_option("0")
+    page.locator("#rotate").click()
+    expect(page.locator("#token-status")).to_contain_text("This is the new secret")
+    (rotated,) = stored()
+    assert rotated["token"] != made["token"]
+    page.reload()
+    expect(page.locator("#secret-api_token")).to_have_text(rotated["token"])
+    expect(page.locator("#secret-management_token")).not_to_contain_text(made["management_token"])
+    # A file brings it back where it was removed; a revoked one is gone.
+    with page.expect_download() as saved:
+        page.locator("#export").click()
+    saved.value.save_as(tmp_path / "tokens.json")
+    page.locator("#forget").click()
+    page.locator("dialog button", has_text="Remove").click()
+    expect(page.locator("#making")).to_be_focused()
+    assert stored() == []
+    page.locator("#import").set_input_files(tmp_path / "tokens.json")
+    expect(page.locator("#kept-status")).to_have_text("1 token loaded.")
+    assert stored() == [rotated | {"name": "My <site>"}]
+    expect(page.locator("#token-facts")).to_be_visible()
+    page.locator("#revoke").focus()
+    page.keyboard.press("Enter")
+    expect(page.locator("dialog")).to_contain_text("cannot be undone")
+    page.keyboard.press("Escape")
+    expect(page.locator("#revoke")).to_be_focused()
+    assert len(stored()) == 1, "nobody agreed"
+    page.keyboard.press("Enter")
+    page.locator("dialog button", has_text="Revoke for good").click()
+    expect(page.locator("#token-status")).to_have_text("“My <site>” is revoked.")
+    assert stored() == []
+
+
+def expect_refusal(page: Page, words: str) -> None:
+    complaint = page.locator("#made")
+    page.locator("#make-button").click()
+    expect(complaint).to_contain_text(words)
+
+
+def test_refusals_are_told_in_words(context: BrowserContext) -> None:
+    page = context.new_page()  # a refusal is an error in the console, and here it is meant to be one
+    problem = {
+        "title": "Quota used up",
+        "status": 429,
+        "detail": "At most 5.",
+        "type": "/docs/problems/#quota",
+    }
+    page.route(
+        "**/v1/tokens",
+        lambda route: route.fulfill(
+            status=429,
+            body=json.dumps(problem),
+            headers={"retry-after": "7300", "content-type": "application/problem+json"},
+        ),
+    )
+    page.goto("/developers/?lang=de")
+    expect_refusal(page, "Sie endet in etwa 3 Stunden")
+    page.locator("#language").select_option("en")
+    expect(page.locator("#made")).to_contain_text("It ends in about 3 hours")
+    context.set_offline(offline=True)
+    page.unroute("**/v1/tokens")
+    expect_refusal(page, "calibDB cannot be reached")
+    context.set_offline(offline=False)
+
+
+def test_secrets_that_nothing_keeps_are_not_left_unasked(context: BrowserContext) -> None:
+    page = context.new_page()
+    page.add_init_script(
+        "Storage.prototype.setItem = () => { throw new DOMException('full', 'QuotaExceededError'); }"
+    )
+    page.goto("/developers/")
+    page.locator("#make-button").click()
+    expect(page.locator("#unkept")).to_be_visible()
+    expect(page.locator("#secret-api_token")).to_have_text(re.compile("cdb_"))
+    asked: list[str] = []
+
+    def stay(dialog: Any) -> None:
+        asked.append(dialog.type)
+        dialog.dismiss()
+
+    page.once("dialog", stay)
+    page.close(run_before_unload=True)
+    until(page, lambda: asked)
+    assert asked == ["beforeunload"]
+    expect(page.locator("#secret-api_token")).to_be_visible()
