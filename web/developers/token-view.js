@@ -127,7 +127,7 @@ function originItem({ origin, state, proof, failure, detail }) {
   return el("li", { class: state }, el("p", {}, el("strong", {}, origin), ` ${t(verified ? "developers.verified" : "developers.pending")}`),
     ...(proof ? [
       el("div", { class: "proof" }, el("p", {}, t("developers.place_at")), el("code", {}, proof.url),
-        el("p", {}, t("developers.place_line")), el("code", { class: "proof-line" }, proof.content), copyButton(() => proof.content, t("developers.the_line")))] : []),
+        el("p", {}, t("developers.place_line")), el("code", { class: "proof-line" }, proof.content), copyButton(() => proof.content, t("developers.the_line"), { id: `copy-line-${origin}` }))] : []),
     ...(why ? [el("p", { class: "problem" }, why)] : []));
 }
 
