@@ -131,7 +131,7 @@ export function tokensInFile(text, api) {
 /** @param {string} one @param {string} other */
 const sameApi = (one, other) => URL.canParse(one) && new URL(one).href === new URL(other).href;
 
-/** What of a document is a list of tokens. @param {any} content @returns {KeptToken[]} */
+/** Tokens that a document lists; whatever else it holds stays out. @param {any} content @returns {KeptToken[]} */
 function tokensOf(content) {
   const list = Array.isArray(content) ? content : [content];
   return list.flatMap((each) => {
