@@ -121,8 +121,9 @@ ops: .venv/.made ## run the operator's command line; ARGS="token create --origin
 release: $(SETUP) $(UV) ## ARGS="bump 0.2.0" sets the version; ARGS="build --tag v0.2.0" builds the artifacts of a clean checkout
 	@$(PY) -m infra.release $(ARGS)
 
-openapi: .venv/.made ## write web/openapi.json
+openapi: .venv/.made ## write web/openapi.json and web/data/schema.json
 	$(PY) -m infra.web_build.openapi
+	$(PY) -m infra.web_build.dump_schema
 
 .setup:
 	@$(MAKE) --silent --jobs 2 .venv/.made web/vendor/api.d.ts

@@ -20,6 +20,7 @@ from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_temp
 from infra.deploy.prune import prune
 from infra.deploy.site import uploads
 from infra.deploy.steps import Step, Target, steps
+from infra.local.pages import contacts, public_settings
 from infra.web_build.site import Options
 
 
@@ -66,12 +67,15 @@ def _do(step: Step, target: Target, source: str) -> None:
         case "secrets":
             aws.make_secrets(boto3.client("ssm", region), stack)
         case "upload":
-            made = aws.outputs(boto3.client("cloudformation", region), stack)
+            described = aws.describe(boto3.client("cloudformation", region), stack)
+            if described is None:
+                raise DeployError(f"there is no stack {stack}")
+            made, given = described.outputs, described.parameters
             s3, bucket = boto3.client("s3", region), made["WebBucketName"]
             token = page_token.current(made, region, aws.settings(s3, bucket))
-            settings = {"api": "/v1", "token": token, "edge_answers": made["EdgeAnswers"]}
-            contact = made.get("SecurityContact")
-            options = Options(made["SiteUrl"])
+            settings = public_settings("/v1", token, made["EdgeAnswers"], given)
+            contact = made.get("SecurityContact") or given.get("OperatorContact")
+            options = Options(made["SiteUrl"], contacts(given))
             files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)
             print(f"   {aws.upload(s3, bucket, files)} files")
             if made["EdgeAnswers"] == "off":

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from infra.local.intrinsics import parse_text
+from infra.local.pages import NOT_FOUND
 from infra.web_build.site import page_keys
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -114,7 +115,12 @@ def _references(value: Any) -> Iterator[str]:
 
 def _inline_function(match: re.Match[str]) -> str:
     code = (
-        (ROOT / match[1]).read_text(encoding="utf-8").replace("PAGES = []", f"PAGES = {json.dumps(_pages())}")
+        (ROOT / match[1])
+        .read_text(encoding="utf-8")
+        .replace("PAGES = []", f"PAGES = {json.dumps(_pages())}")
+        .replace(
+            "NOT_FOUND = ''", f"NOT_FOUND = {json.dumps(NOT_FOUND.read_text('utf-8'), ensure_ascii=False)}"
+        )
     )
     return f"FunctionCode: |\n{textwrap.indent(code, ' ' * 8)}"
 

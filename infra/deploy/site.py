@@ -8,12 +8,14 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from infra.local.pages import media_type
 from infra.web_build import site
 from infra.web_build.precache_manifest import shell_of
+from infra.web_build.root_files import robots_text, security_text, sitemap
 
 # What others made, under a name that changes with its content, is kept for good. Everything else the edge
 # keeps until the upload says otherwise, and browsers ask the edge whether it changed.
@@ -21,7 +23,6 @@ FOREVER = "public, max-age=31536000, immutable"
 FRESH = "public, max-age=0, s-maxage=31536000, must-revalidate"
 _NO_STORE = "no-store"  # of the settings, which hold the page's token
 _MAX_EDGE_COMPRESSED_BYTES = 10_000_000  # CloudFront developer guide, "Serving compressed files"
-_SECURITY_TEXT_DAYS = 364  # less than the year that the RFC recommends at most
 _VENDOR = "vendor/"
 _REFERENCING_SUFFIXES = (".html", ".css", ".js", ".webmanifest")  # files that may name others
 _EXCLUDED_SUFFIXES = (".d.ts", "tsconfig.json", ".made")
@@ -40,7 +41,7 @@ class Upload:
 
 def uploads(
     web: Path,
-    settings: Mapping[str, str],
+    settings: Mapping[str, Any],
     contact: str | None = None,
     now: datetime | None = None,
     options: site.Options | None = None,
@@ -52,17 +53,18 @@ def uploads(
     web
         The client, with `vendor/`.
     settings
-        What `/config.json` says: `api`, `token`.
+        What `/config.json` says: `api`, `token`, `operator`.
     contact, now
         Where to report a vulnerability, and the time; without both there is no `security.txt`.
     options
-        What the pages say about the deployment.
+        What the pages say about the deployment. Without an origin, no `robots.txt` and no sitemap.
     """
     files = {
         path.relative_to(web).as_posix(): path.read_bytes()
         for path in sorted(web.rglob("*"))
         if path.is_file() and not path.name.endswith(_EXCLUDED_SUFFIXES)
     } | dict(site.made_files(web, options))
+    origin = options.origin if options else ""
     vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})}/"
     digests: dict[str, str] = {}
     for key in sorted(files, key=lambda key: (key.endswith(".html"), key)):
@@ -74,18 +76,15 @@ def uploads(
     yield Upload("shell.json", json.dumps(shell_of(digests)).encode(), "application/json", FRESH)
     if contact and now:
         yield Upload(
-            ".well-known/security.txt", security_text(contact, now), "text/plain; charset=utf-8", FRESH
+            ".well-known/security.txt",
+            security_text(contact, now, origin),
+            "text/plain; charset=utf-8",
+            FRESH,
         )
+    if origin:
+        yield Upload("robots.txt", robots_text(origin), "text/plain; charset=utf-8", FRESH)
+        yield Upload("sitemap.xml", sitemap(origin, digests), "application/xml", FRESH)
     yield Upload("config.json", json.dumps(dict(settings)).encode(), "application/json", _NO_STORE)
-
-
-def security_text(contact: str, now: datetime) -> bytes:
-    """Write `security.txt`, which every deployment renews.
-
-    Source: RFC 9116, sections 2.5.3 and 2.5.5.
-    """
-    expires = now + timedelta(days=_SECURITY_TEXT_DAYS)
-    return f"Contact: {contact}\nExpires: {expires:%Y-%m-%dT%H:%M:%SZ}\n".encode()
 
 
 def _upload(key: str, content: bytes, vendor: str) -> Upload:

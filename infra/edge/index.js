@@ -1,13 +1,16 @@
 // CloudFront function of the site's pages: maps a folder to its index.html, which S3 origins do not.
-// `infra.deploy.package` fills in PAGES, the folders that hold a page.
+// `infra.deploy.package` fills in PAGES, the folders that hold a page, and NOT_FOUND.
 var PAGES = [];
+// The content of web/404.html.
+var NOT_FOUND = '';
 
 function handler(event) {
   var request = event.request;
   // One leading slash: `//host/` in a Location names another host.
   var path = '/' + request.uri.replace(/^[\/\\]+/, '');
   request.uri = path;
-  if (path.split('/').pop().includes('.')) return request;
+  if (path.split('/').pop().includes('.') && !path.endsWith('.html')) return request;
+  if (path.endsWith('/index.html')) path = path.slice(0, -'index.html'.length);
   var folder = path.endsWith('/') ? path : path + '/';
   if (PAGES.length && !PAGES.includes(folder)) {
     return {
@@ -16,9 +19,11 @@ function handler(event) {
       headers: {
         'content-type': { value: 'text/html; charset=utf-8' },
         'cache-control': { value: 'no-store' },
+        'content-security-policy': { value: "default-src 'self'; frame-ancestors 'none'" },
+        'strict-transport-security': { value: 'max-age=31536000' },
         'x-content-type-options': { value: 'nosniff' },
       },
-      body: '<!doctype html><html lang="en"><title>Not found</title><h1>There is no such page</h1><p><a href="/">calibDB</a></p></html>',
+      body: NOT_FOUND,
     };
   }
   if (folder === path) {

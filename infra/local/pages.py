@@ -49,14 +49,19 @@ _TYPES = {
 }
 
 
+#: the page that stands for one that is missing, here and at the edge
+NOT_FOUND = site.WEB / "404.html"
+
+
 class Pages(StaticFiles):
     """The pages made of one folder, and its files, `index.html` for folders; GET and HEAD.
 
     Not compressed: over the loopback interface that costs more time than it saves.
     """
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, options: site.Options | None = None):
         super().__init__(directory=folder, html=True, check_dir=False)
+        self._options = options
         self._folder = folder
         self._made: Mapping[str, bytes] = {}
 
@@ -69,7 +74,7 @@ class Pages(StaticFiles):
         if is_folder or "." not in key or key.endswith(".html") or not self._made:
             # With each page, not with each of the many files it loads.
             try:
-                self._made = await run_in_threadpool(site.made_files, self._folder)
+                self._made = await run_in_threadpool(site.made_files, self._folder, self._options)
             except site.SiteError as error:
                 return PlainTextResponse(str(error), 500)
         made = f"{key}index.html" if is_folder else key
@@ -79,11 +84,17 @@ class Pages(StaticFiles):
             query = scope["query_string"].decode("latin-1")
             return RedirectResponse(f"/{key}/{query and '?'}{query}")
         try:
-            return await super().get_response(path, scope)
+            found = await super().get_response(path, scope)
         except HTTPException as error:
             if error.status_code != HTTPStatus.NOT_FOUND or "404.html" not in self._made:
                 raise
-            return _made_response("404.html", self._made["404.html"], scope, error.status_code)
+            found = Response(status_code=error.status_code)
+        if found.status_code != HTTPStatus.NOT_FOUND:
+            return found
+        # The page of what is missing stands for pages, as at the edge.
+        if "." in key.rpartition("/")[2] and not key.endswith(".html"):
+            raise HTTPException(HTTPStatus.NOT_FOUND)
+        return _made_response("404.html", self._made["404.html"], scope, HTTPStatus.NOT_FOUND)
 
     def file_response(
         self,
@@ -131,6 +142,25 @@ def headers(path: str) -> dict[str, str]:
     }
 
 
-def public_settings(api: str, token: str, edge_answers: str = "on") -> dict[str, Any]:
-    """Content of `/config.json`; a deployment writes that file."""
-    return {"api": api, "token": token, "edge_answers": edge_answers}
+def public_settings(
+    api: str, token: str, edge_answers: str = "on", parameters: Mapping[str, str] | None = None
+) -> dict[str, Any]:
+    """Content of `/config.json`, which a deployment writes; `parameters`: of the deployment."""
+    settings: dict[str, Any] = {"api": api, "token": token, "edge_answers": edge_answers}
+    found = operator(parameters or {})
+    return settings | ({"operator": found} if found else {})
+
+
+def operator(parameters: Mapping[str, str]) -> dict[str, str]:
+    """Return who runs the service, as far as the deployment says: `name`, `contact`, `imprint`."""
+    names = {"name": "OperatorName", "contact": "OperatorContact", "imprint": "Imprint"}
+    return {key: parameters[name] for key, name in names.items() if parameters.get(name)}
+
+
+def contacts(parameters: Mapping[str, str]) -> dict[str, str]:
+    """Return the addresses that every page's footer names: `contact`, `imprint`."""
+    found = operator(parameters)
+    imprint = found.get("imprint", "")
+    told = {"contact": found.get("contact", "")}
+    told["imprint"] = imprint if imprint.startswith("https://") else "/privacy/#imprint" if found else ""
+    return {name: address for name, address in told.items() if address}

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,8 @@ from infra.local.loopback import is_loopback
 from infra.local.pages import FOR_EVERYONE, Pages
 from infra.local.protocol import TimedProtocol
 from infra.web_build.precache_manifest import shell
+from infra.web_build.root_files import robots_text, security_text, sitemap
+from infra.web_build.site import Options, page_keys
 
 _access = logging.getLogger("infra.local.access")
 _MISDIRECTED = JSONResponse({"message": "This server answers to localhost and 127.0.0.1 only."}, 421)
@@ -61,6 +64,8 @@ class GatewayApp:
         Seconds until the gateway gives up on a function.
     known
         Answers what lies under `/known/`.
+    options
+        What the pages say about the deployment.
     """
 
     def __init__(
@@ -71,6 +76,7 @@ class GatewayApp:
         settings: Mapping[str, Any],
         timeout: float = INTEGRATION_TIMEOUT,
         known: ASGIApp | None = None,
+        options: Options | None = None,
     ):
         self._gateway = gateway
         self._workers = workers
@@ -80,7 +86,8 @@ class GatewayApp:
             routes=[
                 Route("/config.json", lambda _: JSONResponse(settings, headers=_CONFIG)),
                 Route("/shell.json", lambda _: JSONResponse(shell(web), headers=_NO_CACHE)),
-                Mount("/", Pages(web)),
+                *_root_files(web, settings, options or Options()),
+                Mount("/", Pages(web, options)),
             ]
         )
 
@@ -140,6 +147,25 @@ class GatewayApp:
         except TimeoutError:
             # The function goes on, as on AWS, where it has a timeout of its own.
             return self._gateway.refuse(503, "Service Unavailable", request.header("origin"))
+
+
+def _root_files(web: Path, settings: Mapping[str, Any], options: Options) -> list[Route]:
+    """Return what a deployment uploads beside the files of the client."""
+    address = options.origin
+
+    def pages(_: WebRequest) -> WebResponse:
+        return WebResponse(sitemap(address, page_keys(web)), media_type="application/xml", headers=_NO_CACHE)
+
+    def robots(_: WebRequest) -> WebResponse:
+        return WebResponse(robots_text(address), media_type="text/plain", headers=_NO_CACHE)
+
+    def security(_: WebRequest) -> WebResponse:
+        content = security_text(contact, datetime.now(UTC), address)
+        return WebResponse(content, media_type="text/plain", headers=_NO_CACHE)
+
+    contact = settings.get("operator", {}).get("contact", "")
+    routes = [Route("/robots.txt", robots), Route("/sitemap.xml", pages)]
+    return [*routes, *([Route("/.well-known/security.txt", security)] if contact else [])]
 
 
 async def _read(scope: Scope, receive: Receive) -> Request | None:

@@ -26,14 +26,22 @@ from infra.local.invokes import SHUTDOWN_GRACE_S, Invokes
 from infra.local.journal import Journal
 from infra.local.known_answers import KnownAnswers
 from infra.local.loopback import ORIGINS
-from infra.local.pages import public_settings
+from infra.local.pages import contacts, public_settings
 from infra.local.server import GatewayApp, bind, serving
 from infra.local.storage import Storage
 from infra.local.template import Template, load
+from infra.web_build.site import Options
 
 ROOT = Path(__file__).resolve().parents[2]
 # Accepted by a local stack only, and of pages only from those of the machine: whoever else can ask is on it.
 DEVELOPMENT_TOKEN = "cdb_dev_local"  # noqa: S105
+# Variables of this process, and the parameters of the template that they set.
+_PARAMETERS = {
+    "EDGE_ANSWERS": "EdgeAnswers",
+    "OPERATOR_NAME": "OperatorName",
+    "OPERATOR_CONTACT": "OperatorContact",
+    "IMPRINT": "Imprint",
+}
 # A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
 _THREADS = max(4, 2 * (os.cpu_count() or 1))
 
@@ -192,11 +200,13 @@ class LocalStack:
 
     def _load(self) -> Template:
         parameters = {"GuidanceUrl": f"{self.url}/calibrate/"}
-        if "EDGE_ANSWERS" in os.environ:
-            parameters["EdgeAnswers"] = os.environ["EDGE_ANSWERS"]
+        for variable, name in _PARAMETERS.items():
+            if variable in os.environ:
+                parameters[name] = os.environ[variable]
         if self.embedded:
             # On one's own machine everyone is one contributor, and every capture and check counts.
             parameters["Thresholds"] = "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0"
+        self._parameters = parameters
         return load(self._template_path, parameters)
 
     def _known_answers(self) -> KnownAnswers | None:
@@ -267,8 +277,15 @@ class LocalStack:
         if self._listener.fileno() == -1:  # closed when it was served before
             self._listener = bind(self._port)
         edge_answers = self.environment.get("EDGE_ANSWERS", "on")
-        settings = public_settings("/v1", DEVELOPMENT_TOKEN, edge_answers)
-        app = GatewayApp(self.gateway, self.workers, self._web, settings, known=self._known_answers())
+        settings = public_settings("/v1", DEVELOPMENT_TOKEN, edge_answers, self._parameters)
+        app = GatewayApp(
+            self.gateway,
+            self.workers,
+            self._web,
+            settings,
+            known=self._known_answers(),
+            options=Options(self.url, contacts(self._parameters)),
+        )
         with serving(app, self._listener):
             yield self.url
 

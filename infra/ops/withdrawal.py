@@ -6,8 +6,9 @@ import functools
 from collections import Counter
 from dataclasses import dataclass
 
-from calibdb.access.tokens import contributor
+from calibdb.access.tokens import SessionIds, contributor
 from calibdb.camera_key import current_key
+from calibdb.rules.session_rules import calibration_name
 from calibdb.schema import CalibrationDocument, SessionDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
@@ -16,6 +17,8 @@ from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.errors import OpsError
 
 _MIN_DIGITS = 12  # hex digits of a contributor that name one
+_NAME_DIGITS = 20  # of a calibration's id, after the camera's key
+_MAX_VERSIONS = 1_000  # of a session that was started anew
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,27 @@ def find_contributors_at(context: OpsContext, address: str, token_id: str | None
     tokens = [token_id] if token_id else context.store.tokens.ids()
     known = set(_contributors(context))
     return {contributor(context.settings.contributor_secret, address, token) for token in tokens} & known
+
+
+def find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
+    """Find the contributors of the calibration, or of the session, of which this is the session id.
+
+    Raises OpsError where it was not signed by a key that is known, or nothing is left of its session.
+    """
+    sid = SessionIds(context.settings.session_secrets, lambda: context.now).sid_of(receipt.strip())
+    if sid is None:
+        raise OpsError("no key of SESSION_SECRETS has signed this receipt: it is forged, or the key is gone")
+    names = {calibration_name(sid, version) for version in range(1, _MAX_VERSIONS + 1)}
+    found = {
+        document.contributor
+        for document in context.store.calibrations.all()
+        if document.id[-_NAME_DIGITS:] in names
+    }
+    sessions = (one for one in context.store.sessions.all() if one.session == sid)
+    found |= {who for session in sessions for who in _contributors_of(session)}
+    if not found:
+        raise OpsError("nothing is left of the session of this receipt")
+    return found
 
 
 def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False) -> ForgetResult:

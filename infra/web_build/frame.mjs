@@ -54,7 +54,7 @@ function head(document, { key, language, translated, origin, preloads }) {
   const scripts = document.querySelector("header.masthead") ? ['<script type="module" src="/lib/header.js"></script>'] : [];
   const lines = [...preloads.map((path) => `<link rel="modulepreload" href="${path}">`), ...scripts, ...addresses(key, language, translated, origin)];
   const social = [
-    ["og:type", "website"], ["og:site_name", "calibDB"],
+    ["og:type", "website"], ["og:site_name", "calibDB"], ["og:image", origin && `${origin}/social.png`],
     ["og:title", document.title], ["og:description", document.querySelector("meta[name=description]")?.getAttribute("content") ?? ""],
   ].filter(([name, content]) => content && !document.querySelector(`meta[property="${name}"]`))
     .map(([name, content]) => `<meta property="${name}" content="${escape(content)}">`);

@@ -1,5 +1,6 @@
 """A contributor who wants to be forgotten: nothing is left, whatever it was and however it was sent."""
 
+import json
 from pathlib import Path
 
 import boto3
@@ -10,7 +11,7 @@ from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.__main__ import main
 from infra.ops.context import OpsContext
-from tests.helpers.service.client import CAMERA, Client, Truth, until
+from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 
 
@@ -85,3 +86,25 @@ def test_forgotten_vote_under_an_earlier_key_recomputes_the_consensus() -> None:
             c for c in store(stack).consensuses.at(mode_of(document)) if c.distortion_model == "rectilinear"
         )
         assert (left.total, left.votes.agree) == (1, 0)
+
+
+def test_receipt_of_the_browser_forgets_the_contributor(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "data"
+    monkeypatch.setenv("DATA_DIR", str(folder))
+    with LocalStack(folder) as stack:
+        client = Client(stack)
+        mine = Truth().calibrate(client)["calibration_id"]
+        receipt = client.session_id
+        others = calibration("Another's camera Z77", 0)
+        store(stack).calibrations.publish(others)
+        assert receipt not in json.dumps(client.call("GET", f"/v1/calibrations/{mine}", token=TOKEN).json)
+    for wrong in (receipt[:-2] + "xx", mine):
+        assert main(["contributor", "forget", "--receipt", wrong]) == 1
+    assert "no key of SESSION_SECRETS has signed" in capsys.readouterr().err
+    assert main(["contributor", "forget", "--receipt", receipt]) == 0
+    assert "removed 1 calibrations, 1 sessions, 0 votes" in capsys.readouterr().out
+    assert main(["contributor", "forget", "--receipt", receipt]) == 1
+    with LocalStack(folder) as stack:
+        assert [one.id for one in store(stack).calibrations.all()] == [others.id]

@@ -1,5 +1,6 @@
 // A calibration from views that are all there already: every view counts that agrees with the others.
 import { consentFields } from "./consent.js";
+import { keepReceipt } from "./receipts.js";
 
 /**
  * @typedef {import("./api.js").Api} Api
@@ -39,7 +40,9 @@ export async function calibrate(api, token, request, views, onJudgement) {
   if (used < MIN_VIEWS || (state.uncertainty?.rms ?? Infinity) > (MAX_EXPECTED_ERROR_PX * request.img_size[0]) / 1280) {
     return { state, wanted: await api.json("GET", "/session/pose", credential), numbers };
   }
-  return { state: await api.json("POST", "/session/finish", credential), wanted: null, numbers };
+  const ended = await api.json("POST", "/session/finish", credential);
+  keepReceipt(credential, ended);
+  return { state: ended, wanted: null, numbers };
 }
 
 /**

@@ -2,6 +2,7 @@
 // when the session expires, the network fails or the page is reloaded.
 import { ApiError, OfflineError } from "./api.js";
 import { consentFields } from "./consent.js";
+import { keepReceipt } from "./receipts.js";
 
 /**
  * @typedef {import("./board-outline.js").Corners} Corners
@@ -185,6 +186,7 @@ export class CaptureSession {
     this.#persist(); // if the response is lost, this tells which view the service may have
     const answer = await this.#call("POST", "/session/views", { body: { index, ids: view.ids, points: view.points } });
     view.taken = answer.accepted;
+    keepReceipt(this.#credential, answer);
     if (!view.taken) this.#views = this.#views.filter((each) => each !== view);
     this.#persist();
     return answer;

@@ -31,6 +31,9 @@ def forget(
     token: Annotated[
         str | None, typer.Option(help="… and the id of the token; without it, all tokens are tried.")
     ] = None,
+    receipt: Annotated[
+        str | None, typer.Option(help="Instead: what the privacy page keeps for who made a calibration.")
+    ] = None,
     dry_run: DryRun = False,
     yes: Yes = False,
     as_json: Json = False,
@@ -39,7 +42,7 @@ def forget(
     with opened(as_json=as_json) as run:
         from infra.ops import withdrawal
 
-        contributors = _find(run, contributor_id, address, token)
+        contributors = _find(run, contributor_id, address, token, receipt)
         ask = not yes and sys.stdin.isatty()
         if dry_run or ask:
             counted = withdrawal.forget(run.context, contributors, dry_run=True)
@@ -56,14 +59,18 @@ def forget(
         run.output.value(asdict(done))
 
 
-def _find(run: Run, contributor_id: str | None, address: str | None, token: str | None) -> set[str]:
+def _find(
+    run: Run, contributor_id: str | None, address: str | None, token: str | None, receipt: str | None
+) -> set[str]:
     """Find the contributors that are meant; raises OpsError where nothing came from them."""
     from infra.ops import withdrawal
 
-    if contributor_id is not None and address is None:
+    if contributor_id is not None and address is receipt is None:
         return {withdrawal.find_contributor(run.context, contributor_id)}
-    if address is None or contributor_id is not None:
-        raise OpsError("name either a contributor or an address")
+    if receipt is not None and address is contributor_id is None:
+        return withdrawal.find_contributors_by_receipt(run.context, receipt)
+    if address is None or contributor_id is not None or receipt is not None:
+        raise OpsError("name either a contributor, an address, or a receipt")
     if not run.context.secret_known:
         raise OpsError("set CONTRIBUTOR_SECRET: without it, addresses cannot be matched with contributors")
     if found := withdrawal.find_contributors_at(run.context, address, token):

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from calibdb.http import application
+from tests.helpers.data import ROOT
 from tests.helpers.sam import COMPLETE, parsed
 
 RESOURCES = parsed(COMPLETE)["Resources"]
@@ -87,9 +88,14 @@ def test_folders_lead_to_their_page_and_keep_the_query() -> None:
 
 
 def test_unknown_page_is_a_404_of_the_site_and_no_page_replaces_the_apis_errors() -> None:
-    for answer in run("WebIndex", {"uri": "/nowhere"}, {"uri": "/nowhere/else/"}):
+    for answer in run("WebIndex", {"uri": "/nowhere"}, {"uri": "/nowhere/else/"}, {"uri": "/nowhere.html"}):
         assert answer["statusCode"] == 404
-        assert 'href="/"' in answer["body"]
+        assert answer["body"] == (ROOT / "web/404.html").read_text("utf-8")
+        assert "default-src 'self'" in answer["headers"]["content-security-policy"]["value"]
+    page, script = run("WebIndex", {"uri": "/calibrate/index.html"}, {"uri": "/nowhere.js"})
+    assert (page["uri"], script["uri"]) == ("/calibrate/index.html", "/nowhere.js")
+    # CloudFront developer guide, "Quotas on CloudFront Functions".
+    assert len(RESOURCES["WebIndex"]["Properties"]["FunctionCode"].encode()) < 10_000
     statement = RESOURCES["WebBucketPolicy"]["Properties"]["PolicyDocument"]["Statement"][1]
     # Without the right to list, S3 answers 403 in XML for a file that is missing.
     assert set(statement["Action"]) == {"s3:GetObject", "s3:ListBucket"}

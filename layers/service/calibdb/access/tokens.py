@@ -190,6 +190,14 @@ class SessionIds:
         signed = self._serializer.dumps(content)
         return (signed if isinstance(signed, str) else signed.decode()), int(self._clock()) + self._lifetime
 
+    def sid_of(self, session_id: str) -> str | None:
+        """Return the session that a signed session id names, expired or not; None of a forged one."""
+        try:
+            content, _ = self._serializer.loads(session_id[:_MAX_SESSION_ID_LENGTH], return_timestamp=True)
+        except BadData:
+            return None
+        return str(content["s"])
+
     def verify(self, session_id: str, origin: str | None) -> Ticket:
         """Verify `session_id` and return its claims; ForbiddenError when it is forged, expired, foreign."""
         if len(session_id) > _MAX_SESSION_ID_LENGTH:

@@ -279,9 +279,9 @@ def with_finish(
     The calibration's id follows from the session, and sorts by the time at which it was started: however
     often it is published, it is one calibration.
     """
-    name = hashlib.sha256(f"{document.session}/{document.first_version}".encode()).hexdigest()[:12]
+    name = calibration_name(document.session, document.first_version)
     finish = Finish(
-        calibration_id=f"{document.camera_key}-{document.session[:8]}{name}",
+        calibration_id=f"{document.camera_key}-{name}",
         time=now,
         contributor=contributor,
         source=source,
@@ -290,6 +290,11 @@ def with_finish(
     )
     ended = {"finish": finish, "target": None, "skipped": (), "unreached": (), "doubted": ()}
     return document.model_copy(update=ended)
+
+
+def calibration_name(sid: str, first_version: int) -> str:
+    """Return what a calibration's id adds to its camera key; nobody can go back from it to the session."""
+    return sid[:8] + hashlib.sha256(f"{sid}/{first_version}".encode()).hexdigest()[:12]
 
 
 def to_calibration(document: SessionDocument) -> CalibrationDocument:

@@ -1,0 +1,35 @@
+"""Builds `web/data/schema.json`, the JSON Schema of a dump, of the models that write it: `make openapi`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic.json_schema import models_json_schema
+
+from calibdb.schema import CalibrationDocument, VoteDocument
+from calibdb.schema.dump import Dump, Statistics
+
+PATH = Path(__file__).resolve().parents[2] / "web" / "data" / "schema.json"
+
+
+def text() -> str:
+    """Return the file's content."""
+    models = (Dump, Statistics, CalibrationDocument, VoteDocument)
+    _, found = models_json_schema(
+        [(model, "serialization") for model in models], ref_template="#/$defs/{model}"
+    )
+    document: dict[str, Any] = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Dump of calibDB, version 1",
+        "description": "Of /dumps/latest.json; $defs also has /dumps/statistics.json (Statistics) and the documents "
+        "in the files, one a line: CalibrationDocument and VoteDocument.",
+        "$ref": "#/$defs/Dump",
+        "$defs": found["$defs"],
+    }
+    return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+
+
+if __name__ == "__main__":
+    PATH.write_text(text(), encoding="utf-8")

@@ -1,0 +1,101 @@
+"""Public dumps: the files that one consists of, and the database in figures."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from calibdb.schema.fields import Open
+from calibdb.schema.licence import Licence
+
+DumpedKind = Literal["calibrations", "votes"]
+
+
+class DumpFile(Open):
+    """One part of a dump: JSON Lines, one document a line, compressed with gzip."""
+
+    name: str = Field(description="Under `/dumps/`.")
+    kind: DumpedKind = Field(description="Of its documents.")
+    count: int = Field(description="Documents, which are lines.")
+    size: int = Field(description="Bytes.")
+    sha256: str = Field(pattern="^[0-9a-f]{64}$", description="Of the file as it is downloaded.")
+
+
+class DumpCounts(Open):
+    """Numbers of what a dump holds."""
+
+    calibrations: int = 0
+    votes: int = 0
+    cameras: int = 0
+    contributors: int = 0
+
+
+class Dump(Open):
+    """The newest dump: `/dumps/latest.json`."""
+
+    format: Literal["calibdb-dump"] = "calibdb-dump"
+    version: Literal[1] = Field(1, description="Of this document and of those in the files.")
+    name: str = Field(description="Its folder: the UTC date on which it was begun, and a number.")
+    created: int = Field(description="Unix time, seconds.")
+    licence: Licence = Field("CC0-1.0", description="SPDX identifier of the licence of all of it.")
+    document_schema: str = Field("/data/schema.json", description="JSON Schema of this and of the documents.")
+    counts: DumpCounts
+    size: int = Field(description="Bytes of all files.")
+    files: tuple[DumpFile, ...]
+
+
+class Snapshot(Open):
+    """The whole database on one day, what was given without a licence included."""
+
+    date: str = Field(description="UTC, YYYY-MM-DD.")
+    cameras: int = Field(description="That somebody calibrated.")
+    known: int = Field(description="Of them those that a lookup answers, by at least one size and model.")
+    calibrations: int
+    contributors: int
+    given: int = Field(description="Calibrations that the dump holds.")
+
+
+class WantedCamera(Open):
+    """A camera that is asked for and not reliably known."""
+
+    key: str
+    camera: str
+    asked: int = Field(description="Lookups of the last 90 days that found nothing reliable.")
+    calibrations: int
+
+
+class Statistics(Open):
+    """The database in figures: `/dumps/statistics.json`."""
+
+    version: Literal[1] = 1
+    created: int = Field(description="Unix time, seconds.")
+    history: tuple[Snapshot, ...] = Field(description="One a dump, oldest first.")
+    wanted: tuple[WantedCamera, ...] = Field(description="Most asked for first.")
+
+
+class Tally(Open):
+    """What is counted while a dump is written, by short digests under the dump's key."""
+
+    contributors: frozenset[str] = frozenset()
+    cameras: frozenset[str] = frozenset()
+    calibrations: int = 0
+    given: DumpCounts = DumpCounts()
+    givers: frozenset[str] = frozenset()
+    given_cameras: frozenset[str] = frozenset()
+
+
+class DumpDraft(Open):
+    """A dump that is being written, as far as it is; it goes on from here after a crash.
+
+    `key`: names contributors in this dump, and is thrown away with the draft.
+    """
+
+    layout: Literal[1] = 1
+    name: str
+    started: int  # unix seconds
+    key: str
+    kind: DumpedKind = "calibrations"
+    after: str = ""  # name of the last object that is in a part
+    files: tuple[DumpFile, ...] = ()
+    tally: Tally = Tally()

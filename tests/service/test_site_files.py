@@ -1,0 +1,54 @@
+"""The local stack's site: who runs it, files that programs look for, the page of what is missing."""
+
+from collections.abc import Iterator
+
+import httpx
+import pytest
+
+from infra.local import LocalStack
+
+OPERATOR = {
+    "OPERATOR_NAME": "Lens Society",
+    "OPERATOR_CONTACT": "mailto:lens@society.example",
+    "IMPRINT": "Lens Society|1 Optics Road|Exampletown",
+}
+
+
+@pytest.fixture(scope="module")
+def site() -> Iterator[httpx.Client]:
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in OPERATOR.items():
+            patch.setenv(name, value)
+        with LocalStack() as stack, stack.serve() as url, httpx.Client(base_url=url, timeout=120) as client:
+            yield client
+
+
+def test_settings_say_who_runs_the_service(site: httpx.Client) -> None:
+    told = site.get("/config.json").json()["operator"]
+    assert told == {
+        "name": OPERATOR["OPERATOR_NAME"],
+        "contact": OPERATOR["OPERATOR_CONTACT"],
+        "imprint": OPERATOR["IMPRINT"],
+    }
+
+
+def test_crawlers_and_finders_of_vulnerabilities_are_served(site: httpx.Client) -> None:
+    robots = site.get("/robots.txt")
+    assert robots.headers["content-type"] == "text/plain; charset=utf-8"
+    (listed,) = (line for line in robots.text.splitlines() if line.startswith("Sitemap: "))
+    pages = site.get(listed.removeprefix("Sitemap: ")).text
+    for path in ("/", "/privacy/", "/de/privacy/", "/uk/terms/", "/data/"):
+        assert f"<loc>{str(site.base_url).rstrip('/')}{path}</loc>" in pages, path
+    assert f"Contact: {OPERATOR['OPERATOR_CONTACT']}" in site.get("/.well-known/security.txt").text
+    assert site.get("/favicon.ico").status_code == 200
+
+
+def test_page_of_what_is_missing_stands_for_pages_alone(site: httpx.Client) -> None:
+    for path in ("/absent", "/absent/", "/de/absent/", "/absent.html"):
+        page = site.get(path)
+        assert (page.status_code, page.headers["content-type"]) == (404, "text/html; charset=utf-8"), path
+        assert "There is no page at this address" in page.text
+        assert "script-src 'self'" in page.headers["content-security-policy"]
+    assert site.get("/absent.js").text == "Not Found"
+    assert site.get("/v1/absent").headers["content-type"] == "application/problem+json"
+    assert site.get("/known/aa/absent.json").content == b""

@@ -1,0 +1,42 @@
+"""Files at the root of the site: for crawlers, and for who finds a vulnerability."""
+
+from datetime import UTC, datetime
+from urllib.robotparser import RobotFileParser
+from xml.etree import ElementTree
+
+from infra.web_build.root_files import robots_text, security_text, sitemap
+
+SITE = "https://calibdb.example"
+
+
+def test_crawlers_find_pages_and_leave_the_api_alone() -> None:
+    robots = RobotFileParser()
+    robots.parse(robots_text(SITE).decode().splitlines())
+    assert robots.site_maps() == [f"{SITE}/sitemap.xml"]
+    for path, allowed in (
+        ("/", True),
+        ("/data/", True),
+        ("/v1/cameras", False),
+        ("/known/aa/bb.json", False),
+    ):
+        assert robots.can_fetch("any", SITE + path) is allowed, path
+
+
+def test_sitemap_lists_pages_and_nothing_else() -> None:
+    files = ["index.html", "de/data/index.html", "data/index.html", "lib/x.js", "vendor-1/index.html"]
+    files += ["result/index.html", "de/result/index.html", "a&b/index.html", "404.html"]
+    found = [place.text for place in ElementTree.fromstring(sitemap(SITE, files)).iter() if place.text]
+    listed = [text.strip() for text in found if text.strip()]
+    assert listed == [f"{SITE}/", f"{SITE}/a&b/", f"{SITE}/data/", f"{SITE}/de/data/"]
+
+
+def test_security_text_expires_within_a_year() -> None:
+    now = datetime(2026, 11, 22, tzinfo=UTC)
+    fields = dict(
+        line.split(": ", 1)
+        for line in security_text("mailto:a@b.example", now, SITE).decode().split("\n")
+        if line
+    )
+    assert fields["Contact"] == "mailto:a@b.example"
+    assert fields["Canonical"] == f"{SITE}/.well-known/security.txt"
+    assert 0 < (datetime.fromisoformat(fields["Expires"]) - now).days < 365

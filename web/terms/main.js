@@ -1,0 +1,7 @@
+// The terms of use: words, and who runs the service.
+import { showOperator } from "../lib/operator.js";
+import { openPage } from "../lib/page.js";
+import terms from "../messages/terms.js";
+
+openPage({ terms });
+void showOperator("terms");
