@@ -23,8 +23,8 @@ def text() -> str:
     document: dict[str, Any] = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Dump of calibDB, version 1",
-        "description": "Of /dumps/latest.json; $defs also has /dumps/statistics.json (Statistics) and the documents "
-        "in the files, one a line: CalibrationDocument and VoteDocument.",
+        "description": "Of /dumps/latest.json. $defs also has Statistics, of /dumps/statistics.json, and the "
+        "documents in the files, one a line: CalibrationDocument and VoteDocument.",
         "$ref": "#/$defs/Dump",
         "$defs": found["$defs"],
     }
