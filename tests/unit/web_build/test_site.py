@@ -113,7 +113,7 @@ def test_scripts_of_the_site_keep_their_names_and_lose_their_comments(made: Mapp
 
 def test_a_changed_source_is_another_site_and_absent_pages_are_left_out(tmp_path: Path) -> None:
     web = tmp_path / "web"
-    for name in ("lib/i18n.js", "lib/header.js", "messages/common.js"):
+    for name in ("lib/i18n.js", "lib/header.js", "lib/copy-button.js", "messages/common.js"):
         (web / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(site.WEB / name, web / name)
     for name in ("trial", "board"):
