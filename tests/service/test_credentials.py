@@ -122,6 +122,13 @@ def test_a_page_of_another_origin_is_refused(store: Store, client: Client) -> No
         assert client.call(method, path, body, token=opened, query=query, headers=other).status == 403
 
 
+def test_pages_of_the_site_itself_may_use_any_token(stack: LocalStack, store: Store, client: Client) -> None:
+    store.tokens.create(ApiToken("tried", secret_hash("s3cret"), origins=("https://shop.example",)))
+    for origin, status in ((stack.url, 201), (f"{stack.url}.thief.example", 403), (f"{stack.url}1", 403)):
+        answer = client.call("POST", "/v1/auth", token="cdb_tried_s3cret", headers={"origin": origin})
+        assert answer.status == status, origin
+
+
 def test_the_index_holds_no_secret(store: Store) -> None:
     token = store.tokens.get("dev")
     assert token is not None

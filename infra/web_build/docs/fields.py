@@ -14,15 +14,11 @@ _SCHEMA_PREFIX = "#/components/schemas/"
 _MAX_MEMBER_DEPTH = 3  # of members within members
 _NAMES = {"string": "text", "integer": "whole number", "number": "number", "boolean": "true or false"}
 _BOUNDS = (
-    ("minimum", "at least {}"),
-    ("exclusiveMinimum", "more than {}"),
-    ("maximum", "at most {}"),
-    ("exclusiveMaximum", "less than {}"),
-    ("minLength", "at least {} characters"),
-    ("maxLength", "at most {} characters"),
-    ("minItems", "at least {}"),
-    ("maxItems", "at most {}"),
+    ("minimum", "maximum", "{}"),
+    ("exclusiveMinimum", "exclusiveMaximum", "{} (not included)"),
+    ("minLength", "maxLength", "{} characters"),
 )
+_MAX_WITHOUT_COMMAS = 9999
 
 
 @dataclass(frozen=True)
@@ -120,8 +116,22 @@ def _single(node: Node, schemas: Mapping[str, Node]) -> str:
         return _list(node, schemas)
     if node.get("type") == "object" or "properties" in node:
         return "object"
-    bounds = [words.format(f"{node[name]:,}") for name, words in _BOUNDS if name in node]
+    bounds = [words.format(_range(node[low], node.get(high))) for low, high, words in _BOUNDS if low in node]
+    bounds += [
+        words.format(f"at most {_number(node[high])}")
+        for low, high, words in _BOUNDS
+        if high in node and low not in node
+    ]
     return ", ".join([_NAMES.get(node.get("type", ""), "anything"), *bounds])
+
+
+def _range(least: float, most: float | None) -> str:
+    return f"at least {_number(least)}" if most is None else f"{_number(least)} to {_number(most)}"
+
+
+def _number(value: float) -> str:
+    whole = int(value) if float(value).is_integer() else value
+    return f"{whole:,}" if abs(whole) > _MAX_WITHOUT_COMMAS else str(whole)
 
 
 def _list(node: Node, schemas: Mapping[str, Node]) -> str:
@@ -130,10 +140,13 @@ def _list(node: Node, schemas: Mapping[str, Node]) -> str:
         return f"list of {len(fixed)}: {kind(fixed[0], schemas)}"
     items = kind(node.get("items") or {}, schemas)
     least, most = node.get("minItems"), node.get("maxItems")
-    count = f"{least} " if least == most and least else ""
-    bounds = "" if count else "".join(f", {words.format(node[n])}" for n, words in _BOUNDS[-2:] if n in node)
-    return f"list of {count}{items}{bounds}"
+    if least and least == most:
+        return f"list of {least}: {items}"
+    bounds = _range(least or 0, most) + " of them" if least or most is not None else ""
+    return f"list, {bounds}: {items}" if bounds else f"list: {items}"
 
 
 def _written(value: Any) -> str:
-    return {True: "true", False: "false"}.get(value, str(value)) if isinstance(value, bool) else str(value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    return _number(value) if isinstance(value, int | float) else str(value)

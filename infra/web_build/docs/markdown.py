@@ -32,6 +32,10 @@ LEXERS = {
 }
 
 
+# Spans that no rule colours: blanks, names, operators, punctuation
+_PLAIN_SPAN = re.compile(r'<span class="(?:w|n|nx|o|p|err)">([^<]*)</span>')
+
+
 @dataclass(frozen=True)
 class Heading:
     """Heading with its anchor."""
@@ -106,7 +110,8 @@ def code(text: str, language: str) -> str:
     if language not in LEXERS:
         return html.escape(text, quote=False)
     lexer = get_lexer_by_name(LEXERS[language], stripnl=False)
-    return str(highlight(text, lexer, HtmlFormatter(nowrap=True))).rstrip("\n")
+    coloured = str(highlight(text, lexer, HtmlFormatter(nowrap=True))).rstrip("\n")
+    return _PLAIN_SPAN.sub(r"\1", coloured)
 
 
 def code_block(text: str, language: str) -> str:

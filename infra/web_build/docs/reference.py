@@ -151,7 +151,7 @@ def _samples(name: str, call: Call) -> str:
         given = f"{name}-{label}"
         choices.append(
             f'<input type="radio" name="{name}-sample" id="{given}" value="{label}"'
-            f'{" checked" if index == 0 else ""}><label for="{given}">{label}</label>'
+            f'{" checked" if index == 0 else ""}><label for="{given}">{_upper_first(label) if label == "python" else label}</label>'
         )
         blocks.append(code_block(text, SAMPLE_LANGUAGES[label]))
     return (
@@ -191,7 +191,7 @@ def _trial(name: str, call: Call, node: Node) -> str:
     credential = next((one for each in node.get("security", ()) for one in each), "")
     inputs = []
     if credential:
-        inputs.append(_input(name, "credential", _CREDENTIALS[credential].capitalize(), ""))
+        inputs.append(_input(name, "credential", _upper_first(_CREDENTIALS[credential]), ""))
     for each in node.get("parameters", ()):
         if not each.get("deprecated"):
             given = {**call.query, **_PATH_VALUES}.get(each["name"], "")
@@ -206,6 +206,10 @@ def _trial(name: str, call: Call, node: Node) -> str:
         '<div class="actions"><button class="primary" type="submit">Send</button></div>'
         '<div class="trial-answer" role="status"></div></form></details>'
     )
+
+
+def _upper_first(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def _template(path: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from urllib.parse import urlsplit
 
 
 class SettingsError(ValueError):
@@ -101,6 +102,12 @@ class Settings:
     max_new_tokens: int = 5  # a day and source that people make for themselves
     web_bucket: str | None = None  # where answers at the edge are written: `refit` and operators
     edge_answers: bool = True  # whether lookups may be answered at the edge, and so remain uncounted
+
+    @property
+    def site_origin(self) -> str:
+        """Origin of the site's own pages, "https://calibdb.example"."""
+        parts = urlsplit(self.guidance_url)
+        return f"{parts.scheme}://{parts.netloc}"
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str]) -> Settings:
