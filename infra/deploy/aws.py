@@ -210,9 +210,14 @@ def protect(cloudformation: Any, dynamodb: Any, stack: str) -> None:
 
 
 def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
-    """Upload the files in their order; return how many."""
+    """Upload the files in their order; return how many.
+
+    A versioned file that is there stays as it is. Raises DeployError where its content is another.
+    """
     number = 0
     for number, file in enumerate(files, 1):  # noqa: B007 - how many there were
+        if file.is_versioned and _is_published(s3, bucket, file):
+            continue
         encoding = {"ContentEncoding": file.content_encoding} if file.content_encoding else {}
         s3.put_object(
             Bucket=bucket,
@@ -223,6 +228,15 @@ def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
             **encoding,
         )
     return number
+
+
+def _is_published(s3: Any, bucket: str, file: Upload) -> bool:
+    listed = s3.list_objects_v2(Bucket=bucket, Prefix=file.key, MaxKeys=1).get("Contents", [])
+    if not any(entry["Key"] == file.key for entry in listed):
+        return False
+    if s3.get_object(Bucket=bucket, Key=file.key)["Body"].read() != file.content:
+        raise DeployError(f"{file.key} is published with another content: raise the version (`make release`)")
+    return True
 
 
 def settings(s3: Any, bucket: str) -> Mapping[str, str] | None:

@@ -12,14 +12,14 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from infra.local.pages import media_type
+from infra.local.pages import FOREVER, media_type
 from infra.web_build import site
 from infra.web_build.precache_manifest import shell_of
 from infra.web_build.root_files import robots_text, security_text, sitemap
+from infra.web_build.sdk import VERSIONED
 
 # What others made, under a name that changes with its content, is kept for good. Everything else the edge
 # keeps until the upload says otherwise, and browsers ask the edge whether it changed.
-FOREVER = "public, max-age=31536000, immutable"
 FRESH = "public, max-age=0, s-maxage=31536000, must-revalidate"
 _NO_STORE = "no-store"  # of the settings, which hold the page's token
 _MAX_EDGE_COMPRESSED_BYTES = 10_000_000  # CloudFront developer guide, "Serving compressed files"
@@ -37,6 +37,8 @@ class Upload:
     content_type: str
     cache_control: str
     content_encoding: str | None = None
+    is_versioned: bool = False
+    """Whether the object, once there, never changes."""
 
 
 def uploads(
@@ -91,15 +93,17 @@ def _upload(key: str, content: bytes, vendor: str) -> Upload:
     kept = key.startswith(_VENDOR)
     if kept:
         key = vendor + key.removeprefix(_VENDOR)
-    elif key.endswith(_REFERENCING_SUFFIXES):
+    elif key.endswith(_REFERENCING_SUFFIXES) and not VERSIONED.match(key):
         content = rename_vendor_folder(content, vendor)
+    versioned = VERSIONED.match(key) is not None
     large = len(content) > _MAX_EDGE_COMPRESSED_BYTES
     return Upload(
         key=key,
         content=gzip.compress(content, mtime=0) if large else content,
         content_type=media_type(key),
-        cache_control=FOREVER if kept else FRESH,
+        cache_control=FOREVER if kept or versioned else FRESH,
         content_encoding="gzip" if large else None,
+        is_versioned=versioned,
     )
 
 

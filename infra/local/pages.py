@@ -18,6 +18,7 @@ from starlette.staticfiles import NotModifiedResponse, StaticFiles
 from starlette.types import Scope
 
 from infra.web_build import site
+from infra.web_build.sdk import VERSIONED, SdkError
 
 _POLICY = {
     "default-src": "'self'",
@@ -35,6 +36,8 @@ _WORKER_POLICY = _POLICY | {"script-src": "'self' 'unsafe-eval' 'wasm-unsafe-eva
 _WORKER_SUFFIX = ".worker.js"
 # What pages of other origins load: a module is always asked for with CORS, whoever asks.
 SHARED = ("/sdk/", "/webxr/", "/vendor/webxr/", "/openapi.json")
+FOREVER = "public, max-age=31536000, immutable"
+"""Of what has a name that changes with its content."""
 FOR_EVERYONE = {"access-control-allow-origin": "*", "cross-origin-resource-policy": "cross-origin"}
 
 # What the machine's own tables may lack or call otherwise; a browser is particular about these.
@@ -43,6 +46,7 @@ _TYPES = {
     ".json": "application/json",
     ".mjs": "text/javascript",
     ".svg": "image/svg+xml",
+    ".tgz": "application/gzip",
     ".wasm": "application/wasm",
     ".webmanifest": "application/manifest+json",
     ".woff2": "font/woff2",
@@ -75,7 +79,7 @@ class Pages(StaticFiles):
             # With each page, not with each of the many files it loads.
             try:
                 self._made = await run_in_threadpool(site.made_files, self._folder, self._options)
-            except site.SiteError as error:
+            except (site.SiteError, SdkError) as error:
                 return PlainTextResponse(str(error), 500)
         made = f"{key}index.html" if is_folder else key
         if made in self._made:
@@ -117,6 +121,8 @@ class Pages(StaticFiles):
 def _made_response(key: str, content: bytes, scope: Scope, status: int = HTTPStatus.OK) -> Response:
     tag = f'"{hashlib.sha256(content).hexdigest()[:24]}"'
     answer = headers(key) | {"content-type": media_type(key), "etag": tag}
+    if f"/{key}".startswith(SHARED):
+        answer |= FOR_EVERYONE
     if status == HTTPStatus.OK and Headers(scope=scope).get("if-none-match") == tag:
         return NotModifiedResponse(Headers(answer))
     return Response(content, status, answer)
@@ -135,7 +141,7 @@ def headers(path: str) -> dict[str, str]:
     policy = _WORKER_POLICY if path.endswith(_WORKER_SUFFIX) else _POLICY
     return {
         # A file may have changed with the next save: ask each time, mostly to hear 304.
-        "cache-control": "no-cache",
+        "cache-control": FOREVER if VERSIONED.match(path) else "no-cache",
         "content-security-policy": "; ".join(f"{name} {value}" for name, value in policy.items()),
         "referrer-policy": "strict-origin-when-cross-origin",
         "x-content-type-options": "nosniff",

@@ -22,6 +22,14 @@ def notes(changelog: str, version: str) -> str:
     raise ChangelogError(f"CHANGELOG.md has no entries under `## {version} - YYYY-MM-DD`")
 
 
+def is_released(changelog: str, version: str) -> bool:
+    """Whether this is the version as it was released: it has entries, and nothing changed since."""
+    unreleased = re.split(r"^## ", changelog.partition(_UNRELEASED)[2], maxsplit=1, flags=re.MULTILINE)[0]
+    return not unreleased.strip() and any(
+        match["version"] == version for match in _SECTION.finditer(changelog)
+    )
+
+
 def with_release(changelog: str, version: str, day: str) -> str:
     """Move the unreleased entries under the version; raises ChangelogError where there are none."""
     if any(match["version"] == version for match in _SECTION.finditer(changelog)):

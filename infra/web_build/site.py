@@ -26,6 +26,7 @@ from pathlib import Path
 
 from infra.web_build.docs import build as documentation
 from infra.web_build.docs.catalog import ENTRIES
+from infra.web_build.sdk import sdk_files
 
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
@@ -116,7 +117,7 @@ def _made(web: Path, told: str, state: str) -> Mapping[str, bytes]:
     except (OSError, ValueError):
         made = _build(web, told)
         _keep(kept, made)
-    return {key: content.encode() for key, content in made.items()}
+    return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web))
 
 
 def _build(web: Path, told: str) -> dict[str, str]:

@@ -1,17 +1,13 @@
-// Pages of the documentation: search, code that can be copied, the site's address and the visitor's token in examples.
-import { el } from "../lib/dom.js";
-import { onLanguage, t } from "../lib/i18n.js";
+// Pages of the documentation: search, the site's address and the visitor's token in examples.
 import { openPage } from "../lib/page.js";
 import words from "../messages/docs.js";
 import { offerSearch } from "./search.js";
 import { NO_TOKEN, chooseToken, chosenToken, keptTokens } from "./tokens.js";
 
-const COPIED_MS = 2000;
-
 openPage({ docs: words });
 fillIn();
 offerTokens();
-offerCopies();
+offerScrolling();
 offerSearch();
 
 /** Puts address and token into examples. */
@@ -38,25 +34,8 @@ function offerTokens() {
   });
 }
 
-/** A button at each block of code. */
-function offerCopies() {
-  for (const block of document.querySelectorAll(".code")) {
-    const button = el("button", { type: "button", class: "copy" });
-    const name = () => (button.textContent = t("docs.copy"));
-    name();
-    onLanguage(name);
-    button.addEventListener("click", () => {
-      const code = block.querySelector("code")?.textContent ?? "";
-      const done = () => {
-        button.textContent = t("docs.copied");
-        setTimeout(name, COPIED_MS);
-      };
-      // Without permission the text is selected, for the keyboard to copy.
-      navigator.clipboard.writeText(code).then(done, () => getSelection()?.selectAllChildren(/** @type {Node} */ (block.querySelector("code"))));
-    });
-    block.append(button);
-  }
-  // What scrolls sideways is reached by the keyboard.
+/** Tables that scroll sideways are reached by the keyboard. */
+function offerScrolling() {
   for (const wide of document.querySelectorAll(".wide")) {
     if (wide.scrollWidth > wide.clientWidth) wide.setAttribute("tabindex", "0");
   }

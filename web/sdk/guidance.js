@@ -23,7 +23,7 @@ const GONE_STATUSES = [404, 410];
 
 /**
  * Leaves for the guidance page, and gives the result once this page is loaded again: call it in both cases.
- * Browsers give the way back to addresses of this machine and to those that the service's operator allows.
+ * The way back is a link on the result, to any HTTPS address and to addresses of the visitor's own machine.
  * @param {JourneyOptions} options
  * @returns {Promise<Calibration>} of one capture, not of a consensus; does not settle while the page is left
  */

@@ -118,7 +118,7 @@ def code_block(text: str, language: str) -> str:
     """Make a block of code with its language; the page adds what copies it."""
     kind = f' data-language="{language}"' if language else ""
     inner = code(text.rstrip("\n"), language)
-    return f'<div class="code"{kind}><pre tabindex="0"><code>{inner}</code></pre></div>\n'
+    return f'<div class="block"{kind}><pre tabindex="0"><code>{inner}</code></pre></div>\n'
 
 
 def _parser() -> MarkdownIt:

@@ -10,7 +10,7 @@ from infra.web_build.docs.fields import Node, Row, kind, rows, table
 from infra.web_build.docs.fill import fill
 from infra.web_build.docs.markdown import Heading, Section, code_block, inline
 from infra.web_build.docs.page import page
-from infra.web_build.docs.samples import SAMPLE_LANGUAGES, samples, written
+from infra.web_build.docs.samples import SAMPLE_LANGUAGES, SAMPLE_NAMES, samples, written
 from infra.web_build.example_calls import Call, calls
 
 REFERENCE = f"{FOLDER}reference/index.html"
@@ -151,7 +151,7 @@ def _samples(name: str, call: Call) -> str:
         given = f"{name}-{label}"
         choices.append(
             f'<input type="radio" name="{name}-sample" id="{given}" value="{label}"'
-            f'{" checked" if index == 0 else ""}><label for="{given}">{_upper_first(label) if label == "python" else label}</label>'
+            f'{" checked" if index == 0 else ""}><label for="{given}">{SAMPLE_NAMES[label]}</label>'
         )
         blocks.append(code_block(text, SAMPLE_LANGUAGES[label]))
     return (

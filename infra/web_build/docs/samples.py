@@ -12,7 +12,8 @@ SITE = "http://127.0.0.1:8000"
 JSON = "application/json"
 
 SAMPLE_LANGUAGES = {"curl": "sh", "fetch": "js", "python": "python"}
-"""Names of the samples, and the language of each."""
+"""Languages of the samples, as a highlighter knows them."""
+SAMPLE_NAMES = {"curl": "curl", "fetch": "fetch", "python": "Python"}
 
 
 def samples(call: Call) -> dict[str, str]:

@@ -1,8 +1,9 @@
 // Return address: the application that sent somebody here to calibrate a camera.
 
 /**
- * Address to hand a result to: the address that was asked for, if its origin is this site's own or one that whoever
- * runs the service allows. Any other would make this page a way to send people anywhere.
+ * Address to hand a result to: the address that was asked for, if its origin is this site's own, HTTPS, or of the
+ * visitor's own machine, or one that whoever runs the service allows. Nobody is sent there: pages offer a link that names
+ * the host, and the link carries nothing but the id of a published calibration.
  * @param {string | null} wanted from this page's own address @param {string} here this page's origin
  * @param {readonly string[]} allowed origins
  * @returns {{url: URL, allowed: boolean} | null} null: nobody asked, or it is no address of a web page
@@ -11,10 +12,8 @@ export function returnAddress(wanted, here, allowed) {
   if (!wanted || !URL.canParse(wanted, here)) return null;
   const url = new URL(wanted, here);
   if (!/^https?:$/.test(url.protocol) || url.username || url.password) return null;
-  const loopback = /^(localhost|127\.0\.0\.1|\[::1\])$/;
-  // Where the service itself runs on the developer's machine, so do the applications that try it.
-  const developed = loopback.test(new URL(here).hostname) && loopback.test(url.hostname);
-  return { url, allowed: url.origin === here || developed || allowed.includes(url.origin) };
+  const secure = url.protocol === "https:" || /^(localhost|127\.0\.0\.1|\[::1\])$/.test(url.hostname);
+  return { url, allowed: url.origin === here || secure || allowed.includes(url.origin) };
 }
 
 /**

@@ -156,7 +156,7 @@ class Call:
         else:
             sent = self._bearer()
         token = self.service.api_token(sent)
-        # Pages of the site itself are the service's own: its documentation tries calls with a visitor's token.
+        # The site's own pages try calls with a visitor's token, whatever its origins.
         if not token.admits(self.origin) and self.origin != self.service.settings.site_origin:
             if self.origin in token.pending:
                 raise ForbiddenError(

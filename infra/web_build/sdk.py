@@ -1,0 +1,184 @@
+"""The SDK as it is published with a site: a copy that never changes, its integrity, and a package for npm.
+
+`/sdk/` moves with each deployment. `/sdk/<version>/` stays as it is: a release has its version, all between
+releases has also a digest of its content. `integrity.json` has the hashes of a version's modules, in the form of
+Subresource Integrity; `calibdb.tgz` is what `npm install <address>` takes.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import io
+import json
+import re
+import shutil
+import subprocess
+import tarfile
+import tempfile
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+
+from calibdb import __version__
+from infra.release.changelog import is_released
+
+ROOT = Path(__file__).resolve().parents[2]
+SDK_FOLDER = "sdk/"
+VERSIONED = re.compile(r"sdk/\d+\.\d+\.\d+[^/]*/")
+"""Keys of files that never change."""
+_API = '"../v1"'  # from the folder of the files to the service's API
+_TYPESCRIPT = (
+    "--ignoreConfig",
+    "--allowJs",
+    "--checkJs",
+    "--declaration",
+    "--emitDeclarationOnly",
+    "--strict",
+)
+_TARGET = ("--target", "es2023", "--module", "esnext", "--moduleResolution", "bundler", "--types", "")
+_MAX_BUILD_S = 120
+
+
+class SdkError(RuntimeError):
+    """The package cannot be made. The message says why."""
+
+
+def sdk_files(web: Path) -> Mapping[str, bytes]:
+    """Make the version's files, by key; none for a folder without an SDK."""
+    sources = _sources(web)
+    return dict(_files(tuple(sorted(sources.items())))) if sources else {}
+
+
+def sdk_version(web: Path) -> str:
+    """Return the name of the version, 0.2.0 of a release and 0.2.0-dev.1f0c7a3e of anything else."""
+    return _version(_sources(web))
+
+
+def import_map(web: Path, site: str) -> str:
+    """Write an import map that pins every module of the version to its content."""
+    sources = _sources(web)
+    hashes = integrity(sources)
+    at = f"{site}/{SDK_FOLDER}{_version(sources)}"
+    names: dict[str, str] = {}
+    for name, export in json.loads(sources["package.json"])["exports"].items():
+        file = export["default"].removeprefix("./")
+        pattern = re.compile(re.escape(file).replace(r"\*", "(.+)"))
+        for match in filter(None, map(pattern.fullmatch, hashes)):
+            specifier = f"calibdb{name.removeprefix('.')}".replace("*", (match.groups() or ("",))[0])
+            names[specifier] = f"{at}/{match[0]}"
+    pinned = {f"{at}/{name}": each for name, each in hashes.items()}
+    return json.dumps({"imports": names, "integrity": pinned}, indent=2)
+
+
+def integrity(sources: Mapping[str, bytes]) -> dict[str, str]:
+    """Return the hash of each module as it lies in the version's folder."""
+    modules = {name: _moved(name, content) for name, content in sources.items() if name.endswith(".js")}
+    return {name: sri(content) for name, content in sorted(modules.items())}
+
+
+def sri(content: bytes) -> str:
+    """Return a hash in the form of Subresource Integrity (W3C, 3.5)."""
+    return f"sha384-{base64.b64encode(hashlib.sha384(content).digest()).decode()}"
+
+
+def _sources(web: Path) -> dict[str, bytes]:
+    folder = web / SDK_FOLDER
+    if not (folder / "calibdb.js").is_file():
+        return {}
+    names = [*folder.glob("*.js"), *folder.glob("adapters/*.js"), folder / "dom.d.ts", folder / "README.md"]
+    package = folder / "package.json"
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes() for path in [*names, package] if path.is_file()
+    }
+
+
+def _version(sources: Mapping[str, bytes]) -> str:
+    whole = hashlib.sha256()
+    for name, content in sorted(sources.items()):
+        whole.update(f"{name}\0{len(content)}\0".encode() + content)
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    mark = "" if is_released(changelog, __version__) else f"-dev.{whole.hexdigest()[:8]}"
+    return f"{__version__}{mark}"
+
+
+def _moved(name: str, content: bytes) -> bytes:
+    """Return a module as it lies one folder deeper than in `/sdk/`."""
+    if name != "request.js":
+        return content
+    if content.count(_API.encode()) != 1:
+        raise SdkError(f"request.js does not say {_API} once")
+    return content.replace(_API.encode(), b'"../../v1"')
+
+
+@lru_cache(maxsize=4)
+def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
+    known = dict(sources)
+    version = _version(known)
+    at = f"{SDK_FOLDER}{version}/"
+    facts = json.dumps({"version": version, "files": integrity(known)}, indent=1).encode() + b"\n"
+    modules = {
+        f"{at}{name}": _moved(name, content) for name, content in known.items() if name.endswith(".js")
+    }
+    package = {f"{at}calibdb.tgz": _package(known, version)}
+    return modules | package | {f"{at}integrity.json": facts, f"{SDK_FOLDER}integrity.json": facts}
+
+
+def _package(sources: Mapping[str, bytes], version: str) -> bytes:
+    """Pack what npm installs, as `npm pack` does; what was packed before is taken from `.build`."""
+    kept = ROOT / ".build" / "sdk" / f"{version}-{_digest(sources)}.tgz"
+    if kept.is_file():
+        return kept.read_bytes()
+    described = json.loads(sources["package.json"]) | {"version": version, "scripts": {}}
+    contents = {
+        **sources,
+        **_types(sources),
+        "package.json": json.dumps(described, indent=2).encode() + b"\n",
+        "LICENSE": (ROOT / "LICENSE").read_bytes(),
+    }
+    packed = io.BytesIO()
+    with tarfile.open(fileobj=packed, mode="w") as archive:
+        for name, content in sorted(contents.items()):
+            entry = tarfile.TarInfo(f"package/{name}")
+            entry.size = len(content)
+            archive.addfile(entry, io.BytesIO(content))
+    content = gzip.compress(packed.getvalue(), mtime=0)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
+        file.write(content)
+    Path(file.name).replace(kept)
+    return content
+
+
+def _types(sources: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Write the types of all modules."""
+    npx = shutil.which("npx")
+    if npx is None:
+        raise SdkError("types are made with Node.js, which is not there: install it, version 20 or newer")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for path, content in sources.items():
+            (folder / path).parent.mkdir(exist_ok=True)
+            (folder / path).write_bytes(content)
+        modules = [str(folder / path) for path in sources if path.endswith(".js")]
+        command = [npx, "--no-install", "tsc", *modules, *_TYPESCRIPT, *_TARGET]
+        done = subprocess.run(  # noqa: S603
+            [*command, "--outDir", str(folder / "types"), "--rootDir", name],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            timeout=_MAX_BUILD_S,
+            check=False,
+        )
+        if done.returncode:
+            raise SdkError(f"types of the SDK cannot be made.\n{done.stdout.strip()}{done.stderr.strip()}")
+        made = sorted((folder / "types").rglob("*.d.ts"))
+        return {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
+
+
+def _digest(sources: Mapping[str, bytes]) -> str:
+    whole = hashlib.sha256((ROOT / "package-lock.json").read_bytes())
+    for name, content in sorted(sources.items()):
+        whole.update(f"{name}\0{len(content)}\0".encode() + content)
+    return whole.hexdigest()[:16]
