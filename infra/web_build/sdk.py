@@ -1,8 +1,8 @@
 """The SDK as it is published with a site: a copy that never changes, its integrity, and a package for npm.
 
 `/sdk/` moves with each deployment. `/sdk/<version>/` stays as it is: a release has its version, all between
-releases has also a digest of its content. `integrity.json` has the hashes of a version's modules, in the form of
-Subresource Integrity; `calibdb.tgz` is what `npm install <address>` takes.
+releases has also a digest of its content. `integrity.json` has the hashes of a version's modules (Subresource
+Integrity); `calibdb.tgz` is what `npm install <address>` takes.
 """
 
 from __future__ import annotations
