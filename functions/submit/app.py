@@ -102,7 +102,7 @@ def in_time(call: application.Call) -> Iterator[None]:
 
 
 def finish(call: application.Call) -> Response:
-    """End a recorded session with the views that agree, and answer with its state."""
+    """End a session with the views that agree, however accurate they are, and answer with its state."""
     ticket = call.session(charge="views")
     service = call.service
     secret = service.settings.contributor_secret

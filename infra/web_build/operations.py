@@ -235,7 +235,7 @@ OPERATIONS = (
         "post",
         "/v1/session/finish",
         "finishSession",
-        "End a recorded session with the views that agree; again is answered again",
+        "End a session with the views that agree, whatever its error; again is answered again",
         {200: _STATE},
         (*_ASKED, 404, 409),
         _SESSION,

@@ -80,6 +80,22 @@ def test_view_that_adds_little_counts_where_it_is_recorded_only(client: Client) 
         assert client.view(index, *view).json["accepted"]
 
 
+def test_live_capture_can_be_ended_before_its_target_error(client: Client) -> None:
+    truth = Truth()
+    client.open(camera="Live", target_error=0.01)
+    for taken in range(4):
+        few = client.call("POST", "/v1/session/finish")
+        assert (few.status, few.json["type"].rpartition("#")[2]) == (409, "too-few-views"), taken
+        pose = client.pose().json
+        assert client.view(pose["index"], *truth.see(pose)).json["accepted"]
+    ended = client.call("POST", "/v1/session/finish").json
+    assert (ended["status"], len(ended["views"])) == ("converged", 4)
+    assert ended["uncertainty"]["rms"] > 0.01, "it says what it is worth, whatever was asked"
+    assert client.call("POST", "/v1/session/finish").json == ended
+    stored = client.call("GET", f"/v1/calibrations/{ended['calibration_id']}", token=client.api_token)
+    assert stored.json["camera_matrix"] == ended["calibration"]["camera_matrix"]
+
+
 def test_recorded_session_refuses_what_no_camera_saw(client: Client) -> None:
     client.open(camera="Recorded badly", capture="recorded")
     truth = Truth()

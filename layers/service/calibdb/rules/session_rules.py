@@ -252,12 +252,7 @@ def require_open(document: SessionDocument) -> None:
 
 
 def require_finishable(document: SessionDocument) -> None:
-    """Raise ConflictError unless the session is a recorded one with enough views that agree."""
-    if document.capture != "recorded":
-        raise ConflictError(
-            "A live capture ends by itself at its target error; start a session with capture=recorded.",
-            kind="live-capture",
-        )
+    """Raise ConflictError unless the session has enough views that agree."""
     used = sum(view.set_aside is None for view in document.views)
     if used < MIN_RECORDED_VIEWS or document.estimate.fit is None:
         raise ConflictError(
