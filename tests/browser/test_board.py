@@ -6,11 +6,19 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, ViewportSize, expect
 
 from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.waiting import address, until
 
+# A phone before permission: cameras without names; what was asked of them.
+PHONE = """
+  navigator.mediaDevices.enumerateDevices = async () => [{ kind: "videoinput", deviceId: "", label: "" }];
+  navigator.mediaDevices.getUserMedia = async ({ video }) => {
+    window.asked = video;
+    throw new DOMException("", "NotAllowedError");
+  };
+"""
 FOUND = """async (dictionaries) => {
   const { Detector } = await import("/lib/detector.js");
   const { raster } = await import("/lib/board-drawing.js");
@@ -72,6 +80,9 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) ->
     canvas = page.locator("#board")
     page.locator("#full-screen").click()
     page.locator("#frame.filling").wait_for()
+    assert page.evaluate("getComputedStyle(document.documentElement).overflowY") == "hidden", (
+        "nothing scrolls behind"
+    )
     picture(page, "board-filling")
     page.set_viewport_size(SIZES["hand"])
 
@@ -92,8 +103,9 @@ def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
     page.goto("/calibrate/?squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100")
     board = "squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100"
     links = page.locator("a[href*='board/']")
-    assert links.count() == 2
-    assert all((links.nth(i).get_attribute("href") or "").endswith(f"/board/?{board}") for i in range(2))
+    addresses = links.evaluate_all("links => links.map((link) => link.href.replace('#phone-camera', ''))")
+    assert len(addresses) >= 4
+    assert all(there.endswith(f"/board/?{board}") for there in addresses)
     page.goto(f"/board/?{board}")
     description = page.locator("#description").text_content() or ""
     assert "8 × 11 squares, DICT_5X5_100, markers 0.75" in description
@@ -155,11 +167,42 @@ def test_another_device_is_shown_the_way_by_a_qr_code(page: Page) -> None:
     page.locator("#frame:not(.filling)").wait_for()
 
 
+def test_a_phone_is_calibrated_with_this_screen(page: Page) -> None:
+    page.add_init_script("delete Element.prototype.requestFullscreen")
+    page.goto("/board/?squares=8x5")
+    for width, height in ((1280, 720), (1024, 768), (768, 1024)):
+        page.set_viewport_size(ViewportSize(width=width, height=height))
+        page.locator("#full-screen-code").click()
+        page.locator("#code path").wait_for(state="attached")
+        page.evaluate("document.getElementById('hint').hidden = true")  # as after six seconds
+        shown = cv2.imdecode(np.frombuffer(page.screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
+        assert shown is not None
+        _, ids, _, _ = cv2.aruco.CharucoDetector(
+            cv2.aruco.CharucoBoard(
+                (8, 5), 1.0, 0.65, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+            )
+        ).detectBoard(shown)
+        assert len(ids) == 28, "the code leaves the board as it is"
+        there, _, _ = cv2.QRCodeDetector().detectAndDecode(cv2.resize(shown, None, fx=2, fy=2))
+        assert there.endswith("/calibrate/?squares=8x5&facing=environment"), (width, height)
+        page.keyboard.press("Escape")
+    page.add_init_script(PHONE)
+    page.set_viewport_size(SIZES["hand"])
+    page.goto(there)
+    expect(page.locator("#on-other-screen")).to_be_visible()
+    expect(page.locator("#ways")).to_be_hidden()
+    expect(page.locator("#camera option").first).to_have_text("Rear camera")
+    picture(page, "capture-phone", ["hand"])
+    page.locator("#start").click()
+    until(page, lambda: page.evaluate("window.asked?.facingMode") == {"ideal": "environment"})
+
+
 @pytest.mark.parametrize("language", ["de", "uk"])
 def test_the_pages_speak_other_languages(page: Page, language: str) -> None:
-    words = {"de": ("Die Tafel", "Kameras", "Aus Fotos"), "uk": ("Дошка", "Камери", "За фотографіями")}[
-        language
-    ]
+    words = {
+        "de": ("Kalibriertafel", "Kameras", "Aus Fotos"),
+        "uk": ("Калібрувальна дошка", "Камери", "За фотографіями"),
+    }[language]
     for path, heading in zip(("/board/", "/cameras/", "/photos/"), words, strict=True):
         page.goto(f"{path}?lang={language}")
         page.locator("h1:visible", has_text=heading).wait_for()

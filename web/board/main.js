@@ -1,26 +1,20 @@
 // The board page: full screen, on another device, on paper; any ChArUco board.
+import { PAPERS } from "../lib/board-pdf.js";
+import { boardFile, fileName, papersFor, squareOn } from "../lib/board-print.js";
+import { el, part } from "../lib/dom.js";
 import { number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/board.js";
 import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery } from "../lib/board.js";
-import { lettering } from "./lettering.js";
-import { PAPERS, boardPdf, squareSide } from "./pdf.js";
 import { reason, showProblem } from "../lib/board-problem.js";
-import { drawQr } from "./qr.js";
+import { drawQr } from "../lib/qr.js";
+import { sheetPreview } from "./sheet-preview.js";
 import { BoardScreen } from "./screen.js";
 
 /** @typedef {typeof DEFAULT_BOARD} Board */
 
-const SMALLEST = 5; // mm; a square that printers and cameras still do justice to
 const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
-
-/** @template {Element} E @param {string} id @param {new () => E} type @returns {E} */
-function part(id, type) {
-  const found = document.getElementById(id);
-  if (!(found instanceof type)) throw new TypeError(`the page has no ${type.name} #${id}`);
-  return found;
-}
 
 const query = new URLSearchParams(location.search);
 let { board, problem } = boardFrom(query);
@@ -29,7 +23,9 @@ let wrong = null;
 openPage({ board: words });
 
 const tell = liveRegion(part("status", HTMLElement));
-const shown = { frame: part("frame", HTMLElement), canvas: part("board", HTMLCanvasElement), hint: part("hint", HTMLElement) };
+const shown = {
+  frame: part("frame", HTMLElement), canvas: part("board", HTMLCanvasElement), hint: part("hint", HTMLElement), code: part("code", HTMLElement),
+};
 const screenOf = new BoardScreen(shown, board, () => {
   tell(() => t("board.may_dim"));
 });
@@ -58,33 +54,16 @@ function showFields() {
   fields.legacy.checked = legacy;
 }
 
-/** Text below a printed board. @param {number} side of a square, mm @returns {import("./pdf.js").Foot} */
-function foot(side) {
-  const { squares: [columns, rows], marker_ratio, dictionary, legacy } = board;
-  const marker = number(side * marker_ratio, 2);
-  const layout = t(legacy ? "board.layout_legacy" : "board.layout_new");
-  return { bar: t("board.pdf_bar"), lines: [t("board.pdf_board", { columns, rows, side, marker, dictionary, layout }), t("board.pdf_flat")] };
-}
-
 function showPapers() {
   for (const file of files) URL.revokeObjectURL(file);
-  const papers = Object.entries(PAPERS).filter(([, size]) => squareSide(board, size) >= SMALLEST);
-  files = papers.map(([, size]) =>
-    URL.createObjectURL(new Blob([boardPdf(board, size, foot(squareSide(board, size)), lettering)], { type: "application/pdf" })));
-  part("papers", HTMLElement).replaceChildren(...papers.map(([name], index) => {
-    const link = document.createElement("a");
-    link.className = "button";
-    link.textContent = t("board.pdf", { paper: name });
-    link.href = files[index];
-    link.download = `calibdb-board-${name.toLowerCase()}.pdf`;
-    return link;
-  }));
-  const sizes = papers.map(([paper, size]) => t("board.pdf_size", { paper, side: squareSide(board, size) }));
-  part("paper-sizes", HTMLElement).replaceChildren(...(sizes.length ? sizes : [t("board.no_room")]).map((text) => {
-    const item = document.createElement("li");
-    item.textContent = text;
-    return item;
-  }));
+  const papers = papersFor(board);
+  files = papers.map((paper) => URL.createObjectURL(boardFile(board, paper)));
+  const tiles = papers.map((paper, index) => el("li", {},
+    el("a", { href: files[index], download: fileName(paper) },
+      sheetPreview(board, PAPERS[paper], squareOn(board, paper)),
+      el("span", { class: "button" }, t("board.pdf", { paper })),
+      el("span", { class: "muted" }, t("board.pdf_size", { side: squareOn(board, paper) })))));
+  part("papers", HTMLElement).replaceChildren(...(tiles.length ? tiles : [el("li", {}, t("board.no_room"))]));
 }
 
 function show() {
@@ -92,7 +71,9 @@ function show() {
   screenOf.show(board);
   showPapers();
   drawQr(part("qr", SVGElement), address("./", { fill: "1" }));
-  part("only-here", HTMLElement).hidden = !LOOPBACK.test(location.hostname);
+  // What a phone needs to know: this board, and that its own screen does not show it.
+  for (const id of ["qr-phone", "code-qr"]) drawQr(part(id, SVGElement), address("../calibrate/", { facing: "environment" }));
+  for (const place of document.querySelectorAll(".only-here")) place.toggleAttribute("hidden", !LOOPBACK.test(location.hostname));
   part("description", HTMLElement).textContent = t("board.what", {
     columns, rows, dictionary, ratio: number(marker_ratio, 2), layout: t(legacy ? "board.layout_legacy" : "board.layout_new"),
   });
@@ -129,10 +110,12 @@ onLanguage(() => {
   show();
   complain();
 });
-part("full-screen", HTMLButtonElement).addEventListener("click", (event) => {
-  event.stopPropagation(); // or this very click would close it again
-  screenOf.enter();
-});
+for (const [id, code] of /** @type {const} */ ([["full-screen", false], ["full-screen-code", true]])) {
+  part(id, HTMLButtonElement).addEventListener("click", (event) => {
+    event.stopPropagation(); // or this very click would close it again
+    screenOf.enter({ code });
+  });
+}
 part("form", HTMLFormElement).addEventListener("input", change);
 part("form", HTMLFormElement).addEventListener("submit", (event) => event.preventDefault());
 part("form", HTMLFormElement).addEventListener("reset", (event) => {

@@ -4,12 +4,16 @@ import { raster } from "../lib/board-drawing.js";
 /** @typedef {import("../lib/board.js").Board} Board */
 
 const MARGIN_SQUARES = 0.5; // squares of white around the board
+const MAX_CODE_PX = 220; // CSS pixels: side of the QR code beside the board
+const MIN_CODE_PX = 120; // that a phone reads from half a metre
+const CODE_SHARE = 0.2; // of the window's shorter side
 const READING = 6000; // ms that the way back is told; a board is looked at without words on it
 
 export class BoardScreen {
   #frame;
   #canvas;
   #hint;
+  #code;
   #board;
   #onDimming;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -18,15 +22,19 @@ export class BoardScreen {
   #awake = null;
   /** Does the board fill the window, where no full screen is to be had? */
   #filling = false;
+  /** Is the code for a phone shown beside the board, where that fills the screen? */
+  #coded = false;
 
   /**
-   * @param {{frame: HTMLElement, canvas: HTMLCanvasElement, hint: HTMLElement}} parts hint: how to get back from the whole window
+   * @param {{frame: HTMLElement, canvas: HTMLCanvasElement, hint: HTMLElement, code: HTMLElement}} parts hint: how to get back from the
+   *   whole window; code: for a phone that is to look at the board
    * @param {Board} board @param {() => void} onDimming the screen cannot be kept on
    */
-  constructor({ frame, canvas, hint }, board, onDimming) {
+  constructor({ frame, canvas, hint, code }, board, onDimming) {
     this.#frame = frame;
     this.#canvas = canvas;
     this.#hint = hint;
+    this.#code = code;
     this.#board = board;
     this.#onDimming = onDimming;
     document.addEventListener("click", () => this.fill(false));
@@ -44,8 +52,12 @@ export class BoardScreen {
     this.draw();
   }
 
-  /** To the whole screen, or where that is not to be had to the whole window: iPhones have it for videos only. */
-  enter() {
+  /**
+   * To the whole screen, or where that is not to be had to the whole window: iPhones have it for videos only.
+   * @param {{code?: boolean}} [options] code: with the code for a phone in the white beside the board
+   */
+  enter({ code = false } = {}) {
+    this.#coded = code;
     if (!this.#frame.requestFullscreen) return this.fill(true);
     this.#frame.requestFullscreen({ navigationUI: "hide" }).catch(() => this.fill(true));
   }
@@ -70,7 +82,10 @@ export class BoardScreen {
     const { squares } = this.#board;
     const density = window.devicePixelRatio || 1;
     const whole = this.#filling ? [innerWidth, innerHeight] : [screen.width, screen.height];
-    const room = full ? whole : [this.#frame.clientWidth, Infinity];
+    const side = full && this.#coded ? Math.min(MAX_CODE_PX, Math.max(MIN_CODE_PX, CODE_SHARE * Math.min(...whole))) : 0;
+    this.#showCode(side, whole[0] > whole[1]);
+    const strip = whole[0] > whole[1] ? [side, 0] : [0, side];
+    const room = full ? whole.map((length, axis) => length - strip[axis]) : [this.#frame.clientWidth, Infinity];
     const turned = full && whole[0] < whole[1] !== squares[0] < squares[1];
     const [columns, rows] = turned ? [...squares].reverse() : squares;
     const scale = Math.max(8, Math.floor(Math.min(
@@ -91,6 +106,14 @@ export class BoardScreen {
       pixels[index] = value ? 0xffffffff : 0xff000000;
     });
     context.putImageData(picture, 0, 0);
+  }
+
+  /** @param {number} side CSS pixels; 0: not shown @param {boolean} isWide the code is beside the board, or else below it */
+  #showCode(side, isWide) {
+    this.#code.hidden = side === 0;
+    this.#code.style.width = `${side}px`;
+    this.#frame.classList.toggle("coded", side > 0 && isWide);
+    this.#frame.classList.toggle("coded-below", side > 0 && !isWide);
   }
 
   /** Draws the board anew, and keeps the screen bright for as long as it is all that is shown. */

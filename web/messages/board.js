@@ -3,43 +3,55 @@
 /** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
-    title: "The board · calibDB",
-    description: "The calibration board, full screen, on a phone, or as a PDF.",
-    heading: "The board",
+    title: "Calibration board · calibDB",
+    description:
+      "The calibration board for a screen, a phone or a printer, and the other way round: a phone's camera "
+        + "calibrated with your screen.",
+    heading: "Calibration board",
     lead:
-      "Show the board on a second screen, a tablet or a phone: glass is flatter than paper. Turn the brightness "
-        + "down if the screen looks too bright to the camera.",
-    full_screen: "Full screen",
+      "Show the board on a second screen, a tablet or a phone, or print it. Screens are perfectly flat. If the "
+        + "board looks washed out, lower the brightness.",
+    full_screen: "Show full screen",
     on_phone: "On a phone or tablet",
     on_phone_text:
-      "Scan this code with the other device. It shows the board as large as possible and keeps its screen on.",
+      "Scan this code with the phone or tablet. It then shows the board as large as it can, and keeps its screen on.",
+    phone_camera: "Calibrate a phone's camera with this screen",
+    phone_camera_text:
+      "This screen shows the board, and the phone looks at it. Scan the code with the phone: the page that "
+        + "opens uses the rear camera and knows this board.",
+    full_screen_code: "Show full screen with this code",
+    qr_phone: "QR code that opens the calibration on a phone",
+    scan_me: "Scan with the phone to calibrate it",
     only_here:
-      "The address of this page works only on this computer. Open the page at an address that the other device "
-        + "can reach.",
+      "This computer's own address works on no other device. Open this page at an address that the other "
+        + "device can reach.",
     qr: "QR code of this board's address",
     print: "On paper",
     print_text:
-      "Print the board and glue it to something rigid. <0>Its size does not matter</0>; print it at any scale. "
-        + "<1>It must be flat</1>: a sheet held in the hand bends, and makes the calibration wrong.",
+      "Print in landscape at 100% (“actual size”) on matt paper. <0>Any other size works too.</0> <1>The "
+        + "board must be flat</1>: glue the sheet to foam board or glass, or clip it to a clipboard. A sheet held "
+        + "in the hand bends and spoils the calibration.",
+    print_check: "Check the scale with a ruler: the bar below the board has its length printed beside it.",
     pdf: "PDF, {paper}",
-    pdf_size: "{paper}: squares of {side} mm at 100 %",
-    another: "Another board",
+    pdf_size: "{side} mm squares at 100%",
+    another: "Use another board",
     another_text:
-      "Any ChArUco board works, so you can use one that you have. The calibration uses the settings you make here.",
+      "Any ChArUco board works, so you can use one that you have. These settings carry over to calibration.",
     columns: "Squares across",
     rows: "Squares down",
     dictionary: "Marker dictionary",
     ratio: "Marker side / square side",
     legacy: "Layout of OpenCV before 4.6",
-    reset: "Back to the default board",
+    reset: "Reset to default",
     what: "ChArUco, {columns} × {rows} squares, {dictionary}, markers {ratio} of a square, {layout}.",
     layout_new: "layout of OpenCV 4.6 and later",
     layout_legacy: "layout of OpenCV before 4.6",
     picture: "Chessboard with a marker in every white square",
     may_dim: "This device may dim its screen. Set it to stay on.",
     use: "Calibrate with this board",
+    use_photos: "Calibrate from photos of this board",
     no_room: "On this paper the squares would be smaller than 5 mm.",
-    still_last: "This board is not possible: {reason}. The picture still shows the last one.",
+    still_last: "Not possible: {reason}. The picture still shows the last board.",
     close: "Touch the screen or press Esc to go back.",
     pdf_bar: "100 mm when printed at 100 %",
     pdf_board:
@@ -47,87 +59,111 @@ export default {
     pdf_flat: "Any other scale works too. The board must be flat: glue it to something rigid, without bubbles.",
   },
   de: {
-    title: "Die Tafel · calibDB",
-    description: "Die Kalibriertafel: als Vollbild, auf dem Telefon oder als PDF.",
-    heading: "Die Tafel",
+    title: "Kalibriertafel · calibDB",
+    description:
+      "Die Kalibriertafel für Bildschirm, Telefon oder Drucker, und umgekehrt: die Kamera eines Telefons, "
+        + "kalibriert mit Ihrem Bildschirm.",
+    heading: "Kalibriertafel",
     lead:
-      "Zeigen Sie die Tafel auf einem zweiten Bildschirm, einem Tablet oder einem Telefon: Glas ist ebener als "
-        + "Papier. Verringern Sie die Helligkeit, wenn der Bildschirm für die Kamera zu hell ist.",
-    full_screen: "Vollbild",
+      "Zeigen Sie die Tafel auf einem zweiten Bildschirm, Tablet oder Telefon, oder drucken Sie sie. "
+        + "Bildschirme sind völlig eben. Wirkt die Tafel überstrahlt, verringern Sie die Helligkeit.",
+    full_screen: "Im Vollbild zeigen",
     on_phone: "Auf Telefon oder Tablet",
     on_phone_text:
-      "Scannen Sie diesen Code mit dem anderen Gerät. Es zeigt die Tafel so groß wie möglich und lässt den "
-        + "Bildschirm an.",
+      "Scannen Sie diesen Code mit dem Telefon oder Tablet. Es zeigt die Tafel dann so groß wie möglich und "
+        + "lässt den Bildschirm an.",
+    phone_camera: "Die Kamera eines Telefons mit diesem Bildschirm kalibrieren",
+    phone_camera_text:
+      "Dieser Bildschirm zeigt die Tafel, und das Telefon sieht sie an. Scannen Sie den Code mit dem Telefon: "
+        + "Die Seite, die sich öffnet, verwendet die Rückkamera und kennt diese Tafel.",
+    full_screen_code: "Mit diesem Code im Vollbild zeigen",
+    qr_phone: "QR-Code, der die Kalibrierung auf einem Telefon öffnet",
+    scan_me: "Mit dem Telefon scannen und kalibrieren",
     only_here:
-      "Die Adresse dieser Seite gilt nur auf diesem Rechner. Öffnen Sie die Seite unter einer Adresse, die das "
-        + "andere Gerät erreichen kann.",
+      "Die eigene Adresse dieses Computers gilt auf keinem anderen Gerät. Öffnen Sie diese Seite unter einer "
+        + "Adresse, die das andere Gerät erreicht.",
     qr: "QR-Code der Adresse dieser Tafel",
     print: "Auf Papier",
     print_text:
-      "Drucken Sie die Tafel und kleben Sie sie auf etwas Steifes. <0>Ihre Größe spielt keine Rolle</0>; "
-        + "drucken Sie in beliebigem Maßstab. <1>Sie muss eben sein</1>: Ein Blatt in der Hand biegt sich und "
-        + "verfälscht die Kalibrierung.",
+      "Drucken Sie im Querformat mit 100 % („tatsächliche Größe“) auf mattes Papier. <0>Jede andere Größe geht "
+        + "auch.</0> <1>Die Tafel muss eben sein</1>: Kleben Sie das Blatt auf eine Hartschaumplatte oder auf "
+        + "Glas, oder klemmen Sie es auf ein Klemmbrett. Ein Blatt in der Hand biegt sich und verdirbt die "
+        + "Kalibrierung.",
+    print_check: "Prüfen Sie den Maßstab mit einem Lineal: Neben dem Balken unter der Tafel steht seine Länge.",
     pdf: "PDF, {paper}",
-    pdf_size: "{paper}: Felder von {side} mm bei 100 %",
-    another: "Eine andere Tafel",
+    pdf_size: "Felder von {side} mm bei 100 %",
+    another: "Eine andere Tafel verwenden",
     another_text:
-      "Jede ChArUco-Tafel ist geeignet, auch eine vorhandene. Die Kalibrierung verwendet, was Sie hier einstellen.",
+      "Jede ChArUco-Tafel ist geeignet, auch eine vorhandene. Diese Einstellungen gelten dann auch beim Kalibrieren.",
     columns: "Felder waagerecht",
     rows: "Felder senkrecht",
     dictionary: "Marker-Wörterbuch",
     ratio: "Marker / Feld, Seitenlängen",
     legacy: "Anordnung von OpenCV vor 4.6",
-    reset: "Zurück zur Standardtafel",
+    reset: "Auf Standard zurücksetzen",
     what: "ChArUco, {columns} × {rows} Felder, {dictionary}, Marker {ratio} eines Feldes, {layout}.",
     layout_new: "Anordnung von OpenCV ab 4.6",
     layout_legacy: "Anordnung von OpenCV vor 4.6",
     picture: "Schachbrett mit einem Marker in jedem weißen Feld",
-    may_dim: "Dieses Gerät könnte seinen Bildschirm abdunkeln. Stellen Sie ein, dass er an bleibt.",
+    may_dim: "Dieses Gerät könnte den Bildschirm abdunkeln. Stellen Sie ein, dass er an bleibt.",
     use: "Mit dieser Tafel kalibrieren",
+    use_photos: "Mit Fotos dieser Tafel kalibrieren",
     no_room: "Auf diesem Papier wären die Felder kleiner als 5 mm.",
-    still_last: "Diese Tafel ist nicht möglich: {reason}. Das Bild zeigt noch die letzte.",
-    close: "Zurück: den Bildschirm berühren oder Esc drücken.",
+    still_last: "Nicht möglich: {reason}. Das Bild zeigt noch die letzte Tafel.",
+    close: "Zurück: Bildschirm berühren oder Esc drücken.",
     pdf_bar: "100 mm, wenn mit 100 % gedruckt",
     pdf_board:
       "calibDB, ChArUco, {columns} × {rows} Felder von {side} mm, Marker von {marker} mm, {dictionary}, {layout}.",
     pdf_flat: "Jeder andere Maßstab geht auch. Die Tafel muss eben sein: Kleben Sie sie ohne Blasen auf etwas Steifes.",
   },
   uk: {
-    title: "Дошка · calibDB",
-    description: "Калібрувальна дошка: на весь екран, на телефоні або як PDF.",
-    heading: "Дошка",
+    title: "Калібрувальна дошка · calibDB",
+    description:
+      "Калібрувальна дошка для екрана, телефона чи принтера, і навпаки: камера телефона, відкалібрована за "
+        + "допомогою вашого екрана.",
+    heading: "Калібрувальна дошка",
     lead:
-      "Покажіть дошку на другому екрані, планшеті чи телефоні: скло рівніше за папір. Зменште яскравість, якщо "
-        + "екран надто яскравий для камери.",
-    full_screen: "На весь екран",
+      "Покажіть дошку на другому екрані, планшеті чи телефоні або надрукуйте її. Екрани ідеально рівні. Якщо "
+        + "дошка здається засвіченою, зменште яскравість.",
+    full_screen: "Показати на весь екран",
     on_phone: "На телефоні чи планшеті",
-    on_phone_text: "Скануйте цей код іншим пристроєм. Він покаже дошку якнайбільшою й не дасть екрану згаснути.",
+    on_phone_text: "Скануйте цей код телефоном чи планшетом. Він покаже дошку якнайбільшою й не дасть екрану згаснути.",
+    phone_camera: "Калібрування камери телефона за допомогою цього екрана",
+    phone_camera_text:
+      "Цей екран показує дошку, а телефон дивиться на неї. Скануйте код телефоном: сторінка, що відкриється, "
+        + "використає задню камеру й уже знатиме цю дошку.",
+    full_screen_code: "Показати на весь екран із цим кодом",
+    qr_phone: "QR-код, що відкриває калібрування на телефоні",
+    scan_me: "Скануйте телефоном, щоб відкалібрувати його",
     only_here:
-      "Адреса цієї сторінки діє лише на цьому комп’ютері. Відкрийте сторінку за адресою, доступною іншому "
-        + "пристрою.",
+      "Власна адреса цього комп’ютера не діє на інших пристроях. Відкрийте сторінку за адресою, доступною "
+        + "іншому пристрою.",
     qr: "QR-код адреси цієї дошки",
     print: "На папері",
     print_text:
-      "Надрукуйте дошку й наклейте її на щось жорстке. <0>Розмір не має значення</0>; друкуйте в будь-якому "
-        + "масштабі. <1>Вона має бути пласкою</1>: аркуш у руці згинається й спотворює калібрування.",
+      "Друкуйте в альбомній орієнтації, 100 % («фактичний розмір»), на матовому папері. <0>Підійде й будь-який "
+        + "інший розмір.</0> <1>Дошка має бути рівною</1>: наклейте аркуш на пінокартон чи скло або затисніть у "
+        + "планшеті для паперів. Аркуш у руках згинається й псує калібрування.",
+    print_check: "Перевірте масштаб лінійкою: поруч зі смужкою під дошкою надруковано її довжину.",
     pdf: "PDF, {paper}",
-    pdf_size: "{paper}: клітинки по {side} мм за масштабу 100 %",
+    pdf_size: "клітинки {side} мм за 100 %",
     another: "Інша дошка",
-    another_text: "Підійде будь-яка дошка ChArUco, зокрема та, що вже є. Калібрування використає задані тут параметри.",
+    another_text: "Підійде будь-яка дошка ChArUco, зокрема та, що вже є. Ці параметри перейдуть до калібрування.",
     columns: "Клітинок уширину",
     rows: "Клітинок заввишки",
     dictionary: "Словник маркерів",
     ratio: "Сторона маркера / клітинки",
     legacy: "Розкладка OpenCV до 4.6",
-    reset: "Повернути стандартну дошку",
+    reset: "Повернути стандартну",
     what: "ChArUco, {columns} × {rows} клітинок, {dictionary}, маркери {ratio} клітинки, {layout}.",
     layout_new: "розкладка OpenCV від 4.6",
     layout_legacy: "розкладка OpenCV до 4.6",
     picture: "Шахівниця з маркером у кожній білій клітинці",
     may_dim: "Цей пристрій може пригасити екран. Налаштуйте, щоб він не гаснув.",
     use: "Калібрувати з цією дошкою",
+    use_photos: "Калібрувати за фотографіями цієї дошки",
     no_room: "На такому папері клітинки були б менші за 5 мм.",
-    still_last: "Така дошка неможлива: {reason}. На зображенні ще попередня.",
+    still_last: "Неможливо: {reason}. На зображенні ще попередня дошка.",
     close: "Назад: торкніться екрана або натисніть Esc.",
     pdf_bar: "100 мм за масштабу друку 100 %",
     pdf_board:

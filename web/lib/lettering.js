@@ -1,6 +1,6 @@
 // Texts as pictures, for files whose fonts have no letters for them.
 
-/** @typedef {import("./pdf.js").Lettering} Lettering */
+/** @typedef {import("./board-pdf.js").Lettering} Lettering */
 
 const SIZE = 64; // px; 576 a inch for letters of 8 points
 const FONT = `${SIZE}px Helvetica, Arial, "Liberation Sans", sans-serif`;

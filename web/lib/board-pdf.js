@@ -1,7 +1,7 @@
 // The board as a one-page PDF, vector, at true scale. PDF 1.4 after ISO 32000-1: objects, a content stream, xref.
-import { blackRectangles } from "../lib/board-drawing.js";
+import { blackRectangles } from "./board-drawing.js";
 
-/** @typedef {import("../lib/board.js").Board} Board */
+/** @typedef {import("./board.js").Board} Board */
 
 const POINTS_PER_MM = 72 / 25.4;
 
