@@ -58,13 +58,13 @@ def test_language_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> No
     page.locator("#undo:enabled").wait_for()
     expect(page.locator("#another"), "read by now").to_be_hidden()
     page.reload()
-    hear(page, "another", "Requested: Another one. Opened: calibDB virtual camera")
-    hear(page, "said", "Requested: Another one")  # it is read out too
+    hear(page, "another", "Expected: Another one. Open now: calibDB virtual camera")
+    hear(page, "said", "Expected: Another one")  # it is read out too
 
     assert page.evaluate(LIVE) == ["said"], "one voice at a time"
 
     page.locator("#language").select_option("de")
-    expect(page.locator("#stop")).to_have_text("Aufhören")
+    expect(page.locator("#stop")).to_have_text("Beenden")
     expect(page.locator("#counts")).to_contain_text("Ansicht")
     hear(page, "said", HINTS)
     page.evaluate(HIDE, True)  # as if nobody saw it, so that no view is the last one
@@ -118,7 +118,7 @@ def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for
     page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)")
     page.locator("#start").click()
     expect(page.locator("#camera option"), "nothing is said before it is known").to_have_count(0)
-    expect(page.locator("#wanted")).to_have_text("Requested: HD Pro Webcam C920 (046d:082d).")
+    expect(page.locator("#wanted")).to_have_text("This page was opened for HD Pro Webcam C920 (046d:082d).")
     page.evaluate("window.answer()")
     page.locator("#controls:not([hidden])").wait_for()
     assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
@@ -141,9 +141,9 @@ def test_a_camera_without_a_picture_is_said_to_be_one(page: Page) -> None:
 @pytest.mark.parametrize(
     ("refusal", "said"),
     [
-        ("NotAllowedError", "The browser was not allowed to use the camera. Allow it in the address bar"),
+        ("NotAllowedError", "Camera access is blocked. Click the camera icon in the address bar"),
         ("NotReadableError", "Another program is using the camera. Close it, then try again."),
-        ("NotFoundError", "No camera was found. Plug one in, or try the virtual camera."),
+        ("NotFoundError", "No camera was found. Plug one in, or practise with a simulated camera."),
     ],
 )
 def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page, refusal: str, said: str) -> None:

@@ -56,5 +56,5 @@ def test_a_language_that_was_chosen_stays_whatever_the_address_asked_for(page: P
     page.goto("/calibrate/?lang=de")
     page.locator("#go-on", has_text="Fortfahren").click()
     page.locator("#controls:not([hidden])").wait_for()
-    expect(page.locator("#stop"), "what is gone on with speaks as who goes on").to_have_text("Aufhören")
+    expect(page.locator("#stop"), "what is gone on with speaks as who goes on").to_have_text("Beenden")
     assert "/de/calibrate/?" in address(page)

@@ -22,10 +22,21 @@ AMISS = """() => {
 LONGER = """(words) => {
   const height = () => document.getElementById("stage").clientHeight;
   const before = height();
-  document.getElementById("counts").textContent = words;
+  words.forEach((text, at) => {
+    document.getElementById(["count", "count-more"][at]).textContent = text;
+  });
   return height() - before;
 }"""
 # As they are held, turned, and zoomed in to 200 %.
+LENGTHS = [["", ""], ["Ansicht 3 von etwa 5", " · genau genug; noch 2 zur Bestätigung"]]
+# From the picture's lower edge to what is to be done, px.
+DOCKED = """() => {
+  const [stage, video] = ["stage", "video"].map((id) => document.getElementById(id));
+  const { bottom, height, width } = stage.getBoundingClientRect();
+  const picture = (width * video.videoHeight) / video.videoWidth;
+  const edge = bottom - (height - picture) / 2;
+  return document.getElementById("instruction").getBoundingClientRect().top - edge;
+}"""
 SIZES = [
     *((320, 640), (320, 480), (390, 844), (480, 320), (568, 320), (640, 360), (667, 375), (720, 450)),
     *((844, 390), (820, 1180), (1024, 768), (1180, 820), (1280, 720), (1440, 900)),
@@ -41,7 +52,9 @@ def test_at_every_size_all_controls_are_in_the_window_and_the_picture_stands_sti
         for width, height in SIZES:
             page.set_viewport_size({"width": width, "height": height})
             assert page.evaluate(AMISS) == [], f"{language} at {width} x {height}"
+            if (width, height) == (390, 844):
+                assert 0 <= page.evaluate(DOCKED) < 16, "where one looks, not at the far edge of the window"
             if width >= 390 and language == "de":
-                for words in ("0 Ansichten", "4 Ansichten · ± 0,42, Ziel 0,30 px"):
+                for words in LENGTHS:
                     moved = page.evaluate(LONGER, words)
                     assert moved == 0, f"{words!r} moves the picture by {moved} px at {width} x {height}"

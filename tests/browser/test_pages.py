@@ -23,6 +23,15 @@ def test_pages_one_reads(page: Page, scheme: str) -> None:
     picture(page, f"landing{suffix}", full=True)
 
 
+# From the brand to the text, px; how far the sheet scrolls within the window; whether the window does.
+READ_AS_A_PAGE = """() => {
+  const left = (selector) => document.querySelector(selector).getBoundingClientRect().left;
+  const [sheet, page] = [document.getElementById("done"), document.documentElement];
+  const shift = Math.round(left("#done .practice") - left(".brand"));
+  return [shift, sheet.scrollHeight - sheet.clientHeight, page.scrollHeight > innerHeight];
+}"""
+
+
 def published_corners(page: Page, api: httpx.Client) -> list[Any]:
     """Return the first corner of each view of the calibration that the page shows."""
     page.locator(".views li").first.wait_for()
@@ -37,15 +46,21 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     expect(page.locator("#camera"), "the virtual camera does not stand in for a real one").to_have_value("")
     picture(page, "capture-before")
 
-    page.goto(ENDLESS)  # the capture must not be over before it is looked at
+    # The capture must not be over before it is looked at.
+    page.goto(f"{ENDLESS}&return_to=https://app.example/")
     page.locator("#undo:enabled").wait_for()
     page.locator("#overlay[src^='blob:']:not([hidden])").wait_for(state="attached")
     page.locator(SHOWN_TARGET).first.wait_for()
     picture(page, "capture-during")
-    page.goto(VIRTUAL)
+    page.locator("#finish").click()  # from four views it can be ended by hand
     done(page)
+    assert len(published_corners(page, api)) >= 4
+    expect(page.locator("#practice-kept")).to_contain_text("app.example does not get a practice result")
+    expect(page.locator("#own-camera")).to_be_visible()
+    assert "return_to" not in address(page)
     picture(page, "capture-done")
     assert page.evaluate("document.activeElement.id") == "verdict"
+    assert page.evaluate(READ_AS_A_PAGE) == [0, 0, True]
     expect(page.locator("#summary")).to_contain_text("practice run")
     expect(page.locator("#done .another")).to_be_hidden()
 
@@ -57,6 +72,7 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     assert violations(page) == [], "what is scrolled to is as legible as what is seen first"
     first = address(page)
     page.locator("#go-on-without").click()
+    page.locator("#finish").click()
     until(page, lambda: address(page) != first and "/result/?id=" in address(page))
     done(page)
     after = published_corners(page, api)
@@ -100,9 +116,9 @@ def test_the_focus_goes_where_the_page_goes(page: Page) -> None:
 def test_another_camera_than_was_asked_for_is_said_to_be_one(page: Page) -> None:
     listen(page)
     page.goto(f"{UNSIZED}&camera=C920")
-    hear(page, "another", "Requested: C920. Opened: calibDB virtual camera")
+    hear(page, "another", "Expected: C920. Open now: calibDB virtual camera")
     done(page)
-    expect(page.locator("#done .another")).to_contain_text("Requested: C920")
+    expect(page.locator("#done .another")).to_contain_text("Expected: C920")
     expect(page.locator("#done .another")).to_be_visible()
     picture(page, "capture-done-another")
 
@@ -126,7 +142,7 @@ def test_what_goes_wrong_is_said(context: BrowserContext) -> None:
 
 def test_without_a_camera_the_page_says_so(page: Page) -> None:
     page.goto("/calibrate/")
-    page.locator("#camera option", has_text="Virtual camera, for practice").wait_for(state="attached")
+    page.locator("#camera option", has_text="Simulated camera, for practice").wait_for(state="attached")
     assert page.locator("#camera option").all_text_contents()[0] == "No camera found"
     page.goto("/")
     page.locator("#look").click()

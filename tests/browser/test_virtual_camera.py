@@ -82,7 +82,7 @@ def test_firefox_hands_free(stack: str) -> None:
     script = ROOT / "tests/helpers/browser/firefox.mjs"
     outcome = driven(script, there)
     assert outcome["failure"] == ""
-    count = int(outcome["counts"].split()[0])
+    count = int(outcome["counts"])
     assert_true(outcome["calibration"], count, *outcome["taken"], "Firefox")
 
 

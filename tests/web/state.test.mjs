@@ -3,7 +3,8 @@ import { test } from "node:test";
 import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
 import { HOLD_MS, LONG_HOLD_MS, decide, holdProgress, lenience } from "../../web/calibrate/hold.js";
 import { initial, reduce } from "../../web/calibrate/reducer.js";
-import { isEnough, offlineGoal } from "../../web/calibrate/state.js";
+import { visibility } from "../../web/calibrate/overlay-layer.js";
+import { isEnough, isFinishable, offlineGoal } from "../../web/calibrate/state.js";
 import { HEALTHY } from "../../web/calibrate/diagnosis.js";
 import { asMirrored } from "../../web/calibrate/instruction.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
@@ -270,4 +271,33 @@ test("the notice that a capture is opened with is shown once the capture runs", 
   assert.equal(reduce(opening, { type: "session", session: converged, time: 7_000 }).ui.notice, null);
   const failed = reduce(opening, { type: "failed", code: "not_found" });
   assert.equal(reduce(failed, { type: "open" }).ui.openingNotice, null, "nor by the next one");
+});
+
+test("where nothing of a board is seen for eight seconds, a way to get one is offered until one is seen", () => {
+  const blind = (ms, seen = NOTHING) => frames(seen, ms).reduce(reduce, capturing());
+  assert.equal(blind(7_900).detector.boardless, false);
+  assert.equal(blind(8_100).detector.boardless, true);
+  assert.equal(blind(8_100, { ...NOTHING, markers: 2 }).detector.boardless, false, "there is one, if not well seen");
+  assert.equal(reduce(blind(8_100), { type: "frame", detection: frame(THERE), time: 8_200 }).detector.boardless, false);
+  const wanted = reduce(capturing(), { type: "want-board" });
+  assert.equal(reduce(wanted, { type: "frame", detection: NOTHING, time: 10 }).ui.boardWanted, true);
+  assert.equal(reduce(wanted, { type: "frame", detection: frame(THERE), time: 10 }).ui.boardWanted, false);
+});
+
+test("the target's squares are gone before the board lies on them", () => {
+  const at = (overlap, count = 0) => visibility({
+    ...capturing(), capture: { session: { views: Array(count).fill({}) } }, link: { stored: 0 }, detector: { overlap },
+  });
+  assert.deepEqual([at(0), at(0.25), at(0.5), at(0.9)], [1, 0.5, 0, 0]);
+  assert.ok(at(0, 1) < at(0), "who has taken a view knows what a target is");
+});
+
+test("a capture can be ended by hand from four views that are worth something", () => {
+  const having = (count, rms, more = {}) => isFinishable({
+    capture: { session: { views: Array(count).fill({}), calibration: {}, uncertainty: { rms }, img_size: [640, 480] } },
+    link: { offline: false, stored: 0, ...more },
+  });
+  assert.deepEqual([having(3, 0.5), having(4, 0.5), having(4, 1.6)], [false, true, false]);
+  assert.equal(having(4, 0.5, { offline: true }), false);
+  assert.equal(having(4, 0.5, { stored: 1 }), false);
 });

@@ -5,6 +5,7 @@ import { Announcer } from "../../web/calibrate/announcer.js";
 import { propose } from "../../web/lib/camera.js";
 import { setLanguage } from "../../web/lib/i18n.js";
 import { initial } from "../../web/calibrate/reducer.js";
+import { requestFacts, requestText } from "../../web/calibrate/request-facts.js";
 import * as statusText from "../../web/calibrate/status-text.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/camera.js";
 
@@ -32,24 +33,28 @@ test("the camera asked for is proposed, and the virtual one never in its place",
 });
 
 test("a camera that is not there is said not to be, as soon as names are known", () => {
-  assert.equal(statusText.wanted(state), "Requested: C920 at 1280\u00a0×\u00a0720. It is not among the cameras found here.");
-  assert.equal(statusText.wanted(having({ ui: { cameras: [C920, VIRTUAL] } })), "Requested: C920 at 1280\u00a0×\u00a0720.");
+  assert.equal(statusText.wanted(state), "This page was opened for C920 at 1280\u00a0×\u00a0720. That camera is not connected here.");
+  assert.equal(statusText.wanted(having({ ui: { cameras: [C920, VIRTUAL] } })), "This page was opened for C920 at 1280\u00a0×\u00a0720.");
   const nameless = { id: "", label: "Camera 1", named: false };
-  assert.equal(statusText.wanted(having({ ui: { cameras: [nameless, VIRTUAL] } })), "Requested: C920 at 1280\u00a0×\u00a0720.");
+  assert.equal(statusText.wanted(having({ ui: { cameras: [nameless, VIRTUAL] } })), "This page was opened for C920 at 1280\u00a0×\u00a0720.");
   assert.match(statusText.wanted(having({ ui: { cameras: [VIRTUAL] } })), /No camera was found here/);
 });
 
 test("another camera, or another size, than was asked for is said to be opened", () => {
   assert.equal(statusText.cameraMismatch(having({ capture: { key } })), "");
-  assert.match(statusText.cameraMismatch(having({ capture: { key: { ...key, camera: "Integrated Camera" } } })), /C920 at 1280\u00a0×\u00a0720. Opened: Integrated Camera/);
-  assert.match(statusText.cameraMismatch(having({ capture: { key: { ...key, img_size: [640, 480] } } })), /Opened: C920 at 640\u00a0×\u00a0480/);
+  assert.match(statusText.cameraMismatch(having({ capture: { key: { ...key, camera: "Integrated Camera" } } })), /C920 at 1280\u00a0×\u00a0720. Open now: Integrated Camera/);
+  assert.match(statusText.cameraMismatch(having({ capture: { key: { ...key, img_size: [640, 480] } } })), /Open now: C920 at 640\u00a0×\u00a0480/);
   assert.equal(statusText.cameraMismatch(having({ capture: { key }, wanted: { camera: null } })), "");
 });
 
 test("all that is sent is shown, as it is sent", () => {
   const request = { ...key, board: DEFAULT_BOARD, distortion_model: "fisheye", target_error: 0.1, track: { focusMode: "manual" } };
-  const shown = statusText.requestText(having({ capture: { key, request } })).split("\n").map((line) => line.split(/: (.*)/s));
-  assert.deepEqual(Object.fromEntries(shown.map(([name, value]) => [name, JSON.parse(value)])), request);
+  assert.deepEqual(JSON.parse(requestText(request)), request);
+  const facts = Object.fromEntries(requestFacts(request));
+  assert.equal(Object.keys(facts).length, Object.keys(request).length - 1 + Object.keys(request.track).length, "nothing is left out of the table");
+  assert.equal(facts["Lens type"], "Fisheye");
+  assert.equal(facts.Resolution, "1280\u00a0×\u00a0720");
+  assert.match(facts.Board, /^9 × 6 squares, DICT_4X4_50/);
 });
 
 test("what has happened is said once, what is to be done whenever it changes", async () => {
@@ -72,7 +77,7 @@ test("what has happened is said once, what is to be done whenever it changes", a
 
 test("a model that would fit better is offered, unless it is the one", () => {
   const session = { suggested_model: "fisheye" };
-  assert.equal(statusText.suggestedModel(having({ capture: { session } })), "Start again with “fisheye”");
+  assert.equal(statusText.suggestedModel(having({ capture: { session } })), "Start again with lens type “Fisheye”");
   assert.equal(statusText.suggestedModel(having({ capture: { session }, wanted: { distortion_model: "fisheye" } })), "");
   assert.equal(statusText.suggestedModel(state), "");
 });
@@ -89,5 +94,41 @@ test("the cause of what is systematic is told while the capture runs", () => {
   assert.match(told({ code: "board_bent", text: "" }, { code: "limit_reached", text: "" }), /Glue it to something rigid/);
   assert.match(told({ code: "motion", text: "" }), /Hold it still for longer/);
   assert.match(told({ code: "focus_changed", text: "" }), /Switch autofocus off/);
-  assert.match(told({ code: "model_too_simple", text: "" }), /“fisheye” would fit better/);
+  assert.match(told({ code: "model_too_simple", text: "" }), /“Fisheye” would fit better/);
+});
+
+test("the view that comes next is counted, and four are said to be the least", () => {
+  const views = (count) => Array.from({ length: count }, (_, index) => ({ index, points: 40, rms: 0.1 }));
+  const counted = (count, rms) => statusText.counts(having({ capture: { session: {
+    views: views(count), uncertainty: rms === null ? null : { rms, max: 1 }, target_error: 0.3, status: "capturing",
+  } } })).join(" · ");
+  assert.equal(counted(0, null), "View 1 of about 5 · at least 4");
+  assert.equal(counted(1, 19), "View 2 of about 5 · at least 4");
+  assert.equal(counted(2, 0.2), "View 3 of about 5 · accurate enough; 2 more to confirm", "passing the goal early is not passed over");
+  assert.equal(counted(3, 0.17), "View 4 of about 5 · accurate enough; 1 more to confirm");
+  assert.equal(counted(4, 0.5), "View 5 of about 5");
+  assert.equal(counted(6, 0.5), "View 7 of about 7");
+});
+
+test("pixels are for who opens the details", () => {
+  const session = { views: [], uncertainty: { rms: 0.2, max: 1 }, target_error: 0.3 };
+  assert.equal(statusText.accuracy(having({ capture: { session } })), "Accuracy so far: ± 0.20, goal 0.30\u00a0px");
+  assert.equal(statusText.accuracy(fresh), "");
+});
+
+test("the button that ends the capture says what is lost by it", () => {
+  const after = (count, more = {}) => having({ capture: { session: { views: Array(count).fill({}) } }, ...more });
+  assert.equal(statusText.stopLabel(after(0)), "Cancel");
+  assert.equal(statusText.stopLabel(after(2)), "Stop");
+  assert.equal(statusText.stopLabel(after(2, { ui: { stopAskedAt: 1 } })), "Stop?");
+});
+
+test("there is one instruction at a time", () => {
+  const code = (more) => having({ capture: { skipAfter: 1_000 }, ui: { instruction: { code: "tilt_left", next: "", since: 0 }, ...more } });
+  const useless = code({ notice: { key: "capture.useless", kind: "plain" } });
+  assert.equal(statusText.instruction(useless), "Looking for a better pose");
+  assert.equal(statusText.notice(useless.ui.notice), "");
+  const hinted = code({ notice: { key: "capture.refused_too_few_points", kind: "bad", hint: "closer" } });
+  assert.equal(statusText.instruction(hinted), "Bring the board closer");
+  assert.equal(statusText.notice(hinted.ui.notice), "Too little of the board was visible.");
 });

@@ -6,7 +6,7 @@ import { nextProbe } from "./diagnosis.js";
 import { decide, isSettled, lenience } from "./hold.js";
 import { nextPlanned, trusted } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
-import { isEnough, isOfSize, viewCount } from "./state.js";
+import { isEnough, isFinishable, isOfSize, viewCount } from "./state.js";
 import { motion } from "./stillness.js";
 import { tint } from "./tint.js";
 
@@ -65,6 +65,7 @@ export class CaptureLoop {
       button.addEventListener("click", action, { signal });
     on(page.parts.undo, () => this.#undo());
     on(page.parts.skip, () => this.#skip());
+    on(page.parts.finish, () => this.#finish());
     document.addEventListener("keydown", (event) => this.#handleKey(event), { signal });
   }
 
@@ -229,6 +230,16 @@ export class CaptureLoop {
   async #skip() {
     await this.#queue.drained();
     if (this.#state.phase === "capturing") await this.#fetchTarget({ skip: true });
+  }
+
+  /** Ends the capture with the views that are there. */
+  async #finish() {
+    await this.#queue.drained();
+    if (!isFinishable(this.#state)) return;
+    await this.#queue.send(
+      () => this.#session.finish(),
+      (session) => this.#dispatch({ type: "session", session, time: performance.now() }),
+    );
   }
 
   async #undo() {

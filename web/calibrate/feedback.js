@@ -34,6 +34,15 @@ export class Feedback {
     return sense === "vibration" ? "vibrate" in navigator : "speechSynthesis" in globalThis;
   }
 
+  /** Lets boxes switch the senses that this device has. @param {Record<Sense, HTMLInputElement>} boxes */
+  bind(boxes) {
+    for (const [sense, box] of /** @type {[Sense, HTMLInputElement][]} */ (Object.entries(boxes))) {
+      box.checked = this.has(sense);
+      box.parentElement?.toggleAttribute("hidden", !Feedback.offers(sense));
+      box.addEventListener("change", () => this.switch(sense, box.checked));
+    }
+  }
+
   /** @param {Sense} sense @param {boolean} on */
   switch(sense, on) {
     this.#senses[sense] = on;

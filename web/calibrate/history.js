@@ -1,6 +1,8 @@
 // Address of the capture page: of the capture while it runs, of its result afterwards, so that a reload shows what is there.
 
 import { inLanguage, language, pageUrl } from "../lib/i18n.js";
+import { isVirtual } from "../lib/virtual/name.js";
+import { isPracticeReturned } from "./practice.js";
 
 /** Fragment of an address that resumes the saved capture. */
 export const RESUME = "#go-on";
@@ -26,12 +28,14 @@ export function showCaptureAddress(parameters) {
   history.replaceState(null, "", captureAddress(parameters));
 }
 
-/** @param {URLSearchParams} parameters @param {string | null} id of the result, if it has one */
-export function showResultAddress(parameters, id) {
+/** @param {URLSearchParams} parameters @param {import("./state.js").State} state of a capture that is done */
+export function showResultAddress(parameters, { capture: { session, key }, wanted }) {
+  const id = session?.calibration_id;
   if (!id) return;
   const query = new URLSearchParams({ id });
   const back = parameters.get("return_to");
-  if (back !== null) query.set("return_to", back);
+  const isKept = isVirtual(key?.camera ?? "") && !isPracticeReturned(back, wanted.camera);
+  if (back !== null && !isKept) query.set("return_to", back);
   history.replaceState(null, "", pageUrl(`result/?${query}`));
 }
 

@@ -1,6 +1,5 @@
 // Capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows the state.
-import { showProblem } from "../lib/board-problem.js";
-import { boardFrom, boardQuery } from "../lib/board.js";
+import { boardFrom } from "../lib/board.js";
 import { CameraError, cameras, facts, open, play } from "../lib/camera.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { language, onLanguage } from "../lib/i18n.js";
@@ -16,13 +15,17 @@ import { openCaptureStore } from "./capture-store.js";
 import { Captures, captureKey } from "./captures.js";
 import { failureOf } from "./failure.js";
 import { Feedback } from "./feedback.js";
+import { showFirstSheet } from "./first-sheet.js";
 import { RESUME, captureQuery, resumeAt, showCaptureAddress, showResultAddress } from "./history.js";
 import { loadPlan } from "./plan.js";
 import { watchPopovers } from "./popovers.js";
 import { parseTargetError, parseWanted } from "./query.js";
 import { initial, reduce } from "./reducer.js";
+import { plainNotice } from "./state.js";
 import { findParts } from "./parts.js";
+import { showPracticeEnd } from "./practice.js";
 import { render, renderChoice } from "./render.js";
+import { showSender } from "./sender.js";
 import { Sizes } from "./sizes.js";
 import * as statusText from "./status-text.js";
 
@@ -63,7 +66,8 @@ function dispatch(event) {
   // Before the page shows the result sheet, which takes the focus: the outcome needs the camera's last frame.
   if (state.phase === "done" && shown?.phase !== "done") {
     outcome?.show(state);
-    showResultAddress(parameters, state.capture.session?.calibration_id ?? null);
+    void showPracticeEnd(parts, state, parameters.get("return_to"));
+    showResultAddress(parameters, state);
   }
   else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
@@ -206,9 +210,6 @@ async function prepareOutcome() {
   });
 }
 
-/** @param {string} key of a message @param {Record<string, string | number>} [values] @returns {Notice} */
-const plainNotice = (key, values) => ({ key, kind: "plain", values });
-
 /** @param {import("../sdk/calibdb.js").CameraKey} key @returns {SessionRequest} without the track */
 function requestFor(key) {
   const { distortion_model } = state.wanted;
@@ -308,6 +309,7 @@ async function forget() {
 }
 
 const sizes = new Sizes(parts.resolution, size);
+void showSender(parts, parameters.get("return_to"), state.wanted);
 const listed = listInterrupted().then(listCameras);
 parts.start.addEventListener("click", async () => {
   await listed; // a click before the browser has listed its cameras
@@ -321,15 +323,13 @@ watchPopovers(() => state.phase === "opening" && restart());
 for (const button of [parts.startVirtual, parts.failedVirtual]) button.addEventListener("click", () => capture("virtual"));
 for (const button of [parts.cancel, parts.other]) button.addEventListener("click", restart);
 parts.again.addEventListener("click", () => capture(chosen));
+parts.ownCamera.addEventListener("click", () => (parameters.delete("virtual"), restart()));
 // A double click counts once where what is lost does not come back.
 for (const [button, action] of /** @type {const} */ ([[parts.stop, stop], [parts.forget, forget]])) {
   button.addEventListener("click", ({ detail }) => detail < 2 && action());
 }
-for (const [sense, box] of /** @type {[import("./feedback.js").Sense, HTMLInputElement][]} */ (Object.entries(parts.senses))) {
-  box.checked = feedback.has(sense);
-  box.parentElement?.toggleAttribute("hidden", !Feedback.offers(sense));
-  box.addEventListener("change", () => feedback.switch(sense, box.checked));
-}
+feedback.bind(parts.senses);
+parts.rightBoard.addEventListener("click", () => dispatch({ type: "want-board" }));
 onLanguage(() => {
   if (parameters.has("lang")) parameters.set("lang", language());
   sizes.write();
@@ -339,8 +339,7 @@ onLanguage(() => {
 navigator.mediaDevices?.addEventListener("devicechange", listCameras);
 // A phone may have taken the camera away meanwhile.
 document.addEventListener("visibilitychange", () => document.hidden || void listCameras());
-showProblem(parts.problem, problem);
-for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
+showFirstSheet(parts, { board, problem, parameters });
 await listed;
 const isResumed = location.hash === RESUME;
 showCaptureAddress(parameters);

@@ -8,6 +8,7 @@ import { ResultView } from "../lib/result/view.js";
 import { SettingsError, loadSettings } from "../lib/settings.js";
 import { isVirtual } from "../lib/virtual/camera.js";
 import words from "../messages/result.js";
+import { isPracticeReturned } from "./practice.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("../lib/result/view.js").Result} Result */
@@ -45,8 +46,7 @@ export class Outcome {
     const { calibration, calibration_id: id, advice = [] } = session ?? {};
     if (!calibration) return;
     const practice = isVirtual(key?.camera ?? "");
-    // An application gets a practice result only if it asked for the virtual camera.
-    const returnTo = practice && key?.camera !== this.#asked ? null : this.#returnTo;
+    const returnTo = practice && !isPracticeReturned(this.#returnTo, this.#asked) ? null : this.#returnTo;
     /** @type {Result} */
     const result = {
       calibration, report: null, picture: still(this.#video, calibration.img_size), notes: advice,

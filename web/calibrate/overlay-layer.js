@@ -2,12 +2,16 @@
 // for each frame would cost more than detecting the board.
 import { blackSquares } from "../lib/target-preview.js";
 import { arrows } from "./hint-arrows.js";
+import { viewCount } from "./state.js";
 import { unmirrored } from "./status-text.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./parts.js").Parts} Parts */
 
 const SVG = "http://www.w3.org/2000/svg";
+const GONE_AT = 0.5; // overlap with the target from which its squares are not drawn
+const LATER_VISIBILITY = 0.6; // once a view was taken, everybody knows what a target is
+const [MIN_FILL, MAX_FILL] = [0.04, 0.16]; // opacity of the target's area
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 export function renderTarget({ overlay, target, targetBack, targetCorner, ghost }, state, before) {
@@ -27,8 +31,28 @@ export function renderTarget({ overlay, target, targetBack, targetCorner, ghost 
   targetCorner.setAttribute("cy", String(y));
 }
 
+/**
+ * Fades the target as the board gets there: where the two lie over each other, only the outline tells them apart.
+ * @param {Parts} parts @param {State} state @param {State | null} before
+ */
+function fadeTarget({ overlay, target, ghost }, state, before) {
+  const shown = visibility(state);
+  if (before && before.phase === "capturing" && shown === visibility(before)) return;
+  overlay.style.opacity = ghost.style.opacity = String(shown);
+  overlay.style.visibility = shown > 0 ? "" : "hidden";
+  target.style.fillOpacity = String(MIN_FILL + (MAX_FILL - MIN_FILL) * shown);
+}
+
+/** Share of the target's squares that is shown, 0…1 in steps that are not worth more drawing. @param {State} state */
+export function visibility(state) {
+  const most = viewCount(state) === 0 ? 1 : LATER_VISIBILITY;
+  return Math.round(most * Math.max(0, 1 - state.detector.overlap / GONE_AT) * 20) / 20;
+}
+
 /** @param {Parts} parts @param {State} state @param {State | null} before */
-export function renderDetection({ corners, arrows: group, seenOutline }, state, before) {
+export function renderDetection(parts, state, before) {
+  const { corners, arrows: group, seenOutline } = parts;
+  fadeTarget(parts, state, before);
   const { detector, ui, capture: { aim, key } } = state;
   if (detector.corners === before?.detector.corners && ui.instruction === before?.ui.instruction) return;
   drawCircles(corners, detector.corners.points);

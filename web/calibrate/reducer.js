@@ -22,6 +22,7 @@ import { difference } from "./target.js";
 const NOTICE_MS = 4_000;
 const CONFIRM_STOP_MS = 5_000; // in which a second press stops the capture
 const MAX_UNCONFIRMED_PROGRESS = 0.95; // until the service says that the capture is complete
+const BOARDLESS_MS = 8_000; // without any marker, before a way to get a board is offered
 const MIN_APPROACH = 0.05; // of the distance to the target that counts as coming nearer
 /** Reasons for a refusal that have a message. */
 const EXPLAINED_REASONS = new Set(["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]);
@@ -36,12 +37,12 @@ export function initial(board, wanted) {
     },
     link: { busy: false, attempts: 0, offline: false, stored: 0, sending: false },
     detector: {
-      loading: 0, stalled: false, corners: { ids: [], points: [] }, markers: 0, outline: null, overlap: 0,
+      loading: 0, stalled: false, corners: { ids: [], points: [] }, boardless: false, markers: 0, outline: null, overlap: 0,
       stillness: MOVING, diagnosis: HEALTHY,
     },
     ui: {
       cameras: [], interrupted: null, waiting: "camera", instruction: SILENT, notice: null, noticedAt: 0, openingNotice: null,
-      picture: null, plain: false, saved: true, stopAskedAt: null,
+      picture: null, plain: false, saved: true, boardWanted: false, stopAskedAt: null,
     },
   };
 }
@@ -134,6 +135,8 @@ export function reduce(state, event) {
       return change(state, { ui: { saved: false } });
     case "slow":
       return change(state, { ui: { plain: true } });
+    case "want-board":
+      return change(state, { ui: { boardWanted: true } });
     case "notice":
       return notify(state, event.notice, event.time);
     case "stop":
@@ -241,14 +244,17 @@ function observeFrame(state, { detection, time }) {
   const corners = passed ? detector.corners : found;
   const outline = passed ? detector.outline : observedOutline(state.board, corners);
   const { stopAskedAt } = ui;
+  const diagnosis = diagnose(detector.diagnosis, detection, moved, time);
   const next = change(state, {
     detector: {
       corners, outline, stillness,
       markers: passed ? detector.markers : markers,
       overlap: overlapWith(outline, capture.pose, capture.key),
-      diagnosis: diagnose(detector.diagnosis, detection, moved, time),
+      boardless: markers === 0 && !diagnosis.probed && time - diagnosis.blindSince > BOARDLESS_MS,
+      diagnosis,
     },
     ui: {
+      boardWanted: ui.boardWanted && ids.length === 0,
       notice: time - ui.noticedAt > NOTICE_MS ? null : ui.notice,
       stopAskedAt: stopAskedAt !== null && time - stopAskedAt > CONFIRM_STOP_MS ? null : stopAskedAt,
     },

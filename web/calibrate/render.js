@@ -4,7 +4,8 @@ import { t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/camera.js";
 import { holdProgress, requiredHold } from "./hold.js";
 import { renderDetection, renderTarget } from "./overlay-layer.js";
-import { viewCount } from "./state.js";
+import { isFinishable, viewCount } from "./state.js";
+import { factRows, requestText } from "./request-facts.js";
 import * as statusText from "./status-text.js";
 
 /**
@@ -66,7 +67,7 @@ function renderFailure({ failure, kept, failedVirtual }, state) {
 
 /** @param {Parts} parts @param {State} state */
 function renderCameras(parts, state) {
-  const { camera, wanted } = parts;
+  const { camera, wanted, sender } = parts;
   const { cameras, interrupted } = state.ui;
   const proposed = propose(cameras, state.wanted.camera ?? interrupted?.camera ?? null, camera.value);
   camera.replaceChildren(...cameras.map((choice) => new Option(statusText.cameraLabel(choice), choice.id)));
@@ -75,7 +76,7 @@ function renderCameras(parts, state) {
   if (proposed === "" && isListed) camera.prepend(new Option(t("capture.no_camera"), ""));
   camera.value = proposed;
   renderChoice(parts);
-  show(wanted, statusText.wanted(state));
+  show(wanted, statusText.wanted(state, !sender.hidden));
 }
 
 /**
@@ -91,15 +92,18 @@ export function renderChoice({ camera, resolutions, start, startVirtual, interru
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderCamera({ practice, stage, marks, pictureEdge, facts, sent, sentJson, mismatches }, state) {
-  const { key, mirrored } = state.capture;
+function renderCamera({ practice, stage, marks, pictureEdge, facts, sent, sentJson, sentTable, mismatches }, state) {
+  const { key, mirrored, request } = state.capture;
   for (const place of mismatches) show(place, statusText.cameraMismatch(state));
   stage.classList.toggle("mirrored", mirrored);
   sent.hidden = !key;
   write(facts, statusText.cameraFacts(state));
-  write(sentJson, statusText.requestText(state));
+  write(sentJson, requestText(request));
+  sentTable.replaceChildren(...(request ? factRows(request) : []));
   practice.hidden = !isVirtual(key?.camera ?? "");
   if (!key) return;
+  stage.style.setProperty("--aspect", String(key.img_size[0] / key.img_size[1]));
+  stage.classList.toggle("landscape", key.img_size[0] > key.img_size[1]);
   marks.setAttribute("viewBox", `-0.5 -0.5 ${key.img_size.join(" ")}`);
   pictureEdge.setAttribute("width", String(key.img_size[0]));
   pictureEdge.setAttribute("height", String(key.img_size[1]));
@@ -107,7 +111,7 @@ function renderCamera({ practice, stage, marks, pictureEdge, facts, sent, sentJs
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 function renderCapture(parts, state, before) {
-  const { capture, link, ui: { notice } } = state;
+  const { capture, link, ui, ui: { notice } } = state;
   renderDetection(parts, state, before);
   const held = Math.round(100 * holdProgress(state));
   parts.held.setAttribute("stroke-dasharray", `${held} 100`);
@@ -120,6 +124,8 @@ function renderCapture(parts, state, before) {
   show(parts.remedy, statusText.remedy(state));
   show(parts.statusLine, statusText.statusLine(state));
   show(parts.notice, statusText.notice(notice));
+  parts.noBoard.hidden = !(state.detector.boardless || ui.boardWanted) || viewCount(state) > 0;
+  parts.boardChoice.hidden = ui.instruction.code !== "wrong_board" || viewCount(state) > 0;
   for (const kind of ["bad", "plain"]) parts.notice.classList.toggle(kind, notice?.kind === kind);
   write(parts.stop, statusText.stopLabel(state));
 }
@@ -128,7 +134,12 @@ function renderCapture(parts, state, before) {
 function renderProgress(parts, state) {
   parts.progress.value = state.capture.progress;
   for (const button of parts.models) show(button, statusText.suggestedModel(state));
-  write(parts.counts, statusText.counts(state));
+  const [count, ...more] = statusText.counts(state);
+  write(parts.count, count);
+  write(parts.countMore, more.map((text) => ` · ${text}`).join(""));
+  parts.counts.dataset.taken = String(viewCount(state));
+  show(parts.accuracy, statusText.accuracy(state));
+  parts.finish.hidden = !isFinishable(state);
   show(parts.another, statusText.mismatchWarning(state));
   // Not while busy: a button that is disabled under the finger loses the keyboard's focus.
   const none = viewCount(state) === 0;

@@ -59,6 +59,7 @@
  * @property {number} loading 0…1, how much of OpenCV has arrived
  * @property {boolean} stalled it has stopped, and is restarted
  * @property {Corners} corners of the last frame
+ * @property {boolean} boardless nothing of any board has been seen for so long that there may be none
  * @property {number} markers in the last frame
  * @property {[number, number][] | null} outline of the board in the last frame, px
  * @property {number} overlap with the target, Jaccard index
@@ -77,6 +78,7 @@
  * @property {string | null} picture object URL of the target's overlay
  * @property {boolean} plain this device is too slow for the coloured overlay
  * @property {boolean} saved views could be saved on this device
+ * @property {boolean} boardWanted somebody asked for a way to get the board that is expected; until one is seen
  * @property {number | null} stopAskedAt ms, when a stop was requested that would lose views
  *
  * @typedef {{type: "cameras", cameras: Choice[]}
@@ -106,6 +108,7 @@
  *   | {type: "visible", time: number}
  *   | {type: "unsaved"}
  *   | {type: "slow"}
+ *   | {type: "want-board"}
  *   | {type: "notice", notice: Notice, time: number}
  *   | {type: "stop", time: number}
  *   | {type: "failed", code: string, detail?: string}
@@ -117,11 +120,26 @@
 const MIN_VIEWS_OFFLINE = 8; // in all: enough for a good fit although no pose was chosen for it
 const MIN_STORED_OFFLINE = 3; // stored while offline, however many views the service already has
 
+/** @param {string} key of a message @param {Record<string, string | number>} [values] @returns {Notice} */
+export const plainNotice = (key, values) => ({ key, kind: "plain", values });
+
+export const MIN_VIEWS = 4; // of which the service makes a calibration
+const USUAL_VIEWS = 5; // of a capture
+const MAX_EXPECTED_ERROR_PX = 3; // at 1280 px image width, above which a result is worth nothing
+
 /** Number of views that take part in the fit. @param {SessionState | null} session */
 const usedViews = (session) => session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
 
 /** Number of views taken, here and at the service. @param {{capture: Pick<Capture, "session">, link: Pick<Link, "stored">}} state */
 export const viewCount = ({ capture: { session }, link: { stored } }) => usedViews(session) + stored;
+
+/** Number of views that the capture will probably take. @param {{capture: Pick<Capture, "session">, link: Pick<Link, "stored">}} state */
+export const expectedViews = (state) => Math.max(USUAL_VIEWS, viewCount(state) + 1);
+
+/** Whether the capture can be ended by hand: the service has views enough for a result. @param {Views} state */
+export const isFinishable = ({ capture: { session }, link: { offline, stored } }) =>
+  !offline && stored === 0 && session?.calibration != null && usedViews(session) >= MIN_VIEWS
+    && (session.uncertainty?.rms ?? Infinity) < (MAX_EXPECTED_ERROR_PX * session.img_size[0]) / 1280;
 
 /** Number of views to store while offline. @param {{capture: Pick<Capture, "session">}} state */
 export const offlineGoal = ({ capture: { session } }) => Math.max(MIN_STORED_OFFLINE, MIN_VIEWS_OFFLINE - usedViews(session));

@@ -1,7 +1,7 @@
 // Texts of the capture page, by its state.
 import { known, number, sized, t } from "../lib/i18n.js";
 import { asMirrored } from "./instruction.js";
-import { isEnough, offlineGoal, viewCount } from "./state.js";
+import { MIN_VIEWS, expectedViews, isEnough, offlineGoal, viewCount } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 
@@ -13,18 +13,21 @@ export function remedy(state) {
   return known(`capture.do_${code}`) ? t(`capture.do_${code}`) : "";
 }
 
+/** Whether another target is being chosen: nobody is to do anything meanwhile. @param {State} state */
+const isChoosing = ({ capture: { skipAfter }, ui: { notice } }) => skipAfter !== null && notice?.key === "capture.useless";
+
 /** The one instruction. @param {State} state */
-export function instruction({ link, detector, ui: { instruction: { code } } }) {
+export function instruction(state) {
+  const { link, detector, capture: { skipAfter }, ui: { instruction: { code }, notice: refusal } } = state;
   if (detector.stalled) return t("capture.say_stalled");
   if (link.attempts > 0 && !link.offline) return t("capture.say_retry");
+  if (isChoosing(state)) return t("capture.useless");
+  if (skipAfter !== null && refusal?.hint) return t(`capture.say_${refusal.hint}`);
   return code === "" ? "" : t(`capture.say_${code}`);
 }
 
-/** @param {State["ui"]["notice"]} notice */
-export function notice(notice) {
-  if (!notice) return "";
-  return [t(notice.key, notice.values), notice.hint && `${t(`capture.say_${notice.hint}`)}.`].filter(Boolean).join(" ");
-}
+/** What has happened; never what to do, which is the instruction. @param {State["ui"]["notice"]} notice */
+export const notice = (notice) => (notice && notice.key !== "capture.useless" ? t(notice.key, notice.values) : "");
 
 /** The step of opening that is waited for. @param {State} state */
 export function opening({ link, detector, ui: { waiting } }) {
@@ -47,24 +50,39 @@ export function saved(state) {
 export const interrupted = ({ ui: { interrupted } }) =>
   (interrupted ? t("capture.interrupted", { camera: interrupted.camera, count: interrupted.views }) : "");
 
-/** Label of the stop button. @param {State} state */
-export const stopLabel = ({ ui }) => t(ui.stopAskedAt === null ? "capture.stop" : "capture.stop_really");
+/** Label of the stop button: nothing is lost by it before the first view. @param {State} state */
+export function stopLabel(state) {
+  if (viewCount(state) === 0) return t("capture.cancel");
+  return t(state.ui.stopAskedAt === null ? "capture.stop" : "capture.stop_really");
+}
 
-/** Views, and the accuracy that they have reached. @param {State} state */
+/** The view that is taken next and how many there will be, and what else is to be said of that. @param {State} state @returns {string[]} */
 export function counts(state) {
   const { capture: { session }, link: { stored, offline } } = state;
   const used = session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
   const aside = (session?.views.length ?? 0) - used;
+  const missing = MIN_VIEWS - used - stored;
   return [
-    t("capture.views", { count: used }),
-    aside > 0 && t("capture.set_aside", { count: aside }),
-    offline && t("capture.kept_of", { count: stored, wanted: offlineGoal(state) }),
-    !offline && stored > 0 && t("capture.waiting_views", { count: stored }),
-    // Offline it does not change, and there is more to say.
-    !offline && session?.uncertainty && t("capture.reached", {
-      reached: rounded(session.uncertainty.rms), goal: rounded(session.target_error),
-    }),
-  ].filter(Boolean).join(" · ");
+    offline ? t("capture.kept_of", { count: stored, wanted: offlineGoal(state) })
+      : t("capture.view_of", { number: used + stored + 1, total: expectedViews(state) }),
+    aside > 0 ? t("capture.set_aside", { count: aside }) : "",
+    !offline && stored > 0 ? t("capture.waiting_views", { count: stored }) : "",
+    !offline && stored === 0 && missing > 0 ? leastViews(state, missing) : "",
+  ].filter(Boolean);
+}
+
+/** Why it goes on before the fourth view. @param {State} state @param {number} missing views */
+const leastViews = (state, missing) =>
+  (isAccurate(state) ? t("capture.goal_early", { count: missing }) : t("capture.at_least", { count: MIN_VIEWS }));
+
+/** Whether the error that is expected is below the goal. @param {State} state */
+const isAccurate = ({ capture: { session } }) => session?.uncertainty != null && session.uncertainty.rms < session.target_error;
+
+/** The accuracy that the views have reached, for who looks at the details. @param {State} state */
+export function accuracy({ capture: { session } }) {
+  if (!session?.uncertainty) return "";
+  const reached = t("capture.reached", { reached: rounded(session.uncertainty.rms), goal: rounded(session.target_error) });
+  return `${t("capture.accuracy")}: ${reached}`;
 }
 
 /** An uncertainty to its significant digits. @param {number} value */
@@ -82,24 +100,30 @@ function advice({ capture: { session } }) {
   const first = session?.advice?.[0];
   if (!first) return "";
   const key = `capture.advice_${first.code}`;
-  return known(key) ? t(key, { model: session?.suggested_model ?? "" }) : first.text;
+  return known(key) ? t(key, { model: lensName(session?.suggested_model ?? "") }) : first.text;
 }
 
 /** @param {string} camera @param {[number, number] | null} size */
 const describe = (camera, size) => (size ? t("capture.camera_at", { camera, size: sized(size) }) : camera);
 
-/** The camera that the page was opened for, and whether it is there. @param {State} state */
-export function wanted({ wanted: { camera, img_size }, ui: { cameras } }) {
+/**
+ * The camera that the page was opened for, and whether it is there.
+ * @param {State} state @param {boolean} [isSent] an application sent the visitor, and has been named with its camera
+ */
+export function wanted({ wanted: { camera, img_size }, ui: { cameras } }, isSent = false) {
   const real = cameras.filter(({ id }) => id !== "virtual");
   if (!camera) return cameras.length > real.length && real.length === 0 ? t("capture.none_at_all") : "";
   const absent = cameras.length > 0 && !cameras.some(({ label }) => label === camera) && real.every(({ named }) => named);
-  const asked = t("capture.asked_for", { camera: describe(camera, img_size) });
+  const asked = isSent ? "" : t("capture.asked_for", { camera: describe(camera, img_size) });
   if (!absent) return asked;
-  return `${asked} ${real.length ? t("capture.not_among") : t("capture.none_here")}`;
+  return [asked, real.length ? t("capture.not_among") : t("capture.none_here")].filter(Boolean).join(" ");
 }
 
 /** Label of a camera in the list. @param {import("../lib/camera.js").Choice} choice */
 export const cameraLabel = ({ id, label }) => (id === "virtual" ? t("capture.virtual_name") : label);
+
+/** Name of a lens type. @param {string} model */
+export const lensName = (model) => (known(`capture.lens_${model}`) ? t(`capture.lens_${model}`) : model);
 
 /** Says that another camera was opened, until a view was taken after it was read; again if that view is undone. @param {State} state */
 export const mismatchWarning = (state) => (viewCount(state) > state.capture.initialViews ? "" : cameraMismatch(state));
@@ -119,14 +143,10 @@ export function cameraFacts({ capture: { key, cropped } }) {
     .filter(Boolean).join(" · ");
 }
 
-/** All that is sent besides the corners: the very object. @param {State} state */
-export const requestText = ({ capture: { request } }) =>
-  (request ? Object.entries(request).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join("\n") : "");
-
 /** Label of the button that starts again with the suggested model; "" if there is no suggestion. @param {State} state */
 export function suggestedModel({ capture: { session }, wanted }) {
   const model = session?.suggested_model;
-  return model && model !== wanted.distortion_model ? t("capture.with_model", { model }) : "";
+  return model && model !== wanted.distortion_model ? t("capture.with_model", { model: lensName(model) }) : "";
 }
 
 /** Code of the instruction, about the camera's image. @param {State} state */

@@ -7,7 +7,7 @@ addMessages({ capture });
 
 /**
  * @typedef {object} Choice
- * @property {string} id device id, "" for the browser's own choice, "virtual"
+ * @property {string} id device id, "" for the browser's own choice, "virtual"; "environment" and "user" by where a phone's cameras face
  * @property {string} label
  * @property {boolean} [named] the browser tells its name: it does once the camera was permitted
  *
@@ -47,10 +47,22 @@ export async function cameras(parameters) {
   const devices = (await navigator.mediaDevices?.enumerateDevices()) ?? [];
   const real = devices.filter(({ kind }) => kind === "videoinput");
   // Before permission is given labels are empty and there is at most one entry: the browser's own choice.
-  const choices = real.map(({ deviceId, label }, index) => ({
+  const listed = real.map(({ deviceId, label }, index) => ({
     id: deviceId, label: label || t("capture.camera_number", { number: index + 1 }), named: label !== "",
   }));
+  // What a phone's cameras are called says little, and before permission it says nothing: which way they face does.
+  const faces = real.length > 0 && !parameters.has("camera") && (parameters.has("facing") || isHandheld());
+  const choices = faces ? [...facing(parameters.get("facing")), ...listed.filter(({ named }) => named)] : listed;
   return [...choices, { id: "virtual", label: labelOf(setupFrom(parameters)) }];
+}
+
+const isHandheld = () => globalThis.matchMedia?.("(pointer: coarse) and (hover: none)").matches ?? false;
+
+/** The cameras of a phone, the one that was asked for first. @param {string | null} asked "user", or the rear one @returns {Choice[]} */
+function facing(asked) {
+  const rear = { id: "environment", label: t("capture.rear_camera"), named: false };
+  const front = { id: "user", label: t("capture.front_camera"), named: false };
+  return asked === "user" ? [front, rear] : [rear, front];
 }
 
 /**
@@ -81,7 +93,8 @@ export async function open(id, { parameters, size: [width, height], place, board
   }
   /** @type {MediaTrackConstraints & {resizeMode: string}} */
   const video = { width: { ideal: width }, height: { ideal: height }, resizeMode: "none" };
-  if (id) video.deviceId = { exact: id };
+  if (id === "environment" || id === "user") video.facingMode = { ideal: id };
+  else if (id) video.deviceId = { exact: id };
   try {
     const stream = await navigator.mediaDevices.getUserMedia({ video, audio: false });
     return opened(stream, null);

@@ -172,6 +172,11 @@ export class CaptureSession {
     });
   }
 
+  /** Ends the capture with the views that the service has. @returns {Promise<SessionState>} */
+  finish() {
+    return this.#withSession(() => this.#call("POST", "/session/finish"));
+  }
+
   /** @param {Corners} corners */
   #add({ ids, points }) {
     const view = { ids, points, index: null, taken: false };

@@ -1,0 +1,56 @@
+"""The application that sent somebody to calibrate, and the ways to get a board, on the first sheet."""
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.specimens import answer
+
+ASKED = "camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=640x480"
+KNOWN = {
+    "cameras": [
+        {
+            "key": "c2.x", "camera": "HD Pro Webcam C920", "platform": "Linux",
+            "sizes": [
+                {"img_size": [640, 480], "zoom": 0, "calibrations": 3, "contributors": 3, "reliable": False},
+                {"img_size": [1280, 720], "zoom": 0, "calibrations": 9, "contributors": 9, "reliable": True},
+            ],
+        }
+    ],
+    "next": None,
+}  # fmt: skip
+
+
+def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None:
+    answer(page, "**/v1/cameras?*", lambda: KNOWN)
+    page.goto(f"/calibrate/?{ASKED}&return_to=http://localhost:9000/app?a=b")
+    sender = page.locator("#sender")
+    expect(sender.locator("p").first).to_have_text(
+        "localhost:9000 needs your camera's calibration (HD Pro Webcam C920 (046d:082d), 640 × 480). "
+        "It takes about a minute; then you return to localhost:9000."
+    )
+    expect(page.locator("#sender-known")).to_contain_text("2 more calibrations are needed")
+    expect(page.locator("#go-back")).to_have_attribute("href", "http://localhost:9000/app?a=b")
+    expect(page.locator("#wanted"), "the camera is named once").to_have_text(
+        "No camera was found here. Plug it in."
+    )
+    picture(page, "capture-sender")
+    with page.expect_download() as paper:  # of a visitor from the United States
+        page.locator("#paper").click()
+    assert paper.value.suggested_filename == "calibdb-board-letter.pdf"
+    # Results are not handed to everybody, which is said before and not after.
+    page.goto(f"/calibrate/?{ASKED}&return_to=https://app.example/")
+    expect(sender).to_contain_text("this service may not hand the result to app.example")
+    expect(page.locator("#go-back")).to_be_hidden()
+    page.goto(f"/calibrate/?{ASKED}&return_to=javascript:alert(1)")
+    expect(page.locator("#wanted")).to_contain_text("This page was opened for HD Pro Webcam C920")
+    expect(sender).to_be_hidden()
+
+
+@pytest.mark.parametrize(("calibrations", "said"), [(0, "new here"), (6, "do not agree yet")])
+def test_what_is_known_of_the_camera_is_said(page: Page, calibrations: int, said: str) -> None:
+    size = {"img_size": [640, 480], "calibrations": calibrations, "reliable": False}
+    found = {"cameras": [{"camera": "HD Pro Webcam C920", "sizes": [size]}], "next": None}
+    answer(page, "**/v1/cameras?*", lambda: found)
+    page.goto(f"/calibrate/?{ASKED}&return_to=/examples/")
+    expect(page.locator("#sender-known")).to_contain_text(said)

@@ -1,0 +1,64 @@
+// Content of the first sheet: the ways to get a board in front of the camera, another screen or paper. The viewfinder shows the
+// code, too, where there is no board.
+import { boardQuery } from "../lib/board.js";
+import { showProblem } from "../lib/board-problem.js";
+import { addMessages, onLanguage, t } from "../lib/i18n.js";
+import showing from "../messages/showing.js";
+
+/** @typedef {import("../lib/board.js").Board} Board */
+
+addMessages({ showing });
+
+const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
+
+/** Address that shows the board on another device. @param {Board} board @param {boolean} fill the whole of its window */
+function boardAddress(board, fill) {
+  const there = new URL("../board/", location.href);
+  there.search = new URLSearchParams([...boardQuery(board), ...(fill ? [["fill", "1"]] : [])]).toString();
+  there.hash = "";
+  return there;
+}
+
+/**
+ * @param {import("./parts.js").Parts} parts
+ * @param {{board: Board, problem: import("../lib/board.js").Problem | null, parameters: URLSearchParams}} page
+ */
+export function showFirstSheet(parts, { board, problem, parameters }) {
+  showProblem(parts.problem, problem);
+  // A phone that was sent here by the screen that shows the board needs no other one.
+  const isSentByScreen = parameters.has("facing");
+  parts.ways.hidden = isSentByScreen;
+  parts.onOtherScreen.hidden = !isSentByScreen;
+  void showWays(parts, board);
+}
+
+/**
+ * Fills in what leads to the board. The QR code and the file are made by modules that are loaded after the page is there.
+ * @param {import("./parts.js").Parts} parts @param {Board} board
+ */
+async function showWays({ boardLinks, addresses, onlyHere, paper, codes }, board) {
+  for (const link of boardLinks) link.search = boardQuery(board).toString();
+  const { host, pathname, search, hostname } = boardAddress(board, false);
+  for (const place of addresses) place.textContent = host + pathname + search;
+  for (const place of onlyHere) place.hidden = !LOOPBACK.test(hostname);
+  const [{ drawQr }, print] = await Promise.all([import("../lib/qr.js"), import("../lib/board-print.js")]);
+  for (const code of codes) drawQr(code, boardAddress(board, true).href);
+  const fitting = print.papersFor(board);
+  const usual = print.usualPaper(navigator.languages);
+  const name = fitting.includes(usual) ? usual : fitting[0];
+  paper.hidden = name === undefined;
+  if (name === undefined) return;
+  const write = () => {
+    paper.textContent = t("showing.paper_file", { paper: name });
+  };
+  write();
+  onLanguage(write);
+  paper.onclick = () => download(print.boardFile(board, name), print.fileName(name));
+}
+
+/** @param {Blob} file @param {string} name */
+function download(file, name) {
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(file), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000); // ms: no browser still reads it
+}

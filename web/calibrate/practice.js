@@ -1,0 +1,36 @@
+// The end of a practice run: what the application that sent the visitor gets of it, and the way on to a real camera.
+import { t } from "../lib/i18n.js";
+import { loadSettings } from "../lib/settings.js";
+import { isVirtual } from "../lib/virtual/name.js";
+import { senderName, senderOf } from "./sender.js";
+
+/** @typedef {import("./state.js").State} State */
+
+const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
+
+/**
+ * Whether an application gets the result of a practice run: if it asked for the virtual camera, and if it is still being
+ * developed, so that its way there and back can be tried without a webcam.
+ * @param {string | null} returnTo @param {string | null} asked label of the camera that the page was opened for
+ */
+export function isPracticeReturned(returnTo, asked) {
+  return isVirtual(asked ?? "") || (returnTo !== null && URL.canParse(returnTo, location.href) && LOOPBACK.test(new URL(returnTo, location.href).hostname));
+}
+
+/**
+ * Says that a practice result is not handed over, and offers the ways on.
+ * @param {import("./parts.js").Parts} parts @param {State} state of a capture that is done @param {string | null} returnTo
+ */
+export async function showPracticeEnd({ practiceKept, backWithout }, { capture: { key }, wanted }, returnTo) {
+  practiceKept.hidden = backWithout.hidden = true;
+  if (!returnTo || !isVirtual(key?.camera ?? "") || isPracticeReturned(returnTo, wanted.camera)) return;
+  const { return_origins = [] } = await loadSettings().catch(() => ({ return_origins: [] }));
+  const sender = senderOf(returnTo, return_origins);
+  if (!sender) return;
+  const { host, url, allowed, isHere } = sender;
+  practiceKept.textContent = t("capture.practice_kept", { host: senderName(sender) });
+  practiceKept.hidden = false;
+  backWithout.textContent = isHere ? t("capture.go_back") : t("capture.back_without", { host });
+  backWithout.hidden = !allowed;
+  if (allowed) backWithout.href = url.href;
+}

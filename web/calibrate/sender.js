@@ -1,0 +1,111 @@
+// The application that sent the visitor: what it asks for, what is known of the camera already, and the way back.
+import { Api } from "../lib/api.js";
+import { onLanguage, sized, t } from "../lib/i18n.js";
+import { returnAddress } from "../lib/result/return-address.js";
+import { loadSettings } from "../lib/settings.js";
+import { isVirtual } from "../lib/virtual/name.js";
+
+/**
+ * @typedef {import("./state.js").Wanted} Wanted
+ *
+ * @typedef {object} Known calibrations of the camera that was asked for
+ * @property {number} calibrations at the size that was asked for
+ * @property {boolean} reliable
+ *
+ * @typedef {object} CameraSize of `GET /v1/cameras`
+ * @property {[number, number]} img_size
+ * @property {number} calibrations
+ * @property {boolean} reliable
+ */
+
+const RELIABLE_FROM = 5; // calibrations that agree
+const MAX_FOUND = 20;
+
+/**
+ * Where the visitor came from.
+ * @param {string | null} returnTo from the page's address @param {readonly string[]} allowed origins that get results
+ * @returns {{url: URL, allowed: boolean, host: string, isHere: boolean} | null} isHere: a page of this site
+ */
+export function senderOf(returnTo, allowed) {
+  const found = returnAddress(returnTo, location.origin, allowed);
+  return found && { ...found, host: found.url.host, isHere: found.url.origin === location.origin };
+}
+
+/** Name of the place that the visitor returns to. @param {{host: string, isHere: boolean}} sender */
+export const senderName = ({ host, isHere }) => (isHere ? t("capture.sender_here") : host);
+
+/**
+ * What is said of a camera that was asked for.
+ * @param {Known | null} known null: not known yet, or nobody can tell
+ */
+export function knownText(known) {
+  if (!known) return "";
+  if (known.reliable) return t("capture.camera_known");
+  if (known.calibrations === 0) return t("capture.camera_new");
+  const more = RELIABLE_FROM - known.calibrations;
+  return more > 0 ? t("capture.camera_more", { count: more }) : t("capture.camera_unsettled");
+}
+
+/**
+ * What the database holds of one camera at one size, out of a search's answer.
+ * @param {{cameras: {camera: string, sizes: CameraSize[]}[]}} answer @param {string} label @param {[number, number] | null} size px
+ * @returns {Known}
+ */
+export function knownOf({ cameras }, label, size) {
+  const name = withoutId(label);
+  const modes = cameras.filter(({ camera }) => withoutId(camera) === name).flatMap(({ sizes }) => sizes)
+    .filter(({ img_size }) => !size || img_size.join() === size.join());
+  return {
+    calibrations: modes.reduce((most, { calibrations }) => Math.max(most, calibrations), 0),
+    reliable: modes.some(({ reliable }) => reliable),
+  };
+}
+
+/** Some browsers add a camera's USB id to its label, and some do not. @param {string} label */
+const withoutId = (label) => label.replace(/\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$/i, "").toLowerCase();
+
+/**
+ * Shows who sent the visitor, and how to return; nothing where nobody did.
+ * @param {import("./parts.js").Parts} parts @param {string | null} returnTo @param {Wanted} wanted
+ */
+export async function showSender({ sender, senderHost, senderNeeds, senderReturns, senderKnown, goBack }, returnTo, wanted) {
+  /** @type {Known | null} */
+  let known = null;
+  /** @type {readonly string[]} */
+  let allowed = [];
+  let isSettled = false;
+  const isAsked = wanted.camera !== null && !isVirtual(wanted.camera);
+  const write = () => {
+    const from = senderOf(returnTo, allowed);
+    sender.hidden = !from;
+    senderHost.textContent = from ? senderName(from) : "";
+    const camera = wanted.camera && [wanted.camera, wanted.img_size && sized(wanted.img_size)].filter(Boolean).join(", ");
+    senderNeeds.textContent = from ? (camera ? t("capture.needs_named", { camera }) : t("capture.needs")) : "";
+    senderReturns.textContent = from ? returnText(from, isSettled) : "";
+    goBack.hidden = !from?.allowed;
+    if (from?.allowed) goBack.href = from.url.href;
+    senderKnown.textContent = knownText(known);
+    senderKnown.hidden = !isAsked; // its line is kept free for what is known
+  };
+  write();
+  onLanguage(write);
+  if (sender.hidden) return;
+  try {
+    const { api, token, return_origins = [] } = await loadSettings();
+    [allowed, isSettled] = [return_origins, true];
+    write();
+    if (!wanted.camera || !isAsked) return;
+    const parameters = new URLSearchParams({ query: withoutId(wanted.camera), limit: String(MAX_FOUND) });
+    known = knownOf(await new Api(api).json("GET", `/cameras?${parameters}`, token), wanted.camera, wanted.img_size);
+    write();
+  } catch (error) {
+    // It would have been a comfort; the capture itself says what fails.
+    console.info("nothing is known of the sender or the camera:", error instanceof Error ? error.message : error);
+  }
+}
+
+/** @param {NonNullable<ReturnType<typeof senderOf>>} sender @param {boolean} isSettled it is known which origins get results */
+function returnText({ host, isHere, allowed }, isSettled) {
+  if (isHere) return t("capture.returns_here");
+  return allowed || !isSettled ? t("capture.returns", { host }) : t("capture.no_return", { host });
+}
