@@ -4,12 +4,18 @@ import json
 from urllib.parse import parse_qs, urlsplit
 
 import httpx
+import pytest
 from playwright.sync_api import Page
 
 from calibdb.store.keys import answer_object
+from infra.local import LocalStack
+from infra.local.events import Response
 from tests.helpers.browser.captures import agreed, capture
+from tests.helpers.browser.firefox import in_firefox
 from tests.helpers.browser.truth import Truth
-from tests.helpers.service.client import until
+from tests.helpers.service.client import TOKEN, until
+from tests.helpers.service.edge import objects
+from tests.helpers.service.histories import QUESTIONS, RULES, History, quick_solver
 
 TRUTH = Truth(fx=960, k1=-0.22)
 
@@ -74,3 +80,32 @@ def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack:
     assert calibration == known
     assert "cannot be asked now" in error
     page.unroute_all()
+
+
+def test_firefox_is_answered_by_the_edge_while_every_function_fails() -> None:
+    with quick_solver(), LocalStack(environment=RULES[0]) as stack:
+        History(stack, 0)  # publishes calibrations of two cameras
+        answers = {name: json.loads(content) for name, content in objects(stack).items()}
+        asked, known = next(
+            (QUESTIONS[name], answer)
+            for name, answer in answers.items()
+            if answer["distortion_model"] == "rectilinear"
+        )
+        key = {
+            "camera": asked.label,
+            "platform": asked.platform,
+            "img_size": asked.img_size,
+        }
+        with stack.serve() as url, pytest.MonkeyPatch.context() as patch:
+            patch.setattr(stack.gateway, "handle", lambda *_, **__: Response(503, {}, b"{}"))
+            function = f"""async () => {{
+              const {{ lookup }} = await import("/sdk/calibdb.js");
+              const options = {{ token: "{TOKEN}", cache: null, retries: 0 }};
+              const key = {json.dumps(key)};
+              const unknown = {{ ...key, camera: "Nobody's X9" }};
+              const error = await lookup(unknown, options).catch(({{ message }}) => message);
+              return [(await lookup(key, options)).calibration, error];
+            }}"""
+            calibration, error = in_firefox(f"{url}/board/", function)
+    assert calibration == known
+    assert "cannot be asked now" in error

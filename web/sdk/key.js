@@ -62,7 +62,7 @@ export function cameraKey(track, userAgent = navigator.userAgent) {
  */
 export async function keyOf(source) {
   if (!source) throw new TypeError("there is no camera: lookup(track) or lookup({ camera, platform, img_size, zoom })");
-  if (!("getSettings" in source)) return source;
+  if (!("getSettings" in source)) return { ...source, zoom: source.zoom ?? 0 };
   const { resizeMode } = /** @type {MediaTrackSettings & {resizeMode?: string}} */ (source.getSettings());
   const key = { ...cameraKey(source), platform: await platformHere() };
   // Of a stream that the browser crops nothing is known, whatever is known of its camera.
