@@ -18,7 +18,7 @@ RIGS = int(os.environ.get("RIGS", "200"))
 BOARD = Board((9, 6))
 NOISE = 0.2  # px
 GOAL = 0.3  # px
-MAX_MOMENTS = 20
+MAX_MOMENTS = 30
 MIN_MOMENTS = 4
 SQUARE_CM = 3.0
 
