@@ -11,7 +11,7 @@ from calibdb.errors import ConflictError
 from calibdb.http import application
 from calibdb.rules import session_rules
 from calibdb.schema import Pose, SessionDocument
-from calibsolver import Camera, DeadlineError, deadline, guidance
+from calibsolver import Board, Camera, DeadlineError, deadline, guidance
 from calibsolver.capture import Capture, exclusions
 from calibsolver.guidance import overlay
 
@@ -46,7 +46,8 @@ def show(call: application.Call) -> Response:
         ) from error
     headers = {"Vary": "Accept, Authorization"}
     if media_type == "application/json":
-        pose = Pose.model_validate({**(document.target or {}), "index": document.next_index})
+        _, _, target = drawn(document)
+        pose = Pose.model_validate({**target.to_dict(), "index": document.next_index})
         return application.json_response(pose, headers=headers)
     return Response(draw(document, FORMATS[media_type]), headers=headers, media_type=media_type)
 
@@ -59,16 +60,25 @@ def choose(document: SessionDocument) -> SessionDocument:
     skipped = tuple(guidance.TargetPose.from_dict(target) for target in document.skipped)
     unreached = tuple(guidance.TargetPose.from_dict(target) for target in document.unreached)
     target = rules.next_target(views, rules.estimate(views, excluded), skipped, unreached)
-    return session_rules.with_target(document, target.to_dict())
+    return session_rules.with_target(document, target.to_record())
 
 
 def draw(document: SessionDocument, image_format: Format) -> bytes:
     """Return the picture of the open target, through the session's current camera."""
-    rules = Capture.from_record(document.model_dump())
+    board, camera, target = drawn(document)
+    return overlay.render(board, camera, target, image_format)
+
+
+def drawn(document: SessionDocument) -> tuple[Board, Camera, guidance.TargetPose]:
+    """Return the board, the session's current camera, and the open target as this camera sees it."""
+    record = document.model_dump()
+    rules = Capture.from_record(record)
     fit = document.estimate.fit
     camera = Camera.from_record(fit.model_dump()) if fit else rules.camera(None)
+    excluded = exclusions(record["views"])
+    views = [view for i, view in enumerate(rules.board.views(record["views"])) if i not in excluded]
     target = guidance.TargetPose.from_dict(document.target or {})
-    return overlay.render(rules.board, camera, target, image_format)
+    return rules.board, camera, rules.redraw(target, views, camera)
 
 
 handler = application.handler(application.route("/v1/session/pose", GET=show))

@@ -30,7 +30,7 @@ from calibdb.schema import (
     ViewRequest,
 )
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
-from calibsolver import DeadlineError, View, deadline, guidance
+from calibsolver import Camera, DeadlineError, View, deadline, guidance
 from calibsolver.capture import Capture, Estimate, Exclusion, ViewDecision, exclusions
 from calibsolver.quality import report
 from calibsolver.quality.board_flatness import shaped_fit
@@ -74,7 +74,7 @@ def remove(call: application.Call) -> Response:
             return None, document
         rules, views, excluded = solver_values(document.model_copy(update={"views": left}))
         estimate = rules.reconcile(views, excluded)
-        target = rules.next_target(views, estimate, unreached=targets(document.unreached)).to_dict()
+        target = rules.next_target(views, estimate, unreached=targets(document.unreached)).to_record()
         now = call.service.now
         changed = session_rules.with_views(
             document, left, to_estimate_document(estimate, now), view_statuses(estimate), target
@@ -154,7 +154,7 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, wher
     following = None
     if not estimate.converged and document.capture == "live":
         unreached = targets((*document.unreached, *document.skipped))
-        following = rules.next_target(everything, estimate, unreached=unreached).to_dict()
+        following = rules.next_target(everything, estimate, unreached=unreached).to_record()
     changed = session_rules.with_view(
         document, view, to_estimate_document(estimate, now), view_statuses(estimate), following
     )
@@ -168,7 +168,10 @@ def open_target(
 ) -> guidance.TargetPose:
     """Return the session's open target, chosen now if nobody asked where to hold the board."""
     if document.target is not None:
-        return guidance.TargetPose.from_dict(document.target)
+        target = guidance.TargetPose.from_dict(document.target)
+        fit = document.estimate.fit
+        active = [view for i, view in enumerate(views) if i not in excluded]
+        return rules.redraw(target, active, Camera.from_record(fit.model_dump()) if fit else None)
     return rules.next_target(views, rules.estimate(views, excluded))
 
 

@@ -174,3 +174,18 @@ def test_the_published_method_can_be_chosen(client: Client) -> None:
             break
     assert state["status"] == "converged"
     assert 4 <= len(state["views"]) <= 15
+
+
+def test_stored_targets_have_no_corners(client: Client) -> None:
+    """Of a dense board they would be most of the session: they follow from the pose and the camera."""
+    board = {"squares": [50, 49], "marker_ratio": 0.65, "dictionary": "DICT_6X6_1000", "kind": "chessboard"}
+    client.open(camera="Dense", board=board)
+    first = client.pose().json
+    assert len(first["corners"]) == len(first["ids"]) == 49 * 48
+    other = client.pose("skip=1").json
+    assert client.pose().json == other, "the same after it was stored"
+    document = latest(client.stack, "Dense")
+    assert document.target is not None
+    for target in (document.target, *document.skipped):
+        assert not {"ids", "corners", "outline"} & set(target)
+    assert len(document.model_dump_json()) < 3_000

@@ -139,7 +139,8 @@ def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: 
     path = f"/v1/calibrations/{again.json['calibration_id']}"
     published = client.call("GET", path, token=TOKEN).json
     assert published.pop("report")["verdict"]["level"] in ("good", "fair")
-    assert published == again.json["calibration"]
+    known = again.json["calibration"]
+    assert {name: published[name] for name in known} == known
     until(lambda: client.lookup(camera=camera).json["reason"] == "too_few")
 
 

@@ -39,7 +39,6 @@ MAX_POINTS = 20_000  # of all views: far more than a calibration needs, few enou
 MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends by itself long before
 MIN_RECORDED_VIEWS = 4  # that agree, to end a recorded session with: fewer can agree by chance
 MAX_SKIPPED_TARGETS = 8  # targets remembered as unwanted
-PIXELS_OF_TARGET = ("ids", "corners", "outline")  # how a target was seen, not where it was
 MAX_QUARANTINED_VIEWS = 4  # refused views kept in quarantine
 ViewStatus = tuple[float | None, SetAside | None]  # of a view: its error in px, and why it is set aside
 
@@ -237,11 +236,7 @@ def without_seed(document: SessionDocument) -> SessionDocument:
 
 def without_target(document: SessionDocument) -> SessionDocument:
     """Close the open target and count it among those the user did not want."""
-    unwanted = document.skipped
-    if document.target is not None:
-        # Only its pose counts from now on: corners of a dense board are many times as long as all the rest.
-        pose = {**document.target, **{name: [] for name in PIXELS_OF_TARGET}}
-        unwanted = (*unwanted, pose)
+    unwanted = document.skipped if document.target is None else (*document.skipped, document.target)
     return document.model_copy(update={"target": None, "skipped": unwanted[-MAX_SKIPPED_TARGETS:]})
 
 

@@ -173,6 +173,15 @@ class Capture:
         active = [view for i, view in enumerate(views) if i not in estimate.excluded]
         return self.guide.next_pose(active, estimate.calibration, skipped, unreached)
 
+    def redraw(
+        self, target: TargetPose, views: Sequence[View], estimate: Estimate | Camera | None
+    ) -> TargetPose:
+        """Target with its pixels, as it was chosen after these views; `estimate`: theirs, or its camera."""
+        if isinstance(self.guide, PoseSelection):
+            return target.redrawn(self.board, self.guide.camera(views))
+        camera = estimate if isinstance(estimate, Camera) else self.camera(estimate)
+        return target.redrawn(self.board, camera)
+
     def judge(
         self,
         views: Sequence[View],

@@ -1,7 +1,7 @@
 """Target pose: where the user is asked to hold the board."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,8 @@ from ..board import Board
 from ..camera import Camera
 from .hints import TEXTS, Code, Hint, Placement, largest_difference
 
+PIXELS = ("ids", "corners", "outline")
+"""Members of a target that say how a camera sees it, not where it is."""
 EDGE_SAMPLES = 12
 """Points along one edge of an outline: enough to draw a curved edge to a fraction of a pixel."""
 
@@ -98,15 +100,24 @@ class TargetPose:
             "gain": self.gain,
         }
 
+    def to_record(self) -> dict[str, Any]:
+        """Plain values without the pixels, which follow from the pose and the camera: what is stored."""
+        return {name: value for name, value in self.to_dict().items() if name not in PIXELS}
+
+    def redrawn(self, board: Board, camera: Camera) -> "TargetPose":
+        """Target with its pixels as `camera` sees them."""
+        seen = TargetPose.seen(board, camera, rotation.matrix(self.rvec), self.tvec, self.purpose, self.gain)
+        return replace(self, ids=seen.ids, corners=seen.corners, outline=seen.outline)
+
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> "TargetPose":
-        """Inverse of `to_dict`."""
+        """Inverse of `to_dict` and, but for the pixels, of `to_record`."""
         return cls(
             rvec=np.asarray(values["rvec"], dtype=np.float64),
             tvec=np.asarray(values["tvec"], dtype=np.float64),
-            ids=tuple(values["ids"]),
-            corners=np.asarray(values["corners"], dtype=np.float64).reshape(-1, 2),
-            outline=np.asarray(values["outline"], dtype=np.float64).reshape(-1, 2),
+            ids=tuple(values.get("ids", ())),
+            corners=np.asarray(values.get("corners", ()), dtype=np.float64).reshape(-1, 2),
+            outline=np.asarray(values.get("outline", ()), dtype=np.float64).reshape(-1, 2),
             purpose=str(values["purpose"]),
             hint=str(values["hint"]),
             hint_code=values["hint_code"] if values.get("hint_code") in TEXTS else "first",

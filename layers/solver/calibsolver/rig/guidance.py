@@ -43,7 +43,7 @@ ELITE_COUNT, SAMPLES_PER_ELITE = 4, 12
 SEARCH_RADII = (0.25, 0.15, 0.08)
 """Poses that are refined in a round, samples around each, and the radii of the rounds."""
 LINKING = ((0.5, 0.35), (0.8, 0.3), (0.2, 0.3), (0.5, 0.2), (0.85, 0.2), (0.15, 0.2))
-"""Targets that are to link cameras, one after the other: place / image width, and length of the board / image."""
+"""Targets that are to link cameras, in turn: place / image width, length of the board / image."""
 TIE_RATIO = 1.03
 """Error after a pose / least error within which poses count as equally good: the most cameras decide."""
 

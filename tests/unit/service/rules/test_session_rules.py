@@ -133,13 +133,6 @@ def test_stored_view_equals_the_request(points: list[tuple[float, float]]) -> No
     )
 
 
-def test_skipped_target_keeps_its_pose_and_no_pixels() -> None:
-    target = {"rvec": [0.0] * 3, "tvec": [0.0, 0.0, 9.0], "gain": 1.0, "hint_code": "first"}
-    pixels = {"ids": list(range(2401)), "corners": [[1.5, 2.5]] * 2401, "outline": [[0.5, 0.5]] * 48}
-    document = session_rules.without_target(session_rules.with_target(DOCUMENT, {**target, **pixels}))
-    assert document.skipped == ({**target, "ids": [], "corners": [], "outline": []},)
-
-
 def test_bound_of_points_is_the_solvers() -> None:
     from calibsolver.capture import rules
 
