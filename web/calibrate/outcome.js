@@ -54,9 +54,12 @@ export class Outcome {
       goOn: this.#onWithout, explain,
     };
     this.#complete.cancel();
-    this.#view.show(result);
+    this.#view.show({ ...result, pending: Boolean(id) });
     if (!id) return;
-    this.#complete(id, { ...result, returnTo }).catch((error) => console.info("no report:", explain(error)));
+    this.#complete(id, { ...result, returnTo }).catch((error) => {
+      console.info("no report:", explain(error));
+      this.#view.show({ ...result, returnTo });
+    });
   }
 
   clear() {

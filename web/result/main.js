@@ -1,13 +1,14 @@
 // Page of one stored calibration: /result/?id=…
 import { ApiError } from "../lib/api.js";
+import { splitLabel } from "../lib/camera-name.js";
 import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { sayChosen } from "../lib/file-input.js";
-import { sized, t } from "../lib/i18n.js";
+import { onLanguage, sized, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/result.js";
+import { verdictOf } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 
@@ -15,43 +16,27 @@ import { ResultView } from "../lib/result/view.js";
 
 openPage({ result: words });
 const query = new URLSearchParams(location.search);
-const root = part("result", HTMLElement);
 const say = liveRegion(part("status", HTMLElement));
-const view = new ResultView(root);
+const view = new ResultView(part("result", HTMLElement));
 
-/** A picture of this camera to straighten. @param {Result} result */
-function offerPicture(result) {
-  const [width, height] = result.calibration.img_size;
-  const input = part("picture", HTMLInputElement);
-  const complain = liveRegion(part("picture-problem", HTMLElement));
-  part("trial", HTMLElement).hidden = false;
-  sayChosen(input);
-  input.addEventListener("change", async () => {
-    const [file] = input.files ?? [];
-    if (!file) return;
-    complain();
-    try {
-      const picture = await createImageBitmap(file);
-      if (picture.width * height !== picture.height * width) {
-        complain(() => t("result.picture_shape", { size: sized([width, height]) }));
-        return;
-      }
-      const canvas = el("canvas", { width, height });
-      canvas.getContext("2d")?.drawImage(picture, 0, 0, width, height);
-      view.show({ ...result, picture: canvas });
-      document.getElementById("result-straight")?.scrollIntoView();
-    } catch (error) {
-      if (!(error instanceof DOMException)) throw error;
-      complain(() => t("result.picture_unreadable"));
-    }
-  });
+/** Title of the page, which tabs, histories and bookmarks show. @param {Result} result */
+function entitle({ calibration, report }) {
+  const { camera, img_size } = calibration;
+  const write = () => {
+    document.title = t("result.title_of", {
+      camera: splitLabel(camera).name, size: sized(img_size), level: t(`result.level_${verdictOf(calibration, report)}`),
+    });
+  };
+  onLanguage(write);
+  write();
 }
 
 /** Why there is nothing to show, and where to go from here. @param {() => string} why */
 function leadOn(why) {
   const ways = el("div", { class: "actions" });
-  liveRegion(ways)(() => [el("a", { class: "button", href: "../cameras/" }, t("result.search")),
+  liveRegion(ways)(() => [el("a", { class: "button primary", href: "../cameras/" }, t("result.search")),
     el("a", { class: "button", href: "../calibrate/" }, t("result.calibrate"))]);
+  part("skeleton", HTMLElement).hidden = true;
   part("waiting", HTMLElement).append(ways);
   say(why);
 }
@@ -66,8 +51,8 @@ async function show() {
     part("waiting", HTMLElement).hidden = true;
     /** @type {Result} */
     const result = { calibration, report, origin: "stored", returnTo: query.get("return_to"), returnOrigins, explain };
+    entitle(result);
     view.show(result);
-    offerPicture(result);
   } catch (error) {
     const missing = error instanceof ApiError && error.status === 404;
     leadOn(() => (missing ? t("result.missing") : explain(error)));

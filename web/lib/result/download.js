@@ -2,6 +2,7 @@
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
 import { addMessages, number, t } from "../i18n.js";
+import { jsonText } from "../json-text.js";
 import { FORMATS } from "../../vendor/formats.js";
 import words from "../../messages/formats.js";
 import { save } from "./source.js";
@@ -14,23 +15,46 @@ import { save } from "./source.js";
 const VISIBLE_ERROR_PX = 0.1; // px; what no camera shows need not be spoken of
 const FULL_COVERAGE = 0.995; // share of the picture
 const EXACT_ERROR_PX = 1e-3; // px; a file may be written with fewer digits
+const FORMAT_KEY = "calibdb.format"; // where the last one is kept
 const CORNERS = new Set(["corners-vnl"]); // what was measured, and no lens
 
 addMessages({ formats: words }); // wherever these are offered, their names are known
+
+/** The format chosen last. */
+function lastFormat() {
+  try {
+    return localStorage.getItem(FORMAT_KEY) ?? "";
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error;
+    return "";
+  }
+}
+
+/** @param {string} format */
+function keepFormat(format) {
+  try {
+    localStorage.setItem(FORMAT_KEY, format);
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error; // not kept, then
+  }
+}
 
 /**
  * @param {{calibration: Calibration, explain: (error: unknown) => string, of?: {id: string | null, without?: number[]}}} result of: where
  *   it is stored, and which of its views are left out
  * @param {string} [suffix] of the ids, where a page offers several
+ * @param {{primary?: boolean, before?: Node[], after?: Node[]}} [around] buttons in the same row
  */
-export function downloadPart({ calibration, explain, of = calibration }, suffix = "") {
+export function downloadPart({ calibration, explain, of = calibration }, suffix = "", { primary = true, before = [], after = [] } = {}) {
   const [id, about] = [`format${suffix}`, `format-about${suffix}`];
-  const select = el("select", { id, "aria-describedby": about }, ...FORMATS.map((format) => new Option(t(`formats.name_${format}`), format)));
+  const select = el("select", { id, "aria-label": t("result.format"), "aria-describedby": about }, ...FORMATS.map((format) => new Option(t(`formats.name_${format}`), format)));
+  if (FORMATS.includes(lastFormat())) select.value = lastFormat();
   const purpose = el("p", { id: about, class: "muted" }, t(`formats.for_${select.value}`));
   const status = el("p", { role: "status", class: "saved" });
-  const button = el("button", { type: "button", id: `download${suffix}`, class: "primary" }, t("result.download"));
+  const button = el("button", { type: "button", id: `download${suffix}`, class: primary ? "primary" : "" }, t("result.download"));
   select.addEventListener("change", () => {
     purpose.textContent = t(`formats.for_${select.value}`);
+    keepFormat(select.value);
     say("", false);
   });
   /** @param {string} text @param {boolean} bad */
@@ -52,14 +76,13 @@ export function downloadPart({ calibration, explain, of = calibration }, suffix 
       button.disabled = false;
     }
   });
-  const json = `${JSON.stringify(calibration, null, 2)}\n`;
   return el("div", { class: "take" },
-    el("div", { class: "fields" }, el("div", { class: "field" }, el("label", { for: id }, t("result.format")), select), button),
-    purpose, status,
-    ...(calibration.id && calibration.id !== new URLSearchParams(location.search).get("id")
-      ? [el("p", {}, el("a", { href: address(calibration.id) }, t("result.address")))] : []),
-    el("details", {}, el("summary", {}, t("result.as_answered")),
-      el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: `json${suffix}` }, json))));
+    el("div", { class: "actions" }, ...before, el("span", { class: "joined" }, button, select), ...after), purpose, status);
+}
+
+/** The whole record, as the API answers it. @param {Calibration} calibration @param {string} [suffix] of the id */
+export function recordPart(calibration, suffix = "") {
+  return el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: `json${suffix}` }, `${jsonText(calibration)}\n`));
 }
 
 /**
@@ -80,6 +103,3 @@ export function conversionText({ name, error, coverage }) {
   if (coverage < FULL_COVERAGE) parts.push(t("formats.partly", { share: Math.floor(100 * coverage) }));
   return parts.join(" ");
 }
-
-/** This result's own page. @param {string} id */
-const address = (id) => new URL(`../../result/?${new URLSearchParams({ id })}`, import.meta.url).href;

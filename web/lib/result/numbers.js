@@ -148,12 +148,6 @@ export function viewIssue(view, views) {
   return view.cut.length > 0.1 * view.points.length ? "some_cut" : null;
 }
 
-/** Largest and mean value of a map. @param {(number | null)[][]} map */
-export function extremes(map) {
-  const values = map.flat().filter((value) => value !== null);
-  return { max: Math.max(...values), mean: values.reduce((sum, value) => sum + value, 0) / values.length };
-}
-
 /** @param {Calibration} calibration @param {string} [ending] @returns {string} a file name without spaces */
 export function fileName({ camera, img_size }, ending = "json") {
   const name = camera.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "") || "camera";

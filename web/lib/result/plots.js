@@ -1,6 +1,7 @@
 // Plots of a result: predicted error, distortion, coverage, residuals. Numbers in, SVG out.
 import { number, rough, t } from "../i18n.js";
-import { coverage, displacements, extremes, viewIssue } from "./numbers.js";
+import { above, valueAt } from "../contours.js";
+import { coverage, displacements, viewIssue } from "./numbers.js";
 import { arrow, imagePlot, make, short } from "../svg.js";
 
 /**
@@ -21,37 +22,43 @@ function roundUp(value) {
 }
 
 /**
- * Predicted error over the picture, by lightness and in numbers.
+ * Typical error over the picture: bands between levels, and a reading of the value at any place.
  * @param {Calibration} calibration
- * @param {Report["error_map"]} map
+ * @param {Report["error_map"] | null} map null: not there yet; the empty frame has the same size
  */
-export function errorPlot({ img_size: [width, height] }, { grid: [columns, rows], px }) {
-  const { max, mean } = extremes(px);
-  const top = roundUp(max);
-  const digits = top < 1 ? 2 : 1;
-  const found = { mean: rough(mean), max: rough(max) };
-  const label = t("result.error_label", found);
-  const { svg, area, x, y, unit } = imagePlot([width, height], label, { name: "heat" });
-  // Each value is that of its cell's centre.
-  const [dx, dy] = [width / columns, height / rows];
-  const level = (/** @type {number} */ value) => Math.min(HEAT_LEVELS - 1, Math.floor((value / top) * HEAT_LEVELS));
-  px.forEach((line, row) => line.forEach((value, column) => {
-    const cell = { x: short(x(column * dx - 0.5)), y: short(y(row * dy - 0.5)), width: short(dx * unit + 0.3), height: short(dy * unit + 0.3) };
-    area.append(make("rect", { ...cell, class: value === null ? "blind" : `heat-${level(value)}` }));
-  }));
-  for (const row of spread(rows, 4)) {
-    for (const column of spread(columns, 5)) {
-      const value = px[row][column];
-      if (value === null) continue;
-      const place = { x: short(x((column + 0.5) * dx - 0.5)), y: short(y((row + 0.5) * dy - 0.5) + 4), "text-anchor": "middle" };
-      area.append(make("text", { ...place, class: level(value) < HEAT_LEVELS / 2 ? "on-little" : "on-much" }, [rough(value)]));
-    }
-  }
-  return { svg, scale: scaleOf(top, digits), caption: t("result.error_caption", found) };
+export function errorPlot({ img_size, uncertainty }, map) {
+  // The same two numbers as everywhere: rms and maximum of this very map.
+  const found = { typical: rough(uncertainty.rms), max: rough(uncertainty.max) };
+  const top = roundUp(uncertainty.max);
+  const { svg, area, x, y, unit } = imagePlot(img_size, t("result.error_label", found), { name: "heat" });
+  if (map) area.append(...bandsOf(map.px, img_size, top, x, y));
+  const at = (/** @type {MouseEvent} */ event) => {
+    const box = area.getBoundingClientRect();
+    const place = /** @type {[number, number]} */ ([0, 1].map((axis) => (
+      (axis ? event.clientY - box.top : event.clientX - box.left) / (axis ? box.height : box.width)) * img_size[axis] - 0.5));
+    return map && place.every((each, axis) => each >= -0.5 && each <= img_size[axis] - 0.5) ? { place, value: valueAt(map.px, img_size, place) } : null;
+  };
+  return { svg, scale: scaleOf(top, top < 1 ? 2 : 1), caption: t("result.error_caption", found), at, unit };
 }
 
-/** Places that leave the rim free for letters. @param {number} count @param {number} wanted */
-const spread = (count, wanted) => Array.from({ length: wanted }, (_, index) => Math.round(((index + 0.5) * count) / wanted - 0.5));
+/**
+ * @param {import("../contours.js").Values} px @param {[number, number]} size px @param {number} top px @param {(u: number) => number} x
+ * @param {(v: number) => number} y
+ */
+function bandsOf(px, size, top, x, y) {
+  return Array.from({ length: HEAT_LEVELS }, (_, step) => {
+    const polygons = above(px, size, step === 0 ? -Infinity : (top * step) / HEAT_LEVELS);
+    const d = polygons.map((points) => `M${points.map(([u, v]) => `${short(x(u))} ${short(y(v))}`).join("L")}Z`).join("");
+    return make("path", { d, class: `heat-${step}` });
+  });
+}
+
+/** Rows of the map's values for a table, at the centres and the corners. @param {Calibration} calibration @param {Report["error_map"]} map */
+export function errorTable({ img_size }, { px }) {
+  const along = (/** @type {number} */ side) => [0, 0.25, 0.5, 0.75, 1].map((share) => Math.round(share * (side - 1)));
+  const columns = along(img_size[0]);
+  return { columns, rows: along(img_size[1]).map((v) => ({ v, values: columns.map((u) => valueAt(px, img_size, [u, v])) })) };
+}
 
 /** The colour scale with its numbers. @param {number} top px @param {number} digits */
 function scaleOf(top, digits) {
@@ -85,13 +92,13 @@ export function distortionPlot(calibration) {
   return { svg, caption: t("result.distortion_caption", { max: number(largest, 1) }) + factor };
 }
 
-/** All corners measured. @param {Calibration} calibration @param {Report} report */
-export function coveragePlot({ img_size }, { views }) {
-  const points = views.flatMap((view) => /** @type {number[][]} */ (view.points));
+/** All corners measured. @param {Calibration} calibration @param {Report | null} report null: not there yet */
+export function coveragePlot({ img_size }, report) {
+  const points = (report?.views ?? []).flatMap((view) => /** @type {number[][]} */ (view.points));
   const share = number(100 * coverage(points, img_size), 0);
   const { svg, area, x, y } = imagePlot(img_size, t("result.coverage_label", { share }), { name: "coverage" });
   area.append(make("path", { d: dots(points.map(([u, v]) => [x(u), y(v)])), class: "dot" }));
-  return { svg, caption: t("result.coverage_caption", { share, count: points.length }) };
+  return { svg, caption: report ? t("result.coverage_caption", { share, count: points.length }) : "\u00a0" };
 }
 
 /** @param {number[][]} points in plot units */

@@ -8,6 +8,18 @@ import { fileName } from "./numbers.js";
  * @typedef {import("./numbers.js").Report} Report
  */
 
+/**
+ * @typedef {object} Facts what the service says of a stored calibration beside its numbers
+ * @property {import("../../vendor/api.js").Board | null} board
+ * @property {string | null} cameraKey
+ */
+
+/** Facts of what was loaded, by id. @type {Map<string, Facts>} */
+const facts = new Map();
+
+/** @param {string | null} id @returns {Facts | null} null: not loaded */
+export const factsOf = (id) => facts.get(id ?? "") ?? null;
+
 /** Endings of file names, by type. @type {[type: RegExp, ending: string][]} */
 const ENDINGS = [[/yaml/, "yaml"], [/xml/, "xml"], [/json/, "json"], [/text\/plain/, "txt"]];
 
@@ -24,7 +36,8 @@ const path = (id, query = {}) => `/calibrations/${encodeURIComponent(id)}${Objec
  */
 export async function load(id, without = [], transport = {}) {
   const { api, token } = await loadSettings();
-  const { report = null, ...calibration } = await new Api(api, transport).json("GET", path(id, withoutQuery(without)), token);
+  const { report = null, board = null, camera_key: cameraKey = null, ...calibration } = await new Api(api, transport).json("GET", path(id, withoutQuery(without)), token);
+  if (calibration.id) facts.set(calibration.id, { board, cameraKey });
   return { calibration, report };
 }
 

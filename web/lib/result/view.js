@@ -1,17 +1,19 @@
-// View of a result: verdict, numbers, plots, downloads.
+// View of a result: what it is and how good, what it does, numbers, figures, views.
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
-import { number, onLanguage, pageUrl, sized, t } from "../i18n.js";
+import { onLanguage, t } from "../i18n.js";
+import { keepOwn } from "../own-calibrations.js";
 import { isKnownModel } from "../../sdk/projection.js";
 import { isVirtual } from "../virtual/name.js";
-import { returnAddress, withResult } from "./return-address.js";
-import { comparison } from "./compare.js";
-import { fieldOfView, intrinsics, levelOf } from "./numbers.js";
-import { coveragePlot, distortionPlot, errorPlot } from "./plots.js";
-import { reasonTexts } from "./reasons.js";
-import { load } from "./source.js";
-import { downloadPart } from "./download.js";
-import { button, listViews, viewsPart } from "./views.js";
+import { againAddress, card, resultAddress, showStanding, verdictOf } from "./card.js";
+import { codePart } from "./code-part.js";
+import { recordPart } from "./download.js";
+import { figuresPart } from "./figures-part.js";
+import { numbersPart } from "./numbers-part.js";
+import { factsOf, load } from "./source.js";
+import { follow } from "./standing.js";
+import { straightPart } from "./straight-part.js";
+import { listViews, viewsPart } from "./views.js";
 
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration
@@ -25,6 +27,7 @@ import { button, listViews, viewsPart } from "./views.js";
  * @property {"added" | "imported" | "practice" | "stored"} origin what becomes of it
  * @property {string | null} [returnTo] address of the application that asked
  * @property {readonly string[]} [returnOrigins] to which results may be handed
+ * @property {boolean} [pending] the report is on its way
  * @property {{code: string, text: string}[]} [notes] what else is to be said
  * @property {{label: () => string, action: () => void}} [again]
  * @property {(without: number[]) => void} [goOn] with the views that are left, by whom they were taken; indices
@@ -40,6 +43,10 @@ export class ResultView {
   #trial = null;
   /** Trials so far: what arrives for an earlier one comes too late. */
   #tried = 0;
+  /** @type {import("./standing.js").Standing | null} */
+  #standing = null;
+  /** Ends the questions about the camera of the result before. */
+  #following = new AbortController();
   /** @type {(() => void)[]} */
   #held = [];
   #unlisten;
@@ -52,10 +59,43 @@ export class ResultView {
 
   /** @param {Result} result */
   show(result) {
+    const same = result.calibration.id !== null && this.#result?.calibration.id === result.calibration.id;
     this.#result = result;
     this.#trial = null;
     this.#tried += 1;
+    if (!same) this.#standing = null;
     this.#draw();
+    this.#keep(result);
+    void this.#follow(result);
+  }
+
+  /** Whoever made it here finds it again; practice is nobody's camera. @param {Result} result */
+  #keep({ calibration, report, origin, pending }) {
+    const { id, camera, img_size, calibration_time: time, uncertainty: { rms } } = calibration;
+    if (!id || pending || origin === "stored" || isVirtual(camera)) return;
+    keepOwn({ id, camera, img_size, time, level: verdictOf(calibration, report), rms });
+  }
+
+  /** @param {Result} result */
+  async #follow({ calibration }) {
+    this.#following.abort();
+    const { signal } = this.#following = new AbortController();
+    const key = factsOf(calibration.id)?.cameraKey;
+    if (!key || isVirtual(calibration.camera) || this.#standing?.settled) return;
+    try {
+      await follow(key, calibration, signal, (standing) => {
+        this.#standing = standing;
+        this.#showStanding();
+      });
+    } catch (error) {
+      // The result is whole without it.
+      if (!signal.aborted) console.info("no standing:", String(error));
+    }
+  }
+
+  #showStanding() {
+    const place = document.getElementById("standing");
+    if (place && this.#result) showStanding(place, this.#result.calibration, this.#standing);
   }
 
   #draw() {
@@ -63,35 +103,39 @@ export class ResultView {
     if (!result) return;
     this.#release();
     const trial = this.#trial;
+    const { id } = result.calibration;
     const { calibration, report } = trial ?? result;
-    const knownModel = isKnownModel(calibration.distortion_model);
-    const straight = result.picture && knownModel ? comparison(calibration, result.picture) : null;
+    const pending = result.pending === true && !report;
+    const straight = isKnownModel(calibration.distortion_model)
+      ? straightPart(calibration, result.picture ?? null, (picture) => this.#another(picture)) : null;
     if (straight) this.#held.push(straight.dispose);
     // The report arrives while somebody is on the way to a button.
     const focused = this.#root.contains(document.activeElement) ? document.activeElement?.id : "";
     this.#root.replaceChildren(...[
-      opening({ ...result, calibration, report }, trial),
-      result.returnTo && !trial ? returning(result) : null,
-      section("numbers", tables(calibration, report)),
-      report && section("error", plot(errorPlot(calibration, report.error_map))),
-      knownModel ? section("distortion", plot(distortionPlot(calibration))) : null,
-      report && section("coverage", plot(coveragePlot(calibration, report))),
-      result.report && section("views", viewsPart({ ...result, report: result.report }, trial, this.#choices(result))),
+      card({ ...result, calibration, report }, trial, id),
       straight && section("straight", straight.element),
-      section("take", downloadPart({ calibration, explain: result.explain, of: { id: result.calibration.id, without: trial?.without ?? [] } })),
+      section("numbers", numbersPart(calibration, report, { pending })),
+      section("figures", figuresPart(calibration, report, pending)),
+      result.report && section("views", viewsPart({ ...result, report: result.report }, trial, this.#choices(result))),
+      section("code", codePart(calibration, id)),
       section("help", el("p", { id: "summary" }, contributionText(result))),
+      section("details", details(calibration, id)),
     ].filter((element) => element !== null));
+    this.#showStanding();
     if (focused) document.getElementById(focused)?.focus();
+  }
+
+  /** Straightens another picture, where it stands. @param {HTMLCanvasElement} picture */
+  #another(picture) {
+    if (!this.#result) return;
+    this.#result = { ...this.#result, picture };
+    this.#inPlace(() => this.#draw(), "result-straight");
   }
 
   /** @param {Result} result @returns {import("./views.js").Choices | null} */
   #choices({ calibration, goOn }) {
-    const { id, camera, img_size, distortion_model, platform } = calibration;
-    if (!id) return null;
-    const photographs = ["photographs", "video"].includes(platform);
-    const query = new URLSearchParams({ camera, ...(photographs ? {} : { img_size: img_size.join("x"), distortion_model }) });
-    const elsewhere = pageUrl(`${photographs ? "photos" : "calibrate"}/?${query}`).href;
-    return { choose: (without) => void this.#leaveOut(id, without), goOn, elsewhere };
+    const { id } = calibration;
+    return id ? { choose: (without) => void this.#leaveOut(id, without), goOn, elsewhere: againAddress(calibration) } : null;
   }
 
   /** Shows what it is without some views. @param {string} id @param {number[]} without */
@@ -111,10 +155,10 @@ export class ResultView {
     }
   }
 
-  /** Draws, with the focus and the place on the page where they were. @param {() => void} draw */
-  #inPlace(draw) {
+  /** Draws, with the focus and the place on the page where they were. @param {() => void} draw @param {string} [part] id of what stays */
+  #inPlace(draw, part = "result-views") {
     const { id = "" } = document.activeElement ?? {};
-    const place = () => document.getElementById("result-views")?.getBoundingClientRect().top ?? 0;
+    const place = () => document.getElementById(part)?.getBoundingClientRect().top ?? 0;
     const before = place();
     draw();
     scrollBy(0, place() - before);
@@ -125,6 +169,7 @@ export class ResultView {
   /** Takes it all away. */
   clear() {
     this.#release();
+    this.#following.abort();
     this.#tried += 1;
     [this.#result, this.#trial] = [null, null];
     this.#root.replaceChildren();
@@ -141,71 +186,25 @@ export class ResultView {
 }
 
 /** The result that was given to others, unchanged. @param {Result} result */
-function contributionText({ origin, calibration: { camera, platform, calibrations } }) {
+function contributionText({ origin, calibration: { camera, platform, calibrations, reliable } }) {
   if (origin === "practice" || isVirtual(camera)) return t("result.help_practice");
-  const kind = origin !== "stored" && ["photographs", "video"].includes(platform) ? "photographs" : origin;
-  return t(`result.help_${kind}`, { count: calibrations });
+  if (origin === "stored") return t(reliable ? "result.help_ready" : "result.help_stored", { count: calibrations });
+  return t(`result.help_${["photographs", "video"].includes(platform) ? "photographs" : origin}`, { count: calibrations });
 }
 
-/** The verdict, and why. @param {Result} result @param {Trial | null} trial */
-function opening({ calibration, report, origin, again, notes = [] }, trial) {
-  const level = report?.verdict.level ?? levelOf(calibration);
-  const practice = isVirtual(calibration.camera);
-  const { uncertainty: { rms, max }, img_size } = calibration;
-  const values = { rms: number(rms, rms < 0.1 ? 2 : 1), max: number(max, max < 0.1 ? 2 : 1) };
-  const reasons = reasonTexts(report, notes, calibration.distortion_model);
-  return el("header", { class: "opening" },
-    // Where it was captured the page itself has said so.
-    ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
-    el("p", { class: "label" }, [calibration.camera, sized(img_size), calibration.distortion_model].join(" · ")),
-    ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: listViews(trial.without) }))] : []),
-    el("h1", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
-    el("p", { class: "lead" }, ...(practice ? [] : [t(`result.means_${level}`), " "]), t("result.sentence", values)),
-    ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
-    ...(again && !trial ? [el("div", { class: "actions" }, button(again.label(), again.action, { id: "once-more" }))] : []),
-  );
-}
-
-/** @param {Result} result */
-function returning({ calibration, returnTo, returnOrigins = [] }) {
-  const found = returnAddress(returnTo ?? null, location.origin, returnOrigins);
-  if (!found || !calibration.id) return null;
-  const { url: { host }, url, allowed } = found;
-  if (!allowed) return el("p", { class: "return problem" }, t("result.back_refused", { host }));
-  return el("section", { class: "return" },
-    el("a", { class: "button primary", id: "return", href: withResult(url, calibration.id) }, t("result.back", { host })),
-    el("p", { class: "muted" }, t("result.back_text", { host })));
+/** What few need: the address, the system, the whole record. @param {Calibration} calibration @param {string | null} id */
+function details(calibration, id) {
+  return el("details", { class: "record" }, el("summary", {}, t("result.as_answered")),
+    el("p", { class: "muted" }, `${calibration.camera} · ${calibration.platform}`),
+    ...(id && id !== new URLSearchParams(location.search).get("id") ? [el("p", {}, el("a", { href: resultAddress(id) }, t("result.address")))] : []),
+    recordPart(calibration));
 }
 
 /**
- * @param {"numbers" | "error" | "distortion" | "coverage" | "views" | "straight" | "take" | "help"} name
+ * @param {"numbers" | "figures" | "views" | "straight" | "code" | "help" | "details"} name
  * @param {Node} content
  */
 function section(name, content) {
   const id = `result-${name}`;
   return el("section", { class: "band", "aria-labelledby": id }, el("h2", { id }, t(`result.part_${name}`)), el("div", {}, content));
 }
-
-/** @param {{svg: Node, caption: string, scale?: Node}} made */
-function plot({ svg, caption, scale }) {
-  return el("figure", { class: "figure measured" }, svg, ...(scale ? [scale] : []), el("figcaption", {}, caption));
-}
-
-/** @param {Calibration} calibration @param {Report | null} report */
-export function tables(calibration, report) {
-  const { horizontal, vertical, diagonal } = fieldOfView(calibration);
-  const degrees = (/** @type {number | null} */ angle) => (angle === null ? "–" : number(angle, 1));
-  /** @param {string} name @param {string} value @param {string} more @param {string} unit */
-  const row = (name, value, more, unit) => el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, value), el("td", { class: "std" }, more), el("td", { class: "unit" }, unit));
-  const px = (/** @type {string} */ name, /** @type {number | null | undefined} */ value) =>
-    (typeof value === "number" ? [row(t(name), number(value, 3), "", "px rms")] : []);
-  return el("div", { class: "columns" },
-    el("table", {}, el("caption", {}, t("result.intrinsics", { model: calibration.distortion_model })),
-      el("tbody", {}, ...intrinsics(calibration, report).map(({ name, value, std, digits, unit }) =>
-        row(name, number(value, digits), std ? `± ${number(std, digits)}` : "", unit)))),
-    el("table", {}, el("caption", {}, t("result.quality")),
-      el("tbody", {}, ...px("result.reprojection", calibration.avg_reprojection_error), ...px("result.held_out", report?.held_out ?? calibration.held_out_error), ...px("result.spread", calibration.spread),
-        ...px("result.uncertainty", calibration.uncertainty.rms),
-        row(t("result.across"), degrees(horizontal), "", "°"), row(t("result.down"), degrees(vertical), "", "°"), row(t("result.diagonal"), degrees(diagonal), "", "°"))));
-}
-

@@ -1,0 +1,48 @@
+// Calibrations that were made in this browser: kept here, so that their maker finds them again. Nothing is sent.
+
+const KEY = "calibdb.own";
+const MAX_OWN = 100; // calibrations; the oldest go first
+
+/**
+ * @typedef {object} Own
+ * @property {string} id
+ * @property {string} camera its label
+ * @property {[number, number]} img_size px
+ * @property {number} time unix seconds
+ * @property {"good" | "fair" | "poor"} level
+ * @property {number} rms typical error, px
+ */
+
+/** The newest first. @returns {Own[]} */
+export function ownCalibrations() {
+  try {
+    const kept = JSON.parse(localStorage.getItem(KEY) ?? "[]");
+    return Array.isArray(kept) ? kept.filter((each) => typeof each?.id === "string" && typeof each.camera === "string" && Array.isArray(each.img_size)) : [];
+  } catch (error) {
+    // A browser that keeps nothing for pages refuses the very question.
+    if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;
+    return [];
+  }
+}
+
+/** @param {Own} own @returns {boolean} whether it is kept */
+export function keepOwn(own) {
+  return write([own, ...ownCalibrations().filter(({ id }) => id !== own.id)].slice(0, MAX_OWN));
+}
+
+/** @param {string} [id] all of them without one */
+export function forgetOwn(id) {
+  write(id === undefined ? [] : ownCalibrations().filter((each) => each.id !== id));
+}
+
+/** @param {Own[]} all */
+function write(all) {
+  try {
+    if (all.length) localStorage.setItem(KEY, JSON.stringify(all));
+    else localStorage.removeItem(KEY);
+    return true;
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error;
+    return false;
+  }
+}

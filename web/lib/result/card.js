@@ -1,0 +1,130 @@
+// Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
+import { el } from "../dom.js";
+import { splitLabel } from "../camera-name.js";
+import { language, pageUrl, rough, sized, t } from "../i18n.js";
+import { isVirtual } from "../virtual/name.js";
+import { copyButton, hint } from "./menu.js";
+import { levelOf } from "./numbers.js";
+import { downloadPart } from "./download.js";
+import { reasonTexts } from "./reasons.js";
+import { returnAddress, withResult } from "./return-address.js";
+import { factsOf } from "./source.js";
+import { button, listViews } from "./views.js";
+
+/**
+ * @typedef {import("./numbers.js").Calibration} Calibration
+ * @typedef {import("./numbers.js").Report} Report
+ * @typedef {import("./standing.js").Standing} Standing
+ * @typedef {import("./view.js").Result} Result
+ * @typedef {import("./views.js").Trial} Trial
+ */
+
+const FILES = ["photographs", "video"]; // platforms of what no browser opened as a camera
+const BOARDS = /** @type {Record<string, string>} */ ({ charuco: "ChArUco", chessboard: "Chessboard", aprilgrid: "AprilGrid" });
+
+/** Level of a result. @param {Calibration} calibration @param {Report | null} report */
+export const verdictOf = (calibration, report) => report?.verdict.level ?? levelOf(calibration);
+
+/** "Logitech C920 · 1280 × 720". @param {Calibration} calibration */
+export const titleOf = ({ camera, img_size }) => `${splitLabel(camera).name} · ${sized(img_size)}`;
+
+/** The result's own page, in the language of whoever opens it. @param {string} id */
+export const resultAddress = (id) => new URL(`../../result/?${new URLSearchParams({ id })}`, import.meta.url).href;
+
+/** Page where this camera is calibrated once more. @param {Calibration} calibration */
+export function againAddress({ camera, img_size, distortion_model, platform }) {
+  const photographs = FILES.includes(platform);
+  const query = new URLSearchParams({ camera, ...(photographs ? {} : { img_size: img_size.join("x"), distortion_model }), ...(isVirtual(camera) ? { virtual: "1" } : {}) });
+  return pageUrl(`${photographs ? "photos" : "calibrate"}/?${query}`).href;
+}
+
+/**
+ * @param {Result} result with the calibration and report that are shown @param {Trial | null} trial
+ * @param {string | null} id where it is stored
+ */
+export function card(result, trial, id) {
+  const { calibration, report, origin, notes = [] } = result;
+  const { camera, img_size, uncertainty } = calibration;
+  const level = verdictOf(calibration, report);
+  const practice = isVirtual(camera);
+  const reasons = reasonTexts(report, notes, calibration.distortion_model);
+  return el("header", { class: "opening card" },
+    // Where it was captured the page itself has said so.
+    ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
+    ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: listViews(trial.without) }))] : []),
+    el("h1", { id: "result-name", tabindex: -1 }, splitLabel(camera).name, " ", el("span", { class: "number size" }, sized(img_size))),
+    el("div", { class: "judgement" },
+      el("p", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
+      el("p", { class: "lead" },
+        el("span", {}, t("result.sentence", { rms: rough(uncertainty.rms), max: rough(uncertainty.max) })), hint(t("result.uncertainty"), t("result.uncertainty_hint")),
+        ...(practice ? [] : [" ", el("span", { class: "means" }, t(`result.means_${level}`))]))),
+    ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
+    nextSteps(result, trial, id),
+    el("p", { class: "facts muted number" }, factsText(calibration, report, factsOf(id)?.board ?? null)),
+    ...(practice || trial || !id ? [] : [el("p", { class: "standing", id: "standing" }, "\u00a0")]));
+}
+
+/** @param {Result} result @param {Trial | null} trial @param {string | null} id */
+function nextSteps(result, trial, id) {
+  const { calibration, again, origin } = result;
+  const practice = isVirtual(calibration.camera);
+  const back = trial ? null : returning(result, id);
+  const first = back?.link ? "return" : practice ? "own" : "download";
+  const camera = pageUrl("calibrate/").href;
+  return el("div", { class: "next" },
+    ...(back ? [back.element] : []),
+    downloadPart({ calibration, explain: result.explain, of: { id, without: trial?.without ?? [] } }, "", {
+      primary: first === "download",
+      before: practice && !trial ? [el("a", { class: first === "own" ? "button primary" : "button", id: "own-camera", href: camera }, t("result.own_camera"))] : [],
+      after: [
+        ...(id ? [copyButton(t("result.copy_link"), () => resultAddress(id), { id: "copy-link" })] : []),
+        el("a", { class: "button", id: "to-code", href: "#result-code" }, t("result.use_in_code")),
+        ...(id && !FILES.includes(calibration.platform) && origin !== "imported" ? [el("a", { class: "button", id: "to-ar", href: arAddress(calibration, id) }, t("result.see_in_ar"))] : []),
+        ...(again && !trial ? [button(again.label(), again.action, { id: "once-more" })] : []),
+      ],
+    }));
+}
+
+/** @param {Calibration} calibration @param {string} id */
+function arAddress({ camera }, id) {
+  const query = new URLSearchParams({ camera, ...(isVirtual(camera) ? { virtual: "1" } : {}) });
+  return pageUrl(`ar/?${query}#${new URLSearchParams({ calibration: id })}`).href;
+}
+
+/** @param {Result} result @param {string | null} id @returns {{element: HTMLElement, link: boolean} | null} null: nobody asked */
+function returning({ returnTo, returnOrigins = [] }, id) {
+  const found = returnAddress(returnTo ?? null, location.origin, returnOrigins);
+  if (!found || !id) return null;
+  const { url: { host }, url, allowed } = found;
+  if (!allowed) return { element: el("p", { class: "return problem" }, t("result.back_refused", { host })), link: false };
+  return {
+    link: true,
+    element: el("div", { class: "return" }, el("a", { class: "button primary", id: "return", href: withResult(url, id) }, t("result.back", { host })),
+      el("p", { class: "muted" }, t("result.back_text", { host }))),
+  };
+}
+
+/** "4 views · ChArUco 9 × 6 · 22 Nov 2026". @param {Calibration} calibration @param {Report | null} report @param {any} board */
+function factsText(calibration, report, board) {
+  const date = new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(calibration.calibration_time * 1000));
+  return [
+    ...(report ? [t("result.views_count", { count: report.views.length })] : []),
+    ...(board ? [`${BOARDS[board.kind ?? "charuco"] ?? board.kind} ${sized(board.squares)}`] : []),
+    date, calibration.distortion_model,
+  ].join(" · ");
+}
+
+/**
+ * "2 of 5 calibrations needed", and the way to the next one.
+ * @param {HTMLElement} place @param {Calibration} calibration @param {Standing | null} standing null: not known
+ */
+export function showStanding(place, calibration, standing) {
+  if (!standing) return place.replaceChildren("\u00a0");
+  const { key, agreeing, required, reliable } = standing;
+  const camera = pageUrl(`cameras/?${new URLSearchParams({ key })}`).href;
+  const text = reliable ? t("result.standing_ready", { count: agreeing })
+    : agreeing >= required ? t("result.standing_enough", { count: agreeing }) : t("result.standing", { count: agreeing, required });
+  place.replaceChildren(el("strong", { class: "number" }, text), " ",
+    ...(reliable ? [] : [el("a", { href: againAddress(calibration), id: "confirm" }, t("result.confirm")), " · "]),
+    el("a", { href: camera }, t("result.camera_page")));
+}

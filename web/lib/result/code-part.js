@@ -1,0 +1,37 @@
+// Part of a result with the code that uses it: in Python, and in a web page.
+import { el } from "../dom.js";
+import { t } from "../i18n.js";
+import { copyButton } from "./menu.js";
+import { matrixText } from "./values.js";
+
+/** @typedef {import("./numbers.js").Calibration} Calibration */
+
+/** Calls of OpenCV that straighten a picture, by model. @type {Record<string, string>} */
+const STRAIGHTEN = {
+  rectilinear: "straight = cv2.undistort(image, K, D)",
+  rational: "straight = cv2.undistort(image, K, D)",
+  fisheye: "straight = cv2.fisheye.undistortImage(image, K, D, Knew=K)",
+  omnidirectional: "xi, D = D[:1], D[1:]\nstraight = cv2.omnidir.undistortImage(image, K, D, xi, cv2.omnidir.RECTIFY_PERSPECTIVE, Knew=K)",
+};
+
+/** @param {Calibration} calibration */
+function python(calibration) {
+  const { K, D } = matrixText(calibration, "numpy");
+  const call = STRAIGHTEN[calibration.distortion_model];
+  return `import cv2\nimport numpy as np\n\n${K}\n${D}\n${call ? `\n${call}\n` : ""}`;
+}
+
+/** @param {string} id */
+const javascript = (id) => `const answer = await fetch("${location.origin}/v1/calibrations/${encodeURIComponent(id)}", {
+  headers: { authorization: "Bearer cdb_…" }, // your token
+});
+const { camera_matrix, distortion_coefficients } = await answer.json();
+`;
+
+/** @param {Calibration} calibration @param {string | null} id where it is stored */
+export function codePart(calibration, id) {
+  const block = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ code) => el("div", { class: "code" },
+    el("div", { class: "which" }, el("h3", { id: `code-${name}` }, label), copyButton(t("result.copy_code"), () => code, { class: "small", "aria-describedby": `code-${name}` })),
+    el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code)));
+  return el("div", { class: "codes" }, block("python", "Python", python(calibration)), ...(id ? [block("javascript", "JavaScript", javascript(id))] : []));
+}

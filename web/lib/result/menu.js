@@ -1,0 +1,57 @@
+// Parts of a result's card that one operates: copying, and explanations of a word.
+import { el } from "../dom.js";
+import { t } from "../i18n.js";
+
+/**
+ * A button that copies a text, and says so.
+ * @param {string} label @param {() => string} text @param {Record<string, string>} [attributes]
+ */
+export function copyButton(label, text, attributes = {}) {
+  const button = el("button", { type: "button", ...attributes }, label);
+  const said = el("span", { class: "unseen", role: "status" });
+  const hidden = el("span", { class: "copy" }, button, said);
+  button.addEventListener("click", async () => {
+    const done = await copied(text(), hidden);
+    button.textContent = t(done ? "result.copied" : "result.copy_failed");
+    said.textContent = button.textContent;
+    button.addEventListener("blur", () => {
+      button.textContent = label;
+      said.textContent = "";
+    }, { once: true });
+  });
+  return hidden;
+}
+
+/**
+ * @param {string} text @param {HTMLElement} beside where a field may stand for a moment
+ * @returns {Promise<boolean>}
+ */
+async function copied(text, beside) {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch (error) {
+    // Not over plain HTTP, and not everywhere allowed: then as one copied before.
+    if (!(error instanceof DOMException) && !(error instanceof TypeError)) throw error;
+    const field = el("textarea", { class: "unseen", "aria-hidden": "true" });
+    field.value = text;
+    beside.append(field);
+    field.select();
+    const done = document.execCommand("copy");
+    field.remove();
+    return done;
+  }
+}
+
+/** A word's explanation, behind a question mark. @param {string} word @param {string} text */
+export function hint(word, text) {
+  const details = el("details", { class: "hint" },
+    el("summary", { "aria-label": t("result.what_is", { word }) }, "?"), el("p", {}, text));
+  details.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") details.open = false;
+  });
+  details.addEventListener("focusout", (event) => {
+    if (!details.contains(/** @type {Node | null} */ (event.relatedTarget))) details.open = false;
+  });
+  return details;
+}

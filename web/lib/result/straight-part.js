@@ -1,0 +1,51 @@
+// Part of a result that shows what it does: a picture before and after, and any other photograph of this camera.
+import { el } from "../dom.js";
+import { sized, t } from "../i18n.js";
+import { liveRegion } from "../live-region.js";
+import { comparison, shrinkCalibration } from "./compare.js";
+import { gridPicture } from "./grid-picture.js";
+
+/** @typedef {import("./numbers.js").Calibration} Calibration */
+
+/**
+ * @param {Calibration} calibration of a model that is known here
+ * @param {HTMLCanvasElement | null} picture of this camera; null: a grid, as this lens shows it
+ * @param {(picture: HTMLCanvasElement) => void} onPicture called with another that was chosen
+ * @returns {{element: HTMLElement, dispose: () => void}}
+ */
+export function straightPart(calibration, picture, onPicture) {
+  const shown = comparison(calibration, picture ?? gridPicture(shrinkCalibration(calibration)));
+  return {
+    element: el("div", { class: "straight" }, shown.element,
+      ...(picture ? [] : [el("p", { class: "muted" }, t("result.grid_text"))]), chooser(calibration, onPicture)),
+    dispose: shown.dispose,
+  };
+}
+
+/** @param {Calibration} calibration @param {(picture: HTMLCanvasElement) => void} onPicture */
+function chooser({ img_size: [width, height] }, onPicture) {
+  const input = el("input", { class: "unseen", id: "trial-picture", type: "file", accept: "image/*", "aria-describedby": "trial-text" });
+  const label = el("label", { class: "button" }, input, el("span", {}, t("result.picture")));
+  const problem = el("p", { class: "problem", id: "trial-problem", role: "status" });
+  const complain = liveRegion(problem);
+  input.addEventListener("change", async () => {
+    const [file] = input.files ?? [];
+    if (!file) return;
+    complain();
+    try {
+      const picture = await createImageBitmap(file);
+      if (picture.width * height !== picture.height * width) {
+        complain(() => t("result.picture_shape", { size: sized([width, height]) }));
+        return;
+      }
+      const canvas = el("canvas", { width, height });
+      canvas.getContext("2d")?.drawImage(picture, 0, 0, width, height);
+      picture.close();
+      onPicture(canvas);
+    } catch (error) {
+      if (!(error instanceof DOMException)) throw error;
+      complain(() => t("result.picture_unreadable"));
+    }
+  });
+  return el("div", { class: "chooser" }, label, el("span", { class: "muted", id: "trial-text" }, t("result.trial_text")), problem);
+}

@@ -1,0 +1,36 @@
+// Numbers of a calibration as they are written: with as many digits as they are worth, small ones with a power of ten.
+import { number } from "../i18n.js";
+
+const MIN_PLAIN = 1e-3; // below this a number has a power of ten
+const SUPERSCRIPT = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+
+/** @param {number} exponent */
+const power = (exponent) => `\u00a0×\u00a010${exponent < 0 ? "⁻" : ""}${[...String(Math.abs(exponent))].map((digit) => SUPERSCRIPT[Number(digit)]).join("")}`;
+
+/**
+ * A number and its standard deviation, both to the same place.
+ * @param {number} value @param {number | null} std @param {number} digits after the point @param {"px" | ""} unit
+ * @returns {{value: string, std: string}} with units; std: "" where there is none
+ */
+export function valueText(value, std, digits, unit) {
+  const after = unit ? `\u00a0${unit}` : "";
+  const size = Math.max(Math.abs(value), std ?? 0);
+  if (unit || value === 0 || size >= MIN_PLAIN) {
+    return { value: number(value, digits) + after, std: std ? `±\u00a0${number(std, digits)}${after}` : "" };
+  }
+  const exponent = Math.floor(Math.log10(size));
+  const places = Math.max(1, Math.min(digits, 8) + exponent);
+  const scaled = (/** @type {number} */ each) => number(each / 10 ** exponent, places) + power(exponent);
+  return { value: scaled(value), std: std ? `±\u00a0${scaled(std)}` : "" };
+}
+
+/**
+ * Camera matrix and coefficients as a program takes them.
+ * @param {import("./numbers.js").Calibration} calibration @param {"numpy" | "json"} form
+ * @returns {{K: string, D: string}}
+ */
+export function matrixText({ camera_matrix: rows, distortion_coefficients: coefficients }, form) {
+  const line = (/** @type {readonly number[]} */ values) => `[${values.join(", ")}]`;
+  if (form === "json") return { K: `[${rows.map(line).join(", ")}]`, D: line(coefficients) };
+  return { K: `K = np.array([${rows.map(line).join(",\n              ")}])`, D: `D = np.array(${line(coefficients)})` };
+}
