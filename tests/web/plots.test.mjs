@@ -2,6 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { addMessages } from "../../web/lib/i18n.js";
 import { displacements } from "../../web/lib/result/numbers.js";
+import { above, valueAt } from "../../web/lib/contours.js";
+import { gridLines } from "../../web/lib/result/grid-picture.js";
 import { distortionPlot, errorPlot } from "../../web/lib/result/plots.js";
 import result from "../../web/messages/result.js";
 
@@ -59,28 +61,51 @@ test("displacements of fisheye and omnidirectional lenses are from the pinhole o
   assert.ok(Math.abs(stereographic - expected) < 1, `${stereographic} instead of ${expected}`);
 });
 
-test("the error map's values lie on the centres of its cells, which cover the picture", () => {
+test("the error map's bands hold the places that have their values, and nothing is written over them", () => {
   const [columns, rows] = [20, 12];
   const px = Array.from({ length: rows }, (_, row) => Array.from({ length: columns }, (_, column) => 0.1 + 0.01 * (row + column)));
-  const { svg } = errorPlot(calibration(800, "rectilinear", [0, 0, 0, 0, 0]), { grid: [columns, rows], px });
+  const lens = { ...calibration(800, "rectilinear", [0, 0, 0, 0, 0]), uncertainty: { rms: 0.26, max: 0.4 } };
+  const { svg, caption } = errorPlot(lens, { grid: [columns, rows], px });
   const [area] = svg.all("svg");
-  const [left, top, width, height] = area.attributes.viewBox.split(" ").map(Number);
+  assert.equal(area.all("text").length, 0, "a number over a band of another colour would contradict it");
+  assert.match(caption, /0\.26\spx.*0\.40\spx/, "the statistic of the headline, and no other");
+  const [left, top, width] = area.attributes.viewBox.split(" ").map(Number);
   const unit = width / SIZE[0]; // plot units a pixel
-  const cells = area.all("rect").map(({ attributes }) => ["x", "y", "width", "height"].map((name) => Number(attributes[name])));
-  assert.equal(cells.length, columns * rows);
-  cells.forEach(([x, y, w, h], index) => {
-    const [column, row] = [index % columns, Math.floor(index / columns)];
-    const centre = [(x + w / 2 - left) / unit - 0.5, (y + h / 2 - top) / unit - 0.5];
-    const expected = [((column + 0.5) * SIZE[0]) / columns - 0.5, ((row + 0.5) * SIZE[1]) / rows - 0.5];
-    assert.ok(Math.abs(centre[0] - expected[0]) < 1.5 && Math.abs(centre[1] - expected[1]) < 1.5, `cell ${index} at ${centre}, not ${expected}`);
-  });
-  // Of 20 columns of 1280 px the first is centred at 31.5 px.
-  const [[x, , w]] = cells;
-  assert.ok(Math.abs((x + w / 2 - left) / unit - 0.5 - 31.5) < 1.5);
-  const numbers = area.all("text");
-  assert.equal(numbers.length, 20);
-  for (const { attributes } of numbers) {
-    const column = ((Number(attributes.x) - left) / unit / SIZE[0]) * columns - 0.5;
-    assert.ok(Math.abs(column - Math.round(column)) < 0.02, `a number between two columns: ${column}`);
+  const bands = area.all("path").map(({ attributes }) => attributes.d.split("Z").filter(Boolean)
+    .map((part) => part.slice(1).split("L").map((pair) => pair.split(" ").map(Number))));
+  assert.equal(bands.length, 8);
+  const inside = (polygon, [u, v]) => polygon.reduce((crossings, [x, y], index) => {
+    const [p, q] = polygon[(index + 1) % polygon.length];
+    return crossings + ((y > v) !== (q > v) && u < x + ((v - y) / (q - y)) * (p - x) ? 1 : 0);
+  }, 0) % 2 === 1;
+  for (const [u, v] of [[3, 3], [640, 360], [1270, 715], [1270, 5], [200, 600], [900, 100]]) {
+    const value = valueAt(px, SIZE, [u, v]);
+    const place = [left + (u + 0.5) * unit, top + (v + 0.5) * unit];
+    const highest = bands.findLastIndex((polygons) => polygons.some((polygon) => inside(polygon, place)));
+    assert.ok(Math.abs((value / 0.4) * 8 - highest - 0.5) < 0.55, `${value} px at ${u}, ${v} is drawn as band ${highest}`);
   }
+});
+
+test("values between centres are linear, and go on as they are to the edge", () => {
+  const px = [[1, 2], [3, 4]];
+  const size = [200, 100];
+  const around = [[49.5, 24.5, 1], [99.5, 24.5, 1.5], [99.5, 49.5, 2.5], [0, 0, 1], [199, 99, 4]];
+  for (const [u, v, value] of around) assert.ok(Math.abs(valueAt(px, size, [u, v]) - value) < 1e-9, `${u}, ${v}`);
+  assert.equal(valueAt([[1, null], [3, 4]], size, [99, 40]), null);
+  const area = above(px, size, -Infinity).reduce((sum, polygon) => sum + Math.abs(polygon.reduce((twice, [x, y], index) => {
+    const [p, q] = polygon[(index + 1) % polygon.length];
+    return twice + x * q - p * y;
+  }, 0)) / 2, 0);
+  assert.ok(Math.abs(area - 200 * 100) < 1e-6, "the lowest band is the whole picture");
+});
+
+test("the grid that is straightened shows the lens: straight lines of a pinhole, bent ones of a lens that bends", () => {
+  const bend = (lens) => Math.max(...gridLines(lens).map((line) => {
+    const [[x, y], [p, q]] = [line[0], line[line.length - 1]];
+    const length = Math.hypot(p - x, q - y);
+    return Math.max(...line.map(([u, v]) => Math.abs((p - x) * (v - y) - (q - y) * (u - x)) / length));
+  }));
+  assert.ok(bend(calibration(800, "rectilinear", [0, 0, 0, 0, 0])) < 1e-6);
+  assert.ok(bend(calibration(800, "rectilinear", [-0.2, 0.03, 0, 0, 0])) > 20);
+  assert.ok(gridLines(calibration(300, "fisheye", [0, 0, 0, 0])).length > 20);
 });

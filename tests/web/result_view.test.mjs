@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { returnAddress, withResult } from "../../web/lib/result/return-address.js";
-import { viewIssue, coverage, digitsFor, digitsOf, extremes, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
+import { viewIssue, coverage, digitsFor, digitsOf, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
 import { setLanguage, addMessages } from "../../web/lib/i18n.js";
 import { reasonTexts } from "../../web/lib/result/reasons.js";
 import words from "../../web/messages/result.js";
@@ -45,7 +45,6 @@ test("the views to take again are named, and only those", () => {
 test("coverage counts cells of the picture", () => {
   assert.equal(coverage([[10, 10], [12, 12]], [1200, 700]), 1 / 84);
   assert.equal(coverage([], [1200, 700]), 0);
-  assert.deepEqual(extremes([[1, null], [2, 3]]), { max: 3, mean: 2 });
 });
 
 test("without a report the predicted error decides, relative to the picture", () => {

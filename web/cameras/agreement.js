@@ -1,5 +1,5 @@
 // Plots of the agreement among the calibrations of one camera: focal lengths one after the other, principal points in the plane.
-import { number, t } from "../lib/i18n.js";
+import { language, number, t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
 
 /**
@@ -49,7 +49,7 @@ function frame(across, names, up, label, x, y) {
     x: (/** @type {number} */ value) => LEFT + ((value - across.from) / (across.to - across.from)) * (WIDTH - LEFT - RIGHT),
     y: (/** @type {number} */ value) => HEIGHT - BOTTOM - ((value - up.from) / (up.to - up.from)) * (HEIGHT - TOP - BOTTOM),
   };
-  const svg = make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": label, class: "plot" });
+  const svg = make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "group", "aria-label": label, class: "plot" });
   svg.append(make("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM, class: "ground" }));
   for (const value of up.ticks) {
     svg.append(make("path", { d: `M${LEFT} ${short(at.y(value))}H${WIDTH - RIGHT}`, class: "grid" }),
@@ -65,10 +65,19 @@ function frame(across, names, up, label, x, y) {
   return { svg, at };
 }
 
-/** A dot for what agrees, a cross for what does not. @param {number} x @param {number} y @param {boolean} agrees */
-const mark = (x, y, agrees) => (agrees
-  ? make("circle", { cx: short(x), cy: short(y), r: 3.4, class: "agrees" })
-  : make("path", { d: `M${short(x - 4)} ${short(y - 4)}l8 8m0-8l-8 8`, class: "cut" }));
+/**
+ * A dot for what agrees, a cross for what does not; a link to its page. The table beside the plots has the same links for the keyboard.
+ * @param {number} x @param {number} y @param {Member} member
+ */
+function mark(x, y, { id, time, fx, in_group: agrees }) {
+  const date = new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));
+  const text = t("cameras.dot", { date, fx: number(fx, 1) });
+  return make("a", { href: `../result/?${new URLSearchParams({ id })}`, tabindex: -1, "aria-label": text }, [
+    make("title", {}, [text]), make("circle", { cx: short(x), cy: short(y), r: 9, class: "touch" }),
+    agrees ? make("circle", { cx: short(x), cy: short(y), r: 3.4, class: "agrees" })
+      : make("path", { d: `M${short(x - 4)} ${short(y - 4)}l8 8m0-8l-8 8`, class: "cut" }),
+  ]);
+}
 
 /** Focal lengths, oldest first. @param {Member[]} members @param {number | null} agreed px */
 export function focalPlot(members, agreed) {
@@ -79,7 +88,7 @@ export function focalPlot(members, agreed) {
   const label = t("cameras.focal_label", { low: number(Math.min(...values), 0), high: number(Math.max(...values), 0) });
   const { svg, at } = frame(across, null, up, label, t("cameras.in_order"), "fx, px");
   if (agreed !== null) svg.append(make("path", { d: `M${LEFT} ${short(at.y(agreed))}H${WIDTH - RIGHT}`, class: "agreed" }));
-  svg.append(...sorted.map(({ fx, in_group }, index) => mark(at.x(index + 1), at.y(fx), in_group)));
+  svg.append(...sorted.map((member, index) => mark(at.x(index + 1), at.y(member.fx), member)));
   return svg;
 }
 
@@ -88,7 +97,7 @@ export function centrePlot(members, agreed) {
   const points = [...members.map(({ cx, cy }) => [cx, cy]), ...(agreed ? [agreed] : [])];
   const [across, up] = [0, 1].map((coordinate) => axis(points.map((point) => point[coordinate]), 0.02 * points[0][0]));
   const { svg, at } = frame(across, across, up, t("cameras.centre_label"), "cx, px", "cy, px");
-  svg.append(...members.map(({ cx, cy, in_group }) => mark(at.x(cx), at.y(cy), in_group)));
+  svg.append(...members.map((member) => mark(at.x(member.cx), at.y(member.cy), member)));
   if (agreed) {
     const [x, y] = [at.x(agreed[0]), at.y(agreed[1])];
     svg.append(make("path", { d: `M${short(x - 9)} ${short(y)}h18M${short(x)} ${short(y - 9)}v18`, class: "agreed" }));

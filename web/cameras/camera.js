@@ -1,12 +1,18 @@
-// View of one camera: its modes, the agreement of its calibrations, the numbers for any model, and the lookup request.
+// View of one camera: what is missing, its sizes with their calibrations, the numbers for any model, a badge, and the lookup.
 import { el } from "../lib/dom.js";
+import { splitLabel, systemName } from "../lib/camera-name.js";
+import { jsonText } from "../lib/json-text.js";
 import { known, number, sized, t } from "../lib/i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
+import { againAddress } from "../lib/result/card.js";
 import { downloadPart } from "../lib/result/download.js";
-import { tables } from "../lib/result/view.js";
+import { copyButton } from "../lib/result/menu.js";
+import { numbersPart } from "../lib/result/numbers-part.js";
 import { isVirtual } from "../lib/virtual/name.js";
-import { centrePlot, focalPlot } from "./agreement.js";
+import { badgeView } from "./badge.js";
+import { membersView } from "./members.js";
 import { withModel } from "./source.js";
+import { spreadOf } from "./spread.js";
 
 /**
  * @typedef {import("./source.js").CameraPage} CameraPage
@@ -17,48 +23,77 @@ import { withModel } from "./source.js";
 /** @param {CameraPage} page @param {(error: unknown) => string} explain @returns {HTMLElement} */
 export function cameraView(page, explain) {
   const modes = [...page.modes].sort((a, b) => b.calibrations - a.calibrations);
+  const practice = isVirtual(page.camera);
   return el("div", {},
-    el("header", { class: "opening" }, el("h1", { id: "camera-name", tabindex: -1 }, page.camera), el("p", {}, page.platform),
-      ...(isVirtual(page.camera) ? [el("p", { class: "lead" }, t("cameras.practice"))] : [])),
-    ...(modes.length ? modes.map((mode) => modeView(page, mode, explain)) : [el("p", { class: "band" }, t("cameras.no_modes"))]),
-    lookupView(page, modes[0]));
+    el("header", { class: "opening" },
+      el("h1", { id: "camera-name", tabindex: -1 }, splitLabel(page.camera).name),
+      el("p", { class: "about" }, aboutText(page)),
+      ...(practice ? [el("p", { class: "lead" }, t("cameras.practice"))] : []),
+      callToAction(page, modes[0])),
+    ...(modes.length ? modes.map((mode, index) => modeView(page, mode, index === 0, explain)) : [el("p", { class: "band" }, t("cameras.no_modes"))]),
+    lookupView(page, modes[0]),
+    el("details", { class: "raw" }, el("summary", {}, t("cameras.raw")), el("p", { class: "muted" }, `${page.camera} · ${page.platform}`)));
+}
+
+/** "Linux · USB 046d:082d · Logitech, Inc." @param {{camera: string, platform: string, usb_id?: string | null, vendor?: string | null}} page */
+export function aboutText({ camera, platform, usb_id, vendor }) {
+  const usb = usb_id ?? splitLabel(camera).usb;
+  const files = { photographs: t("cameras.photographs"), video: t("cameras.video") }[platform];
+  return [files ?? systemName(platform), ...(usb ? [`USB ${usb}`] : []), ...(vendor ? [vendor] : [])].filter(Boolean).join(" · ");
+}
+
+/** @param {Pick<Mode, "img_size" | "zoom">} mode */
+export const nameOf = ({ img_size, zoom }) => sized(img_size) + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
+
+/** "Ready to use", or how many are there of how many. @param {{reliable: boolean, agreeing: number, required: number}} size */
+export function stateText({ reliable, agreeing, required }) {
+  if (reliable) return t("cameras.reliable");
+  return agreeing >= required ? t("cameras.unreliable") : t("cameras.of", { count: agreeing, required });
 }
 
 /** @param {Mode} mode */
-export const nameOf = ({ img_size, zoom }) => sized(img_size) + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
+const isReady = (mode) => Object.values(mode.consensus).some((each) => each.reliable);
 
-/** @param {CameraPage} page @param {Mode} mode @param {(error: unknown) => string} explain */
-function modeView(page, mode, explain) {
+/** What is missing, and the button that does it. @param {CameraPage} page @param {Mode | undefined} mode the one of most calibrations */
+function callToAction({ camera, platform }, mode) {
+  const ready = mode !== undefined && isReady(mode);
+  const missing = mode ? mode.required - mode.agreeing : 0;
+  const model = mode?.members[0]?.model ?? "rectilinear";
+  const href = againAddress(/** @type {Calibration} */ ({ camera, platform, img_size: mode?.img_size ?? [1280, 720], distortion_model: model }));
+  const text = !mode ? t("cameras.no_modes") : ready ? t("cameras.ready_text")
+    : missing > 0 ? t("cameras.missing_text", { count: missing, size: nameOf(mode) }) : reasonText(mode);
+  return el("div", { class: "missing" }, el("p", { class: "lead" }, text),
+    el("div", { class: "actions" }, el("a", { class: ready ? "button" : "button primary", id: "calibrate-this", href }, t(ready ? "cameras.calibrate_again" : "cameras.calibrate_this"))));
+}
+
+/** Why it is not known. @param {Mode} mode */
+const reasonText = ({ reason }) => t(reason && known(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
+
+/** @param {CameraPage} page @param {Mode} mode @param {boolean} open @param {(error: unknown) => string} explain */
+function modeView(page, mode, open, explain) {
   const id = `mode-${mode.img_size.join("x")}-${mode.zoom}`;
-  const agreed = Object.values(mode.consensus)[0] ?? null;
+  const ready = isReady(mode);
   const outside = mode.members.filter(({ in_group }) => !in_group).length;
-  const reliable = Object.values(mode.consensus).some((each) => each.reliable);
   const facts = [
     t("cameras.calibrations", { count: mode.calibrations }), t("cameras.contributors", { count: mode.contributors }),
     ...(outside ? [t("cameras.outside", { count: outside })] : []),
     ...(mode.groups.length > 1 ? [t("cameras.groups", { count: mode.groups.length })] : []),
   ];
-  return el("section", { class: "band", "aria-labelledby": id },
-    el("div", {}, el("h2", { id, class: "number" }, nameOf(mode)), el("p", { class: `reliability ${reliable ? "known" : ""}` }, t(reliable ? "cameras.reliable" : reasonKey(mode)))),
-    el("div", {}, el("p", { class: "number" }, facts.join(" · ")),
-      ...(mode.members.length ? [agreement(mode, agreed)] : []),
-      ...(agreed ? [modelView(page, mode, explain)] : [])));
-}
-
-/** Why it is not known. @param {Mode} mode */
-const reasonKey = ({ reason }) => (reason && known(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
-
-/** @param {Mode} mode @param {Calibration | null} agreed */
-function agreement({ members }, agreed) {
-  const [[fx, , cx], [, , cy]] = agreed?.camera_matrix ?? [[0, 0, 0], [0, 0, 0]];
-  const captioned = (/** @type {SVGElement} */ svg, /** @type {string} */ words) => el("figure", { class: "figure" }, svg, el("figcaption", {}, words));
-  // Only what is drawn is spoken of.
-  const outside = members.some(({ in_group }) => !in_group);
-  const caption = (/** @type {string} */ plot) =>
-    [t(plot === "focal" ? "cameras.focal_caption" : "cameras.centre_caption"), agreed && t(plot === "focal" ? "cameras.focal_agreed" : "cameras.centre_agreed"), outside && t("cameras.crossed")].filter(Boolean).join(" ");
-  return el("div", { class: "columns" },
-    captioned(focalPlot(members, agreed && fx), caption("focal")),
-    captioned(centrePlot(members, agreed && [cx, cy]), caption("centre")));
+  const agreed = Object.values(mode.consensus)[0] ?? null;
+  const body = el("div", { class: "inside" });
+  const fill = () => body.replaceChildren(
+    el("p", { class: "number" }, [...facts, ...(ready ? [] : [reasonText(mode)])].join(" · ")),
+    ...(agreed ? [modelView(page, mode, explain)] : []),
+    ...(mode.members.length ? [membersView(mode, agreed, id, explain)] : []),
+    badgeView(page.key, mode.img_size, splitLabel(page.camera).name));
+  const details = el("details", { class: "mode", open },
+    el("summary", {}, el("h2", { id, class: "number" }, nameOf(mode)),
+      el("span", { class: `reliability number ${ready ? "known" : ""}` }, stateText({ reliable: ready, agreeing: mode.agreeing, required: mode.required })),
+      el("span", { class: "muted number tally" }, facts[0])), body);
+  // What nobody unfolds is not made.
+  if (open) fill();
+  else details.addEventListener("toggle", fill, { once: true });
+  return details;
 }
 
 /** @param {CameraPage} page @param {Mode} mode @param {(error: unknown) => string} explain */
@@ -71,7 +106,9 @@ function modelView(page, mode, explain) {
   /** @param {Calibration} calibration */
   const show = (calibration) => {
     status.textContent = "";
-    place.replaceChildren(tables(calibration, null), downloadPart({ calibration, explain }, `-${id}`));
+    const std = spreadOf(mode.members, calibration.distortion_model);
+    place.replaceChildren(downloadPart({ calibration, explain }, `-${id}`, { primary: isReady(mode) }), numbersPart(calibration, std ? { std } : null),
+      ...(std ? [el("p", { class: "muted" }, t("cameras.spread_text", { count: std.count }))] : []));
   };
   const choose = async () => {
     const stored = mode.consensus[select.value];
@@ -95,8 +132,9 @@ function lookupView({ camera, platform }, mode) {
   const key = { camera, platform, img_size: mode?.img_size ?? [1280, 720], zoom: mode?.zoom ?? 0 };
   const code = `import { lookup } from "${location.origin}/sdk/calibdb.js";
 
-const key = ${JSON.stringify(key, null, 2).replace(/\[\s+(\d+),\s+(\d+)\s+\]/, "[$1, $2]")};
+const key = ${jsonText(key)};
 const { calibration } = await lookup(key, { token: "cdb_…" });`;
   return el("section", { class: "band", "aria-labelledby": "in-code" }, el("h2", { id: "in-code" }, t("cameras.in_code")),
-    el("div", {}, el("p", {}, t("cameras.in_code_text")), el("pre", { tabindex: 0, "aria-label": t("cameras.in_code") }, el("code", {}, code))));
+    el("div", {}, el("p", {}, t("cameras.in_code_text")), el("pre", { tabindex: 0, "aria-label": t("cameras.in_code") }, el("code", {}, code)),
+      copyButton(t("result.copy_code"), () => code, { class: "small" })));
 }

@@ -5,19 +5,20 @@ import { explain } from "../lib/faults.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
-import { isVirtual } from "../lib/virtual/name.js";
 import words from "../messages/cameras.js";
 import result from "../messages/result.js";
-import { cameraView, nameOf } from "./camera.js";
+import { splitLabel } from "../lib/camera-name.js";
+import { cameraView } from "./camera.js";
+import { cameraItem, showOwn } from "./list.js";
 import { camera, search } from "./source.js";
 
 /** @typedef {import("./source.js").Found} Found */
 
 const TYPING_PAUSE_MS = 250; // ms after the last key
 openPage({ cameras: words, result });
-const [searching, status, list, one] = ["searching", "status", "found", "one"].map((id) => part(id, HTMLElement));
-const [input, more] = [part("query", HTMLInputElement), part("more", HTMLButtonElement)];
-const tell = liveRegion(status);
+const [searching, status, list, one, own] = ["searching", "status", "found", "one", "own"].map((id) => part(id, HTMLElement));
+const [input, state, more] = [part("query", HTMLInputElement), part("show", HTMLSelectElement), part("more", HTMLButtonElement)];
+const [tell, offers] = [liveRegion(status), liveRegion(part("first", HTMLElement))];
 /** @type {Found[]} */
 let found = [];
 /** @type {string | null} */
@@ -27,40 +28,46 @@ let shown = null;
 /** The current request; an answer to anything else comes too late. */
 let asked = 0;
 
-/** @param {string} key */
-const address = (key) => `./?${new URLSearchParams({ key })}`;
-
-/** @param {Found} camera */
-function item({ key, camera: name, platform, sizes }) {
-  const calibrations = sizes.reduce((sum, each) => sum + each.calibrations, 0);
-  return el("li", {},
-    el("a", { href: address(key) }, el("strong", {}, name), el("span", { class: "muted" }, [platform, ...(isVirtual(name) ? [t("cameras.practice")] : [])].join(" · "))),
-    el("ul", { class: "sizes number" }, ...sizes.map((size) =>
-      el("li", { class: size.reliable ? "known" : "" }, nameOf({ ...size, groups: [], consensus: {}, members: [] }),
-        el("span", { class: "unseen" }, ` ${t(size.reliable ? "cameras.reliable" : "cameras.unreliable")}`)))),
-    el("span", { class: "count number muted" }, t("cameras.calibrations", { count: calibrations })));
+function showList() {
+  list.replaceChildren(...found.map(cameraItem));
+  list.removeAttribute("aria-busy");
+  more.hidden = next === null;
 }
 
-function showList() {
-  list.replaceChildren(...found.map(item));
-  more.hidden = next === null;
-  part("legend", HTMLElement).hidden = !found.some(({ sizes }) => sizes.some(({ reliable }) => reliable));
+/** Keeps the search in the address, so that reloads, history and shared links have it. */
+function keepQuery() {
+  const there = new URL(location.href);
+  for (const [name, value] of [["query", input.value.trim()], ["show", state.value]]) {
+    if (value) there.searchParams.set(name, value);
+    else there.searchParams.delete(name);
+  }
+  if (there.href !== location.href) history.replaceState(history.state, "", there);
+}
+
+/** What to do where nothing was found. */
+function offer() {
+  const nothing = found.length === 0 && next === null;
+  offers(() => (nothing ? [el("a", { class: "button primary", id: "calibrate-first", href: "../calibrate/" }, t("cameras.calibrate_yours"))] : []));
 }
 
 /** @param {{further?: boolean}} [options] */
 async function look({ further = false } = {}) {
   const own = ++asked;
   const wait = (/** @type {object | null} */ retry) => own === asked && tell(() => t(retry ? "faults.retry" : "cameras.searching"));
-  if (!further) wait(null);
+  if (!further) {
+    keepQuery();
+    if (found.length === 0) wait(null);
+  }
   try {
-    const answer = await search(input.value.trim(), further ? next : null, wait);
+    const answer = await search(input.value.trim(), /** @type {"" | "ready" | "open"} */ (state.value), further ? next : null, wait);
     if (own !== asked) return;
     found = further ? [...found, ...answer.cameras] : answer.cameras;
     next = answer.next;
     // Where many names begin with the first word, a page of answers may hold none of them.
     if (answer.cameras.length === 0 && next !== null) return await look({ further: true });
     showList();
-    const named = input.value.trim() !== "";
+    offer();
+    const named = input.value.trim() !== "" || state.value !== "";
     tell(() => (found.length ? "" : t(named ? "cameras.none" : "cameras.empty")));
   } catch (error) {
     if (own === asked) tell(() => explain(error));
@@ -70,8 +77,8 @@ async function look({ further = false } = {}) {
 /** Why there is nothing to show, and where to go from here. */
 function leadOn() {
   const ways = el("div", { class: "actions" });
-  liveRegion(ways)(() => [el("a", { class: "button", href: "./" }, t("cameras.search_all")),
-    el("a", { class: "button", href: "../calibrate/" }, t("cameras.calibrate"))]);
+  liveRegion(ways)(() => [el("a", { class: "button primary", href: "./" }, t("cameras.search_all")),
+    el("a", { class: "button", href: "../calibrate/" }, t("cameras.calibrate_yours"))]);
   part("waiting", HTMLElement).append(ways);
 }
 
@@ -85,7 +92,7 @@ async function show(key) {
   wait(null);
   try {
     shown = await camera(key, wait);
-    document.title = `${shown.camera} · calibDB`;
+    document.title = `${splitLabel(shown.camera).name} · calibDB`;
     waiting.hidden = true;
     one.replaceChildren(cameraView(shown, explain));
   } catch (error) {
@@ -99,19 +106,26 @@ async function show(key) {
 let timer;
 input.addEventListener("input", () => {
   clearTimeout(timer);
-  timer = setTimeout(look, TYPING_PAUSE_MS);
+  timer = setTimeout(() => void look(), TYPING_PAUSE_MS);
 });
 part("search", HTMLFormElement).addEventListener("submit", (event) => {
   event.preventDefault();
   clearTimeout(timer);
   void look();
 });
+state.addEventListener("change", () => void look());
 more.addEventListener("click", () => look({ further: true }));
-onLanguage(() => (shown ? one.replaceChildren(cameraView(shown, explain)) : showList()));
+onLanguage(() => {
+  if (shown) return one.replaceChildren(cameraView(shown, explain));
+  showList();
+  showOwn(own);
+});
 const parameters = new URLSearchParams(location.search);
 const key = parameters.get("key");
 if (key) void show(key);
 else {
   input.value = parameters.get("query") ?? "";
+  state.value = ["ready", "open"].find((each) => each === parameters.get("show")) ?? "";
+  showOwn(own);
   void look();
 }

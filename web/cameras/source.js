@@ -12,12 +12,18 @@ import { loadSettings } from "../lib/settings.js";
  * @property {string[]} models
  * @property {number} calibrations
  * @property {number} contributors
+ * @property {number} agreeing
+ * @property {number} required
  * @property {boolean} reliable
+ * @property {number | null} fx px
+ * @property {number | null} calibration_time unix seconds
  *
  * @typedef {object} Found
  * @property {string} key
  * @property {string} camera
  * @property {string} platform
+ * @property {string | null} usb_id
+ * @property {string | null} vendor
  * @property {Size[]} sizes
  *
  * @typedef {object} Mode one size and zoom
@@ -25,23 +31,26 @@ import { loadSettings } from "../lib/settings.js";
  * @property {number} zoom
  * @property {number} calibrations
  * @property {number} contributors
+ * @property {number} agreeing
+ * @property {number} required
  * @property {string | null} [reason] why it is not reliable
  * @property {string[][]} groups
  * @property {Record<string, Calibration>} consensus by model
  * @property {Member[]} members
  *
- * @typedef {{key: string, camera: string, platform: string, modes: Mode[]}} CameraPage
+ * @typedef {{key: string, camera: string, platform: string, usb_id: string | null, vendor: string | null, modes: Mode[]}} CameraPage
  */
 
 /** @typedef {import("../lib/api.js").Transport["onRetry"]} OnRetry */
 
 /**
- * @param {string} query @param {string | null} next where the last page of answers ended @param {OnRetry} onRetry
+ * @param {string} query @param {"" | "ready" | "open"} state cameras that a lookup answers, the others, or all
+ * @param {string | null} next where the last page of answers ended @param {OnRetry} onRetry
  * @returns {Promise<{cameras: Found[], next: string | null}>}
  */
-export async function search(query, next, onRetry) {
+export async function search(query, state, next, onRetry) {
   const { api, token } = await loadSettings();
-  const parameters = new URLSearchParams({ query, limit: "20", ...(next ? { after: next } : {}) });
+  const parameters = new URLSearchParams({ query, limit: "20", ...(state ? { reliable: String(state === "ready") } : {}), ...(next ? { after: next } : {}) });
   return new Api(api, { onRetry }).json("GET", `/cameras?${parameters}`, token);
 }
 

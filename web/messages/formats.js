@@ -4,7 +4,7 @@
 export default {
   en: {
     name_calibdb: "calibDB, WPIcal (JSON)",
-    for_calibdb: "All that is known, as the API answers it. WPIcal loads it as it is if the model is rectilinear or rational.",
+    for_calibdb: "Complete record, same as the API response. WPIcal opens it if the model is rectilinear or rational.",
     "name_opencv-yaml": "OpenCV (YAML)",
     "for_opencv-yaml": "For cv::FileStorage in C++ and Python.",
     "name_opencv-json": "OpenCV (JSON)",
@@ -47,7 +47,7 @@ export default {
   },
   de: {
     name_calibdb: "calibDB, WPIcal (JSON)",
-    for_calibdb: "Alles, was bekannt ist, wie die API es beantwortet. WPIcal lädt es unverändert, wenn das Modell rectilinear oder rational ist.",
+    for_calibdb: "Der vollständige Datensatz, wie ihn die API liefert. WPIcal öffnet ihn, wenn das Modell rectilinear oder rational ist.",
     "name_opencv-yaml": "OpenCV (YAML)",
     "for_opencv-yaml": "Für cv::FileStorage in C++ und Python.",
     "name_opencv-json": "OpenCV (JSON)",
@@ -93,7 +93,7 @@ export default {
   },
   uk: {
     name_calibdb: "calibDB, WPIcal (JSON)",
-    for_calibdb: "Усе відоме, як відповідає API. WPIcal читає його без змін, якщо модель rectilinear чи rational.",
+    for_calibdb: "Повний запис, такий самий, як відповідь API. WPIcal відкриває його, якщо модель rectilinear чи rational.",
     "name_opencv-yaml": "OpenCV (YAML)",
     "for_opencv-yaml": "Для cv::FileStorage у C++ і Python.",
     "name_opencv-json": "OpenCV (JSON)",

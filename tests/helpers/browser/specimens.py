@@ -24,7 +24,8 @@ CAMERAS = [
 def result() -> dict[str, Any]:
     """A calibration with its report: one view left out, of one much is, one stands out."""
     found: dict[str, Any] = json.loads((ROOT / "tests" / "web" / "result.json").read_text())
-    return found
+    board = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
+    return found | {"board": board, "camera_key": "c2.specimen"}
 
 
 def camera() -> dict[str, Any]:
@@ -36,7 +37,8 @@ def camera() -> dict[str, Any]:
         "reliable": True,
         "id": "c~1280x720~0~rectilinear",
     }
-    del agreed["report"]
+    for name in ("report", "board", "camera_key"):
+        del agreed[name]
     members = [
         {
             "id": f"m{index}",
@@ -57,6 +59,8 @@ def camera() -> dict[str, Any]:
         "zoom": 0,
         "calibrations": 11,
         "contributors": 7,
+        "agreeing": 9,
+        "required": 5,
         "reason": None,
         "groups": groups,
         "consensus": {"rectilinear": agreed},
@@ -67,26 +71,40 @@ def camera() -> dict[str, Any]:
         "zoom": 1.5,
         "calibrations": 2,
         "contributors": 2,
+        "agreeing": 2,
         "reason": "too_few",
         "groups": [["m0", "m1"]],
         "consensus": {},
         "members": members[:2],
     }
     name, platform = CAMERAS[0]
-    return {"key": "c2.specimen", "camera": name, "platform": platform, "modes": [known, unknown]}
+    usb = {"usb_id": "046d:082d", "vendor": "Logitech, Inc."}
+    return {"key": "c2.specimen", "camera": name, "platform": platform, **usb, "modes": [known, unknown]}
 
 
 def cameras() -> dict[str, Any]:
     """Some cameras, and more of them."""
     sizes = [
-        {"img_size": size, "zoom": 0, "models": ["rectilinear"], "calibrations": 6, "contributors": 4}
-        for size in ([1280, 720], [640, 480])
+        {
+            "img_size": size,
+            "zoom": 0,
+            "models": ["rectilinear"],
+            "calibrations": 6,
+            "contributors": 4,
+            "agreeing": agreeing,
+            "required": 5,
+            "fx": 977.0,
+            "calibration_time": 1_767_225_600,
+        }
+        for size, agreeing in (([1280, 720], 5), ([640, 480], 2))
     ]
     found = [
         {
             "key": f"c2.{index}",
             "camera": name,
             "platform": platform,
+            "usb_id": None,
+            "vendor": None,
             "sizes": [size | {"reliable": index < 2 and at == 0} for at, size in enumerate(sizes)],
         }
         for index, (name, platform) in enumerate(CAMERAS)

@@ -15,7 +15,7 @@ import { button, listViews } from "./views.js";
  * @typedef {import("./numbers.js").Calibration} Calibration
  * @typedef {import("./numbers.js").Report} Report
  * @typedef {import("./standing.js").Standing} Standing
- * @typedef {import("./view.js").Result} Result
+ * @typedef {import("./result.js").Result} Result
  * @typedef {import("./views.js").Trial} Trial
  */
 

@@ -21,21 +21,26 @@ export function figuresPart(calibration, report, pending) {
 const titled = (name, content) => el("section", { "aria-labelledby": `result-${name}` }, el("h3", { id: `result-${name}` }, t(`result.part_${name}`)), content);
 
 /** @param {{svg: Node, caption: string, scale?: Node}} made @param {Node[]} more */
-function figure({ svg, caption, scale }, ...more) {
+export function figure({ svg, caption, scale }, ...more) {
   return el("figure", { class: "figure measured" }, svg, ...(scale ? [scale] : []), el("figcaption", {}, caption), ...more);
 }
 
 /** @param {Calibration} calibration @param {Report["error_map"] | null} map */
 function errorFigure(calibration, map) {
   const made = errorPlot(calibration, map);
-  const reading = el("p", { class: "reading muted number" }, t("result.error_point"));
+  return figure(made, reading(made), ...(map ? [errorValues(calibration, map)] : []));
+}
+
+/** The amount at the place that one points at. @param {ReturnType<typeof import("./plots.js").heatPlot>} made */
+export function reading({ svg, at }) {
+  const place = el("p", { class: "reading muted number" }, t("result.error_point"));
   const read = (/** @type {Event} */ event) => {
-    const found = made.at(/** @type {MouseEvent} */ (event));
-    reading.textContent = found && found.value !== null
+    const found = at(/** @type {MouseEvent} */ (event));
+    place.textContent = found && found.value !== null
       ? t("result.error_at", { x: number(found.place[0], 0), y: number(found.place[1], 0), error: rough(found.value) }) : t("result.error_point");
   };
-  for (const name of ["pointermove", "pointerdown", "pointerleave"]) made.svg.addEventListener(name, read);
-  return figure(made, reading, ...(map ? [errorValues(calibration, map)] : []));
+  for (const name of ["pointermove", "pointerdown", "pointerleave"]) svg.addEventListener(name, read);
+  return place;
 }
 
 /** @param {Calibration} calibration @param {Report["error_map"]} map */

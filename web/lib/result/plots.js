@@ -11,6 +11,7 @@ import { arrow, imagePlot, make, short } from "../svg.js";
  */
 
 const HEAT_LEVELS = 8; // of the colour scale, see style.css
+const MIN_SCALE_PX = 1e-3; // px; of the largest amount on a scale
 const ROUNDOFF_PX = 1e-6; // px; what is moved by less is not moved
 const ARROW_GRID = /** @type {[number, number]} */ ([17, 11]); // arrows of the distortion
 const NOTABLE_DISTORTION = 0.02; // of the width; smaller distortions are drawn larger than they are
@@ -18,7 +19,7 @@ const NOTABLE_DISTORTION = 0.02; // of the width; smaller distortions are drawn 
 /** A round number not below. @param {number} value */
 function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));
-  return ([1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10].find((factor) => factor * power >= value * 0.999) ?? 10) * power;
+  return ([1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10].find((factor) => factor * power >= value * 0.999) ?? 10) * power;
 }
 
 /**
@@ -29,16 +30,24 @@ function roundUp(value) {
 export function errorPlot({ img_size, uncertainty }, map) {
   // The same two numbers as everywhere: rms and maximum of this very map.
   const found = { typical: rough(uncertainty.rms), max: rough(uncertainty.max) };
-  const top = roundUp(uncertainty.max);
-  const { svg, area, x, y, unit } = imagePlot(img_size, t("result.error_label", found), { name: "heat" });
-  if (map) area.append(...bandsOf(map.px, img_size, top, x, y));
+  return { ...heatPlot(img_size, map?.px ?? null, uncertainty.max, t("result.error_label", found)), caption: t("result.error_caption", found) };
+}
+
+/**
+ * Amounts over the picture.
+ * @param {[number, number]} size px @param {import("../contours.js").Values | null} px null: an empty frame @param {number} max px @param {string} label
+ */
+export function heatPlot(size, px, max, label) {
+  const top = roundUp(Math.max(max, MIN_SCALE_PX));
+  const { svg, area, x, y } = imagePlot(size, label, { name: "heat" });
+  if (px) area.append(...bandsOf(px, size, top, x, y));
   const at = (/** @type {MouseEvent} */ event) => {
     const box = area.getBoundingClientRect();
-    const place = /** @type {[number, number]} */ ([0, 1].map((axis) => (
-      (axis ? event.clientY - box.top : event.clientX - box.left) / (axis ? box.height : box.width)) * img_size[axis] - 0.5));
-    return map && place.every((each, axis) => each >= -0.5 && each <= img_size[axis] - 0.5) ? { place, value: valueAt(map.px, img_size, place) } : null;
+    const shares = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+    const place = /** @type {[number, number]} */ (shares.map((share, axis) => share * size[axis] - 0.5));
+    return px && shares.every((share) => share >= 0 && share <= 1) ? { place, value: valueAt(px, size, place) } : null;
   };
-  return { svg, scale: scaleOf(top, top < 1 ? 2 : 1), caption: t("result.error_caption", found), at, unit };
+  return { svg, scale: scaleOf(top, Math.max(1, 1 - Math.floor(Math.log10(top)))), at };
 }
 
 /**

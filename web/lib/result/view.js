@@ -16,22 +16,8 @@ import { straightPart } from "./straight-part.js";
 import { listViews, viewsPart } from "./views.js";
 
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
+ * @typedef {import("./result.js").Result} Result
  * @typedef {import("./views.js").Trial} Trial
- *
- * @typedef {object} Result
- * @property {Calibration} calibration
- * @property {Report | null} report null: not there, or not yet
- * @property {HTMLCanvasElement | null} [picture] one of this camera, which stays on this device
- * @property {"added" | "imported" | "practice" | "stored"} origin what becomes of it
- * @property {string | null} [returnTo] address of the application that asked
- * @property {readonly string[]} [returnOrigins] to which results may be handed
- * @property {boolean} [pending] the report is on its way
- * @property {{code: string, text: string}[]} [notes] what else is to be said
- * @property {{label: () => string, action: () => void}} [again]
- * @property {(without: number[]) => void} [goOn] with the views that are left, by whom they were taken; indices
- * @property {(error: unknown) => string} explain an error, in words for people
  */
 
 /** Shows one result in an element, and whatever is shown there next. */
@@ -192,7 +178,7 @@ function contributionText({ origin, calibration: { camera, platform, calibration
   return t(`result.help_${["photographs", "video"].includes(platform) ? "photographs" : origin}`, { count: calibrations });
 }
 
-/** What few need: the address, the system, the whole record. @param {Calibration} calibration @param {string | null} id */
+/** What few need: the address, the system, the whole record. @param {Result["calibration"]} calibration @param {string | null} id */
 function details(calibration, id) {
   return el("details", { class: "record" }, el("summary", {}, t("result.as_answered")),
     el("p", { class: "muted" }, `${calibration.camera} · ${calibration.platform}`),

@@ -1,0 +1,73 @@
+// Calibrations of one camera at one size: plots, a table, and the comparison of two that are ticked.
+import { el } from "../lib/dom.js";
+import { language, number, rough, t } from "../lib/i18n.js";
+import { comparisonView } from "./comparison.js";
+import { centrePlot, focalPlot } from "./agreement.js";
+
+/**
+ * @typedef {import("./agreement.js").Member} Member
+ * @typedef {import("./source.js").Mode} Mode
+ * @typedef {import("./source.js").Calibration} Calibration
+ */
+
+/** @param {number} time unix seconds */
+export const dateText = (time) => new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));
+
+/** @param {Mode} mode @param {Calibration | null} agreed @param {string} id of the mode's elements @param {(error: unknown) => string} explain */
+export function membersView({ members }, agreed, id, explain) {
+  const place = el("div", { class: "comparison" });
+  /** @type {Set<string>} */
+  const ticked = new Set();
+  const status = el("p", { class: "muted", role: "status" }, t("cameras.tick_two"));
+  /** @param {Member} member @param {HTMLInputElement} box */
+  const tick = async (member, box) => {
+    if (box.checked) ticked.add(member.id);
+    else ticked.delete(member.id);
+    for (const other of table.querySelectorAll("input")) other.disabled = ticked.size === 2 && !other.checked;
+    place.replaceChildren();
+    if (ticked.size < 2) {
+      status.textContent = t("cameras.tick_two");
+      return;
+    }
+    const asked = [...ticked];
+    status.textContent = t("cameras.comparing");
+    try {
+      const view = await comparisonView(asked[0], asked[1]);
+      if (asked.join() !== [...ticked].join()) return;
+      status.textContent = "";
+      place.replaceChildren(view);
+    } catch (error) {
+      if (asked.join() === [...ticked].join()) status.textContent = explain(error);
+    }
+  };
+  const table = membersTable([...members].sort((a, b) => b.time - a.time), id, tick);
+  return el("div", { class: "members" }, plots(members, agreed), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("cameras.members") }, table), status, place);
+}
+
+/** @param {Member[]} members @param {Calibration | null} agreed */
+function plots(members, agreed) {
+  const [[fx, , cx], [, , cy]] = agreed?.camera_matrix ?? [[0, 0, 0], [0, 0, 0]];
+  const captioned = (/** @type {SVGElement} */ svg, /** @type {string} */ words) => el("figure", { class: "figure" }, svg, el("figcaption", {}, words));
+  // Only what is drawn is spoken of.
+  const outside = members.some(({ in_group }) => !in_group);
+  const caption = (/** @type {string} */ plot) =>
+    [t(plot === "focal" ? "cameras.focal_caption" : "cameras.centre_caption"), agreed && t(plot === "focal" ? "cameras.focal_agreed" : "cameras.centre_agreed"), outside && t("cameras.crossed")].filter(Boolean).join(" ");
+  return el("div", { class: "columns" },
+    captioned(focalPlot(members, agreed && fx), caption("focal")),
+    captioned(centrePlot(members, agreed && [cx, cy]), caption("centre")));
+}
+
+/** @param {Member[]} members @param {string} id @param {(member: Member, box: HTMLInputElement) => void} tick */
+function membersTable(members, id, tick) {
+  const head = ["", t("cameras.date"), "fx, px", "cx, px", "cy, px", t("cameras.reprojection"), t("cameras.model_column"), t("cameras.agrees")];
+  return el("table", { class: "values" }, el("caption", {}, t("cameras.members")),
+    el("thead", {}, el("tr", {}, ...head.map((text, index) => (text ? el("th", { scope: "col", class: index > 1 && index < 6 ? "number" : "words" }, text) : el("td", {}))))),
+    el("tbody", {}, ...members.map((member, index) => {
+      const date = dateText(member.time);
+      const box = el("input", { type: "checkbox", id: `${id}-tick-${index}`, "aria-label": t("cameras.compare_this", { date, number: index + 1 }) });
+      box.addEventListener("change", () => tick(member, box));
+      return el("tr", {}, el("td", { class: "words" }, box), el("th", { scope: "row" }, el("a", { href: `../result/?${new URLSearchParams({ id: member.id })}` }, date)),
+        ...[member.fx, member.cx, member.cy].map((value) => el("td", {}, number(value, 1))), el("td", {}, `${rough(member.rms)}\u00a0px`),
+        el("td", { class: "words" }, member.model), el("td", { class: "words" }, t(member.in_group ? "cameras.yes" : "cameras.no")));
+    })));
+}
