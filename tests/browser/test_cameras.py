@@ -1,12 +1,15 @@
 """The database to look through."""
 
+import re
+from typing import Any
+
 import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.captures import capture, listed
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.specimens import answer, camera, cameras
+from tests.helpers.browser.specimens import answer, camera, cameras, result
 from tests.helpers.browser.truth import Truth
 
 KEY = {"camera": "Shelf Test Camera (1234:0002)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
@@ -20,17 +23,23 @@ def test_what_is_known_is_drawn(page: Page, scheme: str) -> None:
     page.goto("/cameras/")
     page.locator("#found li").first.wait_for()
     expect(page.locator("#found > li")).to_have_count(6)
-    expect(page.locator("#found > li", has_text="practice camera, not a real one")).to_have_count(1)
+    expect(page.locator("#found > li", has_text="simulated camera, for practice")).to_have_count(1)
+    expect(page.locator("#found > li").first).to_contain_text("Linux · USB 046d:082d")
+    expect(page.locator("#found > li", has_text="2 of 5 calibrations")).to_have_count(6)
     expect(page.locator("#more")).to_be_visible()
     picture(page, f"cameras-{scheme}")
     page.goto("/cameras/?key=c2.specimen")
     page.locator("#camera-name", has_text="C920").wait_for()
+    expect(page.locator(".reliability").first).to_contain_text("Ready to use")
+    expect(page.locator(".reliability").last).to_contain_text("2 of 5 calibrations")
+    page.locator(".mode > summary").last.click()
+    page.locator(".mode").last.get_by_text("Too few calibrations yet.").wait_for()
     assert page.locator(".agrees").count() == 2 * (9 + 2)
     assert page.locator("path.cut").count() == 2 * 2, "what does not agree is crossed"
-    expect(page.locator(".reliability").first).to_contain_text("known: every web page")
-    expect(page.locator(".reliability").last).to_contain_text("too few calibrations")
+    expect(page.locator(".plot a").first).to_have_attribute("href", re.compile(r"result/\?id=m\d"))
+    expect(page.locator("td.std").first, "how far the calibrations differ").to_contain_text("± 2.5")
     captions = page.locator("figcaption").all_text_contents()
-    assert ["agreed" in caption for caption in captions] == [True, True, False, False], (
+    assert ["consensus" in caption for caption in captions] == [True, True, False, False], (
         "where there is none, none is named"
     )
     picture(page, f"camera-{scheme}", full=True)
@@ -40,10 +49,20 @@ def test_a_calibrated_camera_is_found_and_fitted_with_any_model(page: Page, api:
     capture(api, Truth(), KEY, seed=6)
     listed(api, "shelf test")
     page.goto("/cameras/?query=nobody+has+this")
-    page.locator("#status", has_text="calibDB knows no camera of that name").wait_for()
+    page.locator("#status", has_text="No camera found").wait_for()
+    expect(page.locator("#calibrate-first"), "a way on").to_be_visible()
     page.locator("#query").fill("shelf test")
+    page.locator("#found a", has_text="Shelf Test Camera").wait_for()
+    assert "query=shelf+test" in page.url, "a reload, a link and the history have the search"
     page.locator("#found a", has_text="Shelf Test Camera").click()
     page.locator("#camera-name", has_text="Shelf Test Camera").wait_for()
+    call = page.locator("#calibrate-this")
+    expect(page.locator(".missing")).to_contain_text("4 more calibrations needed at 1280")
+    assert "/calibrate/?camera=Shelf+Test+Camera" in (call.get_attribute("href") or "")
+    assert "img_size=1280x720" in (call.get_attribute("href") or "")
+    page.go_back()
+    expect(page.locator("#query")).to_have_value("shelf test")
+    page.locator("#found a", has_text="Shelf Test Camera").click()
     expect(page.locator("h2", has_text="1280 × 720")).to_have_count(1)
     page.locator("select[id^=model-]").select_option("fisheye")
     page.locator("caption", has_text="fisheye").wait_for()
@@ -61,9 +80,9 @@ def test_of_a_consensus_there_are_no_corners_and_the_page_says_so(
     capture(api, Truth(), KEY | {"camera": "Desk Test Camera (1234:0003)"}, seed=8)
     listed(api, "desk test")
     page.goto("/cameras/?query=nobody+has+this")
-    page.locator("#status", has_text="calibDB knows no camera of that name").wait_for()
+    page.locator("#status", has_text="No camera found").wait_for()
     page.locator("#query").fill("desk test")
-    page.locator("#search button").click()
+    page.locator("#query").press("Enter")
     page.locator("#found a", has_text="Desk Test Camera").click()
     select = page.locator("select[id^=format-model-]")
     select.wait_for()
@@ -75,4 +94,53 @@ def test_of_a_consensus_there_are_no_corners_and_the_page_says_so(
 
 def test_what_is_not_there_is_said(page: Page) -> None:
     page.goto("/cameras/?query=nobody+has+this")
-    page.locator("#status", has_text="calibDB knows no camera of that name").wait_for()
+    page.locator("#status", has_text="No camera found").wait_for()
+
+
+def test_two_calibrations_are_compared(page: Page) -> None:
+    def other() -> dict[str, Any]:
+        found = result()
+        (fx, *first), second, third = found["camera_matrix"]
+        return found | {"camera_matrix": [[fx * 1.01, *first], second, third]}
+
+    answer(page, "**/v1/cameras/*", camera)
+    answer(page, "**/v1/calibrations/*", result)
+    answer(page, "**/v1/calibrations/m10", other)
+    page.goto("/cameras/?key=c2.specimen")
+    boxes = page.locator(".members input[type=checkbox]")
+    boxes.nth(0).check()
+    boxes.nth(1).check()
+    expect(boxes.nth(2), "two are compared").to_be_disabled()
+    caption = page.locator(".comparison figcaption")
+    expect(caption).to_contain_text("How far apart the two show a point: typically")
+    typical = float(re.findall(r"typically ([\d.]+)", caption.text_content() or "")[0])
+    # One per cent of fx alone: x / 100, 3.7 px rms over 1280 px, of which a rotation takes nothing.
+    assert typical == pytest.approx(3.7, rel=0.15)
+    row = page.locator(".comparison tbody tr").first
+    expect(row).to_contain_text("σ")
+    apart = float(re.findall(r"([\d.]+)\s*σ", row.text_content() or "")[0])
+    std = result()["report"]["std"]["fx"]
+    assert apart == pytest.approx(0.01 * result()["camera_matrix"][0][0] / (std * 2**0.5), rel=0.02)
+    boxes.nth(1).uncheck()
+    expect(page.locator(".comparison")).to_be_empty()
+    picture(page, "camera-compared", ["hand"], full=True)
+
+
+def test_own_calibrations_are_listed_here_alone_until_they_are_removed(page: Page) -> None:
+    answer(page, "**/v1/cameras?*", cameras)
+    page.goto("/cameras/")
+    expect(page.locator("#own")).to_be_hidden()
+    page.evaluate(
+        """() => import("/lib/own-calibrations.js").then(({ keepOwn }) => ["a", "b"].forEach((id) => keepOwn({
+          id, camera: `Own ${id} (1234:0001)`, img_size: [640, 480], time: 1767225600, level: "good", rms: 1,
+        })))"""
+    )
+    page.reload()
+    expect(page.locator("#own li")).to_have_count(2)
+    expect(page.locator("#own li").first).to_contain_text("Own b 640\u00a0×\u00a0480")
+    expect(page.locator("#own li a").first).to_have_attribute("href", "../result/?id=b")
+    page.locator("#own li button").first.click()
+    expect(page.locator("#own li")).to_have_count(1)
+    page.locator("#own li button").click()
+    expect(page.locator("#own")).to_be_hidden()
+    assert page.evaluate("localStorage.getItem('calibdb.own')") is None

@@ -16,7 +16,7 @@ from calibsolver.formats import FORMAT_NAMES
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.photographs import textured_board
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.specimens import answer, result
+from tests.helpers.browser.specimens import answer, camera, cameras, result, result_of_camera
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
 from tests.helpers.data import data_dir, external_data
@@ -40,18 +40,80 @@ RECTIFIED = """async ([calibration, file, balance]) => {
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_result_with_its_report(page: Page, scheme: str) -> None:
     page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
-    answer(page, "**/v1/calibrations/*", result)
+    answer(page, "**/v1/calibrations/*", result_of_camera)
+    answer(page, "**/v1/cameras/*", camera)
     page.goto("/result/?id=x")
     page.locator("#verdict", has_text="Fair").wait_for()
     expect(page.locator(".reasons li")).to_have_count(2)
-    assert page.locator("svg.heat rect.heat-7").count() >= 1
+    expect(page).to_have_title("Example Camera 1280\u00a0×\u00a0720: Fair · calibDB")
+    assert page.locator("#result-name").text_content() == "Example Camera 1280\u00a0×\u00a0720"
+    # One statistic, wherever the error is spoken of.
+    for place in (".card .lead", "#result-error + figure figcaption"):
+        expect(page.locator(place)).to_contain_text("Typical error 0.23\u00a0px")
+        expect(page.locator(place)).to_contain_text("at most 0.41\u00a0px")
+    expect(page.locator(".facts")).to_contain_text("12 views · ChArUco 9\u00a0×\u00a06 · Jan 1, 2026")
+    expect(page.locator("#standing")).to_contain_text("Ready to use: 9 calibrations agree.")
+    assert page.locator("svg.heat path.heat-5").get_attribute("d")
+    expect(page.locator(".compare canvas"), "a picture before any number").to_have_count(2)
+    order = page.locator("h2").evaluate_all("all => all.map((each) => each.id)")
+    assert order[:4] == ["result-straight", "result-numbers", "result-figures", "result-views"]
+    page.locator("svg.heat").first.hover()
+    expect(page.locator(".reading")).to_contain_text("px", use_inner_text=True)
     expect(page.locator(".views li")).to_have_count(12)
     expect(page.locator(".views .problem"), "the views to take again").to_have_count(3)
-    left_out = page.locator(".views li", has_text="Left out: it contradicts the others")
+    left_out = page.locator(".views li", has_text="Excluded: it contradicts the others")
     assert left_out.count() == 1, "one view was left out as a whole"
     expect(left_out.locator(".plot.bad")).to_have_count(1)
     expect(page.locator("td.std").first).to_contain_text("±")
     picture(page, f"result-{scheme}", full=True)
+
+
+SHIFT = """() => new Promise((done) => new PerformanceObserver((list) => {
+  done(list.getEntries().filter((entry) => !entry.hadRecentInput).reduce((sum, { value }) => sum + value, 0));
+}).observe({ type: "layout-shift", buffered: true }) || setTimeout(() => done(0), 300))"""
+
+
+@pytest.mark.parametrize("width", [390, 1440])
+def test_nothing_moves_while_a_result_and_a_list_arrive(page: Page, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 900})
+    answer(page, "**/v1/calibrations/*", result_of_camera)
+    answer(page, "**/v1/cameras/*", camera)
+    answer(page, "**/v1/cameras?*", cameras)
+    for path, there in {"/result/?id=x": "#standing a", "/cameras/": "#found li"}.items():
+        page.goto(path)
+        page.locator(there).first.wait_for()
+        shift = page.evaluate(SHIFT)
+        print(path, width, shift)
+        assert shift < 0.02, path
+
+
+def test_what_stands_in_the_card_is_at_hand(page: Page, context: BrowserContext) -> None:
+    context.grant_permissions(["clipboard-read", "clipboard-write"])
+    answer(page, "**/v1/calibrations/*", result_of_camera)
+    answer(page, "**/v1/cameras/*", camera)
+    page.goto("/de/result/?id=x")
+    page.locator("#format").select_option("ros")
+    page.locator("#copy-link").click()
+    page.locator("#copy-link", has_text="Kopiert").wait_for()
+    copied = "navigator.clipboard.readText()"
+    assert str(page.evaluate(copied)).endswith(f"/result/?id={result()['id']}")
+    page.locator("#copy-numpy").click()
+    page.locator("#copy-numpy", has_text="Kopiert").wait_for()
+    names: dict[str, Any] = {"np": np}
+    exec(str(page.evaluate(copied)), names)
+    assert names["K"].tolist() == result()["camera_matrix"]
+    assert names["D"].tolist() == list(result()["distortion_coefficients"])
+    page.locator("#copy-json").click()
+    page.locator("#copy-json", has_text="Kopiert").wait_for()
+    assert json.loads(str(page.evaluate(copied)))["K"] == result()["camera_matrix"]
+    ar = page.locator("#to-ar").get_attribute("href") or ""
+    assert "/de/ar/?camera=" in ar
+    assert "#calibration=c1-example" in ar
+    page.reload()
+    expect(page.locator("#format"), "the format of the last time").to_have_value("ros")
+    lines = (page.locator("#json").text_content() or "").splitlines()
+    assert '  "img_size": [1280, 720],' in lines
+    assert sum(line.startswith("    [") for line in lines) == 3, "a matrix has a line for each row"
 
 
 def test_a_stored_calibration_is_shown_and_saved(page: Page, api: httpx.Client) -> None:
@@ -73,7 +135,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(page: Page, api: httpx.Cli
     page.goto(f"/result/?id={state['calibration_id']}")
     page.locator("#view-0-out").click()
     page.locator(".trial", has_text="without view 1").wait_for()
-    expect(page.locator("#view-0-out:focus")).to_have_text("Put back")
+    expect(page.locator("#view-0-out:focus")).to_have_text("Include")
     assert json.loads(page.locator("#json").text_content() or "")["camera_matrix"] == less["camera_matrix"]
     before, after = (each["uncertainty"]["rms"] for each in (state["calibration"], less))
     assert after > before
@@ -88,7 +150,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(page: Page, api: httpx.Cli
     assert saved == api.get(path, params={"without": "0", "format": "ros"}).content
     for index in range(1, len(state["views"]) - 1):
         page.locator(f"#view-{index}-out").click()
-        page.locator(f"#view-{index}-out", has_text="Put back").wait_for()
+        page.locator(f"#view-{index}-out", has_text="Include").wait_for()
     page.locator("#all-again").click()
     page.locator(".trial").wait_for(state="detached")
     assert json.loads(page.locator("#json").text_content() or "")["id"] == state["calibration_id"]
@@ -184,12 +246,15 @@ def photograph(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 
 
 def test_a_picture_is_straightened_on_this_device(page: Page, photograph: Path) -> None:
-    answer(page, "**/v1/calibrations/*", result)
+    answer(page, "**/v1/calibrations/*", result_of_camera)
+    answer(page, "**/v1/cameras/*", camera)
     page.goto("/result/?id=x")
-    page.locator("#picture").wait_for()
+    page.locator("#trial-picture").wait_for(state="attached")
+    page.locator("#standing", has_text="agree").wait_for()
     sent: list[str] = []
     page.on("request", lambda request: sent.append(request.url))
-    page.locator("#picture").set_input_files(photograph)
+    page.locator("#trial-picture").set_input_files(photograph)
+    page.get_by_text("This is a regular grid").wait_for(state="detached")
     page.locator(".compare canvas").nth(1).wait_for()
     page.locator("input[type=range]").fill("20")
     assert page.locator(".compare").evaluate("stage => stage.style.getPropertyValue('--cut')") == "20%"

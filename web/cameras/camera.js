@@ -2,7 +2,7 @@
 import { el } from "../lib/dom.js";
 import { splitLabel, systemName } from "../lib/camera-name.js";
 import { jsonText } from "../lib/json-text.js";
-import { known, number, sized, t } from "../lib/i18n.js";
+import { known, t } from "../lib/i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { againAddress } from "../lib/result/card.js";
 import { downloadPart } from "../lib/result/download.js";
@@ -10,7 +10,7 @@ import { copyButton } from "../lib/result/menu.js";
 import { numbersPart } from "../lib/result/numbers-part.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { badgeView } from "./badge.js";
-import { membersView } from "./members.js";
+import { membersView, nameOf } from "./members.js";
 import { withModel } from "./source.js";
 import { spreadOf } from "./spread.js";
 
@@ -41,9 +41,6 @@ export function aboutText({ camera, platform, usb_id, vendor }) {
   const files = { photographs: t("cameras.photographs"), video: t("cameras.video") }[platform];
   return [files ?? systemName(platform), ...(usb ? [`USB ${usb}`] : []), ...(vendor ? [vendor] : [])].filter(Boolean).join(" · ");
 }
-
-/** @param {Pick<Mode, "img_size" | "zoom">} mode */
-export const nameOf = ({ img_size, zoom }) => sized(img_size) + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
 
 /** "Ready to use", or how many are there of how many. @param {{reliable: boolean, agreeing: number, required: number}} size */
 export function stateText({ reliable, agreeing, required }) {

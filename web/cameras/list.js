@@ -4,8 +4,8 @@ import { splitLabel } from "../lib/camera-name.js";
 import { number, rough, sized, t } from "../lib/i18n.js";
 import { forgetOwn, ownCalibrations } from "../lib/own-calibrations.js";
 import { isVirtual } from "../lib/virtual/name.js";
-import { aboutText, nameOf, stateText } from "./camera.js";
-import { dateText } from "./members.js";
+import { aboutText, stateText } from "./camera.js";
+import { dateText, nameOf } from "./members.js";
 
 /** @typedef {import("./source.js").Found} Found */
 

@@ -1,6 +1,6 @@
 // Calibrations of one camera at one size: plots, a table, and the comparison of two that are ticked.
 import { el } from "../lib/dom.js";
-import { language, number, rough, t } from "../lib/i18n.js";
+import { language, number, rough, sized, t } from "../lib/i18n.js";
 import { comparisonView } from "./comparison.js";
 import { centrePlot, focalPlot } from "./agreement.js";
 
@@ -10,11 +10,15 @@ import { centrePlot, focalPlot } from "./agreement.js";
  * @typedef {import("./source.js").Calibration} Calibration
  */
 
+/** "1280 × 720, zoom 2". @param {Pick<Mode, "img_size" | "zoom">} mode */
+export const nameOf = ({ img_size, zoom }) => sized(img_size) + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
+
 /** @param {number} time unix seconds */
 export const dateText = (time) => new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));
 
 /** @param {Mode} mode @param {Calibration | null} agreed @param {string} id of the mode's elements @param {(error: unknown) => string} explain */
-export function membersView({ members }, agreed, id, explain) {
+export function membersView(mode, agreed, id, explain) {
+  const { members } = mode;
   const place = el("div", { class: "comparison" });
   /** @type {Set<string>} */
   const ticked = new Set();
@@ -41,7 +45,7 @@ export function membersView({ members }, agreed, id, explain) {
     }
   };
   const table = membersTable([...members].sort((a, b) => b.time - a.time), id, tick);
-  return el("div", { class: "members" }, plots(members, agreed), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("cameras.members") }, table), status, place);
+  return el("div", { class: "members" }, plots(members, agreed), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${t("cameras.members")}: ${nameOf(mode)}` }, table), status, place);
 }
 
 /** @param {Member[]} members @param {Calibration | null} agreed */
@@ -66,7 +70,7 @@ function membersTable(members, id, tick) {
       const date = dateText(member.time);
       const box = el("input", { type: "checkbox", id: `${id}-tick-${index}`, "aria-label": t("cameras.compare_this", { date, number: index + 1 }) });
       box.addEventListener("change", () => tick(member, box));
-      return el("tr", {}, el("td", { class: "words" }, box), el("th", { scope: "row" }, el("a", { href: `../result/?${new URLSearchParams({ id: member.id })}` }, date)),
+      return el("tr", {}, el("td", { class: "words" }, el("label", { class: "tick" }, box)), el("th", { scope: "row" }, el("a", { href: `../result/?${new URLSearchParams({ id: member.id })}` }, date)),
         ...[member.fx, member.cx, member.cy].map((value) => el("td", {}, number(value, 1))), el("td", {}, `${rough(member.rms)}\u00a0px`),
         el("td", { class: "words" }, member.model), el("td", { class: "words" }, t(member.in_group ? "cameras.yes" : "cameras.no")));
     })));

@@ -25,7 +25,12 @@ def result() -> dict[str, Any]:
     """A calibration with its report: one view left out, of one much is, one stands out."""
     found: dict[str, Any] = json.loads((ROOT / "tests" / "web" / "result.json").read_text())
     board = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
-    return found | {"board": board, "camera_key": "c2.specimen"}
+    return found | {"board": board, "camera_key": None}
+
+
+def result_of_camera() -> dict[str, Any]:
+    """The same, of a camera whose page there is: `camera`."""
+    return result() | {"camera_key": "c2.specimen"}
 
 
 def camera() -> dict[str, Any]:

@@ -12,6 +12,8 @@ export function copyButton(label, text, attributes = {}) {
   const hidden = el("span", { class: "copy" }, button, said);
   button.addEventListener("click", async () => {
     const done = await copied(text(), hidden);
+    // As wide as before, now and when the label is back: nothing beside it moves under a finger.
+    button.style.minWidth = `${Math.ceil(button.getBoundingClientRect().width)}px`;
     button.textContent = t(done ? "result.copied" : "result.copy_failed");
     said.textContent = button.textContent;
     button.addEventListener("blur", () => {
