@@ -1,7 +1,7 @@
 // Badge of a camera at a size, with the Markdown that shows it in a README.
+import { addCopyButton } from "../lib/copy-button.js";
 import { el } from "../lib/dom.js";
 import { sized, t } from "../lib/i18n.js";
-import { copyButton } from "../lib/result/menu.js";
 
 /** @param {string} key of the camera @param {[number, number]} size px @param {string} name of the camera */
 export function badgeView(key, size, name) {
@@ -11,6 +11,5 @@ export function badgeView(key, size, name) {
   const markdown = `[![${alt.replace(/[[\]]/g, "")}](${address})](${page})`;
   return el("details", { class: "badge" }, el("summary", {}, t("cameras.badge")),
     el("p", {}, el("img", { src: address, alt, height: 20, loading: "lazy" })),
-    el("pre", { tabindex: 0, "aria-label": "Markdown" }, el("code", {}, markdown)),
-    copyButton(t("cameras.copy_markdown"), () => markdown, { class: "small" }));
+    addCopyButton(el("pre", { tabindex: 0, "aria-label": "Markdown" }, el("code", {}, markdown))));
 }

@@ -1,4 +1,5 @@
 // View of one camera: what is missing, its sizes with their calibrations, the numbers for any model, a badge, and the lookup.
+import { addCopyButton } from "../lib/copy-button.js";
 import { el } from "../lib/dom.js";
 import { splitLabel, systemName } from "../lib/camera-name.js";
 import { jsonText } from "../lib/json-text.js";
@@ -6,7 +7,6 @@ import { known, t } from "../lib/i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { againAddress } from "../lib/result/card.js";
 import { downloadPart } from "../lib/result/download.js";
-import { copyButton } from "../lib/result/menu.js";
 import { numbersPart } from "../lib/result/numbers-part.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { badgeView } from "./badge.js";
@@ -132,6 +132,5 @@ function lookupView({ camera, platform }, mode) {
 const key = ${jsonText(key)};
 const { calibration } = await lookup(key, { token: "cdb_…" });`;
   return el("section", { class: "band", "aria-labelledby": "in-code" }, el("h2", { id: "in-code" }, t("cameras.in_code")),
-    el("div", {}, el("p", {}, t("cameras.in_code_text")), el("pre", { tabindex: 0, "aria-label": t("cameras.in_code") }, el("code", {}, code)),
-      copyButton(t("result.copy_code"), () => code, { class: "small" })));
+    el("div", {}, el("p", {}, t("cameras.in_code_text")), addCopyButton(el("pre", { tabindex: 0, "aria-label": t("cameras.in_code") }, el("code", {}, code)))));
 }

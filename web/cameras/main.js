@@ -1,8 +1,9 @@
 // Page of the database: /cameras/ searches, /cameras/?key=… shows one camera.
 import { ApiError } from "../lib/api.js";
 import { el, part } from "../lib/dom.js";
+import { newestFigures } from "../lib/dumps.js";
 import { explain } from "../lib/faults.js";
-import { onLanguage, t } from "../lib/i18n.js";
+import { language, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/cameras.js";
@@ -74,6 +75,18 @@ async function look({ further = false } = {}) {
   }
 }
 
+/** The database in figures, as the last dump counted it. */
+async function showFigures() {
+  const figures = await newestFigures();
+  if (!figures) return;
+  const count = (/** @type {number} */ value) => value.toLocaleString(language());
+  const { cameras, known: ready, calibrations } = figures;
+  liveRegion(part("figures", HTMLElement))(() => [
+    t("cameras.total", { count: cameras, number: count(cameras) }), t("cameras.total_ready", { count: ready, number: count(ready) }),
+    t("cameras.total_calibrations", { count: calibrations, number: count(calibrations) }),
+  ].join(" · "));
+}
+
 /** Why there is nothing to show, and where to go from here. */
 function leadOn() {
   const ways = el("div", { class: "actions" });
@@ -127,5 +140,6 @@ else {
   input.value = parameters.get("query") ?? "";
   state.value = ["ready", "open"].find((each) => each === parameters.get("show")) ?? "";
   showOwn(own);
+  void showFigures();
   void look();
 }

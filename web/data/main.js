@@ -1,18 +1,13 @@
 // The database in figures, and its weekly dump: read from two objects that the dump leaves, so that the page costs no function.
 import { el, part } from "../lib/dom.js";
+import { DUMPS, fetchObject } from "../lib/dumps.js";
 import { language, onLanguage, t } from "../lib/i18n.js";
-import { OfflineError, reach, readable } from "../lib/network.js";
 import { openPage } from "../lib/page.js";
 import data from "../messages/data.js";
 import { chart } from "./chart.js";
 
 /**
- * @typedef {object} Snapshot the database on one day
- * @property {string} date YYYY-MM-DD
- * @property {number} cameras
- * @property {number} known
- * @property {number} calibrations
- * @property {number} contributors
+ * @typedef {import("../lib/dumps.js").Snapshot} Snapshot
  *
  * @typedef {object} Statistics
  * @property {number} created s since 1970
@@ -26,7 +21,6 @@ import { chart } from "./chart.js";
  * @property {{name: string, count: number, size: number, sha256: string}[]} files
  */
 
-const DUMPS = new URL("../dumps/", import.meta.url);
 const FIGURES = /** @type {const} */ (["cameras", "known", "calibrations", "contributors"]);
 
 openPage({ data });
@@ -82,17 +76,6 @@ function showDump() {
     el("td", {}, count(file.count)), el("td", {}, bytes(file.size)), el("td", { class: "words" }, el("code", { class: "digest" }, file.sha256)))));
   reveal("dump", true);
   reveal("no-dump", false);
-}
-
-/** @template T @param {string} name @returns {Promise<T | null>} null: there is none yet, or no network */
-async function fetchObject(name) {
-  try {
-    const response = await reach(new URL(name, DUMPS));
-    return response.ok ? await readable(response.json()) : null;
-  } catch (error) {
-    if (!(error instanceof OfflineError)) throw error;
-    return null;
-  }
 }
 
 show();

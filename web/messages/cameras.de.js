@@ -76,10 +76,12 @@ export default {
   },
   badge: "Badge für eine README",
   badge_alt: "Kalibrierung {camera} {size}",
-  copy_markdown: "Markdown kopieren",
   own: "Ihre Kalibrierungen",
   own_text: "Nur in diesem Browser gespeichert. Nichts wird gesendet.",
   forget: "Entfernen",
   forget_this: "{camera} aus dieser Liste entfernen",
   forget_all: "Alle entfernen",
+  total: { one: "{number} Kamera", other: "{number} Kameras" },
+  total_ready: { one: "{number} einsatzbereit", other: "{number} einsatzbereit" },
+  total_calibrations: { one: "{number} Kalibrierung", other: "{number} Kalibrierungen" },
 };

@@ -76,10 +76,12 @@ export default {
   },
   badge: "Badge for a README",
   badge_alt: "{camera} {size} calibration",
-  copy_markdown: "Copy Markdown",
   own: "Your calibrations",
   own_text: "Kept in this browser only. Nothing is sent.",
   forget: "Remove",
   forget_this: "Remove {camera} from this list",
   forget_all: "Remove all",
+  total: { one: "{number} camera", other: "{number} cameras" },
+  total_ready: { one: "{number} ready to use", other: "{number} ready to use" },
+  total_calibrations: { one: "{number} calibration", other: "{number} calibrations" },
 };

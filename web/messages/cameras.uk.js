@@ -105,10 +105,12 @@ export default {
   },
   badge: "Значок для README",
   badge_alt: "Калібрування {camera} {size}",
-  copy_markdown: "Копіювати Markdown",
   own: "Ваші калібрування",
   own_text: "Зберігаються лише в цьому браузері. Нічого не надсилається.",
   forget: "Вилучити",
   forget_this: "Вилучити {camera} із цього списку",
   forget_all: "Вилучити всі",
+  total: { one: "{number} камера", few: "{number} камери", many: "{number} камер", other: "{number} камери" },
+  total_ready: { one: "{number} готова", few: "{number} готові", many: "{number} готових", other: "{number} готової" },
+  total_calibrations: { one: "{number} калібрування", few: "{number} калібрування", many: "{number} калібрувань", other: "{number} калібрування" },
 };

@@ -125,7 +125,6 @@ export default {
   copy_failed: "Kopieren ist hier nicht erlaubt",
   use_in_code: "Im Code verwenden",
   see_in_ar: "In AR ansehen",
-  copy_code: "Kopieren",
   copy_numpy: "K und D für numpy kopieren",
   copy_json: "K und D als JSON kopieren",
   own_camera: "Eigene Kamera kalibrieren",

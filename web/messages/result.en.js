@@ -122,7 +122,6 @@ export default {
   copy_failed: "Copying isn’t allowed here",
   use_in_code: "Use in code",
   see_in_ar: "See it in AR",
-  copy_code: "Copy",
   copy_numpy: "Copy K and D for numpy",
   copy_json: "Copy K and D as JSON",
   own_camera: "Calibrate your own camera",

@@ -151,7 +151,6 @@ export default {
   copy_failed: "Тут копіювати не можна",
   use_in_code: "Використати в коді",
   see_in_ar: "Подивитися в AR",
-  copy_code: "Копіювати",
   copy_numpy: "Копіювати K і D для numpy",
   copy_json: "Копіювати K і D як JSON",
   own_camera: "Калібрувати свою камеру",

@@ -54,7 +54,7 @@ export function card(result, trial, id) {
     ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: listViews(trial.without) }))] : []),
     el("h1", { id: "result-name", tabindex: -1 }, splitLabel(camera).name, " ", el("span", { class: "number size" }, sized(img_size))),
     el("div", { class: "judgement" },
-      el("p", { id: "verdict", class: `verdict ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
+      el("p", { id: "verdict", class: `verdict tint ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
       el("p", { class: "lead" },
         el("span", {}, t("result.sentence", { rms: rough(uncertainty.rms), max: rough(uncertainty.max) })), hint(t("result.uncertainty"), t("result.uncertainty_hint")),
         ...(practice ? [] : [" ", el("span", { class: "means" }, t(`result.means_${level}`))]))),

@@ -1,7 +1,6 @@
 // Part of a result with the code that uses it: in Python, and in a web page.
+import { addCopyButton } from "../copy-button.js";
 import { el } from "../dom.js";
-import { t } from "../i18n.js";
-import { copyButton } from "./menu.js";
 import { matrixText } from "./values.js";
 
 /** @typedef {import("./numbers.js").Calibration} Calibration */
@@ -30,8 +29,7 @@ const { camera_matrix, distortion_coefficients } = await answer.json();
 
 /** @param {Calibration} calibration @param {string | null} id where it is stored */
 export function codePart(calibration, id) {
-  const block = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ code) => el("div", { class: "code" },
-    el("div", { class: "which" }, el("h3", { id: `code-${name}` }, label), copyButton(t("result.copy_code"), () => code, { class: "small", "aria-describedby": `code-${name}` })),
-    el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code)));
+  const block = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ code) => el("div", {},
+    el("h3", { id: `code-${name}` }, label), addCopyButton(el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code))));
   return el("div", { class: "codes" }, block("python", "Python", python(calibration)), ...(id ? [block("javascript", "JavaScript", javascript(id))] : []));
 }

@@ -9,7 +9,7 @@ import { t } from "../i18n.js";
 export function copyButton(label, text, attributes = {}) {
   const button = el("button", { type: "button", ...attributes }, label);
   const said = el("span", { class: "unseen", role: "status" });
-  const hidden = el("span", { class: "copy" }, button, said);
+  const hidden = el("span", { class: "copies-it" }, button, said);
   button.addEventListener("click", async () => {
     const done = await copied(text(), hidden);
     // As wide as before, now and when the label is back: nothing beside it moves under a finger.
