@@ -7,7 +7,6 @@ export default {
   heading: "Kameras",
   lead: "Kalibrierte Kameras in jeder Auflösung, und wie gut ihre Kalibrierungen übereinstimmen.",
   query: "Kamera, Hersteller oder USB-ID",
-  search: "Suchen",
   searching: "Suche läuft …",
   none: "Keine Kamera gefunden. Kalibrieren Sie Ihre als Erste oder Erster: Es dauert etwa eine Minute.",
   empty: "Hier gibt es noch keine Kamera. Kalibrieren Sie die erste: Es dauert etwa eine Minute.",

@@ -7,7 +7,6 @@ export default {
   heading: "Cameras",
   lead: "Calibrated cameras, at every resolution, and how well their calibrations agree.",
   query: "Camera, maker or USB ID",
-  search: "Search",
   searching: "Searching …",
   none: "No camera found. Be the first to calibrate it: it takes about a minute.",
   empty: "No camera here yet. Be the first to calibrate one: it takes about a minute.",
