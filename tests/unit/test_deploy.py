@@ -52,6 +52,8 @@ def test_every_file_named_by_another_is_uploaded(site: dict[str, Upload]) -> Non
             if line.lstrip().startswith((b"*", b"//", b"/*")):
                 continue  # of types, in a comment
             there = posixpath.normpath(posixpath.join("/", posixpath.dirname(key), match[1].decode()))[1:]
+            if there.startswith("dumps/"):
+                continue  # of a function
             assert there in site, (key, there)
             named += 1
     assert named > 100
