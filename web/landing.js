@@ -1,14 +1,18 @@
-// Landing page: the figure, and a lookup of the visitor's own camera.
+// Landing page: the pictures, counts of the database, and a lookup of the visitor's own camera.
 import { CameraError, open } from "./lib/camera.js";
 import { DEFAULT_BOARD } from "./lib/board.js";
+import { el, part } from "./lib/dom.js";
 import { explain } from "./lib/faults.js";
 import { drawLine, gridThrough } from "./lib/figure.js";
-import { known, t } from "./lib/i18n.js";
+import { known, number, onLanguage, t } from "./lib/i18n.js";
 import { openPage } from "./lib/page.js";
 import { lookup } from "./sdk/calibdb.js";
 import { loadSettings } from "./lib/settings.js";
 import { liveRegion } from "./lib/live-region.js";
 import landing from "./messages/landing.js";
+import { knownCard, unknownCard } from "./landing/answer-card.js";
+import { captureLoop } from "./landing/capture-loop.js";
+import { countCameras } from "./landing/counts.js";
 
 /** @type {[number, number]} */
 const SIZE = [640, 400];
@@ -17,11 +21,13 @@ const lens = (k1) => ({
   camera_matrix: [[500, 0, 320], [0, 500, 200], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [k1, 0, 0, 0, 0],
 });
 
-function drawFigure() {
+/** A regular grid, and the same through a lens. @param {number} k1 */
+function drawFigure(k1) {
   const svg = document.getElementById("lens");
   if (!svg) return;
+  svg.replaceChildren();
   for (const line of gridThrough(lens(0), SIZE, 40)) drawLine(svg, line, "ideal");
-  for (const line of gridThrough(lens(-0.25), SIZE, 40)) drawLine(svg, line, "true");
+  for (const line of gridThrough(lens(k1), SIZE, 40)) drawLine(svg, line, "true");
   drawLine(svg, [[306, 200], [334, 200]], "axis");
   drawLine(svg, [[320, 186], [320, 214]], "axis");
 }
@@ -36,8 +42,7 @@ async function lookUpMine() {
     const options = { token, api: new URL(api, location.href) };
     const { calibration, guidanceUrl } = await lookup(camera.track, options);
     const name = camera.track.label;
-    if (calibration) return () => [paragraph(t("landing.yes", { camera: name, count: calibration.calibrations })), json(calibration)];
-    return () => [paragraph(t("landing.not_yet", { camera: name }), " ", link(t("landing.calibrate_it"), guidanceUrl ?? "./calibrate/"))];
+    return () => [calibration ? knownCard(name, calibration) : unknownCard(name, guidanceUrl ?? "./calibrate/")];
   } finally {
     camera.close();
   }
@@ -45,58 +50,55 @@ async function lookUpMine() {
 
 /** Here there is no other camera to choose, and no virtual one. @param {unknown} error */
 function errorText(error) {
-  const made = paragraph();
-  made.className = "problem";
+  const made = el("p", { class: "problem" });
   if (!(error instanceof CameraError)) made.append(explain(error));
   else {
     const keys = [`landing.fault_${error.code}`, `capture.fault_${error.code}`];
     made.append(t(keys.find(known) ?? "capture.fault_not_opened", { detail: error.detail }));
-    if (error.code === "not_found") made.append(" ", link(t("landing.search_all"), "./cameras/"));
+    if (error.code === "not_found") made.append(" ", el("a", { href: "./cameras/" }, t("landing.search_all")));
   }
   return made;
 }
 
-/** @param {(string | Node)[]} content */
-function paragraph(...content) {
-  const made = document.createElement("p");
-  made.append(...content);
-  return made;
-}
-
-/** @param {string} words @param {string} href */
-function link(words, href) {
-  const made = document.createElement("a");
-  made.textContent = words;
-  made.href = href;
-  return made;
-}
-
-/** @param {object} value */
-function json(value) {
-  const made = document.createElement("pre");
-  made.tabIndex = 0;
-  // A list of numbers is one line: a number a line hides what it is about.
-  made.textContent = JSON.stringify(value, null, 2).replace(/\[[\d\s.,e+-]+\]/g, (list) => list.replace(/\s+/g, " "));
-  return made;
+/** Shows how much the database holds, once that is known; nothing where it is empty or away. */
+async function showCounts() {
+  const counts = await countCameras().catch((error) => console.info("not counted:", error.message));
+  if (!counts?.cameras) return;
+  const more = counts.more ? "+" : "";
+  const show = () => part("counts", HTMLElement).replaceChildren(...[
+    [t("landing.count_cameras", { count: counts.cameras }), counts.cameras],
+    [t("landing.count_ready", { count: counts.ready }), counts.ready],
+    [t("landing.count_calibrations", { count: counts.calibrations }), counts.calibrations],
+  ].map(([words, count]) => el("li", {}, el("strong", {}, `${number(Number(count), 0)}${more}`), ` ${words}`)));
+  onLanguage(show);
+  show();
 }
 
 openPage({ landing });
-drawFigure();
-const origin = document.getElementById("origin");
-if (origin) origin.textContent = location.origin;
-const button = document.getElementById("look");
-const outcome = document.getElementById("outcome");
-if (button instanceof HTMLButtonElement && outcome) {
-  const tell = liveRegion(outcome);
-  button.addEventListener("click", async () => {
-    button.disabled = true;
-    tell(() => [paragraph(t("landing.asking"))]);
-    try {
-      tell(await lookUpMine());
-    } catch (error) {
-      tell(() => [errorText(error)]);
-    } finally {
-      button.disabled = false;
-    }
-  });
-}
+const redraw = captureLoop(/** @type {SVGElement} */ (/** @type {unknown} */ (part("loop", SVGElement))), part("loop-words", HTMLElement), part("loop-toggle", HTMLButtonElement));
+onLanguage(redraw);
+const slide = part("lens-slide", HTMLInputElement);
+drawFigure(slide.valueAsNumber);
+slide.addEventListener("input", () => drawFigure(slide.valueAsNumber));
+const overlay = part("overlay-slide", HTMLInputElement);
+overlay.addEventListener("input", () => part("before-after", HTMLElement).style.setProperty("--cut", `${overlay.value}%`));
+part("origin", HTMLElement).textContent = location.origin;
+const button = part("look", HTMLButtonElement);
+const tell = liveRegion(part("outcome", HTMLElement));
+button.addEventListener("click", async () => {
+  button.disabled = true;
+  tell(() => t("landing.asking"));
+  try {
+    tell(await lookUpMine());
+  } catch (error) {
+    tell(() => [errorText(error)]);
+  } finally {
+    button.disabled = false;
+  }
+});
+new IntersectionObserver((entries, watcher) => {
+  // Asked for only by who comes near: most visitors of the page go on at once.
+  if (!entries.some(({ isIntersecting }) => isIntersecting)) return;
+  watcher.disconnect();
+  void showCounts();
+}, { rootMargin: "200px" }).observe(part("counts", HTMLElement));

@@ -52,7 +52,7 @@ test("every text is used, and every text used is there", () => {
   const unused = [...all].filter((key) => !mentioned.has(key) && !begun.some((start) => key.startsWith(start)));
   assert.deepEqual(unused, []);
   const keys = new Set(sources.flatMap((source) =>
-    [...source.matchAll(/(?:\bt\(|data-t(?:-label|-title|-content)?=)"([a-z0-9_]+\.[a-z0-9_.]+)"/g)].map(([, key]) => key)));
+    [...source.matchAll(/(?:\bt\(|data-t(?:-label|-title|-alt|-content)?=)"([a-z0-9_]+\.[a-z0-9_.]+)"/g)].map(([, key]) => key)));
   assert.deepEqual([...keys].filter((key) => !known(key)), []);
 });
 

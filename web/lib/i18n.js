@@ -8,7 +8,7 @@
 // A catalog is { en: {key: text}, de: {…}, uk: {…} } with the same keys in each: one module, or a module for each language
 // ("capture.de.js") where it would have more than 350 lines. A message has its values in braces,
 // "{count} views"; one that depends on a number is an object of plural forms, chosen by the value `count`.
-// In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title. Where the element has
+// In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title, data-t-alt that of a picture. Where the element has
 // children of its own, "<0>…</0>" in the text is the first of them, "<1>…</1>" the second.
 //
 // Each page is there in every language, "/board/", "/de/board/", with its texts already in place (infra/web_build/site.mjs).
@@ -121,11 +121,12 @@ export function rough(value) {
 /** Puts the texts into all marked elements in and below one; sets the page's language too. @param {Element} root */
 export function translate(root) {
   root.ownerDocument.documentElement.lang = language();
-  for (const element of [root, ...root.querySelectorAll("[data-t], [data-t-label], [data-t-title], [data-t-content]")]) {
-    const { t: text, tLabel, tTitle, tContent } = /** @type {HTMLElement} */ (element).dataset ?? {};
+  for (const element of [root, ...root.querySelectorAll("[data-t], [data-t-label], [data-t-title], [data-t-alt], [data-t-content]")]) {
+    const { t: text, tLabel, tTitle, tAlt, tContent } = /** @type {HTMLElement} */ (element).dataset ?? {};
     if (text) write(element, t(text));
     if (tLabel) element.setAttribute("aria-label", t(tLabel));
     if (tTitle) element.setAttribute("title", t(tTitle));
+    if (tAlt) element.setAttribute("alt", t(tAlt));
     if (tContent) element.setAttribute("content", t(tContent));
   }
 }

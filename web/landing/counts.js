@@ -1,0 +1,24 @@
+// Counts of the database, for who asks whether anything is in it.
+import { Api } from "../lib/api.js";
+import { loadSettings } from "../lib/settings.js";
+
+const LIMIT = 50; // cameras of one answer
+
+/** @typedef {{cameras: number, ready: number, calibrations: number, more: boolean}} Counts ready: cameras that a lookup answers */
+
+/** @returns {Promise<Counts>} of the first cameras of the list; `more`: there are others */
+export async function countCameras() {
+  const { api, token } = await loadSettings();
+  const { cameras, next } = await new Api(api, {}).json("GET", `/cameras?limit=${LIMIT}`, token);
+  return counted(cameras, next !== null);
+}
+
+/** @param {{sizes: {reliable: boolean, calibrations: number}[]}[]} cameras @param {boolean} more @returns {Counts} */
+export function counted(cameras, more) {
+  return {
+    cameras: cameras.length,
+    ready: cameras.filter(({ sizes }) => sizes.some(({ reliable }) => reliable)).length,
+    calibrations: cameras.reduce((sum, { sizes }) => sizes.reduce((own, { calibrations }) => own + calibrations, sum), 0),
+    more,
+  };
+}
