@@ -13,7 +13,8 @@ const catalogs = Object.fromEntries(await Promise.all(names.map(async (name) =>
   [name, (await import(new URL(`messages/${name}.js`, WEB))).default])));
 const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("messages/") && name !== "lib/i18n.js")
   .map((name) => readFileSync(new URL(name, WEB), "utf8"))
-  .concat(readFileSync(new URL("../../infra/web_build/frame.mjs", import.meta.url), "utf8"));
+  .concat(readdirSync(new URL("../../infra/web_build/", import.meta.url), { recursive: true }).map(String)
+    .filter((name) => /\.(mjs|py)$/.test(name)).map((name) => readFileSync(new URL(`../../infra/web_build/${name}`, import.meta.url), "utf8")));
 const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
 /** Parameters of a text: values in braces, children of the element. */
 const needs = (text) => [...new Set(texts(text).flatMap((form) => form.match(/\{\w+\}|<\d>/g) ?? []))].sort();

@@ -1,18 +1,18 @@
 // Landing page: the pictures, counts of the database, and a lookup of the visitor's own camera.
-import { CameraError, open } from "./lib/camera.js";
-import { DEFAULT_BOARD } from "./lib/board.js";
-import { el, part } from "./lib/dom.js";
-import { explain } from "./lib/faults.js";
-import { drawLine, gridThrough } from "./lib/figure.js";
-import { known, number, onLanguage, t } from "./lib/i18n.js";
-import { openPage } from "./lib/page.js";
-import { lookup } from "./sdk/calibdb.js";
-import { loadSettings } from "./lib/settings.js";
-import { liveRegion } from "./lib/live-region.js";
-import landing from "./messages/landing.js";
-import { knownCard, unknownCard } from "./landing/answer-card.js";
-import { captureLoop } from "./landing/capture-loop.js";
-import { countCameras } from "./landing/counts.js";
+import { CameraError, open } from "../lib/camera.js";
+import { DEFAULT_BOARD } from "../lib/board.js";
+import { el, part } from "../lib/dom.js";
+import { explain } from "../lib/faults.js";
+import { drawLine, gridThrough } from "../lib/figure.js";
+import { known, number, onLanguage, t } from "../lib/i18n.js";
+import { openPage } from "../lib/page.js";
+import { lookup } from "../sdk/calibdb.js";
+import { loadSettings } from "../lib/settings.js";
+import { liveRegion } from "../lib/live-region.js";
+import landing from "../messages/landing.js";
+import { knownCard, unknownCard } from "./answer-card.js";
+import { captureLoop } from "./capture-loop.js";
+import { countCameras } from "./counts.js";
 
 /** @type {[number, number]} */
 const SIZE = [640, 400];
