@@ -37,7 +37,7 @@ export function captureLoop(svg, words, toggle) {
   svg.setAttribute("viewBox", `0 0 ${SIZE[0]} ${SIZE[1]}`);
   const world = make("g", { class: "world" }, gridThrough(LENS, SIZE, 40).map((line) => make("path", { d: path([line]) })));
   const [paper, black, tags, target] = ["paper", "black", "tags", "wanted"].map((name) => make("path", { class: name }));
-  const ring = make("circle", { class: "held", cx: 320, cy: 330, r: 22, pathLength: 100 });
+  const ring = make("circle", { class: "held", cx: 46, cy: 46, r: 20, pathLength: 100 });
   svg.replaceChildren(world, paper, black, tags, target, ring);
 
   const still = matchMedia("(prefers-reduced-motion: reduce)");
