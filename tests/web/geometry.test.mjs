@@ -80,7 +80,7 @@ test("an address and its board lead to each other", () => {
 
 test("a board that cannot be is named, and the default taken", () => {
   for (const [query, reason] of [
-    ["squares=2x9", /3 to 50/], ["squares=9", /across and down/], ["squares=axb", /across and down/], ["squares=65x3", /3 to 50/], ["squares=3x3", /six inner corners/],
+    ["squares=2x9", /3 to 50/], ["squares=9", /across and down/], ["squares=axb", /across and down/], ["squares=65x3", /3 to 50/], ["squares=3x3", /six corners/],
     ["marker_ratio=1", /0.3 to 0.95/], ["marker_ratio=wide", /0.3 to 0.95/], ["dictionary=DICT_9X9_50", /DICT_9X9_50/],
     ["squares=12x12", /DICT_4X4_50 has 50 markers, and the board needs 72/],
   ]) {

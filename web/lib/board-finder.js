@@ -1,23 +1,16 @@
 // Finder of one board in images, by its kind.
 import { kindOf } from "./board.js";
 import { aprilgridCorners, typicalSide } from "./aprilgrid.js";
-import { createCharucoFinder } from "./charuco-finder.js";
+import { createCharucoFinder, negative } from "./charuco-finder.js";
 import { findChessboard } from "./chessboard.js";
 import { exposure, sharpness } from "./frame-metrics.js";
 import { MarkerDetector } from "./marker-detector.js";
-import { negative } from "./charuco-finder.js";
 import { median } from "./marker-grid.js";
 
 /**
  * @typedef {import("./board.js").Board} Board
  * @typedef {import("./subpixel.js").Grey} Grey
- *
- * @typedef {object} Finder
- * @property {(image: Grey, full: boolean) => {ids: number[], points: number[][], markers: number, metrics: import("./frame-metrics.js").FrameMetrics}} find
- *   full: for a view that is kept, with all that the detector can do; else for tracking
- * @property {(image: Grey, kind: string) => {kind: string, markers: number, corners: number}} probe looks for something else
- * @property {number} memory bytes that OpenCV's heap has grown to
- * @property {() => void} delete
+ * @typedef {import("./charuco-finder.js").Finder} Finder
  */
 
 const BORDERS = [1, 2]; // cells: AprilTag's own and OpenCV's tags, and those that Kalibr prints

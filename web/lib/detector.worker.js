@@ -14,7 +14,7 @@ import { Recogniser } from "./recogniser.js";
 
 /** @type {any} OpenCV's module; its bindings are made at run time */
 let cv = null;
-/** @type {import("./board-finder.js").Finder | null} */
+/** @type {import("./charuco-finder.js").Finder | null} */
 let finder = null;
 /** @type {Recogniser | null} */
 let recogniser = null;

@@ -7,7 +7,7 @@ import { isBlack } from "./board.js";
  */
 
 /**
- * Black squares of the board in a pose. The inner vertices are the service's and exact; those at the board's edge are
+ * Black squares of the board in a pose, or its tags. The inner vertices are the service's and exact; those at the board's edge are
  * extrapolated from the two before them.
  * @param {Board} board @param {{ids: number[], corners: number[][]}} pose
  * @returns {Polygon[]} px
@@ -15,6 +15,7 @@ import { isBlack } from "./board.js";
 export function blackSquares(board, { ids, corners }) {
   const [columns, rows] = board.squares;
   const place = new Map(ids.map((id, index) => [id, corners[index]]));
+  if (board.kind === "aprilgrid") return tags(columns * rows, place);
   /** @type {(x: number, y: number) => number[] | null} */
   const vertex = (x, y) => {
     if (x === 0) return extrapolate(vertex(1, y), vertex(2, y));
@@ -33,6 +34,12 @@ export function blackSquares(board, { ids, corners }) {
     }
   }
   return squares;
+}
+
+/** @param {number} count @param {Map<number, number[]>} place of corners by their ids @returns {Polygon[]} px */
+function tags(count, place) {
+  const polygons = Array.from({ length: count }, (_, tag) => [0, 1, 2, 3].map((corner) => place.get(4 * tag + corner)));
+  return /** @type {Polygon[]} */ (polygons.filter((polygon) => polygon.every((vertex) => vertex !== undefined)));
 }
 
 /** @param {number[] | null} near @param {number[] | null} next */

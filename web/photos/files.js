@@ -8,9 +8,11 @@ import { cameraName, readExif, unturned } from "./exif.js";
  * @property {string} camera its name; "" where the file does not say
  * @property {number} focal mm; 0
  * @property {"photographs" | "video"} kind
+ * @property {number} share of the file that has been read with it, 0 to 1
  */
 
-const FRAMES = 60; // of a video
+const MAX_FRAMES = 120; // of a video, for the time that it takes; every one of them counts that agrees with the others
+const FRAMES_PER_S = 10;
 const FRAME_TIMEOUT_MS = 15_000; // ms for one frame
 
 /** Formats that browsers cannot read, by file name ending. @type {[RegExp, string][]} */
@@ -38,10 +40,11 @@ const isVideo = ({ type, name }) => type.startsWith("video/") || (type === "" &&
 /**
  * @param {File} file
  * @param {AbortSignal} signal
+ * @param {number} [most] frames of a video
  * @returns {AsyncGenerator<Shot>} throws UnreadableError
  */
-export async function* shots(file, signal) {
-  if (isVideo(file)) yield* frames(file, signal);
+export async function* shots(file, signal, most = MAX_FRAMES) {
+  if (isVideo(file)) yield* frames(file, signal, most);
   else yield await photograph(file);
 }
 
@@ -51,15 +54,15 @@ async function photograph(file) {
   const exif = readExif(bytes);
   try {
     const picture = await createImageBitmap(new Blob([unturned(bytes, exif)], { type: file.type }));
-    return { name: file.name, picture, camera: cameraName(exif), focal: exif.focal, kind: "photographs" };
+    return { name: file.name, picture, camera: cameraName(exif), focal: exif.focal, kind: "photographs", share: 1 };
   } catch (error) {
     if (error instanceof DOMException) throw new UnreadableError(file);
     throw error;
   }
 }
 
-/** @param {File} file @param {AbortSignal} signal @returns {AsyncGenerator<Shot>} */
-async function* frames(file, signal) {
+/** @param {File} file @param {AbortSignal} signal @param {number} most @returns {AsyncGenerator<Shot>} */
+async function* frames(file, signal, most) {
   const video = document.createElement("video");
   video.muted = true;
   video.preload = "auto";
@@ -67,12 +70,12 @@ async function* frames(file, signal) {
   try {
     await event(video, "loadeddata", file);
     const { duration } = video;
-    const count = Number.isFinite(duration) ? Math.min(FRAMES, Math.max(1, Math.floor(duration * 10))) : 1;
+    const count = Number.isFinite(duration) ? Math.min(most, Math.max(1, Math.floor(duration * FRAMES_PER_S))) : 1;
     for (let index = 0; index < count && !signal.aborted; index++) {
       video.currentTime = ((index + 0.5) * duration) / count;
       await event(video, "seeked", file);
       const picture = await createImageBitmap(video);
-      yield { name: `${file.name}, ${video.currentTime.toFixed(1)} s`, picture, camera: "", focal: 0, kind: "video" };
+      yield { name: `${file.name}, ${video.currentTime.toFixed(1)} s`, picture, camera: "", focal: 0, kind: "video", share: (index + 1) / count };
     }
   } finally {
     URL.revokeObjectURL(video.src);
@@ -98,4 +101,23 @@ function event(video, name, file) {
       resolve();
     }, { signal: end.signal });
   });
+}
+
+/** Words that cameras and programs put into names of files. */
+const FILE_WORDS = /^(?:img|dsc[fn]?|pxl|dji|gopro|gh\d\d|mvi|mov|vid|video|image|frame|frames|photo|photos|picture|pic|capture|captured|snapshot|screenshot|output|left|right|calib|calibration|board|charuco|chessboard|aprilgrid|test|scan|wp|p|s)$/i;
+const MIN_NAME_LETTERS = 4;
+
+/**
+ * What the names of the files say of the camera: the words that they begin with alike, without numbers and dates.
+ * @param {string[]} names
+ * @returns {string} "" where they say nothing
+ */
+export function cameraOfNames(names) {
+  const [first = "", ...others] = names.map((name) => name.replace(/\.[^.]*$/, "").split(/[_\s]+/).filter(Boolean));
+  const common = [...first].filter((word, index) => others.every((words) => words[index] === word));
+  const end = common.findIndex((word) => FILE_WORDS.test(word) || /^\d+$/.test(word) || /^\d{4}-?\d{2}/.test(word));
+  // A size at the end of a word is no part of the name: "HD-3000-1280" is of pictures 1280 px wide.
+  const words = common.slice(0, end < 0 ? undefined : end).map((word) => word.replace(/-(?:\d{3,4}x\d{3,4}|640|1280|1920|3840)$/, ""));
+  const name = words.join(" ").trim();
+  return (name.match(/\p{L}/gu)?.length ?? 0) >= MIN_NAME_LETTERS ? name.slice(0, 128) : "";
 }

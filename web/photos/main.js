@@ -1,17 +1,15 @@
 // Calibration from photographs or a video. Boards are looked for on this device; only where their corners are is sent.
-import { boardFrom, boardQuery } from "../lib/board.js";
+import { DEFAULT_BOARD, boardFrom, boardQuery, isSameBoard } from "../lib/board.js";
 import { showProblem } from "../lib/board-problem.js";
 import { Api } from "../lib/api.js";
-import { observedOutline } from "../lib/board-outline.js";
 import { Detector, DetectorError } from "../lib/detector.js";
-import { blackSquares } from "../lib/target-preview.js";
 import { el, part } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
 import { sayChosen } from "../lib/file-input.js";
-import { known, number, onLanguage, sized, t } from "../lib/i18n.js";
+import { known, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { load } from "../lib/result/source.js";
-import { imagePlot, make, short } from "../lib/svg.js";
+import { levelOf } from "../lib/result/numbers.js";
 import { ResultView } from "../lib/result/view.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
@@ -19,9 +17,13 @@ import { liveRegion } from "../lib/live-region.js";
 import capture from "../messages/capture.js";
 import words from "../messages/photos.js";
 import result from "../messages/result.js";
-import { card, thumbnail } from "./card.js";
-import { UnreadableError, shots } from "./files.js";
+import { card } from "./card.js";
+import { BoardForm } from "./board-form.js";
+import { cameraOfNames, shots } from "./files.js";
 import { groups } from "./group.js";
+import { BoardQuestion, recogniseIn } from "./recognition.js";
+import { search, unreadableTexts } from "./search.js";
+import { wantedFigure } from "./wanted.js";
 import { sortByGain, rankByNovelty } from "../lib/rank.js";
 import { MAX_VIEWS, calibrate } from "../lib/series.js";
 
@@ -31,20 +33,27 @@ import { MAX_VIEWS, calibrate } from "../lib/series.js";
  * @typedef {import("../lib/series.js").Outcome} Outcome
  */
 
-const DETECTION_TIMEOUT_MS = 120_000; // ms for the board in one picture: they may have a hundred times the pixels of a frame
+const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
 
 openPage({ photos: words, result, capture });
 const query = new URLSearchParams(location.search);
-const { board, problem } = boardFrom(query);
+const asked = boardFrom(query);
+let { board } = asked;
+/** Has somebody said which board it is? */
+let isChosen = asked.problem === null && ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted"].some((name) => query.has(name));
 const parts = {
   drop: part("drop", HTMLElement), files: part("files", HTMLInputElement), status: part("status", HTMLElement),
   progress: part("progress", HTMLProgressElement), pictures: part("pictures", HTMLElement), form: part("form", HTMLFormElement),
   series: part("series", HTMLSelectElement), several: part("several", HTMLElement), camera: part("camera", HTMLInputElement),
   focal: part("focal", HTMLInputElement), model: part("model", HTMLSelectElement), start: part("start", HTMLButtonElement),
-  wanted: part("wanted", HTMLElement), board: part("board", HTMLElement), problem: part("problem", HTMLElement),
+  wanted: part("wanted", HTMLElement), problem: part("problem", HTMLElement), clear: part("clear", HTMLButtonElement),
 };
 const view = new ResultView(part("result", HTMLElement));
 const [tell, want] = [liveRegion(parts.status), liveRegion(parts.wanted)];
+const boardForm = new BoardForm(board, (chosen) => changeBoard(chosen));
+const question = new BoardQuestion();
+/** @type {File[]} all that were chosen; they stay when the board changes */
+let files = [];
 /** @type {Picture[]} */
 let pictures = [];
 /** @type {Map<Picture, Judgement>} */
@@ -82,13 +91,17 @@ function discard() {
 }
 
 /** The series chosen. */
-const chosen = () => groups(pictures).find(({ id }) => id === parts.series.value) ?? groups(pictures)[0] ?? null;
+const chosenSeries = () => groups(pictures).find(({ id }) => id === parts.series.value) ?? groups(pictures)[0] ?? null;
 
-/** Those first that were used, by what they added; while they are judged each stays where it is. */
+/** Those first that were used, by what they added; of a video only the frames used, in their order. */
 function showPictures() {
-  const members = new Set((chosen()?.members ?? []).map((index) => pictures[index]));
-  const shown = judged ? sortByGain(pictures, (picture) => judgements.get(picture)) : pictures;
-  parts.pictures.replaceChildren(...shown.map((picture) => card(picture, members.has(picture), judgements.get(picture))));
+  const members = new Set((chosenSeries()?.members ?? []).map((index) => pictures[index]));
+  const isUsed = (/** @type {Picture} */ picture) => judgements.get(picture)?.accepted === true;
+  const shown = (judged ? sortByGain(pictures, (picture) => judgements.get(picture)) : pictures).filter((picture) => picture.kind !== "video");
+  const frames = pictures.filter((picture) => picture.kind === "video" && isUsed(picture));
+  const cards = [...shown, ...frames].map((picture) => card(picture, members.has(picture), judgements.get(picture)));
+  parts.pictures.classList.toggle("filmstrip", frames.length > 0 && shown.length === 0);
+  parts.pictures.replaceChildren(...cards);
 }
 
 function showSeries() {
@@ -99,75 +112,113 @@ function showSeries() {
   if (found.some(({ id }) => id === before)) parts.series.value = before;
   parts.several.hidden = found.length < 2;
   parts.form.hidden = found.length === 0;
+  parts.clear.hidden = files.length === 0;
 }
 
-/** Fill in the camera named in the files; typed text stays. */
+/** Fill in the camera named in the files, or by them; typed text stays. */
 function proposeKey() {
-  const group = chosen();
+  const group = chosenSeries();
   if (!group) return;
-  parts.camera.value = group.camera || (query.get("camera") ?? parts.camera.value);
+  const names = group.members.map((index) => origins.get(pictures[index])?.name ?? "");
+  parts.camera.value = group.camera || (query.get("camera") ?? (parts.camera.value || cameraOfNames(names)));
   parts.focal.value = group.focal ? String(group.focal) : "";
 }
 
-/** @param {File[]} files */
-async function look(files) {
+/** Looks for another board in the same files. @param {typeof board} other */
+function changeBoard(other) {
+  board = other;
+  isChosen = true;
+  linkBoard();
+  if (files.length) void lookAgain();
+}
+
+/** Looks at all files from the beginning. */
+function lookAgain() {
+  pictures = [];
+  origins.clear();
+  return look(files);
+}
+
+/** @param {File[]} added */
+function take(added) {
+  if (added.length === 0) return;
+  files = [...files, ...added];
+  void look(added);
+}
+
+/** @param {File[]} list */
+async function look(list) {
   run.abort();
   const { signal } = run = new AbortController();
   discard();
   parts.progress.hidden = false;
-  /** @type {UnreadableError[]} */
-  const unreadable = [];
+  parts.progress.removeAttribute("value");
   try {
     tell(() => t("photos.loading"));
     const finder = await openDetector();
-    for (const [index, file] of files.entries()) {
-      tell(() => t("photos.looking", { name: file.name }));
-      parts.progress.value = index / files.length;
-      try {
-        for await (const shot of shots(file, signal)) {
-          const picture = await find(finder, shot);
-          if (signal.aborted) return;
-          pictures.push(picture);
-          origins.set(picture, file);
-          showSeries();
-          showPictures();
-        }
-      } catch (error) {
-        if (!(error instanceof UnreadableError)) throw error;
-        unreadable.push(error);
-      }
-      if (signal.aborted) return;
-    }
+    // Which board it is nobody has said yet: a few pictures tell.
+    const recognised = isChosen || pictures.length ? null : await recognise(finder, list, signal);
+    if (signal.aborted) return;
+    if (recognised && !isChosen) return;
+    await finder.change(board);
+    const unreadable = await search(finder, board, list, signal, {
+      onFile: (file, share) => {
+        parts.progress.value = share;
+        tell(() => t("photos.looking", { name: file.name, percent: Math.round(100 * share) }));
+      },
+      onPicture: (picture, file) => {
+        pictures.push(picture);
+        origins.set(picture, file);
+        if (picture.kind === "video") return;
+        showSeries();
+        showPictures();
+      },
+    });
+    if (signal.aborted) return;
     proposeKey();
+    showSeries();
     const views = groups(pictures).reduce((sum, { members }) => sum + members.length, 0);
+    if (views === 0 && pictures.length && !recognised && (await recognise(finder, list, signal))) return;
+    if (signal.aborted) return;
     const values = { count: views, all: pictures.length };
-    tell(() => [t("photos.found", values), ...(views === 0 ? [t("photos.which_board")] : []), ...reasons(unreadable)].join(" "));
+    const isFilm = pictures.every(({ kind }) => kind === "video");
+    const found = pictures.length === 0 ? [] : [t(views ? `photos.found_${isFilm ? "frames" : "photos"}` : "photos.not_found", values)];
+    tell(() => [...found, ...unreadableTexts(unreadable)].join(" "));
+    if (views === 0 && pictures.length) boardForm.open();
   } catch (error) {
     if (!signal.aborted) tell(() => explain(error));
   } finally {
-    parts.progress.hidden = true;
+    if (!signal.aborted) parts.progress.hidden = true;
   }
 }
 
-/** Files that were not read: by name, and why. @param {UnreadableError[]} errors @returns {string[]} */
-function reasons(errors) {
-  const codes = [...new Set(errors.map(({ code }) => code))];
-  return codes.map((code) => t(`photos.unreadable_${code}`, { names: errors.filter((each) => each.code === code).map(({ message }) => message).join(", ") }));
-}
-
-/** @param {Detector} finder @param {import("./files.js").Shot} shot @returns {Promise<Picture>} */
-async function find(finder, { name, picture, camera, focal, kind }) {
-  const kept = await createImageBitmap(picture, { resizeWidth: Math.min(picture.width, 480), resizeQuality: "high" });
-  const { ids, points, size } = await finder.detect(picture, { full: true, timeout: DETECTION_TIMEOUT_MS });
-  const scale = kept.width / size[0];
-  const small = thumbnail(kept, points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]));
-  kept.close();
-  return { name, camera, focal, kind, size, ids, points, outline: observedOutline(board, { ids, points }), thumbnail: small };
+/**
+ * Recognises the board, and asks whether it is the one.
+ * @param {Detector} finder @param {File[]} list @param {AbortSignal} signal
+ * @returns {Promise<boolean>} whether a board was recognised that is not the one looked for; then the answer has been acted on
+ */
+async function recognise(finder, list, signal) {
+  tell(() => t("photos.recognising"));
+  const found = await recogniseIn(finder, list, signal);
+  if (signal.aborted || !found) return false;
+  if (isSameBoard(found.board, board)) return false;
+  tell();
+  parts.progress.hidden = true;
+  const isRight = await question.ask(found, signal);
+  if (signal.aborted) return true;
+  if (isRight) {
+    boardForm.show(found.board);
+    changeBoard(found.board);
+  } else {
+    tell(() => t("photos.which_board_then"));
+    boardForm.open();
+  }
+  return true;
 }
 
 /** @param {Set<Picture>} [without] pictures that are left out this time */
 async function start(without = new Set()) {
-  const group = chosen();
+  const group = chosenSeries();
   if (!group) return;
   parts.start.disabled = true;
   const mine = discard();
@@ -175,19 +226,22 @@ async function start(without = new Set()) {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
     if (mine !== turn) return;
     const views = rankByNovelty(group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture)), group.size, MAX_VIEWS);
+    const detectModel = parts.model.value === AUTOMATIC;
     const request = {
       camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
-      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value), board,
+      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (detectModel ? "rectilinear" : parts.model.value), board,
     };
-    tell(() => t("photos.calibrating"));
+    const progress = () => t("photos.calibrating", { done: judgements.size, all: views.length });
+    tell(progress);
     const onRetry = (/** @type {object | null} */ retry) => {
-      if (mine === turn) tell(() => t(retry ? "faults.retry" : "photos.calibrating"));
+      if (mine === turn) tell(retry ? () => t("faults.retry") : progress);
     };
     const outcome = await calibrate(new Api(address, { onRetry }), token, request, views, (judgement) => {
       if (mine !== turn) return;
       judgements.set(views[judgement.view], judgement);
+      tell(progress);
       showPictures();
-    });
+    }, { detectModel });
     if (mine === turn) await finish(outcome, views, returnOrigins, without);
   } catch (error) {
     if (mine === turn) tell(() => explain(error));
@@ -203,18 +257,22 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   showPictures();
   const taken = views.filter((each) => judgements.get(each)?.accepted);
   const id = state.calibration_id;
+  const helpful = () => (wanted ? [wantedFigure(board, wanted, state.img_size, () => parts.files.click())] : []);
   if (!id) {
     const { uncertainty } = state;
     tell(() => (uncertainty ? t("photos.not_enough", { rms: number(uncertainty.rms, 1) }) : t("photos.nothing_taken")));
-    if (wanted) want(() => [advice(wanted, state.img_size)]);
+    want(helpful);
     return;
   }
-  tell(() => t("photos.done", { count: taken.length }));
+  tell(() => t("photos.done", { count: taken.length, all: views.length }));
   const { calibration, report } = await load(id);
   const picture = await canvasOf(taken[0]);
   if (mine !== turn) return;
-  const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map((index) => views[numbers.get(index) ?? -1])]));
-  view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, goOn, explain });
+  if (levelOf(calibration) !== "good" || (report?.verdict && report.verdict.level !== "good")) want(helpful);
+  const pictureOf = (/** @type {number} */ index) => views[numbers.get(index) ?? -1];
+  const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map(pictureOf)]));
+  const names = (/** @type {number} */ index) => pictureOf(index)?.name ?? "";
+  view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, goOn, names, explain });
   document.getElementById("verdict")?.focus();
 }
 
@@ -232,47 +290,36 @@ async function canvasOf(picture) {
   return null;
 }
 
-/** The photograph that would help most. @param {import("../vendor/api.js").Pose} pose @param {[number, number]} size */
-function advice(pose, size) {
-  const { svg, area, x, y } = imagePlot(size, t("photos.like_this"), { plain: true });
-  const points = (/** @type {number[][]} */ list) => list.map(([u, v]) => `${short(x(u))},${short(y(v))}`).join(" ");
-  for (const square of blackSquares(board, pose)) area.append(make("polygon", { points: points(square), class: "square" }));
-  area.append(make("polygon", { points: points(pose.outline), class: "outline" }));
-  return el("figure", { class: "figure measured" }, svg, el("figcaption", {}, t("photos.like_this")));
+/** Links to the board lead to the one looked for. */
+function linkBoard() {
+  for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll("main a[href*='/board/']"))) {
+    const there = new URL(link.href);
+    there.search = boardQuery(board).toString();
+    link.href = there.href;
+  }
 }
 
-/** @param {FileList | null | undefined} list */
-function take(list) {
-  const files = [...(list ?? [])];
-  if (files.length) void look(files);
-}
-
-parts.model.append(...Object.keys(COEFFICIENTS).map((model) => new Option("", model)));
+parts.model.append(...[AUTOMATIC, ...Object.keys(COEFFICIENTS)].map((model) => new Option("", model)));
 function speak() {
   for (const option of parts.model.options) option.textContent = t(`photos.model_${option.value}`);
-  const { squares, dictionary } = board;
-  parts.board.textContent = t("photos.board", { size: sized(squares), dictionary });
+  parts.camera.placeholder = t("photos.camera_example");
   showSeries();
   showPictures();
 }
 speak();
 onLanguage(speak);
-showProblem(parts.problem, problem);
-for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll('a[href^="../board/"]'))) {
-  const there = new URL(link.href);
-  there.search = boardQuery(board).toString();
-  link.href = there.href;
-}
+showProblem(parts.problem, asked.problem);
+linkBoard();
 sayChosen(parts.files);
 parts.files.addEventListener("change", () => {
-  take(parts.files.files);
+  take([...(parts.files.files ?? [])]);
   parts.files.value = "";
 });
 for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
   parts.drop.addEventListener(name, (event) => {
     event.preventDefault();
     parts.drop.classList.toggle("over", name === "dragenter" || name === "dragover");
-    if (name === "drop") take(/** @type {DragEvent} */ (event).dataTransfer?.files);
+    if (name === "drop") take([...(/** @type {DragEvent} */ (event).dataTransfer?.files ?? [])]);
   });
 }
 parts.series.addEventListener("change", () => {
@@ -285,11 +332,13 @@ parts.form.addEventListener("submit", (event) => {
   event.preventDefault();
   void start();
 });
-part("clear", HTMLButtonElement).addEventListener("click", () => {
+parts.clear.addEventListener("click", () => {
   run.abort();
   discard();
-  pictures = [];
+  [files, pictures] = [[], []];
   origins.clear();
+  if (!asked.problem && isSameBoard(board, DEFAULT_BOARD)) isChosen = false;
+  parts.progress.hidden = true;
   tell();
   showSeries();
   showPictures();

@@ -15,6 +15,7 @@
  * @property {{code: string, text: string}[]} [notes] what else is to be said
  * @property {{label: () => string, action: () => void}} [again]
  * @property {(without: number[]) => void} [goOn] with the views that are left, by whom they were taken; indices
+ * @property {(index: number) => string} [names] of the photographs that views come from, "" where there is none
  * @property {(error: unknown) => string} explain an error, in words for people
  */
 

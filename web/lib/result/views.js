@@ -25,10 +25,11 @@ export const viewsToRetake = ({ views }) =>
   views.filter((view) => ["left_out", "stands_out"].includes(viewIssue(view, views) ?? "")).map(({ index }) => index);
 
 /**
- * @param {{calibration: Calibration, report: Report}} result @param {Trial | null} trial what it is without some views
+ * @param {{calibration: Calibration, report: Report, names?: (index: number) => string}} result names: of the photographs that views come from
+ * @param {Trial | null} trial what it is without some views
  * @param {Choices | null} choices
  */
-export function viewsPart({ calibration, report }, trial, choices) {
+export function viewsPart({ calibration, report, names = () => "" }, trial, choices) {
   const factor = magnification(calibration, report);
   const left = trial?.without ?? [];
   const bad = viewsToRetake(report).filter((index) => !left.includes(index));
@@ -42,7 +43,7 @@ export function viewsPart({ calibration, report }, trial, choices) {
       const what = out ? null : viewIssue(view, shown.views);
       return el("li", { class: out ? "out" : "" }, residualPlot(calibration, view, shown.views, factor),
         el("div", { class: "which" },
-          el("p", { class: "number" }, el("strong", {}, t("result.view", { index: view.index + 1 })), ` ${number(view.rms, 2)}\u00a0px`),
+          el("p", { class: "number" }, el("strong", {}, t("result.view", { index: view.index + 1 })), ` ${number(view.rms, 2)}\u00a0px`, ...(names(view.index) ? [el("span", { class: "source muted" }, names(view.index))] : [])),
           ...(choices ? [toggle(view.index, left, choices)] : [])),
         ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []));
     })),

@@ -1,0 +1,116 @@
+// Form "Which board?" within the page: presets, and every parameter. The files stay while the board changes.
+import { DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } from "../lib/board.js";
+import { PRESETS } from "../lib/board-presets.js";
+import { reason } from "../lib/board-problem.js";
+import { part } from "../lib/dom.js";
+import { number, onLanguage, sized, t } from "../lib/i18n.js";
+
+/** @typedef {import("../lib/board.js").SentBoard} SentBoard */
+
+const OTHER = "other";
+
+/** A board in a few words: "ChArUco, 9 × 6 squares, DICT_4X4_50". @param {SentBoard} board */
+export function boardWords(board) {
+  const { squares, dictionary, marker_ratio: ratio, tag_spacing: spacing = DEFAULT_TAG_SPACING } = board;
+  const words = t(`photos.board_${kindOf(board)}`, { size: sized(squares), dictionary, ratio: number(ratio, 2), spacing: number(spacing, 2) });
+  return [words, ...(board.legacy ? [t("photos.board_legacy")] : []), ...(board.inverted ? [t("photos.board_inverted")] : [])].join(", ");
+}
+
+export class BoardForm {
+  #fields = {
+    preset: part("preset", HTMLSelectElement), kind: part("board-kind", HTMLSelectElement), columns: part("columns", HTMLInputElement),
+    rows: part("rows", HTMLInputElement), dictionary: part("dictionary", HTMLSelectElement), ratio: part("ratio", HTMLInputElement),
+    spacing: part("spacing", HTMLInputElement), legacy: part("legacy", HTMLInputElement), inverted: part("inverted", HTMLInputElement),
+  };
+  #details = part("which-board", HTMLDetailsElement);
+  #problem = part("board-problem", HTMLElement);
+  #board;
+  /** @type {import("../lib/board.js").Problem | null} */
+  #wrong = null;
+
+  /** @param {SentBoard} board @param {(board: SentBoard) => void} onChoice called when somebody has chosen another */
+  constructor(board, onChoice) {
+    this.#board = board;
+    const { preset, dictionary } = this.#fields;
+    preset.append(...PRESETS.map(({ id, name }) => new Option(name, id)), new Option("", OTHER));
+    dictionary.append(...DICTIONARIES.map((name) => new Option(name, name)));
+    preset.addEventListener("change", () => {
+      const chosen = PRESETS.find(({ id }) => id === preset.value);
+      if (!chosen) return this.#fields.kind.focus();
+      this.show(chosen.board);
+      onChoice(chosen.board);
+    });
+    part("board-form", HTMLFormElement).addEventListener("change", ({ target }) => {
+      if (target === preset) return;
+      const asked = this.#asked();
+      this.#say(asked.problem);
+      if (asked.problem) return;
+      this.#board = asked.board;
+      this.#arrange();
+      onChoice(asked.board);
+    });
+    part("board-form", HTMLFormElement).addEventListener("submit", (event) => {
+      event.preventDefault();
+      if (!this.#wrong) onChoice(this.#board);
+    });
+    onLanguage(() => this.#arrange());
+    this.show(board);
+  }
+
+  /** @param {SentBoard} board */
+  show(board) {
+    this.#board = board;
+    const { kind, columns, rows, dictionary, ratio, spacing, legacy, inverted } = this.#fields;
+    kind.value = kindOf(board);
+    [columns.value, rows.value] = board.squares.map(String);
+    dictionary.value = board.dictionary;
+    ratio.value = String(board.marker_ratio);
+    spacing.value = String(board.tag_spacing ?? DEFAULT_TAG_SPACING);
+    legacy.checked = board.legacy ?? false;
+    inverted.checked = board.inverted ?? false;
+    this.#say(null);
+    this.#arrange();
+  }
+
+  open() {
+    this.#details.open = true;
+    this.#fields.preset.focus();
+  }
+
+  close() {
+    this.#details.open = false;
+  }
+
+  /** What the fields say. */
+  #asked() {
+    const { kind, columns, rows, dictionary, ratio, spacing, legacy, inverted } = this.#fields;
+    const isGrid = kind.value === "aprilgrid";
+    const family = isGrid && !dictionary.value.startsWith("DICT_APRILTAG_") ? "DICT_APRILTAG_36h11" : dictionary.value;
+    dictionary.value = family;
+    return boardFrom(new URLSearchParams({
+      kind: kind.value, squares: `${columns.value}x${rows.value}`, inverted: String(inverted.checked),
+      ...(kind.value !== "chessboard" && { dictionary: family }),
+      ...(kind.value === "charuco" && { marker_ratio: ratio.value, legacy: String(legacy.checked) }),
+      ...(isGrid && { tag_spacing: spacing.value }),
+    }));
+  }
+
+  /** Shows the fields of this kind of board, and in which words it is known. */
+  #arrange() {
+    const kind = kindOf(this.#board);
+    for (const field of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-kinds]"))) {
+      field.hidden = !(field.dataset.kinds ?? "").split(" ").includes(kind);
+    }
+    const { preset } = this.#fields;
+    preset.options[preset.options.length - 1].textContent = t("photos.preset_other");
+    preset.value = PRESETS.find(({ board }) => isSameBoard(board, this.#board))?.id ?? OTHER;
+    part("board", HTMLElement).textContent = boardWords(this.#board);
+    this.#say(this.#wrong);
+  }
+
+  /** @param {import("../lib/board.js").Problem | null} problem */
+  #say(problem) {
+    this.#wrong = problem;
+    this.#problem.textContent = problem ? t("photos.board_impossible", { reason: reason(problem) }) : "";
+  }
+}

@@ -1,0 +1,57 @@
+// Search for the board in files: picture by picture, and what could not be read.
+import { observedOutline } from "../lib/board-outline.js";
+import { t } from "../lib/i18n.js";
+import { thumbnail } from "./card.js";
+import { UnreadableError, shots } from "./files.js";
+
+/**
+ * @typedef {import("./card.js").Picture} Picture
+ * @typedef {import("../lib/detector.js").Detector} Detector
+ * @typedef {{onFile: (file: File, share: number) => void, onPicture: (picture: Picture, file: File) => void}} Listener
+ *   onFile: with the share of all files that has been looked at, 0 to 1
+ */
+
+const DETECTION_TIMEOUT_MS = 120_000; // ms for the board in one picture: they may have a hundred times the pixels of a frame
+
+/**
+ * Looks for the board in files.
+ * @param {Detector} detector @param {import("../lib/board.js").Board} board that it looks for @param {File[]} files @param {AbortSignal} signal
+ * @param {Listener} listener
+ * @returns {Promise<UnreadableError[]>} files that could not be read
+ */
+export async function search(detector, board, files, signal, { onFile, onPicture }) {
+  /** @type {UnreadableError[]} */
+  const unreadable = [];
+  for (const [index, file] of files.entries()) {
+    onFile(file, index / files.length);
+    try {
+      for await (const shot of shots(file, signal)) {
+        const picture = await find(detector, board, shot);
+        if (signal.aborted) return unreadable;
+        onPicture(picture, file);
+        onFile(file, (index + shot.share) / files.length);
+      }
+    } catch (error) {
+      if (!(error instanceof UnreadableError)) throw error;
+      unreadable.push(error);
+    }
+    if (signal.aborted) break;
+  }
+  return unreadable;
+}
+
+/** Files that were not read: by name, and why. @param {UnreadableError[]} errors @returns {string[]} */
+export function unreadableTexts(errors) {
+  const codes = [...new Set(errors.map(({ code }) => code))];
+  return codes.map((code) => t(`photos.unreadable_${code}`, { names: errors.filter((each) => each.code === code).map(({ message }) => message).join(", ") }));
+}
+
+/** @param {Detector} detector @param {import("../lib/board.js").Board} board @param {import("./files.js").Shot} shot @returns {Promise<Picture>} */
+async function find(detector, board, { name, picture, camera, focal, kind }) {
+  const kept = await createImageBitmap(picture, { resizeWidth: Math.min(picture.width, 480), resizeQuality: "high" });
+  const { ids, points, size } = await detector.detect(picture, { full: true, timeout: DETECTION_TIMEOUT_MS });
+  const scale = kept.width / size[0];
+  const small = thumbnail(kept, points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]));
+  kept.close();
+  return { name, camera, focal, kind, size, ids, points, outline: observedOutline(board, { ids, points }), thumbnail: small };
+}

@@ -1,0 +1,19 @@
+// Drawing of the photograph that would help most, and the way to add it.
+import { el } from "../lib/dom.js";
+import { t } from "../lib/i18n.js";
+import { imagePlot, make, short } from "../lib/svg.js";
+import { blackSquares } from "../lib/target-preview.js";
+
+/**
+ * @param {import("../lib/board.js").Board} board @param {import("../vendor/api.js").Pose} pose @param {[number, number]} size px
+ * @param {() => void} addMore called to choose more photographs
+ */
+export function wantedFigure(board, pose, size, addMore) {
+  const { svg, area, x, y } = imagePlot(size, t("photos.like_this"), { plain: true });
+  const points = (/** @type {number[][]} */ list) => list.map(([u, v]) => `${short(x(u))},${short(y(v))}`).join(" ");
+  for (const square of blackSquares(board, pose)) area.append(make("polygon", { points: points(square), class: "square" }));
+  area.append(make("polygon", { points: points(pose.outline), class: "outline" }));
+  const add = el("button", { type: "button", class: "primary", id: "add-more" }, t("photos.add_more"));
+  add.addEventListener("click", addMore);
+  return el("figure", { class: "figure measured" }, svg, el("figcaption", {}, t("photos.like_this")), add);
+}
