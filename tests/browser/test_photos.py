@@ -85,7 +85,7 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
     page.locator("#files").set_input_files([*series.photographs, series.larger])
     if series.page == "/photos/":
         expect(page.locator("#question-text")).to_contain_text(
-            "8 × 8 ChArUco board, DICT_4X4_50, markers 0.75"
+            "8 × 8 ChArUco, DICT_4X4_50, markers 0.75"
         )
         picture(page, "photos-question")
         page.locator("#use-board").click()
@@ -163,7 +163,7 @@ def test_files_stay_while_the_board_changes(context: BrowserContext, series: Ser
     page = context.new_page()
     page.goto("/photos/?squares=9x6")
     page.locator("#files").set_input_files([*series.photographs[:2], __file__])
-    expect(page.locator("#question-text")).to_contain_text("8 × 8 ChArUco board")
+    expect(page.locator("#question-text")).to_contain_text("8 × 8 ChArUco")
     page.locator("#other-board").click()
     expect(page.locator("#which-board")).to_have_attribute("open", "")
     page.locator("#preset").select_option("photonvision")

@@ -29,13 +29,13 @@ export default {
     inverted: "White on black",
     look_for: "Look for this board",
     no_board_yet: "No board yet? <0>Get one</0>, on paper or on a screen.",
-    board_charuco: "{size} ChArUco board, {dictionary}, markers {ratio}",
+    board_charuco: "{size} ChArUco, {dictionary}, markers {ratio}",
     board_chessboard: "{size} chessboard",
     board_aprilgrid: "{size} AprilGrid, {dictionary}, gaps {spacing}",
     board_legacy: "layout of OpenCV before 4.6",
     board_inverted: "white on black",
     board_impossible: "Not possible: {reason}.",
-    looks_like: "This looks like a {board}. Use it?",
+    looks_like: "This looks like your board: {board}. Use it?",
     use_board: "Use this board",
     other_board: "It is another one",
     which_board_then: "Choose your board under “Which board?”. Your files are still here.",
@@ -88,6 +88,7 @@ export default {
     nothing_taken: "None of these photos can be used. Tilt the board, and photograph it from closer.",
     like_this: "A photo with the board held like this would help most.",
     add_more: "Add photos",
+    better: "What would make it even better?",
   },
   de: {
     title: "Aus Fotos kalibrieren · calibDB",
@@ -176,6 +177,7 @@ export default {
     nothing_taken: "Keines dieser Fotos ist brauchbar. Kippen Sie die Tafel und fotografieren Sie sie aus größerer Nähe.",
     like_this: "Am meisten bringt ein Foto, auf dem die Tafel so liegt.",
     add_more: "Fotos hinzufügen",
+    better: "Was würde es noch verbessern?",
   },
   uk: {
     title: "Калібрування за фото · calibDB",
@@ -273,5 +275,6 @@ export default {
     nothing_taken: "Жоден із цих знімків не придатний. Нахиліть дошку й сфотографуйте її ближче.",
     like_this: "Найбільше допоможе фото, на якому дошка розташована так.",
     add_more: "Додати фото",
+    better: "Що зробить результат ще кращим?",
   },
 };

@@ -6,14 +6,15 @@ import { blackSquares } from "../lib/target-preview.js";
 
 /**
  * @param {import("../lib/board.js").Board} board @param {import("../vendor/api.js").Pose} pose @param {[number, number]} size px
- * @param {() => void} addMore called to choose more photographs
+ * @param {{addMore: () => void, isFolded: boolean}} options addMore: called to choose more photographs; isFolded: only who wants to knows
  */
-export function wantedFigure(board, pose, size, addMore) {
+export function wantedFigure(board, pose, size, { addMore, isFolded }) {
   const { svg, area, x, y } = imagePlot(size, t("photos.like_this"), { plain: true });
   const points = (/** @type {number[][]} */ list) => list.map(([u, v]) => `${short(x(u))},${short(y(v))}`).join(" ");
   for (const square of blackSquares(board, pose)) area.append(make("polygon", { points: points(square), class: "square" }));
   area.append(make("polygon", { points: points(pose.outline), class: "outline" }));
-  const add = el("button", { type: "button", class: "primary", id: "add-more" }, t("photos.add_more"));
+  const add = el("button", { type: "button", class: isFolded ? "" : "primary", id: "add-more" }, t("photos.add_more"));
   add.addEventListener("click", addMore);
-  return el("figure", { class: "figure measured" }, svg, el("figcaption", {}, t("photos.like_this")), add);
+  const figure = el("figure", { class: "figure measured" }, svg, el("figcaption", {}, t("photos.like_this")), add);
+  return isFolded ? el("details", { class: "which-board" }, el("summary", {}, t("photos.better")), figure) : figure;
 }
