@@ -1,14 +1,24 @@
-"""Export: one stored calibration, or one consensus, by its id, as it is or as another tool's file."""
+"""Export: one stored calibration, or one consensus, or a file of another tool, as another tool's file."""
 
 from __future__ import annotations
+
+import base64
+import binascii
+import re
+from typing import TYPE_CHECKING
 
 from starlette.responses import Response
 
 from calibdb.camera_key import VERSION, current_key
 from calibdb.errors import GoneError, InvalidError, NotFoundError
 from calibdb.http import application
-from calibdb.schema import CalibrationDocument, ExportQuery, FitRecord, ReportedCalibration
+from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
 
+if TYPE_CHECKING:
+    from calibsolver.formats import ExportedFile
+
+COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
+"""What messages of the solver say to those who use the operator's command line."""
 AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
 
 
@@ -138,6 +148,11 @@ def file(found: ReportedCalibration, document: CalibrationDocument | None, asked
         written = formats.write(subject, asked.format, change)
     except CalibrationError as error:
         raise InvalidError.field("format", error.message) from error
+    return to_response(written)
+
+
+def to_response(written: ExportedFile) -> Response:
+    """Answer with a file, and in the headers how far it is from what was to be written."""
     headers = {
         "Content-Disposition": f'attachment; filename="{written.filename}"',
         "X-Conversion-Error": f"{written.error:.6g}",
@@ -148,4 +163,61 @@ def file(found: ReportedCalibration, document: CalibrationDocument | None, asked
     return Response(written.content, 200, headers, written.media_type)
 
 
-handler = application.handler(application.route("/v1/calibrations/{id}", GET=show))
+def convert(call: application.Call) -> Response:
+    """Answer with another program's file in the format asked for; it counts as a view does."""
+    token = call.api_token()
+    asked = call.json(ConvertRequest)
+    call.service.charge(token, "views", call.address)
+    # Here and not above: who only wants to see a calibration need not wait for the solver.
+    from calibsolver import DeadlineError, deadline
+
+    try:
+        with deadline.limit(call.seconds_left):
+            return to_response(converted(asked))
+    except DeadlineError as error:
+        slow = "takes longer to convert than a request may; ask for another format"
+        raise call.out_of_time(InvalidError.field("format", slow)) from error
+
+
+def converted(asked: ConvertRequest) -> ExportedFile:
+    """Return the camera of a file, written in another format.
+
+    Raises InvalidError: of the field `file` where no camera can be read, of `format` where it cannot be held.
+    """
+    from calibdb.rules.calibration_file import FormError, parse
+    from calibsolver import CalibrationError, formats
+    from calibsolver.formats.hints import Hints
+    from calibsolver.formats.reading import READERS, is_text_kind
+
+    hints = Hints(img_size=asked.img_size, number=asked.number, model=asked.distortion_model or "")
+    try:
+        parsed = parse(content_of(asked), "", is_text_kind)
+        found = READERS[parsed.form](parsed.content, hints)
+    except (CalibrationError, FormError) as error:
+        said = COMMAND_LINE.sub("", str(error))
+        raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
+    except RecursionError:
+        raise InvalidError.field("file", "nested too deeply") from None
+    if found.camera is None:
+        raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
+    name = asked.camera or found.name or "camera"
+    source = formats.ExportSource(found.camera, name=name, record={"camera": name, "platform": "", "zoom": 0})
+    try:
+        return formats.write(source, asked.format)
+    except CalibrationError as error:
+        raise InvalidError.field("format", error.message) from error
+
+
+def content_of(asked: ConvertRequest) -> bytes:
+    """Return the bytes of the file."""
+    if asked.encoding == "text":
+        return asked.file.encode()
+    try:
+        return base64.b64decode(asked.file, validate=True)
+    except binascii.Error as error:
+        raise InvalidError.field("file", f"it is no base64: {error}") from error
+
+
+handler = application.handler(
+    application.route("/v1/calibrations/{id}", GET=show), application.route("/v1/convert", POST=convert)
+)

@@ -14,7 +14,7 @@ CREDENTIALS = {"apiToken": TOKEN, "sessionId": "SESSION_ID", "managementToken": 
 """What stands for a credential in code, by its name in the OpenAPI document."""
 SCENARIO = (
     *("health", "createToken", "showToken", "changeToken", "verifyToken", "rotateToken", "showUsage"),
-    *("lookup", "visitLookup", "searchCameras", "showCamera", "showCalibration", "showBadge"),
+    *("lookup", "visitLookup", "searchCameras", "showCamera", "showCalibration", "showBadge", "convertFile"),
     *("openSession", "startSession", "showPose", "submitView", "showSession", "undoView", "checkCalibration"),
     *("forgetSession", "finishSession", "revokeToken"),
 )

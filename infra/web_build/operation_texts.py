@@ -30,6 +30,13 @@ EXAMPLE_POINTS = [
     [398.0, 377.1],
 ]
 
+EXAMPLE_FILE = (
+    "image_width: 1280\nimage_height: 720\ncamera_name: c920\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
+    "  data: [952.1, 0, 644.8, 0, 951.7, 358.2, 0, 0, 1]\ndistortion_model: plumb_bob\n"
+    "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0.09, -0.19, 0.0004, -0.0007, 0.0]\n"
+)
+"""A file of ROS."""
+
 
 @dataclass(frozen=True)
 class OperationText:
@@ -136,6 +143,13 @@ TEXTS: dict[str, OperationText] = {
         "`mirror` convert it to a changed picture. `without` fits anew without some of the views; "
         "nothing is stored.",
         path={"id": "CALIBRATION_ID"},
+    ),
+    "convertFile": OperationText(
+        "Database",
+        "Reads the camera matrix and distortion of another program's file (OpenCV, ROS, Kalibr, COLMAP, mrcal, "
+        "Gyroflow and others) and answers with the file in `format`. Nothing is stored. A file larger than "
+        "100,000 characters is refused; corners in it are left aside.",
+        body={"file": EXAMPLE_FILE, "format": "kalibr"},
     ),
     "searchCameras": OperationText(
         "Database",

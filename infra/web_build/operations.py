@@ -292,6 +292,33 @@ OPERATIONS = (
     ),
     Operation(
         "post",
+        "/v1/convert",
+        "convertFile",
+        "Another program's calibration file in another format",
+        {
+            200: Content(
+                "The file. Its camera matrix and distortion are read, and nothing is stored. "
+                "`X-Conversion-Error` says how many px its projection is off at most, "
+                "`X-Conversion-Coverage` over which share of the image.",
+                None,
+                (
+                    "application/json",
+                    "application/yaml",
+                    "application/xml",
+                    "text/plain",
+                    "application/octet-stream",
+                    "model/gltf+json",
+                ),
+                headers=("X-Conversion-Error", "X-Conversion-Coverage", "Content-Disposition"),
+                sometimes=("X-Conversion-Warning",),
+            )
+        },
+        (400, *_ASKED, 413, 422),
+        _TOKEN,
+        body=schema.ConvertRequest,
+    ),
+    Operation(
+        "post",
         "/v1/checks",
         "checkCalibration",
         "Whether the stored consensus, reliable or not, fits fresh views of this camera",

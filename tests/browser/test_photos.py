@@ -84,10 +84,8 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
     page.on("request", lambda request: sent.append(request))
     page.locator("#files").set_input_files([*series.photographs, series.larger])
     if series.page == "/photos/":
-        expect(page.locator("#question-text")).to_contain_text(
-            "8 × 8 ChArUco, DICT_4X4_50, markers 0.75"
-        )
-        picture(page, "photos-question")
+        expect(page.locator("#question-text")).to_contain_text("8 × 8 ChArUco, DICT_4X4_50, markers 0.75")
+        picture(page, "photos-question", ["desk"])
         page.locator("#use-board").click()
     all_of_them = len(series.photographs) + 1
     page.locator("#status", has_text=f"of {all_of_them} photos").wait_for()

@@ -19,6 +19,7 @@ from calibdb.schema.cameras import (
     CamerasRequest,
 )
 from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView
+from calibdb.schema.conversion import ConvertRequest
 from calibdb.schema.documents import (
     CalibrationDocument,
     ConsensusDocument,
@@ -81,6 +82,7 @@ __all__ = [
     "CheckRequest",
     "CheckView",
     "ConsensusDocument",
+    "ConvertRequest",
     "EstimateDocument",
     "ExportQuery",
     "FieldProblem",

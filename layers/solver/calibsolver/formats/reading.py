@@ -1,7 +1,8 @@
 """Other tools' files read: what kind one is, and what it says."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from . import colmap, document, mrcal, native, numpy_archive, plain_text, storage_xml, text
 from .base import ImportedFile
@@ -85,3 +86,11 @@ def read_text(content: str, hints: Hints = Hints()) -> ImportedFile:  # noqa: B0
 def read_archive(raw: bytes, hints: Hints = Hints()) -> ImportedFile:  # noqa: B008 - a value that never changes
     """Read an archive of numpy arrays (.npz); CalibrationError ``malformed``."""
     return read(numpy_archive.parse(raw), hints)
+
+
+READERS: Mapping[str, Callable[[Any, Hints], ImportedFile]] = {
+    "values": read,
+    "text": read_text,
+    "archive": read_archive,
+}
+"""Readers by the form of a file's content."""

@@ -1,0 +1,33 @@
+"""A calibration file of another program, and the format in which it is wanted."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from calibdb.schema.export import FormatName
+from calibdb.schema.fields import DistortionModel, ImgSize, Label, Strict, Whole
+
+MAX_FILE_CHARACTERS = 100_000  # of a file with a camera alone: most have a few hundred
+MAX_CAMERAS = 64  # of a file
+
+
+class ConvertRequest(Strict):
+    """A calibration file, and what it does not say. Nothing of it is stored."""
+
+    file: str = Field(
+        min_length=1,
+        max_length=MAX_FILE_CHARACTERS,
+        description="Content of the file: a camera matrix and distortion. Corners in it are left aside.",
+    )
+    encoding: Literal["text", "base64"] = Field("text", description="`base64` of a numpy archive (.npz).")
+    format: FormatName = Field("calibdb", description="Format that is wanted.")
+    img_size: ImgSize | None = Field(None, description="Of the pictures, where the file does not say.")
+    distortion_model: DistortionModel | None = Field(
+        None, description="Of four coefficients without a name: `rectilinear` or `fisheye`."
+    )
+    number: Annotated[int, Field(strict=True, ge=0, lt=MAX_CAMERAS), Whole] = Field(
+        0, description="Which camera of a file that has several, from 0."
+    )
+    camera: Label | None = Field(None, description="Name that the camera has in the new file.")

@@ -1,0 +1,122 @@
+"""Other programs' calibration files in other formats, over HTTP; nothing of them is stored."""
+
+import base64
+import json
+import time
+
+import numpy as np
+import pytest
+
+from calibdb.schema import FORMATS
+from calibsolver import Camera
+from calibsolver.formats import FORMATS as WRITERS
+from calibsolver.formats import ExportSource
+from infra.web_build.operation_texts import EXAMPLE_FILE
+from tests.helpers.data import data_dir, external_data
+from tests.helpers.service.client import TOKEN, Answer, Client
+
+NEED_CORNERS = {"corners-vnl"}
+
+
+def convert(client: Client, file: str, **asked: object) -> Answer:
+    return client.call("POST", "/v1/convert", {"file": file, **asked}, token=TOKEN)
+
+
+def refused(answer: Answer) -> tuple[int, str, str]:
+    [only] = answer.json["errors"]
+    return answer.status, only["field"], only["detail"]
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_file_with_a_camera_alone_is_written_in_every_format(client: Client, name: str) -> None:
+    """All formats but the table of corners, and each says how far its camera is from that of the file."""
+    answer = convert(client, EXAMPLE_FILE, format=name)
+    if name in NEED_CORNERS:
+        status, field, detail = refused(answer)
+        assert (status, field) == (422, "format")
+        assert "keypoints" in detail
+        return
+    assert answer.status == 200, answer.body
+    assert WRITERS[name].suffix in answer.headers["content-disposition"]
+    assert float(answer.headers["x-conversion-error"]) < (640 if name == "gltf" else 64)
+    assert float(answer.headers["x-conversion-coverage"]) > 0.9
+
+
+@pytest.mark.parametrize("name", sorted({*FORMATS} - NEED_CORNERS - {"gltf", "dng", "webxr", "lensfun"}))
+def test_converted_file_is_read_again(client: Client, name: str) -> None:
+    """There and back, the camera differs by no more than the file said."""
+    there = convert(client, EXAMPLE_FILE, format=name)
+    binary = there.headers["content-type"] == "application/octet-stream"
+    text = base64.b64encode(there.body).decode() if binary else there.body.decode()
+    back = convert(client, text, encoding="base64" if binary else "text", img_size=[1280, 720])
+    if back.status == 422:  # formats that are written for others, and never read here
+        assert name in ("opensfm", "artoolkit"), back.body
+        return
+    camera = Camera.from_record(json.loads(back.body))
+    original = Camera.from_record(json.loads(convert(client, EXAMPLE_FILE).body))
+    rays = original.unproject(np.array([[640.0, 360.0], [300.0, 200.0], [1000.0, 600.0]]))
+    away = np.abs(camera.project(rays) - original.project(rays)).max()
+    assert away <= float(there.headers["x-conversion-error"]) + 0.01
+
+
+def test_what_a_file_does_not_say_is_asked_for(client: Client) -> None:
+    file = "camera_matrix: [[900, 0, 640], [0, 900, 360], [0, 0, 1]]\ndist_coeffs: [0.1, 0.0, 0.0, 0.0]\n"
+    status, field, detail = refused(convert(client, file))
+    assert (status, field) == (422, "img_size")
+    assert "--" not in detail, "nobody has a command line here"
+    given = convert(client, file, img_size=[1280, 720], camera="My camera")
+    assert given.status == 200, given.body
+    assert given.json["camera"] == "My camera"
+    assert given.json["camera_matrix"][0][0] == 900
+
+
+@pytest.mark.parametrize(
+    ("file", "more"),
+    [
+        ("", {}),
+        ("hello", {}),
+        ("{", {}),
+        ("[" * 50_000, {}),
+        ("a: " * 30_000, {}),
+        ("a: &a [1]\nb: [*a, *a, *a]\n", {}),
+        ("<opencv_storage>" * 3000, {}),
+        ("x" * 100_001, {}),
+        ("not base64!", {"encoding": "base64"}),
+        (base64.b64encode(b"\x80\x04pickle").decode(), {"encoding": "base64"}),
+        (base64.b64encode(b"PK\x03\x04" + bytes(200)).decode(), {"encoding": "base64"}),
+        (EXAMPLE_FILE, {"number": 7}),
+        (EXAMPLE_FILE, {"img_size": [640, 480]}),
+        (EXAMPLE_FILE.replace("952.1", "1e400"), {}),
+    ],
+)
+def test_hostile_and_broken_files_are_refused_in_words(client: Client, file: str, more: dict) -> None:  # type: ignore[type-arg]
+    begun = time.process_time()
+    answer = convert(client, file, **more)
+    assert answer.status == 422
+    assert len(answer.body) < 10_000
+    assert time.process_time() - begun < 10, "no file costs more than a request may"
+
+
+def test_corners_alone_are_no_camera(client: Client) -> None:
+    subject = ExportSource(Camera("rectilinear", np.array([[9e2, 0, 640], [0, 9e2, 360], [0, 0, 1]]),
+                                  np.zeros(5), (1280, 720)))  # fmt: skip
+    assert subject.views == ()
+    status, field, _ = refused(convert(client, "# filename x y level\nview000.png 10 20 0\n" * 20))
+    assert (status, field) == (422, "file")
+
+
+@external_data
+def test_genuine_files_of_other_programs_are_converted(client: Client) -> None:
+    """Of the real files, those with a camera; a size that a file does not state is given."""
+    files = sorted(p for p in (data_dir() / "imports").iterdir() if p.stat().st_size < 100_000)
+    good, asked = 0, 0
+    for path in files:
+        text = path.read_bytes().decode("utf-8", "replace")
+        answer = convert(client, text, format="opencv-yaml")
+        if answer.status == 422 and answer.json["errors"][0]["field"] == "img_size":
+            asked += 1
+            answer = convert(client, text, format="opencv-yaml", img_size=[1920, 1080])
+        assert answer.status in (200, 422)
+        good += answer.status == 200
+    print(f"{good} of {len(files)} converted, {asked} of them with a size given")
+    assert good >= 0.75 * len(files)
