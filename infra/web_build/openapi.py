@@ -11,8 +11,9 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from calibdb import __version__, schema
+from infra.web_build.operation import JSON, PROBLEM, PROBLEMS, Content, Operation
 from infra.web_build.operation_texts import TAGS, text_of
-from infra.web_build.operations import JSON, OPERATIONS, PROBLEM, PROBLEMS, Content, Operation
+from infra.web_build.operations import OPERATIONS
 from infra.web_build.parameters import Node
 
 __all__ = ["OPENAPI_PATH", "OPERATIONS", "document", "text"]

@@ -146,9 +146,9 @@ TEXTS: dict[str, OperationText] = {
     ),
     "convertFile": OperationText(
         "Database",
-        "Reads the camera matrix and distortion of another program's file (OpenCV, ROS, Kalibr, COLMAP, mrcal, "
-        "Gyroflow and others) and answers with the file in `format`. Nothing is stored. A file larger than "
-        "100,000 characters is refused; corners in it are left aside.",
+        "Reads the camera matrix and distortion of another program's file (OpenCV, ROS, Kalibr, COLMAP, "
+        "mrcal, Gyroflow and others) and answers with the file in `format`. Nothing is stored. A file "
+        "larger than 100,000 characters is refused; corners in it are left aside.",
         body={"file": EXAMPLE_FILE, "format": "kalibr"},
     ),
     "searchCameras": OperationText(

@@ -2,65 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
-
-from pydantic import BaseModel
-
 from calibdb import schema
-from calibdb.http.call import MAX_BODY_BYTES
 from calibdb.schema.cameras import CamerasRequest
 from calibdb.schema.fields import MAX_INDEX
-from infra.web_build.parameters import SWITCH, Node, path, query, query_of
+from infra.web_build.operation import JPEG, JSON, PNG, PROBLEM, SVG, Content, Operation
+from infra.web_build.parameters import SWITCH, path, query, query_of
 
-JSON, PROBLEM, JPEG, PNG = "application/json", "application/problem+json", "image/jpeg", "image/png"
-SVG = "image/svg+xml"
-
-PROBLEMS = {
-    400: "The body is not JSON.",
-    401: "No credential was sent.",
-    403: "The credential is unknown, expired, or not for this origin.",
-    404: "There is no such thing.",
-    406: "None of the accepted media types can be given.",
-    409: "The request does not fit the state that things are in.",
-    410: "It was withdrawn; `reason` says for what kind of reason: wrong, abuse, privacy, other.",
-    413: f"The body is larger than {MAX_BODY_BYTES} bytes.",
-    422: "Fields are not what they must be; `errors` names them.",
-    429: "The calls that are allowed in this hour or day are used up; `Retry-After` says when more are.",
-    500: "Something went wrong here, not in the request.",
-    503: "Storage or another function did not answer; try again.",
-}
-
-
-@dataclass(frozen=True)
-class Content:
-    """Response body of one status: a model as JSON, pictures, or nothing."""
-
-    description: str
-    model: type[BaseModel] | None = None
-    pictures: tuple[str, ...] = ()
-    headers: tuple[str, ...] = ()  # that every such answer carries
-    sometimes: tuple[str, ...] = ()  # that some carry
-    media_type: str = JSON
-    other: type[BaseModel] | None = None  # model that it may be instead
-
-
-@dataclass(frozen=True)
-class Operation:
-    """One call of the API."""
-
-    method: Literal["get", "post", "patch", "delete"]
-    path: str
-    name: str
-    summary: str
-    answers: dict[int, Content]
-    problems: tuple[int, ...] = ()
-    credentials: tuple[str, ...] = ()
-    body: type[BaseModel] | None = None
-    parameters: tuple[Node, ...] = ()
-    body_required: bool = True
-
-
+_TEXTS = ("application/yaml", "application/xml", "text/plain")
+_FILES = (*_TEXTS, "application/octet-stream", "model/gltf+json")
+"""Media types of other tools' files."""
 _LOOKUP = query_of(
     schema.LookupRequest,
     {
@@ -272,13 +222,7 @@ OPERATIONS = (
                 "`X-Conversion-Error` says how many px its projection is off at most, "
                 "`X-Conversion-Coverage` over which share of the image.",
                 schema.ReportedCalibration,
-                (
-                    "application/yaml",
-                    "application/xml",
-                    "text/plain",
-                    "application/octet-stream",
-                    "model/gltf+json",
-                ),
+                _FILES,
                 headers=("X-Conversion-Error", "X-Conversion-Coverage"),
                 sometimes=("Content-Disposition", "X-Conversion-Warning"),
             )
@@ -301,14 +245,7 @@ OPERATIONS = (
                 "`X-Conversion-Error` says how many px its projection is off at most, "
                 "`X-Conversion-Coverage` over which share of the image.",
                 None,
-                (
-                    "application/json",
-                    "application/yaml",
-                    "application/xml",
-                    "text/plain",
-                    "application/octet-stream",
-                    "model/gltf+json",
-                ),
+                (JSON, *_FILES),
                 headers=("X-Conversion-Error", "X-Conversion-Coverage", "Content-Disposition"),
                 sometimes=("X-Conversion-Warning",),
             )

@@ -30,7 +30,7 @@ def stored(stack: LocalStack, calibration_id: str) -> CalibrationDocument:
 
 
 def test_board_of_old_is_written_as_it_was() -> None:
-    """What is said of boards without a kind stays as it is, byte for byte."""
+    """Records of boards without a kind stay as they are, byte for byte."""
     old = BoardModel.model_validate_json(USUAL)
     assert old.kind == "charuco"
     assert old.model_dump_json().encode() == USUAL

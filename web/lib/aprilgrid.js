@@ -11,10 +11,10 @@ import { refineCorner } from "./subpixel.js";
  * @typedef {import("./subpixel.js").Grey} Grey
  */
 
-const MIN_TAGS = 3; // from which the grid tells how the tags are turned on it
-const MAX_MISS = 0.5; // sides of a tag: one farther from its place is none of this board
-const WINDOW_SHARE = 0.35; // of the gap: half the window of the refinement, which must not hold the next tag
-const [MIN_WINDOW_PX, MAX_WINDOW_PX] = [2, 6];
+const MIN_GRID_TAGS = 3; // from which the grid tells how the tags are turned on it
+const MAX_TAG_MISS = 0.5; // sides of a tag: one farther from its place is none of this board
+const GAP_WINDOW_SHARE = 0.35; // of the gap: half the window of the refinement, which must not hold the next tag
+const [MIN_GAP_WINDOW_PX, MAX_GAP_WINDOW_PX] = [2, 6];
 const MAX_SHIFT = 0.12; // sides of a tag; a corner that wants to go further was not where the detector thought
 
 /**
@@ -29,7 +29,7 @@ export function aprilgridCorners(image, { squares: [columns, rows], tag_spacing:
   let tags = markers.filter(({ id }) => id < columns * rows);
   /** @type {import("./homography.js").Homography | null} */
   let h = null;
-  for (let more = tags.length > MIN_TAGS; more;) {
+  for (let more = tags.length > MIN_GRID_TAGS; more;) {
     h = homography(tags.map(centre), tags.map(centreOf));
     const errors = tags.map((tag) => {
       const [x, y] = h ? apply(h, centre(tag)) : [NaN, NaN];
@@ -37,15 +37,15 @@ export function aprilgridCorners(image, { squares: [columns, rows], tag_spacing:
       return Math.hypot(x - u, y - v) / sideOf(tag);
     });
     const worst = errors.indexOf(Math.max(...errors));
-    more = errors[worst] > MAX_MISS && tags.length > MIN_TAGS + 1;
-    if (errors[worst] > MAX_MISS) tags = tags.filter((_, n) => n !== worst);
+    more = errors[worst] > MAX_TAG_MISS && tags.length > MIN_GRID_TAGS + 1;
+    if (errors[worst] > MAX_TAG_MISS) tags = tags.filter((_, n) => n !== worst);
   }
   const turn = h ? commonTurn(tags, h, corner) : 0;
   /** @type {{id: number, point: number[], saddle: boolean}[]} */
   const all = [];
   for (const tag of tags) {
     const side = sideOf(tag);
-    const half = Math.round(Math.min(MAX_WINDOW_PX, Math.max(MIN_WINDOW_PX, WINDOW_SHARE * spacing * side)));
+    const half = Math.round(Math.min(MAX_GAP_WINDOW_PX, Math.max(MIN_GAP_WINDOW_PX, GAP_WINDOW_SHARE * spacing * side)));
     for (let n = 0; n < 4; n++) {
       // The detector names corners clockwise from the upper left, Kalibr anticlockwise from the lower left.
       const [x, y] = tag.corners[(3 - n + turn) % 4];

@@ -17,8 +17,8 @@ const MAX_AXIS_DIFFERENCE = (40 * Math.PI) / 180; // rad, from the quarter turn 
 const MIN_SECTOR = (40 * Math.PI) / 180; // rad between neighbours
 const EDGE_PLACES = [0.25, 0.4, 0.5, 0.6, 0.75]; // of the way from corner to corner
 const EDGE_OFFSET = 0.08; // of that way, to either side of the edge
-const MIN_EDGE_CONTRAST = 0.25; // of the corners' own
-const MAX_MISS = 0.2; // of the distance of neighbours, between a predicted corner and a point
+const MIN_SIDE_CONTRAST = 0.25; // of the corners' own
+const MAX_CORNER_MISS = 0.2; // of the distance of neighbours, between a predicted corner and a point
 const MIN_FAINT_RESPONSE = 0.15; // of the neighbour's: the edge of a board, where no two black squares meet, has less than none
 const MIN_CORNERS_A_SIDE = 2;
 const MIN_LINE_SHARE = 0.5; // of the corners of a row or column at the edge of the lattice
@@ -106,7 +106,7 @@ function isEdge(image, from, to) {
   const length = Math.hypot(dx, dy);
   const offset = Math.max(2, EDGE_OFFSET * length);
   const [nx, ny] = [(-dy / length) * offset, (dx / length) * offset];
-  const least = MIN_EDGE_CONTRAST * Math.min(from.contrast, to.contrast);
+  const least = MIN_SIDE_CONTRAST * Math.min(from.contrast, to.contrast);
   let sign = 0;
   for (const place of EDGE_PLACES) {
     const [x, y] = [from.x + place * dx, from.y + place * dy];
@@ -176,7 +176,7 @@ function grow(image, saddles, placed) {
         // Straight on, with the change of the distance where it is known: a homography to second order.
         const bend = (/** @type {"x" | "y"} */ axis) => (behind ? here[axis] - 2 * before[axis] + behind[axis] : 0);
         const [x, y] = [2 * here.x - before.x + bend("x"), 2 * here.y - before.y + bend("y")];
-        const reach = MAX_MISS * Math.hypot(here.x - before.x, here.y - before.y);
+        const reach = MAX_CORNER_MISS * Math.hypot(here.x - before.x, here.y - before.y);
         const found = closest(saddles, x, y, reach, used) ?? faint(image, x, y, here);
         if (!found || wrapped(here.axis + Math.PI / 2 - found.axis, Math.PI) > MAX_AXIS_DIFFERENCE || !isEdge(image, here, found)) continue;
         placed.set(there, found);

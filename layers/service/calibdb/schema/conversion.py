@@ -10,7 +10,7 @@ from calibdb.schema.export import FormatName
 from calibdb.schema.fields import DistortionModel, ImgSize, Label, Strict, Whole
 
 MAX_FILE_CHARACTERS = 100_000  # of a file with a camera alone: most have a few hundred
-MAX_CAMERAS = 64  # of a file
+MAX_FILE_CAMERAS = 64  # of a file
 
 
 class ConvertRequest(Strict):
@@ -27,7 +27,7 @@ class ConvertRequest(Strict):
     distortion_model: DistortionModel | None = Field(
         None, description="Of four coefficients without a name: `rectilinear` or `fisheye`."
     )
-    number: Annotated[int, Field(strict=True, ge=0, lt=MAX_CAMERAS), Whole] = Field(
+    number: Annotated[int, Field(strict=True, ge=0, lt=MAX_FILE_CAMERAS), Whole] = Field(
         0, description="Which camera of a file that has several, from 0."
     )
     camera: Label | None = Field(None, description="Name that the camera has in the new file.")
