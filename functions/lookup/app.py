@@ -18,11 +18,13 @@ from calibdb.access.tokens import source
 from calibdb.camera_key import identify
 from calibdb.errors import NotFoundError, UnavailableError
 from calibdb.http import application, metrics
+from calibdb.lookup.camera_search import is_listed
 from calibdb.lookup.edge_content import is_public
 from calibdb.lookup.finding import Found, Wanted, find
 from calibdb.schema import ConsensusDocument, LookupRequest, Miss, NoCalibration, RefitRequest, Sighting
 from calibdb.schema.fields import size_text, zoom_text
 from calibdb.store import Known
+from calibdb.store.asked import USB
 from calibdb.store.keys import alias_digest
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
@@ -83,7 +85,35 @@ def _find(call: application.Call, request: LookupRequest) -> Found:
     found = find(read, wanted, private=private, compute=compute)
     if found.answer is not None and call.request.method == "POST":
         _report(call, request, read, found)
+    elif found.answer is None and found.key:
+        _count_miss(call, request, read, found)
     return found
+
+
+def _count_miss(
+    call: application.Call, request: LookupRequest, read: Callable[[str], Known], found: Found
+) -> None:
+    """Count that a camera was asked for that is not known; now and then, have the counts written down.
+
+    By its key only where others have calibrated it: a key has parts of a label, which is whatever its sender
+    wrote. Else by its USB id.
+    """
+    service, known = call.service, read(found.key).consensuses
+    usb_id = identify(request.camera, request.platform).usb_id
+    if known and is_listed(known, max(2, service.settings.thresholds.min_contributors)):
+        camera = found.key
+    elif usb_id is not None:
+        camera = USB + usb_id
+    else:
+        return
+    counted = service.misses.count(camera, service.clock())
+    if not counted:
+        return
+    asked = RefitRequest(camera=found.key, img_size=request.img_size, misses=counted)
+    try:
+        service.store.refit.later(asked)
+    except UnavailableError as error:  # the answer does not depend on it
+        _log.warning("misses were not reported: %s", error.detail)
 
 
 def _report(

@@ -1,11 +1,9 @@
 """Refit: the consensus of the calibrations of one camera, at one size and zoom. Internal.
 
-It is idempotent and safe to run late, or at the same time as another: a result is written only over one that
-was made from less. With nothing new, it answers what is stored. A request from the queue takes the
-single-flight lease; where another computation holds it, the request marks the lease and ends, and the holder
-goes round once more. So one computation serves a hundred captures that end together. A request that fails
-every time goes to the dead-letter queue. Where its time ends, what is computed stays, and the next attempt
-goes on from there. Before it answers, the edge answers as it does.
+It is idempotent and safe to run late, or at the same time as another: a result is written only over one
+made from less. With nothing new, it answers what is stored. A request from the queue takes the single-flight
+lease; where another holds it, the request marks the lease and ends, and the holder goes round once more. One
+that fails every time goes to the dead-letter queue. What is computed stays. The edge answers as it does.
 """
 
 from __future__ import annotations
@@ -77,7 +75,9 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     edge = Publication(service.store, service.settings, service.clock, str(context.aws_request_id))
     consensuses: Consensuses = {}
     with deadline.limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
-        if request.sighting is not None:
+        if request.misses:
+            service.store.asked.add(request.misses, service.now)
+        elif request.sighting is not None:
             edge.record(request.sighting)
         elif request.queued:
             run_under_lease(service, mode, context, edge)

@@ -1,4 +1,4 @@
-"""CloudFront's part: the objects under `/known/`, with the headers that a deployment gives them."""
+"""CloudFront's part: objects under `/known/` and `/dumps/`, with the headers that a deployment gives them."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from starlette.types import Receive, Scope, Send
 
 from infra.local.pages import FOR_EVERYONE
 
-PREFIX = "/known/"
+PREFIXES = ("/known/", "/dumps/")
 # Where the edge keeps a missing object, for the sake of its origin.
 MISSING_CACHE_CONTROL = "public, max-age=10"
-_NAME = re.compile(r"/(known/[0-9a-f]{2}/[0-9a-f]{32}\.json)")
+_NAME = re.compile(
+    r"/(known/[0-9a-f]{2}/[0-9a-f]{32}\.json|dumps/[a-z]+\.json|dumps/[0-9TZ-]+/[a-z]+-[0-9a-f-]+\.jsonl\.gz)"
+)
 _HEADERS = [(name.encode(), value.encode()) for name, value in FOR_EVERYONE.items()]
 _HEADERS.append((b"x-content-type-options", b"nosniff"))
 _METHODS = ("GET", "HEAD")
@@ -45,7 +47,8 @@ class KnownAnswers:
             if asked.get(b"if-none-match") == etag:
                 await _answer(send, 304, b"", headers)
             else:
-                headers.append((b"content-type", b"application/json"))
+                kind = b"application/gzip" if scope["path"].endswith(".gz") else b"application/json"
+                headers.append((b"content-type", kind))
                 await _answer(send, 200, content, headers, with_body=method == "GET")
 
 

@@ -25,7 +25,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from infra.local.events import Request, Response
 from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY_BYTES, Gateway
-from infra.local.known_answers import PREFIX
+from infra.local.known_answers import PREFIXES
 from infra.local.loopback import is_loopback
 from infra.local.pages import FOR_EVERYONE, Pages
 from infra.local.protocol import TimedProtocol
@@ -63,7 +63,7 @@ class GatewayApp:
     timeout
         Seconds until the gateway gives up on a function.
     known
-        Answers what lies under `/known/`.
+        Answers what lies under `/known/` and `/dumps/`.
     options
         What the pages say about the deployment.
     """
@@ -104,7 +104,7 @@ class GatewayApp:
 
         path = scope["raw_path"].decode("ascii", "replace")
         app: ASGIApp = self._api if self._gateway.routes.owns(path) else self._site
-        if self._known is not None and path.startswith(PREFIX):
+        if self._known is not None and path.startswith(PREFIXES):
             app = self._known
         if not all(is_loopback(v.decode("latin-1")) for k, v in scope["headers"] if k == b"host"):
             app = _MISDIRECTED

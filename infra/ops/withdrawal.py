@@ -15,6 +15,7 @@ from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from infra.ops import reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.errors import OpsError
+from infra.ops.public_dump import replace_dumps
 
 _MIN_DIGITS = 12  # hex digits of a contributor that name one
 _NAME_DIGITS = 20  # of a calibration's id, after the camera's key
@@ -105,8 +106,8 @@ def find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
 def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False) -> ForgetResult:
     """Remove everything that these contributors sent, in every version, and what was computed from it.
 
-    A session belongs to the contributor who started it and to the one who sent its last view. Copies that
-    others made by `dump` remain. With `dry_run`, nothing is removed, only counted.
+    A session belongs to the contributor who started it and to the one who sent its last view. The dumps of
+    the site are replaced; copies that others made remain. With `dry_run`, nothing is removed, only counted.
     """
     affected: set[StreamMode] = set()
     counts: Counter[str] = Counter()
@@ -141,6 +142,8 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
     used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("SHARE#"))
     context.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
     reindex.reindex(context, only=affected, forget_pending=True)
+    if counts["calibrations"] or counts["votes"]:
+        replace_dumps(context)
     return done
 
 

@@ -67,6 +67,9 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             manage(stack)
             clock.ahead += 700  # what was counted in memory is written down
             use_again(stack)
+            stack.wait_until_idle(60)
+            assert invoke("DumpFunction", {})["name"] is not None
+            assert invoke("DumpFunction", {})["name"] is None
             objects = boto3.client("s3").list_objects_v2(
                 Bucket=stack.environment["BUCKET_NAME"], Prefix="calibrations/"
             )["Contents"]
@@ -114,6 +117,7 @@ def use(stack: LocalStack) -> None:
     assert client.lookup(camera="Well known", platform=PLATFORM).status == 200
     assert client.lookup(camera="Well known", platform=PLATFORM, distortion_model="rational").status == 200
     assert client.call("GET", "/v1/cameras", token=TOKEN, query="query=known").json["cameras"]
+    assert client.lookup(camera="Unknown (046d:0825)", redirect=False).status == 404
     views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=30), 3)]
     checker = Client(stack, api_token="cdb_other_secret")
     checker.session_id = checker.call("POST", "/v1/auth", token=checker.api_token).json["session_id"]
@@ -169,6 +173,7 @@ def manage(stack: LocalStack) -> None:
 def use_again(stack: LocalStack) -> None:
     client = Client(stack, api_token=TOKEN)
     key = calibration("Well known", 0, views=3).camera_key
+    assert client.lookup(camera="Unknown (046d:0825)", redirect=False).status == 404
     for _ in range(2):
         assert client.lookup(camera="Well known", platform=PLATFORM).status == 200
         assert client.call("GET", "/v1/cameras", token=TOKEN, query="query=known").json["cameras"]

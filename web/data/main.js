@@ -12,7 +12,7 @@ import { chart } from "./chart.js";
  * @typedef {object} Statistics
  * @property {number} created s since 1970
  * @property {Snapshot[]} history oldest first
- * @property {{key: string, camera: string, asked: number, calibrations: number}[]} wanted most asked for first
+ * @property {{key: string | null, camera: string, asked: number, calibrations: number}[]} wanted most asked for first
  * @property {{name: string, size: number} | null} [bundle]
  *
  * @typedef {object} Dump
@@ -58,7 +58,7 @@ function showStatistics() {
   const rows = [...history].reverse().map((snapshot) => el("tr", {}, el("th", { scope: "row" }, snapshot.date), ...FIGURES.map((name) => el("td", {}, count(snapshot[name])))));
   part("history", HTMLElement).replaceChildren(el("thead", {}, head), el("tbody", {}, ...rows));
   part("wanted-rows", HTMLElement).replaceChildren(...wanted.map(({ key, camera, asked, calibrations }) => el("tr", {},
-    el("th", { scope: "row" }, el("a", { href: `../cameras/?key=${encodeURIComponent(key)}` }, camera)), el("td", {}, count(asked)), el("td", {}, count(calibrations)))));
+    el("th", { scope: "row" }, key ? el("a", { href: `../cameras/?key=${encodeURIComponent(key)}` }, camera) : camera), el("td", {}, count(asked)), el("td", {}, count(calibrations)))));
   reveal("figures", true);
   reveal("chart-table", true);
   reveal("wanted-table", wanted.length > 0);

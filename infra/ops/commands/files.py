@@ -33,6 +33,20 @@ def dump(
         run.output.value({"calibrations": calibrations, "votes": votes, "folder": str(folder)})
 
 
+def publish_dump(as_json: Json = False) -> None:
+    """Write the public dump of the site now, as its schedule does once a week."""
+    with opened(as_json=as_json) as run:
+        from infra.ops.public_dump import publish_dump
+
+        dump = publish_dump(run.context)
+        counts = dump.counts
+        run.output.line(
+            f"{counts.calibrations} calibrations and {counts.votes} votes in {len(dump.files)} files, "
+            f"{dump.size} bytes: dumps/{dump.name}/"
+        )
+        run.output.value(dump.model_dump(mode="json"))
+
+
 def load(folder: Folder, dry_run: DryRun = False, as_json: Json = False) -> None:
     """Store the content of a dump."""
     with opened(as_json=as_json) as run:

@@ -24,6 +24,7 @@ from calibdb.access.tokens import (
     parse_management,
 )
 from calibdb.errors import ForbiddenError, TooManyError
+from calibdb.lookup.misses import MissCounter
 from calibdb.lookup.sightings import SightingFilter
 from calibdb.settings import Settings
 from calibdb.store import Store
@@ -42,6 +43,7 @@ class Service:
     _tokens: TokenCache
     _plans: Mapping[str, Plan]
     sightings: SightingFilter = field(default_factory=SightingFilter, compare=False)
+    misses: MissCounter = field(default_factory=MissCounter, compare=False)
 
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Service:

@@ -26,11 +26,10 @@ def public_copy(document: Document, alias: Alias) -> Document | None:
 
 def unnamed_copy(document: Document, alias: Alias) -> Document:
     """Return a document that names nobody; of a label, names of people are removed by today's rules."""
-    return document.model_copy(
-        update={
-            "camera": public_label(document.camera),
-            "platform": public_platform(document.platform),
-            "contributor": alias(document.contributor),
-            "source": document.source and alias(document.source),
-        }
-    )
+    changed = {
+        "camera": public_label(document.camera),
+        "platform": public_platform(document.platform),
+        "contributor": alias(document.contributor),
+        "source": document.source and alias(document.source),
+    }
+    return document.model_copy(update=changed)

@@ -59,8 +59,8 @@ class Snapshot(Open):
 class WantedCamera(Open):
     """A camera that is asked for and not reliably known."""
 
-    key: str
-    camera: str
+    key: str | None = Field(description="Of the camera; null: nobody has calibrated it yet.")
+    camera: str = Field(description="Its name; before two contributors calibrated it, its vendor and USB id.")
     asked: int = Field(description="Lookups of the last 90 days that found nothing reliable.")
     calibrations: int
 
@@ -99,3 +99,4 @@ class DumpDraft(Open):
     after: str = ""  # name of the last object that is in a part
     files: tuple[DumpFile, ...] = ()
     tally: Tally = Tally()
+    complete: bool = False  # every part is written

@@ -21,7 +21,8 @@ class RefitRequest(Open):
 
     A model that the function does not know is passed over: while a new version is rolled out, an old one may
     be asked by it. `queued`: nobody waits for the answer, so that whoever computes already can do it along.
-    `sighting`: nothing is computed; an alias of the camera is written down.
+    `sighting`: nothing is computed; an alias of the camera is written down. `misses`: nothing is computed
+    either; cameras, and how often lookups found nothing reliable of them.
     """
 
     camera: str
@@ -30,6 +31,7 @@ class RefitRequest(Open):
     models: tuple[str, ...] = ()  # empty: all
     queued: bool = False
     sighting: Sighting | None = None
+    misses: dict[str, int] = Field({}, max_length=200)
 
 
 class RefitAnswer(Open):

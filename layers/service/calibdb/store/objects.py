@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from botocore.exceptions import BotoCoreError, ClientError
 
@@ -145,11 +145,11 @@ class Objects:
                     Bucket=self._bucket, Delete={"Objects": [{"Key": name} for name in batch], "Quiet": True}
                 )
 
-    def names(self, prefix: str) -> Iterator[str]:
-        """Yield the names that begin with `prefix`. For operators."""
+    def names(self, prefix: str, after: str = "") -> Iterator[str]:
+        """Yield the names that begin with `prefix` and come after `after`, in order."""
+        start: dict[str, Any] = {"StartAfter": after} if after else {}
+        pages = self._client().get_paginator("list_objects_v2")
         with available():
-            for page in (
-                self._client().get_paginator("list_objects_v2").paginate(Bucket=self._bucket, Prefix=prefix)
-            ):
+            for page in pages.paginate(Bucket=self._bucket, Prefix=prefix, **start):
                 for found in page.get("Contents", []):
                     yield found["Key"]

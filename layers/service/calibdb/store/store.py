@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from calibdb.settings import Settings
 from calibdb.store import clients
 from calibdb.store.aliases import Aliases
+from calibdb.store.asked import Asked
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import Cameras
 from calibdb.store.consensus import Consensuses
@@ -43,6 +44,7 @@ class Store:
     edge_answers: EdgeAnswers
     refit: Refit
     proofs: Proofs
+    asked: Asked
 
     @classmethod
     def of(cls, settings: Settings) -> Store:
@@ -60,6 +62,7 @@ class Store:
             votes=Votes(table, objects),
             priors=Priors(table, objects),
             leases=Leases(table),
+            asked=Asked(table),
             proofs=Proofs(
                 table, functools.partial(clients.lambda_, settings.region), settings.verify_function
             ),

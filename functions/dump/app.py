@@ -1,0 +1,41 @@
+"""Dump: goes on with the public dump that is due. Invoked by a schedule, every hour of one day of the week.
+
+Each invocation writes as many parts as its time allows; the next one goes on. It has no secret, and may write
+nothing but the dump and its draft.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import secrets
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from calibdb.dump.figures import Figures
+from calibdb.dump.weekly_dump import WeeklyDump
+from calibdb.http import metrics
+from calibdb.settings import Thresholds
+from calibdb.store import Objects, Table, clients
+from calibdb.store.asked import Asked
+from calibdb.store.cameras import Cameras
+from calibdb.store.dumps import Dumps
+
+
+@metrics.counting_denied_reads
+def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
+    """Answer with the name of the dump that is whole now, null where there is more to do or nothing."""
+    region = os.environ["AWS_REGION"]
+    table = Table(functools.partial(clients.dynamodb, region), os.environ["TABLE_NAME"])
+    s3 = functools.partial(clients.s3, region)
+    dumps = Dumps(s3, Objects(s3, os.environ["BUCKET_NAME"]), os.environ["WEB_BUCKET_NAME"])
+    least = Thresholds.from_environment(os.environ).min_contributors
+    dump = WeeklyDump(
+        dumps=dumps,
+        figures=Figures(dumps, Cameras(table), Asked(table), least),
+        now=lambda: int(time.time()),
+        random_hex=secrets.token_hex,
+        seconds_left=lambda: context.get_remaining_time_in_millis() / 1000,
+    ).run()
+    return {"name": dump.name if dump else None}

@@ -1,0 +1,61 @@
+"""The public dump of the site, written now instead of by its schedule."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+from calibdb.dump.figures import Figures
+from calibdb.dump.weekly_dump import WeeklyDump
+from calibdb.schema.dump import Dump
+from calibdb.store import clients
+from calibdb.store.dumps import LATEST, STATISTICS, Dumps
+from infra.ops.context import OpsContext
+from infra.ops.errors import OpsError
+
+
+def publish_dump(context: OpsContext) -> Dump:
+    """Write a dump to the site, as its function does every week, and return it.
+
+    Raises OpsError where there is no bucket of a site, or another writer was faster.
+    """
+    dumps = dumps_of(context)
+    if dumps is None:
+        raise OpsError("set WEB_BUCKET_NAME: the site to which the dump is written")
+    least = context.settings.thresholds.min_contributors
+    dump = WeeklyDump(
+        dumps=dumps,
+        figures=Figures(dumps, context.store.cameras, context.store.asked, least),
+        now=lambda: context.now,
+        random_hex=context.random_hex,
+        seconds_left=lambda: math.inf,
+    ).run(force=True)
+    if dump is None:
+        raise OpsError("the function of the site is writing a dump at this moment; try again later")
+    return dump
+
+
+def replace_dumps(context: OpsContext) -> int:
+    """Remove every public dump, and write a new one where there was one; return how many objects are gone.
+
+    For what somebody wants forgotten: it is in the dumps that were written before.
+    """
+    dumps = dumps_of(context)
+    if dumps is None:
+        return 0
+    dumps.end()
+    names = [name for name in dumps.names() if name != STATISTICS]
+    if not names:
+        return 0
+    # First what names the others, so that nobody is led to what is gone.
+    dumps.purge([LATEST])
+    removed = dumps.purge(names)
+    publish_dump(context)
+    return removed
+
+
+def dumps_of(context: OpsContext) -> Dumps | None:
+    """Return the store of the site's dumps, None where no site is named."""
+    bucket = context.settings.web_bucket
+    client = functools.partial(clients.s3, context.settings.region)
+    return None if bucket is None else Dumps(client, context.objects, bucket)

@@ -1,0 +1,98 @@
+"""The database in figures, written with a dump."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from calibdb.camera_key.usb_vendors import vendor_of
+from calibdb.lookup.camera_search import display_name, is_listed
+from calibdb.schema.dump import DumpDraft, Snapshot, Statistics, WantedCamera
+from calibdb.store.asked import USB, Asked
+from calibdb.store.cameras import Cameras
+from calibdb.store.dumps import STATISTICS, Dumps
+from calibdb.store.objects import READERS
+
+MAX_WANTED = 20  # cameras that are named
+MAX_HISTORY = 520  # dumps, ten years of weeks
+_PAGE = 200  # cameras read together
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures of the database; `min_contributors`: that agree on what is shown to everybody."""
+
+    dumps: Dumps
+    cameras: Cameras
+    asked: Asked
+    min_contributors: int
+
+    def write(self, draft: DumpDraft) -> Statistics:
+        """Write the figures of a dump that is whole, and return them."""
+        known = self._known()
+        tally = draft.tally
+        snapshot = Snapshot(
+            date=datetime.fromtimestamp(draft.started, UTC).date().isoformat(),
+            cameras=len(tally.cameras),
+            known=known,
+            calibrations=tally.calibrations,
+            contributors=len(tally.contributors),
+            given=tally.given.calibrations,
+        )
+        former = self.dumps.statistics()
+        history = [one for one in (former.history if former else ()) if one.date != snapshot.date]
+        statistics = Statistics(
+            created=draft.started,
+            history=(*history, snapshot)[-MAX_HISTORY:],
+            wanted=tuple(self._wanted(draft.started)),
+        )
+        self.dumps.write(STATISTICS, statistics.model_dump_json(indent=1).encode())
+        return statistics
+
+    def _known(self) -> int:
+        """Count the cameras that a lookup answers."""
+        known, after = 0, None
+        with ThreadPoolExecutor(READERS) as readers:
+            while True:
+                found, after = self.cameras.search("", _PAGE, after)
+                read = readers.map(lambda camera: self.cameras.known(camera[0]), found)
+                known += sum(any(c.reliable for c in camera.consensuses) for camera in read)
+                if after is None:
+                    return known
+
+    def _wanted(self, now: int) -> list[WantedCamera]:
+        """Name the cameras most asked for that are not known.
+
+        By a label only where two contributors calibrated it: a label is whatever its sender wrote.
+        """
+        wanted: list[WantedCamera] = []
+        for camera, count in self.asked.most(now):
+            if len(wanted) == MAX_WANTED:
+                break
+            usb_id = camera.removeprefix(USB) if camera.startswith(USB) else None
+            found = self._unknown_product(usb_id) if usb_id else self._unknown_camera(camera)
+            if found is not None:
+                wanted.append(found.model_copy(update={"asked": count}))
+        return wanted
+
+    def _unknown_camera(self, key: str) -> WantedCamera | None:
+        """Name a camera by what most contributors call it; None where it is known by now, or names nobody."""
+        known = self.cameras.known(key).consensuses
+        if any(c.reliable for c in known) or not is_listed(known, max(2, self.min_contributors)):
+            return None
+        name = display_name("", known)[0]
+        total = max((c.total for c in known), default=0)
+        return WantedCamera(key=key, camera=name, asked=0, calibrations=total)
+
+    def _unknown_product(self, usb_id: str) -> WantedCamera | None:
+        """Name a USB id by its vendor; None where there is none, or calibrations of a camera with this id."""
+        vendor = vendor_of(usb_id)
+        found, _ = self.cameras.search(usb_id.rpartition(":")[2], _PAGE, None)
+        for key, _ in found:
+            known = self.cameras.known(key).consensuses
+            if any(c.calibration and usb_id in c.calibration.camera for c in known):
+                return None  # it is counted under its key, too
+        if vendor is None:
+            return None
+        return WantedCamera(key=None, camera=f"{vendor} ({usb_id})", asked=0, calibrations=0)

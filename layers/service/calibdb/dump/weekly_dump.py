@@ -1,0 +1,209 @@
+"""The public dump, written in parts: bounded in memory, and after a crash it goes on where it was.
+
+A part is one object of JSON Lines, compressed. After each part the draft says how far the dump is, so that an
+invocation does as much as its time allows and the next one goes on. `latest.json` names a dump only when all
+of it is there: until then it names the one before.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import itertools
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from pydantic import ValidationError
+
+from calibdb.dump.counting import Counting
+from calibdb.dump.figures import Figures
+from calibdb.dump.public_copy import Alias, aliases, public_copy
+from calibdb.schema import CalibrationDocument, VoteDocument
+from calibdb.schema.dump import Dump, DumpDraft, DumpedKind, DumpFile
+from calibdb.store.dumps import FOLDER, GZIP, LATEST, Dumps
+from calibdb.store.keys import WITHDRAWN
+from calibdb.store.objects import READERS
+
+PERIOD_S = 6 * 86_400  # from one dump to the next at least: a little less than the week of the schedule
+MAX_PART_BYTES = 32 * 2**20  # of documents, before compression
+MIN_PART_S = 60.0  # that an invocation must have left to begin another batch
+_BATCH = 64  # documents read at a time
+_STALE_S = 5 * 86_400  # a draft that nobody went on with is begun anew
+_MODELS: dict[DumpedKind, type[CalibrationDocument] | type[VoteDocument]] = {
+    "calibrations": CalibrationDocument,
+    "votes": VoteDocument,
+}
+_FOLLOWING: dict[DumpedKind, DumpedKind | None] = {"calibrations": "votes", "votes": None}
+
+Document = CalibrationDocument | VoteDocument
+
+
+@dataclass(frozen=True)
+class WeeklyDump:
+    """Writer of dumps.
+
+    Attributes
+    ----------
+    dumps, figures
+        Where they are written, and what counts the database.
+    now
+        Unix time, seconds.
+    random_hex
+        Random text of so many bytes.
+    seconds_left
+        Of this invocation.
+    max_part_bytes
+        After which a part ends.
+    """
+
+    dumps: Dumps
+    figures: Figures
+    now: Callable[[], int]
+    random_hex: Callable[[int], str]
+    seconds_left: Callable[[], float]
+    max_part_bytes: int = MAX_PART_BYTES
+
+    def run(self, *, force: bool = False) -> Dump | None:
+        """Go on with the dump that is due; return it once it is whole, None where it is not or none is due.
+
+        `force`: one is due now.
+        """
+        found = self.dumps.draft()
+        if found is not None and found[0].started < self.now() - _STALE_S:
+            self.dumps.end()
+            found = None
+        if found is None:
+            if not force and not self._is_due():
+                return None
+            self.dumps.begin(self._new_draft())
+            found = self.dumps.draft()
+            if found is None:
+                return None
+        draft, tag = found
+        while True:
+            following = self._write_part(draft)
+            if following is None:
+                return self._publish(draft)
+            # Another writer is at it, or this one was; the draft decides whose part counts.
+            advanced = self.dumps.advance(following, tag)
+            if advanced is None or self.seconds_left() < MIN_PART_S:
+                return None
+            draft, tag = following, advanced
+
+    def _is_due(self) -> bool:
+        latest = self.dumps.latest()
+        return latest is None or latest.created <= self.now() - PERIOD_S
+
+    def _new_draft(self) -> DumpDraft:
+        now = self.now()
+        name = datetime.fromtimestamp(now, UTC).strftime("%Y-%m-%dT%H%M%SZ")
+        return DumpDraft(name=name, started=now, key=self.random_hex(32))
+
+    def _write_part(self, draft: DumpDraft) -> DumpDraft | None:
+        """Write the next part; return the draft after it, None where the dump is whole."""
+        if draft.complete:
+            return None
+        alias = aliases(draft.key)
+        counting = Counting(draft.tally, alias)
+        count, written, after, whole = 0, 0, draft.after, True
+        buffer = io.BytesIO()
+        with gzip.GzipFile(fileobj=buffer, mode="wb", mtime=0) as lines:
+            for name, content, withdrawn in self._documents(f"{draft.kind}/", draft.after):
+                late = self.seconds_left() < MIN_PART_S and after != draft.after
+                if late or written >= self.max_part_bytes:
+                    whole = False
+                    break
+                after = name
+                document = _parse(draft.kind, content)
+                if document is None or withdrawn:
+                    continue
+                copy = _public_copy(document, alias)
+                counting.add(document, given=copy is not None)
+                if copy is not None:
+                    line = copy.model_dump_json().encode() + b"\n"
+                    lines.write(line)
+                    written += len(line)
+                    count += 1
+        files = draft.files
+        if count or (whole and not any(file.kind == draft.kind for file in files)):
+            files = (*files, self._store(draft, buffer.getvalue(), count))
+        changed = draft.model_copy(update={"after": after, "files": files, "tally": counting.tally()})
+        if not whole:
+            return changed
+        following = _FOLLOWING[draft.kind]
+        # A dump is published from a draft that says so: a crash until then repeats that step alone.
+        ended = {"complete": True} if following is None else {"kind": following, "after": ""}
+        return changed.model_copy(update=ended)
+
+    def _store(self, draft: DumpDraft, content: bytes, count: int) -> DumpFile:
+        number = sum(file.kind == draft.kind for file in draft.files) + 1
+        digest = hashlib.sha256(content).hexdigest()
+        # With its digest: who was overtaken while writing replaces no part that another has named.
+        name = f"{draft.name}/{draft.kind}-{number:05}-{digest[:8]}.jsonl.gz"
+        self.dumps.write(FOLDER + name, content, GZIP)
+        return DumpFile(name=name, kind=draft.kind, count=count, size=len(content), sha256=digest)
+
+    def _documents(self, prefix: str, after: str) -> Iterator[tuple[str, bytes | None, bool]]:
+        """Yield name, content and withdrawal of stored documents in order."""
+        with ThreadPoolExecutor(READERS) as readers:
+            for batch in _batches(_with_tombstones(self.dumps.sources(prefix, after)), _BATCH):
+                contents = readers.map(self.dumps.read, [source for _, source, _ in batch])
+                for (last, _, withdrawn), content in zip(batch, contents, strict=True):
+                    yield last, content, withdrawn
+
+    def _publish(self, draft: DumpDraft) -> Dump:
+        counts = draft.tally.given.model_copy(
+            update={"cameras": len(draft.tally.given_cameras), "contributors": len(draft.tally.givers)}
+        )
+        dump = Dump(
+            name=draft.name,
+            created=draft.started,
+            counts=counts,
+            size=sum(file.size for file in draft.files),
+            files=draft.files,
+        )
+        self.figures.write(draft)
+        self.dumps.write(LATEST, dump.model_dump_json(indent=1).encode())
+        self.dumps.end()
+        return dump
+
+
+def _with_tombstones(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
+    """Yield the last name that belongs to a document, its own name, and whether it was withdrawn.
+
+    A tombstone sorts directly after what it is of.
+    """
+    following = itertools.chain(names, [""])
+    name = next(following)
+    while name:
+        other = next(following)
+        if name.endswith(WITHDRAWN):  # of a document that is gone, or was before this part
+            name = other
+            continue
+        withdrawn = other == name.removesuffix(".json") + WITHDRAWN
+        yield (other if withdrawn else name), name, withdrawn
+        name = next(following) if withdrawn else other
+
+
+def _batches(items: Iterator[tuple[str, str, bool]], size: int) -> Iterator[list[tuple[str, str, bool]]]:
+    while batch := list(itertools.islice(items, size)):
+        yield batch
+
+
+def _parse(kind: DumpedKind, content: bytes | None) -> Document | None:
+    """Parse a stored document; None of one that is gone, or of a later version."""
+    if content is None:
+        return None
+    try:
+        return _MODELS[kind].model_validate_json(content)
+    except ValidationError:
+        return None
+
+
+def _public_copy(document: Document, alias: Alias) -> Document | None:
+    if isinstance(document, VoteDocument):
+        return public_copy(document, alias)
+    return public_copy(document, alias)

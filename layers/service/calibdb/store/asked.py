@@ -1,0 +1,44 @@
+"""Cameras that were asked for and are not known: `ASKED#<week>/CAMERA#<camera>`, how often, for three months.
+
+A camera is its key, where enough contributors calibrated it, or `usb#<vid:pid>`. No label is written down
+here, and nothing of who asked.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+
+from calibdb.store.table import Table
+
+USB = "usb#"
+WEEKS = 13  # that are counted: 90 days, about
+MAX_CAMERAS_A_WEEK = 10_000  # that are read; whoever invents more adds nothing
+_WEEK_S = 7 * 86_400
+_CAMERA = "CAMERA#"
+
+
+class Asked:
+    """Counters of lookups that found nothing reliable."""
+
+    def __init__(self, table: Table) -> None:
+        self._table = table
+
+    def add(self, counts: Mapping[str, int], now: int) -> None:
+        """Add to the counters of this week."""
+        week = now // _WEEK_S
+        ttl = (week + WEEKS) * _WEEK_S
+        for camera, count in counts.items():
+            self._table.add(_pk(week), _CAMERA + camera, "asked", count, ttl=ttl)
+
+    def most(self, now: int) -> list[tuple[str, int]]:
+        """Return cameras and how often they were asked for, the most first."""
+        total: Counter[str] = Counter()
+        for week in range(now // _WEEK_S - WEEKS + 1, now // _WEEK_S + 1):
+            for item in self._table.query(_pk(week), _CAMERA, limit=MAX_CAMERAS_A_WEEK):
+                total[str(item["sk"]).removeprefix(_CAMERA)] += int(str(item["asked"]))
+        return sorted(total.items(), key=lambda found: (-found[1], found[0]))
+
+
+def _pk(week: int) -> str:
+    return f"ASKED#{week}"

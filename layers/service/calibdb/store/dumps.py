@@ -1,0 +1,91 @@
+"""Dumps: public objects under `dumps/` in the bucket of the site, and the draft of the one being written.
+
+The draft lies in the bucket of keypoints, which nobody else reads: it holds the key by which contributors are
+named. A condition on its version keeps two writers apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+from calibdb.schema.dump import Dump, DumpDraft, Statistics
+from calibdb.store.clients import available
+from calibdb.store.objects import Objects
+
+if TYPE_CHECKING:
+    from mypy_boto3_s3 import S3Client
+
+FOLDER = "dumps/"
+LATEST, STATISTICS = f"{FOLDER}latest.json", f"{FOLDER}statistics.json"
+JSON, GZIP = "application/json", "application/gzip"
+# A part never changes; it may be removed, when somebody wants to be forgotten.
+_CACHE_CONTROL = {JSON: "public, max-age=60, s-maxage=300", GZIP: "public, max-age=3600"}
+_DRAFT = f"{FOLDER}draft.json"
+
+
+class Dumps:
+    """Store of the public dumps of one deployment; `keypoints`: objects of the bucket of keypoints."""
+
+    def __init__(self, client: Callable[[], S3Client], keypoints: Objects, bucket: str) -> None:
+        self._client = client
+        self._keypoints = keypoints
+        self._public = Objects(client, bucket)
+        self._bucket = bucket
+
+    def latest(self) -> Dump | None:
+        """Return the newest dump, None where none was written yet."""
+        content = self._public.get(LATEST)
+        return None if content is None else Dump.model_validate_json(content)
+
+    def statistics(self) -> Statistics | None:
+        """Return the figures of the newest dump, None where there are none yet."""
+        content = self._public.get(STATISTICS)
+        return None if content is None else Statistics.model_validate_json(content)
+
+    def write(self, name: str, content: bytes, media_type: str = JSON) -> None:
+        """Write a public object, over the one of its name if there is one."""
+        with available():
+            self._client().put_object(
+                Bucket=self._bucket,
+                Key=name,
+                Body=content,
+                ContentType=media_type,
+                CacheControl=_CACHE_CONTROL[media_type],
+            )
+
+    def names(self) -> list[str]:
+        """List the names of all public objects. For operators."""
+        return list(self._public.names(FOLDER))
+
+    def purge(self, names: list[str]) -> int:
+        """Remove public objects with every version. For operators."""
+        return self._public.purge_all_versions(names)
+
+    def draft(self) -> tuple[DumpDraft, str] | None:
+        """Return the draft and the tag of its version, None where no dump is being written."""
+        found = self._keypoints.get_version(_DRAFT)
+        return None if found is None else (DumpDraft.model_validate_json(found[0]), found[1])
+
+    def begin(self, draft: DumpDraft) -> bool:
+        """Store the draft of a new dump; False where another is being written."""
+        return self._keypoints.create(_DRAFT, draft.model_dump_json().encode())
+
+    def advance(self, draft: DumpDraft, tag: str) -> str | None:
+        """Store the draft over its version `tag`; return its new tag, None if another writer was faster."""
+        if not self._keypoints.replace(_DRAFT, draft.model_dump_json().encode(), tag):
+            return None
+        found = self._keypoints.get_version(_DRAFT)
+        return None if found is None else found[1]
+
+    def end(self) -> None:
+        """Throw the draft away, and with it the key."""
+        self._keypoints.delete([_DRAFT])
+
+    def sources(self, prefix: str, after: str) -> Iterator[str]:
+        """Yield the names of stored documents under `prefix`, those after `after`, in order."""
+        return self._keypoints.names(prefix, after)
+
+    def read(self, name: str) -> bytes | None:
+        """Return a stored document, None where it is gone."""
+        return self._keypoints.get(name)

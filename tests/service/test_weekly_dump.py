@@ -1,0 +1,249 @@
+"""The weekly dump: in parts, whole or not named, and it names nobody."""
+
+import gzip
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from calibdb.dump.figures import Figures
+from calibdb.dump.weekly_dump import PERIOD_S, WeeklyDump
+from calibdb.schema import CalibrationDocument, VoteDocument
+from calibdb.schema.dump import Dump
+from calibdb.store import Store
+from calibdb.store.asked import USB
+from calibdb.store.dumps import LATEST, Dumps
+from infra.local import LocalStack
+from infra.ops import withdrawal
+from infra.ops.context import OpsContext
+from infra.ops.public_dump import dumps_of, publish_dump
+from tests.helpers.data import ROOT
+from tests.helpers.service.known import C920, LINUX, calibration, consensus
+from tests.service.test_lookup import put
+
+NOW = 1_795_312_800  # a Sunday
+GIVEN = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
+SCHEMA = json.loads((ROOT / "web/data/schema.json").read_text())
+
+
+class CrashError(Exception):
+    """The invocation ended here."""
+
+
+@pytest.fixture
+def stack() -> Iterator[LocalStack]:
+    with LocalStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def context(stack: LocalStack) -> OpsContext:
+    return OpsContext.of(stack.environment, secret_known=True)
+
+
+def fill(
+    store: Store, count: int, given: Callable[[int], bool] = lambda _: True
+) -> list[CalibrationDocument]:
+    """Calibrations of three cameras by different contributors; every seventh is withdrawn."""
+    made = []
+    for n in range(count):
+        label = (C920, "Microsoft LifeCam HD-3000 (045e:0779)", "Anna's Webcam Z77")[n % 3]
+        document = calibration(label, number=n).model_copy(update=GIVEN if given(n) else {})
+        store.calibrations.publish(document)
+        if n % 7 == 6:
+            store.calibrations.withdraw(document, "wrong", NOW)
+        made.append(document)
+    return made
+
+
+def vote(document: CalibrationDocument, **given: str) -> VoteDocument:
+    known = document.model_dump(exclude={"layout", "fits", "time", *GIVEN})
+    return VoteDocument.model_validate_json(json.dumps({**known, **given, "noise": 0.1, "time": 0}))
+
+
+def writer(
+    context: OpsContext, now: int = NOW, left: Callable[[], float] = lambda: 900.0, **options: Any
+) -> WeeklyDump:
+    dumps = dumps_of(context)
+    assert dumps is not None
+    figures = Figures(dumps, context.store.cameras, context.store.asked, 3)
+    return WeeklyDump(dumps, figures, lambda: now, context.random_hex, left, **options)
+
+
+def read(stack: LocalStack, name: str) -> bytes | None:
+    assert stack.storage is not None
+    found = stack.storage.read_object(stack.environment["WEB_BUCKET_NAME"], f"dumps/{name}")
+    return found and found[0]
+
+
+def documents(stack: LocalStack, dump: Dump, kind: str) -> list[dict[str, Any]]:
+    found = []
+    for file in dump.files:
+        content = read(stack, file.name)
+        assert content is not None
+        assert (len(content), hashlib.sha256(content).hexdigest()) == (file.size, file.sha256)
+        lines = gzip.decompress(content).splitlines()
+        assert len(lines) == file.count
+        found += [json.loads(line) for line in lines] if file.kind == kind else []
+    return found
+
+
+def test_dump_holds_what_was_given_and_names_nobody(stack: LocalStack, context: OpsContext) -> None:
+    made = fill(context.store, 20, given=lambda n: n % 2 == 0)
+    context.store.votes.cast(vote(made[0], **GIVEN))
+    context.store.votes.cast(vote(made[1]))
+    dump = publish_dump(context)
+    expected = {d.id for n, d in enumerate(made) if n % 2 == 0 and n % 7 != 6}
+    found = documents(stack, dump, "calibrations")
+    assert {one["id"] for one in found} == expected
+    votes = documents(stack, dump, "votes")
+    assert len(votes) == 1
+    assert dump.counts.model_dump() == {"calibrations": 9, "votes": 1, "cameras": 3, "contributors": 9}
+    assert {(one["licence"], one["licence_version"]) for one in (*found, *votes)} == {tuple(GIVEN.values())}
+    everything = json.dumps([found, votes])
+    assert not [word for word in ("Anna", "contributor 0", "127.0.0.1") if word in everything]
+    latest = json.loads(read(stack, "latest.json") or b"")
+    statistics = json.loads(read(stack, "statistics.json") or b"")
+    assert Dump.model_validate_json(json.dumps(latest)) == dump
+    # All of it as the schema says, which the page links.
+    for value, model in (
+        (latest, "Dump"),
+        (statistics, "Statistics"),
+        (found[0], "CalibrationDocument"),
+        (votes[0], "VoteDocument"),
+    ):
+        Draft202012Validator({**SCHEMA, "$ref": f"#/$defs/{model}"}).validate(value)
+    (snapshot,) = statistics["history"]
+    assert (snapshot["calibrations"], snapshot["cameras"], snapshot["contributors"], snapshot["given"]) == (
+        18,
+        3,
+        18,
+        9,
+    )
+    again = publish_dump(context)
+    other = documents(stack, again, "calibrations")
+    assert {one["contributor"] for one in found}.isdisjoint(one["contributor"] for one in other)
+
+
+def test_dump_survives_a_crash_at_every_write(
+    stack: LocalStack, context: OpsContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Small parts, and an end before or after every write: `latest.json` names a whole dump throughout."""
+    fill(context.store, 12)
+    first = writer(context, NOW).run()
+    assert first is not None
+    later = NOW + PERIOD_S
+    writes = 0
+
+    def crashing(at: int, method: str, *, after: bool) -> Callable[..., Any]:
+        original = getattr(Dumps, method)
+
+        def call(self: Dumps, *arguments: Any) -> Any:
+            nonlocal writes
+            writes += 1
+            if writes == at and not after:
+                raise CrashError
+            answer = original(self, *arguments)
+            if writes == at:
+                raise CrashError
+            return answer
+
+        return call
+
+    crashes = 0
+    for at in range(1, 60):
+        with monkeypatch.context() as patch:
+            writes = 0
+            for method in ("write", "advance", "begin", "end"):
+                patch.setattr(Dumps, method, crashing(1 + at % 3, method, after=at % 2 == 0))
+            try:
+                writer(context, later, max_part_bytes=1000).run()
+            except CrashError:
+                crashes += 1
+        named = Dump.model_validate_json(read(stack, "latest.json") or b"")
+        assert named.created in (NOW, later)
+        assert len(documents(stack, named, "calibrations")) == 11
+        if named.created == later:
+            break
+    assert crashes >= 5
+    final = Dump.model_validate_json(read(stack, "latest.json") or b"")
+    assert (final.created, len(final.files) >= 5) == (later, True)
+    ids = [one["id"] for one in documents(stack, final, "calibrations")]
+    assert len(ids) == len(set(ids)) == 11
+    # What is left of it is thrown away with the next call, and the key with it.
+    writer(context, later).run()
+    assert writer(context, later).dumps.draft() is None
+    assert json.loads(read(stack, "statistics.json") or b"")["history"][-1]["calibrations"] == 11
+
+
+def test_dump_stops_when_its_time_is_up_and_goes_on(stack: LocalStack, context: OpsContext) -> None:
+    fill(context.store, 8)
+    runs = 0
+    while (dump := writer(context, left=lambda: 1.0).run()) is None:
+        runs += 1
+        assert read(stack, "latest.json") is None
+        assert runs < 100
+    assert runs >= 4
+    assert len(documents(stack, dump, "calibrations")) == 7
+    assert writer(context, NOW + 3600).run() is None, "none is due"
+    assert writer(context, NOW + PERIOD_S).run() is not None
+
+
+def test_two_writers_make_one_dump(stack: LocalStack, context: OpsContext) -> None:
+    """The one that was overtaken while it wrote a part stops; no part is named that another replaced."""
+    fill(context.store, 12)
+    slow = writer(context, max_part_bytes=1000)
+    original, overtaken = slow.dumps.advance, []
+
+    def advance(draft: Any, tag: str) -> str | None:
+        if not overtaken:
+            overtaken.append(writer(context, max_part_bytes=2000).run())
+        return original(draft, tag)
+
+    slow.dumps.advance = advance  # type: ignore[method-assign]
+    assert slow.run() is None
+    (dump,) = overtaken
+    assert dump is not None
+    named = Dump.model_validate_json(read(stack, "latest.json") or b"")
+    assert named == dump
+    assert len({one["id"] for one in documents(stack, named, "calibrations")}) == 11
+
+
+def test_wanted_cameras_are_named_by_no_strangers_words(stack: LocalStack, context: OpsContext) -> None:
+    store = context.store
+    known, doubted, single = "Known (046d:0001)", "Doubted (046d:0002)", "Buy pills (046d:0003)"
+    keys = {}
+    for label, reason, calibrations in ((known, None, 5), (doubted, "disagree", 4), (single, "too_few", 1)):
+        document = calibration(label)
+        keys[label] = document.camera_key
+        store.calibrations.publish(document)
+        put(store, consensus(camera=label, platform=LINUX, reason=reason, calibrations=calibrations))
+    store.asked.add(
+        {keys[known]: 9, keys[doubted]: 5, keys[single]: 90, USB + "046d:0825": 7, USB + "fffe:0001": 99}, NOW
+    )
+    store.asked.add({keys[doubted]: 4, USB + "046d:0003": 50}, NOW - 80 * 86_400)
+    store.asked.add({keys[doubted]: 1000}, NOW - 100 * 86_400)
+    writer(context).run()
+    statistics = json.loads(read(stack, "statistics.json") or b"")
+    named = [(one["camera"], one["key"], one["asked"]) for one in statistics["wanted"]]
+    assert named == [(doubted, keys[doubted], 9), ("Logitech, Inc. (046d:0825)", None, 7)]
+    assert "pills" not in json.dumps(statistics)
+    assert statistics["history"][0]["known"] == 1
+
+
+def test_forgetting_replaces_the_dumps(stack: LocalStack, context: OpsContext) -> None:
+    made = fill(context.store, 4)
+    before = publish_dump(context)
+    withdrawal.forget(context, {made[0].contributor})
+    dumps = dumps_of(context)
+    assert dumps is not None
+    now = Dump.model_validate_json(read(stack, "latest.json") or b"")
+    assert made[0].id not in {one["id"] for one in documents(stack, now, "calibrations")}
+    assert now.counts.calibrations == 3
+    for file in before.files:
+        if file.count and file not in now.files:
+            assert read(stack, file.name) is None
+    assert LATEST in dumps.names()
