@@ -158,7 +158,7 @@ def public_settings(
 
 
 def operator(parameters: Mapping[str, str]) -> dict[str, str]:
-    """Return who runs the service, as far as the deployment says: `name`, `contact`, `imprint`."""
+    """Name the operator of the service as far as the deployment does: `name`, `contact`, `imprint`."""
     names = {"name": "OperatorName", "contact": "OperatorContact", "imprint": "Imprint"}
     return {key: parameters[name] for key, name in names.items() if parameters.get(name)}
 

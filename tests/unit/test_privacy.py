@@ -22,7 +22,7 @@ SCRIPTS = {
 
 
 def row(name: str) -> str:
-    """What the notice says of how long something is kept."""
+    """Read from the notice for how long something is kept."""
     found = re.search(rf'data-t="privacy.row_{name}".*?</th><td[^>]*>(.*?)</td>', NOTICE)
     assert found is not None, name
     return found[1]

@@ -146,7 +146,13 @@ def test_logs_sessions_and_items_expire(source: dict) -> None:
     rules = resources["KeypointBucket"]["Properties"]["LifecycleConfiguration"]["Rules"]
     (sessions,) = (rule for rule in rules if rule.get("Prefix") == "sessions/")
     assert (sessions["Status"], sessions["ExpirationInDays"]) == ("Enabled", 2)
-    assert all("ExpirationInDays" not in rule for rule in rules if rule is not sessions)
+    expiring = {rule.get("Prefix") for rule in rules if "ExpirationInDays" in rule}
+    assert expiring == {"sessions/", "dumps/"}, "what was given stays; of a dump only its draft lies here"
+    site = resources["WebBucket"]["Properties"]["LifecycleConfiguration"]["Rules"]
+    (dumps,) = (rule for rule in site if "ExpirationInDays" in rule)
+    assert (dumps["Prefix"], dumps["ExpirationInDays"]) == ("dumps/2", 35), (
+        "five weeks, and never latest.json"
+    )
     assert resources["Table"]["Properties"]["TimeToLiveSpecification"] == {
         "AttributeName": "ttl",
         "Enabled": True,

@@ -1,4 +1,4 @@
-// Who runs this service, as the deployment says: name, contact, imprint. Without any of it the page says that it is a private copy.
+// Operator of this service, as the deployment names them: name, contact, imprint. Without any of it the page says that it is a private copy.
 import { el, part } from "./dom.js";
 import { onLanguage, t } from "./i18n.js";
 import { OfflineError } from "./network.js";

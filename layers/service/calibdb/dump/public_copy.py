@@ -20,7 +20,7 @@ def aliases(key: str) -> Alias:
 
 
 def public_copy(document: Document, alias: Alias) -> Document | None:
-    """Return what may be given away of a document; None of one that was given without a licence."""
+    """Copy what may be given away of a document; None of one that was given without a licence."""
     return None if document.licence is None else unnamed_copy(document, alias)
 
 

@@ -30,7 +30,7 @@ from calibdb.store.objects import READERS
 PERIOD_S = 6 * 86_400  # from one dump to the next at least: a little less than the week of the schedule
 MAX_PART_BYTES = 32 * 2**20  # of documents, before compression
 MIN_PART_S = 60.0  # that an invocation must have left to begin another batch
-_BATCH = 64  # documents read at a time
+_MAX_BATCH_DOCUMENTS = 64  # read at a time
 _STALE_S = 5 * 86_400  # a draft that nobody went on with is begun anew
 _MODELS: dict[DumpedKind, type[CalibrationDocument] | type[VoteDocument]] = {
     "calibrations": CalibrationDocument,
@@ -149,7 +149,7 @@ class WeeklyDump:
     def _documents(self, prefix: str, after: str) -> Iterator[tuple[str, bytes | None, bool]]:
         """Yield name, content and withdrawal of stored documents in order."""
         with ThreadPoolExecutor(READERS) as readers:
-            for batch in _batches(_with_tombstones(self.dumps.sources(prefix, after)), _BATCH):
+            for batch in _batches(_with_tombstones(self.dumps.sources(prefix, after)), _MAX_BATCH_DOCUMENTS):
                 contents = readers.map(self.dumps.read, [source for _, source, _ in batch])
                 for (last, _, withdrawn), content in zip(batch, contents, strict=True):
                     yield last, content, withdrawn

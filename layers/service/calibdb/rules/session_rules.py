@@ -283,7 +283,7 @@ def with_finish(
 
 
 def calibration_name(sid: str, first_version: int) -> str:
-    """Return what a calibration's id adds to its camera key; nobody can go back from it to the session."""
+    """Compute the second part of a calibration id: it follows from the session, and leads to none."""
     return sid[:8] + hashlib.sha256(f"{sid}/{first_version}".encode()).hexdigest()[:12]
 
 

@@ -75,7 +75,7 @@ class Statistics(Open):
 
 
 class Tally(Open):
-    """What is counted while a dump is written, by short digests under the dump's key."""
+    """Counts made while a dump is written, by short digests under the key of the dump."""
 
     contributors: frozenset[str] = frozenset()
     cameras: frozenset[str] = frozenset()
