@@ -28,6 +28,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SDK_FOLDER = "sdk/"
 VERSIONED = re.compile(r"sdk/\d+\.\d+\.\d+[^/]*/")
 """Keys of files that never change."""
+_ARCHIVE = "calibdb.tgz"
 _API = '"../v1"'  # from the folder of the files to the service's API
 _TYPESCRIPT = (
     "--ignoreConfig",
@@ -121,8 +122,11 @@ def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
     modules = {
         f"{at}{name}": _moved(name, content) for name, content in known.items() if name.endswith(".js")
     }
-    package = {f"{at}calibdb.tgz": _package(known, version)}
-    return modules | package | {f"{at}integrity.json": facts, f"{SDK_FOLDER}integrity.json": facts}
+    packed = _package(known, version)
+    newest = {
+        f"{SDK_FOLDER}{name}": content for name, content in (("integrity.json", facts), (_ARCHIVE, packed))
+    }
+    return modules | {f"{at}{_ARCHIVE}": packed, f"{at}integrity.json": facts} | newest
 
 
 def _package(sources: Mapping[str, bytes], version: str) -> bytes:

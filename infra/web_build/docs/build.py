@@ -17,6 +17,8 @@ from infra.web_build.docs.fields import Node
 from infra.web_build.docs.fill import fill
 from infra.web_build.docs.markdown import Document, Link, Section, render
 from infra.web_build.docs.page import GROUP_NAMES, page
+from infra.web_build.docs.samples import SITE
+from infra.web_build.sdk import import_map
 
 OVERVIEW = f"{FOLDER}index.html"
 SEARCH_KEY = f"{FOLDER}search.json"
@@ -25,6 +27,7 @@ _LEAD = (
     "far to trust them. Begin with the quickstart, or search."
 )
 _MAX_DESCRIPTION = 160  # characters
+_IMPORT_MAP = re.compile(r'(```html sdk-import-map\n<script type="importmap">\n).*?(\n</script>)', re.DOTALL)
 _PROBLEM = re.compile(
     r'<dt id="([a-z-]+)"><code>\1</code> <span>(.*?)</span></dt>\s*<dd>(.*?)</dd>', re.DOTALL
 )
@@ -51,7 +54,16 @@ def documents() -> Iterator[tuple[Entry, Document]]:
     for entry in ENTRIES:
         if entry.source:
             text = (ROOT / entry.source).read_text(encoding="utf-8")
-            yield entry, render(text, link_from(entry))
+            yield entry, render(_with_import_map(text), link_from(entry))
+
+
+def _with_import_map(text: str) -> str:
+    """Put the present version's import map in the place of the example of one."""
+
+    def pinned(match: re.Match[str]) -> str:
+        return match[1] + import_map(ROOT / "web", SITE) + match[2]
+
+    return _IMPORT_MAP.sub(pinned, text)
 
 
 def link_from(entry: Entry) -> Link:

@@ -8,10 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from infra.web_build.docs.catalog import FOLDER, GROUPS, ROOT, address
+from infra.web_build.docs.catalog import FOLDER, GROUPS, address
 from infra.web_build.docs.markdown import Heading
 
-HAS_DEVELOPERS = (ROOT / "web" / "developers" / "index.html").is_file()
 GROUP_NAMES = {"start": "Use it", "understand": "Understand it", "project": "The project"}
 _MAX_LEVEL = 3  # of the headings in a page's contents
 _MIN_CONTENTS = 3  # headings; fewer are seen at once
@@ -52,7 +51,7 @@ def page(
         f'  <script type="module" src="{at(script)}"></script>\n' for script in ("docs/docs.js", *scripts)
     )
     home = at("index.html")
-    chosen = _token_choice(at("developers/index.html")) if uses_service and HAS_DEVELOPERS else ""
+    chosen = _token_choice(at("developers/index.html")) if uses_service else ""
     return f"""<!doctype html>
 <html lang="en">
 <head>
