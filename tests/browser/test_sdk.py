@@ -1,7 +1,6 @@
 """The SDK as applications get it: packed and installed, in a worker, and back from the guidance page."""
 
 import json
-import os
 import re
 import subprocess
 from collections.abc import Iterator
@@ -38,26 +37,20 @@ IN_WORKER = """(key) => new Promise((resolve, reject) => {
 
 @pytest.fixture
 def project(tmp_path: Path, stack: str) -> Iterator[str]:
-    """Address of a project that has installed the package, with the example of its README as its page."""
-    environment = os.environ | {"PATH": f"{ROOT}/node_modules/.bin:{os.environ['PATH']}"}
-    packed = subprocess.run(
-        ["npm", "pack", "--json", "--pack-destination", str(tmp_path)],
-        cwd=ROOT / "web/sdk", env=environment, check=True, capture_output=True, text=True,
-    )  # fmt: skip
-    (tmp_path / "package.json").write_text("{}")
-    tarball = json.loads(packed.stdout)[0]["filename"]
-    subprocess.run(
-        ["npm", "install", "--offline", "--silent", "--no-audit", f"./{tarball}"], cwd=tmp_path, check=True
-    )
-    readme = (tmp_path / "node_modules/calibdb/README.md").read_text()
-    example = re.search(r"```html\n(.*?)```", readme, re.DOTALL)
+    """Address of a project that has installed the package as its manual says, with its example as the page."""
+    manual = (ROOT / "web/sdk/README.md").read_text().replace("http://127.0.0.1:8000", stack)
+    install = re.search(r"```sh\n(npm install .*?)\n```", manual)
+    example = re.search(r"```html\n(.*?)```", manual, re.DOTALL)
+    assert install is not None
     assert example is not None
+    (tmp_path / "package.json").write_text("{}")
+    options = ["--silent", "--no-audit", "--no-fund"]
+    subprocess.run([*install[1].split(), *options], cwd=tmp_path, check=True)
     imports = {"imports": {"calibdb": "./node_modules/calibdb/calibdb.js"}}
     importmap = f'<script type="importmap">{json.dumps(imports)}</script>'
-    (tmp_path / "index.html").write_text(
-        f'<!doctype html><link rel="icon" href="data:,">{importmap}'
-        + example[1].replace("http://127.0.0.1:8000", stack)
-    )
+    page = example[1].replace(f"{stack}/sdk/calibdb.js", "calibdb")
+    page = page.replace('"cdb_dev_local"', f'"cdb_dev_local", api: "{stack}/v1"')
+    (tmp_path / "index.html").write_text(f'<!doctype html><link rel="icon" href="data:,">{importmap}{page}')
     with serving(tmp_path) as address:
         yield address
 

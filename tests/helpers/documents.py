@@ -1,0 +1,44 @@
+"""Documents of `/docs/` and the blocks of code in them."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from textwrap import dedent
+
+from infra.web_build.docs.catalog import ENTRIES
+
+ROOT = Path(__file__).parents[2]
+_FENCE = re.compile(r"^( *)```(\S+)([^\n]*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
+SITE = "http://127.0.0.1:8000"
+#: languages of code; other blocks are answers, formats and addresses
+CODE = ("sh", "js", "html", "python")
+
+
+@dataclass(frozen=True)
+class Block:
+    """One block of code, and the line on which it begins."""
+
+    source: str
+    line: int
+    language: str
+    mark: str
+    code: str
+
+    @property
+    def reason(self) -> str | None:
+        """Why it is not run, None where it is."""
+        return self.mark.removeprefix("not-run:").strip() if self.mark.startswith("not-run") else None
+
+
+def sources() -> list[str]:
+    """Paths of all documents that the site shows, and of the README."""
+    return [*(entry.source for entry in ENTRIES if entry.source), "README.md"]
+
+
+def blocks(source: str) -> list[Block]:
+    """All blocks of code of a document."""
+    text = (ROOT / source).read_text()
+    return [
+        Block(source, text[: match.start()].count("\n") + 1, match[2], match[3].strip(), dedent(match[4]))
+        for match in _FENCE.finditer(text)
+    ]

@@ -1,0 +1,206 @@
+"""The code of the documentation, run as it stands there against a stack that knows the examples' camera."""
+
+import base64
+import contextlib
+import io
+import json
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from calibdb_client import Board
+from infra.local import LocalStack
+from infra.web_build.docs.samples import samples
+from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
+from infra.web_build.openapi import EXAMPLES_PATH
+from infra.web_build.operations import OPERATIONS
+from infra.web_build.recorded_examples import CALIBRATIONS, prepare, record
+from tests.helpers.board_pictures import write
+from tests.helpers.documents import CODE, SITE, Block, blocks, sources
+
+EXAMPLES = json.loads(EXAMPLES_PATH.read_text())
+#: commands fail where the service refuses
+CURL = 'curl() { command curl --fail-with-body "$@"; }\n'
+#: documents whose code tests elsewhere run, by language
+ELSEWHERE = {
+    ("docs/webxr.md", "js"): "tests/browser/test_webxr_explainer.py",
+    ("docs/webxr.md", "html"): "tests/browser/test_webxr_explainer.py",
+    ("docs/quickstart.md", "html"): "tests/browser/test_documentation.py",
+    ("docs/quickstart.md", "js"): "tests/browser/test_documentation.py",
+    ("web/sdk/README.md", "html"): "tests/browser/test_sdk.py",
+    ("web/sdk/README.md", "js"): "tests/browser/test_documentation.py",
+    ("web/sdk/README.md", "sh"): "tests/browser/test_sdk.py",
+    ("README.md", "html"): "tests/browser/test_other_origin.py",
+    ("layers/solver/README.md", "python"): "tests/service/test_wheels.py",
+}
+SHELL = ("docs/api.md", "docs/quickstart.md", "docs/limits.md", "README.md")
+PYTHON = ("docs/python.md", "clients/python/README.md", "README.md")
+
+
+@dataclass
+class Site:
+    """A running stack that knows the camera of the examples, and the values that answers gave."""
+
+    stack: LocalStack
+    url: str
+    values: dict[str, str] = field(default_factory=dict)
+
+
+@pytest.fixture(scope="module")
+def site() -> Iterator[Site]:
+    with LocalStack(environment={"NEW_TOKENS": "100"}) as stack, stack.serve() as url:
+        prepare(stack)
+        yield Site(stack, url)
+
+
+def run(command: list[str], code: str, folder: Path | None = None) -> str:
+    done = subprocess.run(command, input=code, capture_output=True, text=True, cwd=folder, timeout=60)
+    assert done.returncode == 0, f"{code}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+def run_python(code: str) -> str:
+    with contextlib.redirect_stdout(io.StringIO()) as output:
+        exec(compile(code, "sample", "exec"), {})
+    return output.getvalue()
+
+
+#: runs modules that come in line by line, each in base64, and prints what each printed
+NODE = """
+import { createInterface } from "node:readline";
+for await (const line of createInterface({ input: process.stdin })) {
+  const said = [];
+  console.log = (...words) => said.push(words.join(" "));
+  await import(`data:text/javascript;base64,${line}`);
+  process.stdout.write(`${JSON.stringify(said.join("\\n"))}\\n`);
+}
+"""
+
+
+@contextlib.contextmanager
+def runner(language: str) -> Iterator[Callable[[str], tuple[int | None, str]]]:
+    """Give a function that runs a sample: status, where the sample prints it, and body of the answer."""
+    if language == "curl":
+        yield lambda code: (None, run(["bash", "-e"], CURL + code))
+    elif language == "python":
+        yield lambda code: parted(run_python(code))
+    else:
+        command = ["node", "--input-type=module", "-e", NODE]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as node:
+            assert node.stdin
+            assert node.stdout
+
+            def run_module(code: str) -> tuple[int | None, str]:
+                node.stdin.write(base64.b64encode(code.encode()).decode() + "\n")
+                node.stdin.flush()
+                return parted(json.loads(node.stdout.readline()))
+
+            yield run_module
+            node.stdin.close()
+
+
+def parted(said: str) -> tuple[int, str]:
+    status, _, body = said.partition(" ")
+    return int(status), body.strip()
+
+
+@pytest.mark.parametrize("language", ["curl", "fetch", "python"])
+def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, language: str) -> None:
+    expected = {operation.name: min(operation.answers) for operation in OPERATIONS}
+    assert set(SCENARIO) == set(expected), "every call has an example"
+    values: dict[str, str] = {}
+    with runner(language) as run_sample:
+        for call in calls():
+            if call.name == "finishSession":
+                values["SESSION_ID"] = record(site.stack, CALIBRATIONS)
+            code = fill_in(samples(call)[language], values).replace(SITE, site.url)
+            status, body = run_sample(code)
+            assert status in (None, expected[call.name]), (call.name, body)
+            example = EXAMPLES[call.name]
+            if isinstance(example, dict):
+                answer = json.loads(body)
+                assert set(answer) == set(example), (
+                    f"{call.name}: run infra.web_build.recorded_examples again"
+                )
+                learn(values, call.name, answer)
+
+
+@pytest.mark.parametrize("source", SHELL)
+def test_commands_of_a_document_run_one_after_the_other(site: Site, source: str, tmp_path: Path) -> None:
+    assert shutil.which("curl")
+    if not shutil.which("jq"):
+        pytest.skip("jq is not installed")
+    found = [block for block in blocks(source) if block.language == "sh" and block.reason is None]
+    assert found
+    code = CURL + "\n".join(block.code for block in found).replace(SITE, site.url)
+    run(["bash", "-euo", "pipefail"], code, tmp_path)
+
+
+def test_every_block_of_code_is_run_or_says_why_not() -> None:
+    skipped: list[Block] = []
+    count = 0
+    for source in sources():
+        for block in blocks(source):
+            if block.language not in CODE:
+                continue
+            count += 1
+            runs = (
+                (block.source, block.language) in ELSEWHERE
+                or (block.language == "sh" and source in SHELL)
+                or (block.language == "python" and source in PYTHON)
+            )
+            if block.reason is not None:
+                skipped.append(block)
+                assert len(block.reason.split()) >= 3, f"{source}:{block.line} says no reason"
+            else:
+                assert runs, f"{source}:{block.line}: nobody runs this {block.language}"
+    assert count >= 40
+    assert len(skipped) <= 20, [f"{block.source}:{block.line}" for block in skipped]
+
+
+def test_json_of_the_documents_is_json() -> None:
+    found = [block for source in sources() for block in blocks(source) if block.language == "json"]
+    assert found
+    for block in found:
+        json.loads(block.code)
+
+
+def test_token_of_the_samples_is_that_of_local_stacks() -> None:
+    from infra.local.stack import DEVELOPMENT_TOKEN
+
+    assert TOKEN == DEVELOPMENT_TOKEN
+
+
+class FakeCamera:
+    """Stands for an open camera: named as the examples' one."""
+
+    label = "HD Pro Webcam C920 (046d:082d)"
+    platform = "X11; Linux x86_64"
+    img_size = (1280, 720)
+
+    def read(self) -> tuple[bool, Any]:
+        import numpy as np
+
+        return True, np.zeros((720, 1280, 3), np.uint8)
+
+
+@pytest.mark.parametrize("source", PYTHON)
+def test_python_of_a_document_runs(
+    site: Site, source: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("calibdb_client.open_camera", lambda *_, **__: FakeCamera())
+    monkeypatch.setenv("CALIBDB_URL", site.url)
+    monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    write(tmp_path / "photos", Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000"))
+    found = [block for block in blocks(source) if block.language == "python" and block.reason is None]
+    assert found
+    for block in found:
+        run_python(block.code.replace(SITE, site.url))
+    assert "image_width: 1280" in (tmp_path / "camera.yaml").read_text()
