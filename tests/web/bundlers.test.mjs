@@ -1,0 +1,87 @@
+// The package in other people's builds: Vite and webpack bundle it, and what they make runs.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath, pathToFileURL } from "node:url";
+
+const root = fileURLToPath(new URL("../..", import.meta.url));
+const tools = join(root, ".build/bundlers");
+/** An application: a lookup answered by a stub, a projection matrix for three.js. It says what it found. */
+const APPLICATION = `
+import { lookup } from "calibdb";
+import { applyCalibration } from "calibdb/adapters/three";
+import { lensOf } from "calibdb/projection";
+
+const answer = { img_size: [640, 480], camera_matrix: [[500, 0, 320], [0, 500, 240], [0, 0, 1]], distortion_model: "rectilinear",
+  distortion_coefficients: [0, 0, 0, 0, 0], exact_size: true, reliable: true };
+const fetch = async () => new Response(JSON.stringify(answer), { headers: { "content-type": "application/json" } });
+const key = { camera: "A camera", platform: "X11; Linux x86_64", img_size: [640, 480], zoom: 0 };
+const { calibration } = await lookup(key, { token: "t", api: "https://calibdb.example/v1", fetch, cache: null });
+globalThis.found = [calibration.project([0.1, 0, 1]), typeof applyCalibration, typeof lensOf, calibration.projectionMatrix({ near: 1, far: 2 }).length];
+`;
+const EXPECTED = [[370, 240], "function", "function", 16];
+
+/** Why the bundlers are not there; empty where they are. */
+let missing = "";
+/** @type {string} */
+let folder;
+
+before(() => {
+  mkdirSync(tools, { recursive: true });
+  const sources = ["package.json", "package-lock.json", ".npmrc"].map((name) => join(root, "tests/web/bundlers", name));
+  const changed = sources.some((path) => !existsSync(join(tools, path.split("/").at(-1))) || readFileSync(path, "utf8") !== readFileSync(join(tools, path.split("/").at(-1)), "utf8"));
+  try {
+    if (changed || !existsSync(join(tools, "node_modules/webpack"))) {
+      for (const path of sources) copyFileSync(path, join(tools, path.split("/").at(-1)));
+      execFileSync("npm", ["install", "--silent", "--no-audit", "--no-fund", "--fetch-retries", "1"], { cwd: tools, stdio: "ignore" });
+    }
+  } catch (error) {
+    missing = "Vite and webpack cannot be installed: npm's registry does not answer";
+  }
+  folder = mkdtempSync(join(tmpdir(), "calibdb-bundlers-"));
+  writeFileSync(join(folder, "package.json"), '{"type": "module"}');
+  writeFileSync(join(folder, "main.js"), APPLICATION);
+  writeFileSync(join(folder, "index.html"), '<!doctype html><script type="module" src="/main.js"></script>');
+  const [{ filename }] = JSON.parse(execFileSync("npm", ["pack", "--json", "--pack-destination", folder], {
+    cwd: join(root, "web/sdk"), encoding: "utf8", stdio: ["ignore", "pipe", "ignore"], env: { ...process.env, PATH: `${root}node_modules/.bin:${process.env.PATH}` },
+  }));
+  execFileSync("npm", ["install", "--offline", "--silent", "--no-audit", "--no-fund", `./${filename}`], { cwd: folder, stdio: "ignore" });
+});
+
+after(() => rmSync(folder, { recursive: true }));
+
+/** Runs a bundle and gives what it found. @param {string} path */
+async function found(path) {
+  globalThis.found = null;
+  await import(pathToFileURL(path).href);
+  // webpack's entry does not wait for its own modules
+  for (let turn = 0; turn < 1000 && !globalThis.found; turn++) await new Promise((next) => setTimeout(next));
+  return globalThis.found;
+}
+
+test("as it is installed it runs, without a build", async () => {
+  assert.deepEqual(await found(join(folder, "main.js")), EXPECTED);
+});
+
+test("bundled by Vite it runs", async (t) => {
+  if (missing) return t.skip(missing);
+  const { build } = await import(pathToFileURL(createRequire(join(tools, "x.js")).resolve("vite")).href);
+  await build({ root: folder, logLevel: "error", build: { target: "es2022", modulePreload: { polyfill: false }, rollupOptions: { output: { entryFileNames: "vite.js" } } } });
+  assert.deepEqual(await found(join(folder, "dist/vite.js")), EXPECTED);
+});
+
+test("bundled by webpack it runs", async (t) => {
+  if (missing) return t.skip(missing);
+  const { default: webpack } = await import(pathToFileURL(createRequire(join(tools, "x.js")).resolve("webpack")).href);
+  const stats = await new Promise((resolve, reject) => webpack({
+    context: folder, mode: "production", entry: "./main.js", target: ["web", "es2022"], experiments: { outputModule: true },
+    output: { path: join(folder, "packed"), filename: "webpack.mjs", module: true, chunkFormat: "module" },
+  }, (error, result) => (error ? reject(error) : resolve(result))));
+  assert.deepEqual(stats.toJson({ all: false, errors: true, warnings: true }).errors, []);
+  assert.deepEqual(stats.toJson({ all: false, warnings: true }).warnings, []);
+  assert.deepEqual(await found(join(folder, "packed/webpack.mjs")), EXPECTED);
+});
