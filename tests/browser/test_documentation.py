@@ -1,0 +1,196 @@
+"""The documentation as a newcomer uses it: quickstart, search, calls tried from the page."""
+
+import json
+import re
+from collections.abc import Iterator
+from functools import partial
+from html import unescape
+from pathlib import Path
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+import httpx
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, BrowserContext, Page, Playwright, Route, expect
+
+from infra.web_build.openapi import EXAMPLES_PATH
+from tests.helpers.browser.captures import capture
+from tests.helpers.browser.elsewhere import serving
+from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.waiting import TIMEOUT_S
+from tests.helpers.documents import SITE, blocks
+
+from .conftest import CHROMIUM, ROOT, chromium_path, close
+
+FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
+KNOWN = json.loads(EXAMPLES_PATH.read_text())["lookup"]
+BUNDLE = {"format": "calibdb-bundle", "version": 1, "columns": [], "cameras": [], "labels": {}, "places": {}}
+#: names that samples take for granted, as far as a sample does not declare them
+PRELUDE = {
+    "lookup": 'import { lookup } from "calibdb";',
+    "token": 'const token = "cdb_dev_local";',
+    "track": 'const track = { camera: "A", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };',
+}
+PAGES = ("", "quickstart/", "api/", "reference/", "reference/lookup/", "problems/", "accuracy/")
+
+
+@pytest.fixture(scope="module")
+def token(stack: str) -> dict[str, Any]:
+    """A token as somebody makes it for pages of their own machine."""
+    return httpx.post(f"{stack}/v1/tokens", json={"origins": ["http://localhost"]}).json()
+
+
+@pytest.fixture
+def quickstart(tmp_path: Path, stack: str, token: dict[str, Any]) -> Iterator[str]:
+    """Address of the quickstart's page, served as it says, with one's own token."""
+    (block,) = [block for block in blocks("docs/quickstart.md") if block.language == "html"]
+    page = block.code.replace(SITE, stack).replace("cdb_dev_local", token["token"])
+    (tmp_path / "index.html").write_text(page)
+    with serving(tmp_path) as address:
+        yield address.replace("127.0.0.1", "localhost")
+
+
+def test_quickstart_ends_with_a_page_that_knows_its_camera(
+    playwright: Playwright, quickstart: str, stack: str, api: httpx.Client
+) -> None:
+    browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
+    page = browser.new_page()
+    page.set_default_timeout(1000 * TIMEOUT_S)
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(quickstart)
+    page.get_by_role("button", name="Open the camera").click()
+    expect(page.locator("#answer")).to_contain_text("unknown_camera")
+    page.get_by_role("button", name="Calibrate it").click()
+    page.wait_for_url(f"{stack}/calibrate/?**")
+    asked = {name: values[0] for name, values in parse_qs(urlsplit(page.url).query).items()}
+    assert asked["return_to"] == quickstart
+    key = {"camera": asked["camera"], "platform": asked["platform"]}
+    state = capture(
+        api, Truth(), key | {"img_size": [1280, 720]}, seed=3
+    )  # the capture itself has its own tests
+    page.goto(
+        f"/result/?id={state['calibration_id']}&return_to={asked['return_to']}".replace(
+            "/result", f"{stack}/result", 1
+        )
+    )
+    page.locator("#return").click()
+    expect(page.locator("#answer")).to_contain_text("camera_matrix")
+    assert (
+        json.loads(page.locator("#answer").inner_text())["camera_matrix"]
+        == state["calibration"]["camera_matrix"]
+    )
+    assert page.url == quickstart, "the address is clean again"
+    assert errors == []
+    browser.close()
+
+
+def samples(source: str) -> list[str]:
+    """The JavaScript of a document, each with what it takes for granted."""
+    found = []
+    for block in blocks(source):
+        if block.language == "js" and block.reason is None:
+            needed = [
+                line
+                for name, line in PRELUDE.items()
+                if re.search(rf"\b{name}\b", block.code)
+                and not re.search(rf"(import \{{ |const ){name}\b", block.code)
+            ]
+            found.append("\n".join([*needed, block.code, "globalThis.done = true;"]))
+    return found
+
+
+def test_javascript_of_quickstart_and_manual_runs(context: BrowserContext, stack: str) -> None:
+    page = context.new_page()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.route("**/v1/lookup", lambda route: route.fulfill(json=KNOWN))
+    page.route("**/known/**", lambda route: route.fulfill(status=404))
+    page.route("**/cameras.json", lambda route: route.fulfill(json=BUNDLE))
+    names = ("calibdb", "calibdb/bundle", "calibdb/adapters/three")
+    imports = {name: f"/sdk/{name.partition('/')[2] or name}.js" for name in names}
+    map_ = f'<script type="importmap">{json.dumps({"imports": imports})}</script>'
+    found = [*samples("docs/quickstart.md"), *samples("web/sdk/README.md")]
+    assert len(found) >= 3
+    for index, code in enumerate(found):
+        html = f'<!doctype html>{map_}<script type="module">{code.replace(SITE, stack)}</script>'
+        page.route(f"**/sample-{index}", partial(send, html))
+        page.goto(f"/sample-{index}")
+        page.wait_for_function("globalThis.done", timeout=10_000)
+    assert errors == []
+
+
+def send(html: str, route: Route) -> None:
+    route.fulfill(body=html, content_type="text/html")
+
+
+@pytest.mark.parametrize("tampered", [False, True])
+def test_pinned_sdk_runs_as_it_was_published_or_not_at_all(
+    chromium: Browser, stack: str, tmp_path: Path, tampered: bool
+) -> None:
+    manual = httpx.get(f"{stack}/docs/sdk/").text
+    codes = re.findall(r"<pre[^>]*><code>(.*?)</code></pre>", manual, re.DOTALL)
+    plain = [unescape(re.sub(r"<[^>]+>", "", code)) for code in codes]
+    (pinned,) = [code for code in plain if "importmap" in code]
+    said = 'from "calibdb"; globalThis.found = typeof lookup;'
+    page_text = pinned.replace(SITE, stack).replace('from "calibdb";', said)
+    (tmp_path / "index.html").write_text(f'<!doctype html><link rel="icon" href="data:,">{page_text}')
+    context = chromium.new_context()
+    page = context.new_page()
+    if tampered:
+        changed = (ROOT / "web/sdk/retry.js").read_text() + "// changed"
+        headers = {"access-control-allow-origin": "*"}
+        page.route(
+            "**/sdk/*/retry.js",
+            lambda route: route.fulfill(body=changed, content_type="text/javascript", headers=headers),
+        )
+    with serving(tmp_path) as address:
+        page.goto(address, wait_until="networkidle")
+        assert page.evaluate("globalThis.found") == (None if tampered else "function")
+    close(context)
+
+
+def test_search_finds_and_calls_can_be_tried_with_ones_own_token(page: Page, token: dict[str, Any]) -> None:
+    kept = [
+        {
+            "id": token["id"],
+            "token": token["token"],
+            "management_token": token["management_token"],
+            "origins": [],
+            "name": "Mine",
+        }
+    ]
+    page.add_init_script(f"localStorage.setItem('calibdb.tokens', {json.dumps(json.dumps(kept))})")
+    page.goto("/docs/")
+    page.get_by_role("searchbox").fill("origin proof")
+    first = page.locator("#results a").first
+    expect(first).to_contain_text("token")
+    page.keyboard.press("ArrowDown")
+    expect(first).to_be_focused()
+    page.goto("/docs/reference/lookup/")
+    expect(page.locator("[data-fill=token]").first).to_have_text(token["token"])
+    trial = page.locator("form[data-operation=lookup]")
+    trial.locator("xpath=..").locator("summary").click()
+    expect(trial.locator("[name=credential]")).to_have_value(token["token"])
+    trial.get_by_role("button", name="Send").click()
+    answer = trial.locator(".trial-answer")
+    expect(answer).to_contain_text("200")
+    expect(answer).to_contain_text("unknown_camera")
+    page.locator("label[for=lookup-fetch]").click()
+    expect(page.locator("#visitLookup-fetch")).to_be_checked()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_documentation_is_accessible_and_fits(chromium: Browser, stack: str, scheme: str) -> None:
+    context = chromium.new_context(
+        base_url=stack, viewport={"width": 360, "height": 800}, color_scheme=scheme, service_workers="block"
+    )  # type: ignore[arg-type]
+    page = context.new_page()
+    for name in PAGES if scheme == "light" else PAGES[1:5:3]:
+        page.goto(f"/docs/{name}")
+        page.wait_for_load_state("networkidle")
+        found = Axe().run(page).response["violations"]
+        assert [(each["id"], each["nodes"][0]["target"]) for each in found] == [], name
+        assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0, name
+    close(context)

@@ -1,0 +1,156 @@
+"""Documentation pages: links that resolve, pages that are small, words about every call."""
+
+import gzip
+import json
+import posixpath
+import re
+from collections.abc import Mapping
+from urllib.parse import unquote, urlsplit
+
+import pytest
+
+from calibdb.access.plans import PLANS
+from infra.web_build import site
+from infra.web_build.docs import markdown
+from infra.web_build.docs.build import SEARCH_KEY
+from infra.web_build.docs.catalog import ENTRIES, ROOT
+from infra.web_build.openapi import OPERATIONS
+
+MAX_PAGE_KB = 150
+MARKDOWN = sorted(
+    {
+        *(path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").glob("*.md")),
+        *("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"),
+        *(entry.source for entry in ENTRIES if entry.source),
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def made() -> Mapping[str, bytes]:
+    return site.made_files()
+
+
+def files(made: Mapping[str, bytes]) -> set[str]:
+    return {path.relative_to(site.WEB).as_posix() for path in site.WEB.rglob("*") if path.is_file()} | set(
+        made
+    )
+
+
+@pytest.mark.parametrize("source", MARKDOWN)
+def test_every_link_of_a_document_leads_to_a_file_and_an_anchor(source: str) -> None:
+    text = (ROOT / source).read_text()
+    for target in markdown.links(text):
+        parts = urlsplit(target)
+        if parts.scheme:
+            assert parts.scheme in {"https", "http", "mailto"}, target
+            continue
+        path = (
+            posixpath.normpath(posixpath.join(posixpath.dirname(source), parts.path))
+            if parts.path
+            else source
+        )
+        assert (ROOT / path).exists(), f"{source}: {target}"
+        if parts.fragment and path.endswith(".md"):
+            assert parts.fragment in markdown.anchors((ROOT / path).read_text()), f"{source}: {target}"
+
+
+def test_every_document_of_the_folder_is_on_the_site() -> None:
+    shown = {entry.source for entry in ENTRIES}
+    assert {path for path in MARKDOWN if path != "README.md"} <= shown
+
+
+def test_every_address_on_every_documentation_page_leads_to_a_page_and_an_anchor(
+    made: Mapping[str, bytes],
+) -> None:
+    there, checked = files(made), 0
+    ids = {
+        key: set(re.findall(r'\bid="([^"]+)"', page.decode()))
+        for key, page in made.items()
+        if key.endswith(".html")
+    }
+    for key in [key for key in ids if "docs/" in key]:
+        for address in re.findall(r'(?:href|src)="([^"]*)"', made[key].decode()):
+            parts = urlsplit(address)
+            if parts.scheme:
+                continue
+            target = (
+                posixpath.normpath(posixpath.join("/", posixpath.dirname(key), parts.path))[1:]
+                if parts.path
+                else key
+            )
+            if parts.path.endswith("/") or not target:
+                target = posixpath.join(target, "index.html")
+            assert target in there, (key, address)
+            if parts.fragment and target in ids:
+                assert unquote(parts.fragment) in ids[target], (key, address)
+            checked += 1
+    assert checked > 2000
+
+
+def test_documentation_pages_with_all_they_load_are_below_150_kb(made: Mapping[str, bytes]) -> None:
+    """As the edge sends them, compressed: page, style, modules, and the fonts of the language."""
+    sizes: dict[str, int] = {}
+    fonts = sum((site.WEB / path).stat().st_size for path in _fonts())
+    for key in [key for key in made if key.startswith("docs/") and key.endswith(".html")]:
+        page = made[key].decode()
+        loaded = set(
+            re.findall(
+                r'<(?:link rel="(?:stylesheet|modulepreload)"|script[^>]*) ?(?:href|src)="/([^"]+)"', page
+            )
+        )
+        loaded |= set(re.findall(r'src="/([^"]+\.js)"', page)) | {"icon.svg"}
+        contents = [made.get(name) or (site.WEB / name).read_bytes() for name in sorted(loaded)]
+        sizes[key] = fonts + sum(len(gzip.compress(each)) for each in [made[key], *contents])
+    largest = max(sizes, key=lambda key: sizes[key])
+    assert sizes[largest] < 1000 * MAX_PAGE_KB, (largest, sizes[largest])
+    assert len(sizes) > 20
+
+
+def _fonts() -> list[str]:
+    """Fonts that a page in English may load."""
+    style = (site.WEB / "style.css").read_text()
+    return [name for name in re.findall(r'url\("\./([^"]+)"\)', style) if "cyrillic" not in name]
+
+
+def test_search_knows_every_document_call_and_problem(made: Mapping[str, bytes]) -> None:
+    rows = json.loads(made[SEARCH_KEY])
+    folders = {address.partition("/")[0] for address, *_ in rows}
+    assert {entry.slug for entry in ENTRIES} <= folders
+    addresses = {address for address, *_ in rows}
+    for operation in OPERATIONS:
+        assert any(address.endswith(f"#{operation.name}") for address in addresses), operation.name
+    assert "problems/#quota" in addresses
+    assert len(gzip.compress(made[SEARCH_KEY])) < 100_000
+
+
+def test_every_call_has_a_group_a_description_and_an_example() -> None:
+    document = json.loads((site.WEB / "openapi.json").read_text())
+    groups = {tag["name"] for tag in document["tags"]}
+    for methods in document["paths"].values():
+        for operation in methods.values():
+            assert set(operation["tags"]) <= groups
+            assert len(operation["description"].split()) >= 8, operation["operationId"]
+            body = operation.get("requestBody", {}).get("content", {}).get("application/json")
+            assert body is None or body["example"], operation["operationId"]
+
+
+def test_no_page_of_the_documentation_has_a_script_or_style_of_its_own(made: Mapping[str, bytes]) -> None:
+    for key in [key for key in made if "docs/" in key and key.endswith(".html")]:
+        page = made[key].decode()
+        assert not re.search(
+            r"<[^>]*\sstyle=|<style|<script(?![^>]*\ssrc=)|\son[a-z]+=\"",
+            re.sub(r"<pre.*?</pre>", "", page, flags=re.DOTALL),
+        ), key
+
+
+def test_limits_are_those_of_the_plans() -> None:
+    text = (ROOT / "docs/limits.md").read_text()
+    for name in ("trial", "free"):
+        plan = PLANS[name]
+        (row,) = re.findall(rf"^\| `{name}`.*$", text, re.MULTILINE)
+        wanted = [
+            f"{getattr(plan.together, kind):,} / {getattr(plan.each, kind):,}"
+            for kind in ("sessions", "views", "poses", "lookups")
+        ]
+        assert [cell.strip() for cell in row.split("|")[2:-1]] == wanted
