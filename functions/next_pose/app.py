@@ -11,7 +11,7 @@ from calibdb.errors import ConflictError
 from calibdb.http import application
 from calibdb.rules import session_rules
 from calibdb.schema import Pose, SessionDocument
-from calibsolver import Board, Camera, DeadlineError, deadline, guidance
+from calibsolver import Board, CalibrationError, Camera, DeadlineError, deadline, guidance
 from calibsolver.capture import Capture, exclusions
 from calibsolver.guidance import overlay
 
@@ -40,6 +40,8 @@ def show(call: application.Call) -> Response:
     try:
         with deadline.limit(call.seconds_left):
             document = call.service.store.sessions.update(sid, call.service.now, change)
+    except CalibrationError as error:
+        raise ConflictError(f"No target can be chosen: {error.message}; undo one.") from error
     except DeadlineError as error:
         raise call.out_of_time(
             ConflictError("The views take longer to compute than a request may; undo one.", kind="too-slow")

@@ -17,7 +17,7 @@ from starlette.responses import Response
 
 import calibsolver
 from calibdb.access.tokens import contributor, source
-from calibdb.errors import ConflictError
+from calibdb.errors import ConflictError, InvalidError
 from calibdb.http import application, metrics
 from calibdb.rules import session_rules
 from calibdb.rules.session_state import state, view_answer
@@ -30,7 +30,7 @@ from calibdb.schema import (
     ViewRequest,
 )
 from calibdb.schema.session import Advice, Hint, Refusal, SetAside
-from calibsolver import Camera, DeadlineError, View, deadline, guidance
+from calibsolver import CalibrationError, Camera, DeadlineError, View, deadline, guidance
 from calibsolver.capture import Capture, Estimate, Exclusion, ViewDecision, exclusions
 from calibsolver.quality import report
 from calibsolver.quality.board_flatness import shaped_fit
@@ -88,10 +88,15 @@ def remove(call: application.Call) -> Response:
 
 @contextmanager
 def in_time(call: application.Call) -> Iterator[None]:
-    """Compute within the call's time; raises ConflictError or UnavailableError where that is too short."""
+    """Compute within the call's time; raises ConflictError or UnavailableError where that is too short.
+
+    Raises InvalidError where the corners leave the camera undetermined.
+    """
     try:
         with deadline.limit(call.seconds_left):
             yield
+    except CalibrationError as error:
+        raise InvalidError.field("points", error.message) from error
     except DeadlineError as error:
         raise call.out_of_time(
             ConflictError(
@@ -171,7 +176,8 @@ def open_target(
         target = guidance.TargetPose.from_dict(document.target)
         fit = document.estimate.fit
         active = [view for i, view in enumerate(views) if i not in excluded]
-        return rules.redraw(target, active, Camera.from_record(fit.model_dump()) if fit else None)
+        camera = Camera.from_record(fit.model_dump()) if fit else rules.camera(None)
+        return rules.redraw(target, active, camera)
     return rules.next_target(views, rules.estimate(views, excluded))
 
 

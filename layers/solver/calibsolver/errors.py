@@ -1,5 +1,10 @@
 """Errors of the solver: a calibration that cannot be believed, and a computation that takes too long."""
 
+from contextlib import ContextDecorator
+from types import TracebackType
+
+from numpy.linalg import LinAlgError
+
 
 class CalibrationError(Exception):
     """A calibration that cannot be believed is never returned: this says why.
@@ -16,6 +21,24 @@ class CalibrationError(Exception):
         super().__init__(message)
         self.code = code
         self.message = message
+
+
+class undetermined(ContextDecorator):  # noqa: N801 (used as a function, as contextlib's are)
+    """Raise CalibrationError ``not_believable`` where linear algebra fails within the block, or the function.
+
+    A matrix that is singular, or whose decomposition does not converge, is one that the given numbers leave
+    undetermined: an answer about these numbers, and never an error of the program.
+    """
+
+    def __enter__(self) -> None:
+        """Begin the block."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, raised: BaseException | None, _: TracebackType | None
+    ) -> None:
+        """End the block; raises CalibrationError in the place of LinAlgError."""
+        if isinstance(raised, LinAlgError):
+            raise CalibrationError("not_believable", "these views leave the camera undetermined") from raised
 
 
 class DeadlineError(Exception):

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
+from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.uncertainty import Uncertainty
 from ..guidance.hints import Hint
@@ -94,7 +95,10 @@ class Estimate:
         if self.calibration is None:
             return self
         active = [view for i, view in enumerate(views) if i not in self.excluded]
-        cause = probable_cause(self.calibration, active)
+        try:
+            cause = probable_cause(self.calibration, active)
+        except CalibrationError:  # residuals that say nothing
+            return self
         if cause is None or not cause.is_noticeable or (self.suggested_model and not cause.is_main):
             return self
         others = (advice for advice in self.advice if advice.code != "model_too_simple")

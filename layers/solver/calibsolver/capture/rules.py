@@ -10,6 +10,7 @@ import numpy as np
 from .. import deadline, models, rotation
 from ..board import Board
 from ..camera import Camera
+from ..errors import undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.resection import reprojection_score
 from ..fitting.uncertainty import Uncertainty
@@ -51,7 +52,7 @@ class Capture:
     Parameters
     ----------
     board, img_size, model
-        The board, width and height of the image, px, and the name of the distortion model.
+        The board, width and height of the image (px), and the distortion model's name.
     guidance
         One of `guidance.GUIDES`.
     target_error
@@ -147,6 +148,7 @@ class Capture:
         advice = (LIMIT_REACHED,) if full and not (on_target or self.recorded) else ()
         return Estimate(calibration, tuple(errors), u, progress, converged, excluded, advice)
 
+    @undetermined()
     def reconcile(self, views: Sequence[View], excluded: Mapping[int, Exclusion]) -> Estimate:
         """Decide anew which views are consistent, after one was undone, and fit those."""
         keep = [i for i in range(len(views)) if i not in excluded] or [len(views) - 1]
@@ -173,15 +175,12 @@ class Capture:
         active = [view for i, view in enumerate(views) if i not in estimate.excluded]
         return self.guide.next_pose(active, estimate.calibration, skipped, unreached)
 
-    def redraw(
-        self, target: TargetPose, views: Sequence[View], estimate: Estimate | Camera | None
-    ) -> TargetPose:
-        """Target with its pixels, as it was chosen after these views; `estimate`: theirs, or its camera."""
-        if isinstance(self.guide, PoseSelection):
-            return target.redrawn(self.board, self.guide.camera(views))
-        camera = estimate if isinstance(estimate, Camera) else self.camera(estimate)
-        return target.redrawn(self.board, camera)
+    def redraw(self, target: TargetPose, views: Sequence[View], camera: Camera) -> TargetPose:
+        """Target with its pixels, as it was chosen after these views by `camera`, the estimate's."""
+        drawn = self.guide.camera(views) if isinstance(self.guide, PoseSelection) else camera
+        return target.redrawn(self.board, drawn)
 
+    @undetermined()
     def judge(
         self,
         views: Sequence[View],
@@ -232,7 +231,7 @@ class Capture:
         if not self.consistency.is_consistent(others, view):
             resolved = deadline.compute_within(
                 MAX_CONFLICT_S,
-                lambda: self._resolve_conflict(views, active, view, excluded, quarantined),
+                partial(self._resolve_conflict, views, active, view, excluded, quarantined),
                 None,
             )
             if resolved is None:

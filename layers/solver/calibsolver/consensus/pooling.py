@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import Array, IntArray
-from ..errors import CalibrationError
+from ..errors import CalibrationError, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..fitting.validation import check, degenerate_views, pack
@@ -115,6 +115,7 @@ class Consensus:
     held_out_error: float
 
 
+@undetermined()
 def pool(
     members: Sequence[Member], img_size: tuple[int, int], model: str, rule: Rule | None = None
 ) -> Consensus:

@@ -9,7 +9,7 @@ import numpy as np
 from .. import models
 from ..arrays import Array, Mask, frozen
 from ..camera import Camera
-from ..errors import CalibrationError
+from ..errors import CalibrationError, undetermined
 from ..models import Model
 from ..view import View
 from . import (
@@ -44,6 +44,7 @@ FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
 """Least squares alone may wind through long valleys."""
 
 
+@undetermined()
 def fit(
     views: Sequence[View],
     img_size: tuple[int, int],
@@ -94,6 +95,7 @@ def fit(
         return _Fit(Problem(camera_model, obs, img_size), order, mirrored[order.views], robust, start).run()
 
 
+@undetermined()
 def refine(views: Sequence[View], near: Camera, poses: Array, *, planar: bool = True) -> Calibration:
     """Refine a fit of which camera and poses (v, 6) are nearly known: robustly, from there alone.
 
@@ -147,10 +149,7 @@ class _Fit:
 
     def run(self, near: State | None = None) -> Calibration:
         """Fit, from `near` alone where it is given."""
-        try:
-            return self.finish(near or self.multistart.run())
-        except np.linalg.LinAlgError:
-            raise CalibrationError("not_believable", "the views leave the camera undetermined") from None
+        return self.finish(near or self.multistart.run())
 
     def finish(self, state: State) -> Calibration:
         """From near the optimum to a result, in three stages.

@@ -8,7 +8,7 @@ import numpy as np
 from .. import deadline, models
 from ..arrays import Array, frozen
 from ..camera import Camera
-from ..errors import CalibrationError
+from ..errors import CalibrationError, undetermined
 from ..models import Model
 from ..view import View
 from . import initial_guess
@@ -47,6 +47,7 @@ class ReprojectionScore:
     poses: Array
 
 
+@undetermined()
 def reprojection_score(camera: Camera, views: Sequence[View]) -> ReprojectionScore:
     """Measure the reprojection error of `views` under `camera`, every pose fitted, nothing left out.
 

@@ -16,7 +16,7 @@ from .. import models, rotation
 from ..arrays import Array
 from ..board import Board
 from ..camera import Camera
-from ..errors import CalibrationError
+from ..errors import CalibrationError, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..view import View
@@ -83,6 +83,7 @@ class PoseSelection:
         self.seed = seed
         self._steps: list[tuple[View, Progress]] = []
 
+    @undetermined()
     def next_pose(
         self,
         views: Sequence[View],

@@ -16,6 +16,7 @@ from .. import models, rotation
 from ..arrays import Array, symmetric_inverse
 from ..board import Board
 from ..camera import Camera
+from ..errors import undetermined
 from ..fitting import normal_equations
 from ..fitting.calibration import Calibration
 from ..view import View
@@ -65,6 +66,7 @@ class ProjectionUncertainty:
         self.seed = seed
         self._corners = CornerGrid.of(board, None)
 
+    @undetermined()
     def next_pose(
         self,
         views: Sequence[View],

@@ -9,6 +9,7 @@ import numpy as np
 from .. import models
 from ..arrays import Array
 from ..camera import pixel_grid
+from ..errors import undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.normal_equations import Poses, project
 from ..fitting.observations import Observations
@@ -74,6 +75,7 @@ class Assessment:
     reasons: tuple[Reason, ...]
 
 
+@undetermined()
 def assess(calibration: Calibration, views: Sequence[View], held_out: float | None = None) -> Assessment:
     """Judge a calibration by its fit and by its views.
 

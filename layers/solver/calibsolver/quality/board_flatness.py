@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import CalibrationError
+from ..errors import CalibrationError, undetermined
 from ..fitting.board_shape import BoardShape, estimate_board_shape
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
@@ -54,6 +54,7 @@ class ShapedFit:
         return self.shape is not None and self.used and max(self.shape.sag, self.shape.stretch) > MIN_REPORTED
 
 
+@undetermined()
 def fit_with_board_shape(
     views: Sequence[View], img_size: tuple[int, int], model: str = "rectilinear"
 ) -> ShapedFit:
@@ -64,6 +65,7 @@ def fit_with_board_shape(
     return shaped_fit(fit(views, img_size, model), views)
 
 
+@undetermined()
 def shaped_fit(calibration: Calibration, views: Sequence[View]) -> ShapedFit:
     """Take the shape of the board into account in a calibration of `views`, if that predicts better."""
     img_size = calibration.camera.img_size

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, frozen
-from ..errors import CalibrationError
+from ..errors import CalibrationError, undetermined
 from ..fitting.fit import fit
 from ..fitting.resection import reprojection_score
 from ..fitting.validation import degenerate_views, pack
@@ -33,6 +33,7 @@ class HeldOut:
     view_errors: Array
 
 
+@undetermined()
 def held_out(
     views: Sequence[View],
     img_size: tuple[int, int],

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import models
-from ..errors import CalibrationError
+from ..errors import CalibrationError, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.fit import MIN_POINTS, fit
 from ..phrasing import format_px_error
@@ -41,6 +41,7 @@ class Choice:
     reasons: tuple[str, ...]
 
 
+@undetermined()
 def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     """Choose the model for the lens that took `views`.
 

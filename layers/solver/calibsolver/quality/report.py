@@ -6,6 +6,7 @@ from typing import TypeAlias, Union
 import numpy as np
 
 from ..arrays import Array
+from ..errors import undetermined
 from ..fitting.board_shape import BoardShape
 from ..fitting.calibration import Calibration
 from ..view import View
@@ -19,6 +20,7 @@ Json: TypeAlias = Union["dict[str, Json]", "list[Json]", str, bool, int, float, 
 """Value that JSON can hold."""
 
 
+@undetermined()
 def describe(
     calibration: Calibration,
     views: Sequence[View],

@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import deadline, models
 from ..arrays import Array
-from ..errors import CalibrationError
+from ..errors import CalibrationError, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..fitting.normal_equations import POSE_SIZE, Poses, linearize
@@ -94,6 +94,7 @@ class Cause:
         return Reason(self.code, self.text)
 
 
+@undetermined()
 def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | None:
     """Find the probable cause of what is systematic in the residuals; None where nothing explains them.
 

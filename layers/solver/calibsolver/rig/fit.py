@@ -12,24 +12,22 @@ import numpy as np
 from .. import models
 from ..arrays import Array, Mask, frozen
 from ..camera import Camera
-from ..errors import CalibrationError
-from ..fitting import fit as single
+from ..errors import CalibrationError, undetermined
 from ..fitting import levenberg_marquardt, outliers, plausibility, robust_covariance
 from ..fitting.levenberg_marquardt import Options, State
 from ..fitting.multistart import TOWARDS_OPTIMUM
 from ..fitting.normal_equations import Poses
 from ..fitting.observations import Observations
-from ..fitting.resection import resect
-from ..fitting.validation import MIN_POINTS, check
+from ..fitting.validation import MIN_POINTS
 from ..rotation import vector
-from ..view import View
 from . import start as rig_start
 from . import transfer
 from .calibration import RigCalibration
 from .problem import Member, Moment, RigProblem, pack_moments
+from .single import Single, Specification, fit_alone
 from .start import Resected, RigidMotion, Start
 
-MIN_CAMERAS, MAX_CAMERAS = 2, 8
+MIN_RIG_CAMERAS, MAX_RIG_CAMERAS = 2, 8
 MAX_MOMENTS = 1000
 MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
@@ -40,10 +38,8 @@ MAX_TAIL_RMS_RATIO = 1.1
 MAX_NOISE_RATIO = 4.0
 """Noise of the noisiest camera / that of the quietest, beyond which it is taken for no larger."""
 
-Specification = Camera | tuple[tuple[int, int], str]
-"""A camera whose intrinsics are held, or the image size (width, height) in px and the model to be fitted."""
 
-
+@undetermined()
 def fit(
     moments: Sequence[Moment],
     cameras: Sequence[Specification],
@@ -75,7 +71,7 @@ def fit(
     moments = [dict(moment) for moment in moments]
     _check(moments, cameras)
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
-        alone = [_single(moments, i, each, robust, (starts or {}).get(i)) for i, each in enumerate(cameras)]
+        alone = [fit_alone(moments, i, each, robust, (starts or {}).get(i)) for i, each in enumerate(cameras)]
         resected = [
             Resected(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
             for m, moment in enumerate(moments)
@@ -86,9 +82,9 @@ def fit(
 
 
 def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
-    if not MIN_CAMERAS <= len(cameras) <= MAX_CAMERAS:
+    if not MIN_RIG_CAMERAS <= len(cameras) <= MAX_RIG_CAMERAS:
         raise CalibrationError(
-            "bad_rig", f"a rig has {MIN_CAMERAS} to {MAX_CAMERAS} cameras, not {len(cameras)}"
+            "bad_rig", f"a rig has {MIN_RIG_CAMERAS} to {MAX_RIG_CAMERAS} cameras, not {len(cameras)}"
         )
     if not 1 <= len(moments) <= MAX_MOMENTS:
         raise CalibrationError(
@@ -106,65 +102,11 @@ def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Single:
-    """One camera by itself: intrinsics, whether they are held, poses and reasons by moment, px of noise."""
-
-    camera: Camera
-    is_held: bool
-    poses: Mapping[int, RigidMotion]
-    reasons: Mapping[int, str]
-    noise: float
-
-
-def _single(
-    moments: Sequence[Moment], position: int, given: Specification, robust: bool, near: Camera | None
-) -> _Single:
-    """Fit, or resect, the views of one camera; CalibrationError names the camera."""
-    numbers = [m for m, moment in enumerate(moments) if position in moment]
-    views = [moments[m][position] for m in numbers]
-    try:
-        if isinstance(given, Camera):
-            return _resected(given, numbers, views, robust)
-        size, model = given
-        found = single.fit(views, size, model, robust, start=near)
-    except CalibrationError as error:
-        raise CalibrationError(error.code, f"camera {position}: {error.message}") from error
-    poses = {
-        m: RigidMotion.of_vector(pose)
-        for i, (m, pose) in enumerate(zip(numbers, found.poses, strict=True))
-        if i not in found.cut_views
-    }
-    reasons = {numbers[i]: reason for i, reason in found.cut_views.items()}
-    return _Single(found.camera, False, poses, reasons, found.noise)
-
-
-def _resected(camera: Camera, numbers: Sequence[int], views: Sequence[View], robust: bool) -> _Single:
-    """Resect the views of a camera whose intrinsics are held."""
-    usable = [i for i, view in enumerate(views) if len(view) >= MIN_POINTS or not robust]
-    if not usable:
-        raise CalibrationError("too_few_points", f"every view needs {MIN_POINTS} points")
-    obs = check([views[i] for i in usable], camera.img_size)
-    poses, square = resect(models.get(camera.model), camera.intrinsics, obs)
-    count = obs.mask.sum(axis=1)
-    seen = np.isfinite(square)
-    if not seen.any():
-        raise CalibrationError("no_fit", "no view can be explained with the intrinsics given")
-    spread = square[seen] / np.maximum(2 * count[seen] - 6, 1)
-    return _Single(
-        camera,
-        True,
-        {numbers[usable[i]]: RigidMotion(poses.r[i], poses.t[i]) for i in np.flatnonzero(seen).tolist()},
-        {m: "outlier" for i, m in enumerate(numbers) if i not in usable or not seen[usable.index(i)]},
-        float(np.sqrt(np.median(spread))),
-    )
-
-
-@dataclass(frozen=True, eq=False)
 class _Fit:
     """One joint fit: moments, the cameras by themselves, moments that have a pose, the start."""
 
     given: Sequence[Moment]
-    alone: Sequence[_Single]
+    alone: Sequence[Single]
     linked: Sequence[int]
     began: Start
     robust: bool
@@ -209,22 +151,17 @@ class _Fit:
         state = problem.at(
             k, Poses(np.array([each.r for each in boards]), np.array([each.t for each in boards]))
         )
-        try:
-            if not self.robust:
-                return self._result(
-                    problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask
-                )
-            state = problem.solve(state, outliers.unit_weights(self.mask), TOWARDS_OPTIMUM)
-            inliers = self._inliers(state, self.mask, outliers.GROSS_OUTLIER_SIGMAS)
-            state, good = self._reject_outliers(state, inliers)
-            if good.any() and not np.array_equal(inliers, good):
-                tails = problem.solve(state, outliers.unit_weights(inliers), Options())
-                ratio = np.mean(tails.square[inliers]) / np.mean(state.square[good])
-                if ratio < MAX_TAIL_RMS_RATIO**2:
-                    state, good = tails, inliers
-            return self._result(state, good)
-        except np.linalg.LinAlgError:
-            raise CalibrationError("not_believable", "the moments leave the rig undetermined") from None
+        if not self.robust:
+            return self._result(problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask)
+        state = problem.solve(state, outliers.unit_weights(self.mask), TOWARDS_OPTIMUM)
+        inliers = self._inliers(state, self.mask, outliers.GROSS_OUTLIER_SIGMAS)
+        state, good = self._reject_outliers(state, inliers)
+        if good.any() and not np.array_equal(inliers, good):
+            tails = problem.solve(state, outliers.unit_weights(inliers), Options())
+            ratio = np.mean(tails.square[inliers]) / np.mean(state.square[good])
+            if ratio < MAX_TAIL_RMS_RATIO**2:
+                state, good = tails, inliers
+        return self._result(state, good)
 
     def _inliers(self, state: State, among: Mask, sigmas: float) -> Mask:
         """Inlier mask (m, n): a view most of whose points lie beyond so many `sigmas` is left out whole.

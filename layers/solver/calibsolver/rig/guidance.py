@@ -16,7 +16,7 @@ from .. import models
 from ..arrays import Array, IntArray, Mask, frozen, symmetric_inverse
 from ..board import Board
 from ..camera import Camera
-from ..errors import CalibrationError
+from ..errors import CalibrationError, undetermined
 from ..fitting import normal_equations
 from ..fitting.normal_equations import Poses
 from ..fitting.observations import Observations
@@ -27,8 +27,8 @@ from ..guidance.projection_uncertainty import ProjectionUncertainty
 from ..guidance.target import TargetPose
 from . import transfer
 from .calibration import RigCalibration
-from .fit import Specification
 from .problem import Member, Moment, RigProblem
+from .single import Specification
 from .start import RigidMotion
 
 LIMITS = PoseLimits(width=(0.14, 1.1), max_tilt_deg=50.0, max_roll_deg=40.0, min_visible=0.5)
@@ -39,12 +39,12 @@ SAMPLES = 96
 """Poses that are tried before each camera that leads."""
 MAX_LEADERS = 4
 """Cameras before which poses are drawn for one target, at most: the others have their turn with the next."""
-ELITE_COUNT, SAMPLES_PER_ELITE = 4, 12
-SEARCH_RADII = (0.25, 0.15, 0.08)
+ELITE_COUNT, NEAR_SAMPLES = 4, 12
+RIG_SEARCH_RADII = (0.25, 0.15, 0.08)
 """Poses that are refined in a round, samples around each, and the radii of the rounds."""
 LINKING = ((0.5, 0.35), (0.8, 0.3), (0.2, 0.3), (0.5, 0.2), (0.85, 0.2), (0.15, 0.2))
 """Targets that are to link cameras, in turn: place / image width, length of the board / image."""
-TIE_RATIO = 1.03
+EQUAL_ERROR_RATIO = 1.03
 """Error after a pose / least error within which poses count as equally good: the most cameras decide."""
 
 
@@ -70,6 +70,7 @@ class RigTarget:
     unlinked: tuple[int, ...] = ()
 
 
+@undetermined()
 def next_moment(
     board: Board,
     cameras: Sequence[Specification],
@@ -194,18 +195,18 @@ class _Search:
         unit = np.concatenate([candidates.r_sequence(SAMPLES, index)] * len(leaders))
         lead = np.repeat(leaders, SAMPLES)
         error, sharing = self._errors(unit, lead)
-        offsets = candidates.r_sequence(ELITE_COUNT * SAMPLES_PER_ELITE, 1) - 0.5
-        for radius in SEARCH_RADII:
+        offsets = candidates.r_sequence(ELITE_COUNT * NEAR_SAMPLES, 1) - 0.5
+        for radius in RIG_SEARCH_RADII:
             elite = np.argsort(error)[:ELITE_COUNT]
             if not np.isfinite(error[elite[0]]):
                 return None
-            near = np.repeat(unit[elite], SAMPLES_PER_ELITE, axis=0) + 2 * radius * offsets
+            near = np.repeat(unit[elite], NEAR_SAMPLES, axis=0) + 2 * radius * offsets
             near[:, 4] %= 1.0
-            near, near_lead = np.clip(near, 0.0, 1.0), np.repeat(lead[elite], SAMPLES_PER_ELITE)
+            near, near_lead = np.clip(near, 0.0, 1.0), np.repeat(lead[elite], NEAR_SAMPLES)
             near_error, near_sharing = self._errors(near, near_lead)
             unit, lead = np.concatenate([unit, near]), np.concatenate([lead, near_lead])
             error, sharing = np.concatenate([error, near_error]), np.concatenate([sharing, near_sharing])
-        ties = np.flatnonzero(error <= TIE_RATIO * error.min())
+        ties = np.flatnonzero(error <= EQUAL_ERROR_RATIO * error.min())
         chosen = ties[np.lexsort((error[ties], -sharing[ties]))[0]]
         poses = self._poses(unit[chosen : chosen + 1], lead[chosen : chosen + 1])
         return poses.r[0], poses.t[0]

@@ -14,7 +14,7 @@ from ..camera import Camera
 from ..errors import CalibrationError
 from .start import RigidMotion
 
-EDGE_SAMPLES = 9
+RIM_SAMPLES = 9
 """Points along each edge of an image that are looked at."""
 
 
@@ -89,7 +89,7 @@ def _centre(camera: Camera, r: Array) -> Array:
     Raises CalibrationError where the middle of the image lies behind the rectified plane.
     """
     w, h = camera.img_size
-    x, y = np.meshgrid(np.linspace(0, w - 1, EDGE_SAMPLES), np.linspace(0, h - 1, EDGE_SAMPLES))
+    x, y = np.meshgrid(np.linspace(0, w - 1, RIM_SAMPLES), np.linspace(0, h - 1, RIM_SAMPLES))
     rim = (x == 0) | (y == 0) | (x == w - 1) | (y == h - 1)
     pixels = np.stack([x, y], axis=-1)
     rays = camera.unproject(pixels[rim]) @ r.T
