@@ -91,7 +91,7 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge 
 kills fuzz edge:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,guidance,consensus,uncertainty,real-views,board-shape,keys,load,cost,slowest
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,guidance,consensus,uncertainty,real-views,board-shape,keys,load,cost,slowest,page-speed
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else

@@ -48,9 +48,7 @@ export function frame(document, place) {
 /** @param {Document} document @param {Place} place */
 function head(document, { key, language, translated, origin, preloads }) {
   const viewport = document.querySelector("meta[name=viewport]");
-  const fonts = ["latin", ...(language === "uk" ? ["cyrillic"] : [])]
-    .map((script) => `\n  <link rel="preload" href="/vendor/font/geologica-${script}.woff2" as="font" type="font/woff2" crossorigin>`);
-  viewport?.insertAdjacentHTML("afterend", (translated ? '\n  <script src="/language.js"></script>' : "") + fonts.join(""));
+  if (translated) viewport?.insertAdjacentHTML("afterend", '\n  <script src="/language.js"></script>');
   for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
   const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
   const scripts = document.querySelector("header.masthead") ? ['<script type="module" src="/lib/header.js"></script>'] : [];

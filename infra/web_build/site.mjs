@@ -15,8 +15,8 @@ import { moduleGraph } from "./module_graph.mjs";
 /** Attributes with addresses of files that pages of all languages share. */
 const SHARED = { link: "href", script: "src", img: "src", source: "src", video: "poster", a: "href" };
 const HERE = "https://here.invalid";
-/** Read by people, who load these from pages of their own, or made by others. */
-const AS_WRITTEN = /^(vendor|sdk|webxr|examples)\//;
+/** Made by others, or examples, which people read. */
+const AS_WRITTEN = /^(vendor|examples)\//;
 
 /** @param {string} web folder of the client */
 async function loadMessages(web) {
@@ -90,7 +90,7 @@ export async function buildAssets(web) {
   const stripped = await Promise.all(keys.map(async (key) => {
     const source = await readFile(`${web}/${key}`, "utf8");
     const { code } = await transform(source, {
-      loader: key.endsWith(".css") ? "css" : "js", minifyWhitespace: true, legalComments: "none", charset: "utf8",
+      loader: key.endsWith(".css") ? "css" : "js", minifyWhitespace: true, minifySyntax: true, legalComments: "none", charset: "utf8",
     });
     return [key, code];
   }));

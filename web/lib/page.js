@@ -10,10 +10,14 @@ export function openPage(catalogs) {
   translate(document.documentElement);
   // Pages that calibrate have a consent block.
   if (document.getElementById("consent")) void import("./consent.js").then(({ offerConsent }) => offerConsent());
-  cacheFiles();
+  if (document.readyState === "complete") cacheFiles();
+  else addEventListener("load", cacheFiles, { once: true });
 }
 
-/** Registers sw.js. Without it everything works, but is fetched anew with each visit. */
+/**
+ * Registers sw.js, which fetches all files of the pages, those of the detector's worker among them: once this page is there,
+ * so that it does not compete for the line. Without it everything works, but is fetched anew with each visit.
+ */
 function cacheFiles() {
   const worker = new URL("../sw.js", import.meta.url);
   navigator.serviceWorker?.register(worker).catch((error) => console.info("pages are not cached:", error.message));
