@@ -87,6 +87,29 @@ def test_nothing_moves_while_a_result_and_a_list_arrive(page: Page, width: int) 
         assert shift < 0.02, path
 
 
+SHOWN_TWICE = """async ([{ report, board, camera_key, ...calibration }]) => {
+  const { ResultView } = await import("/lib/result/view.js");
+  const view = new ResultView(document.getElementById("result"));
+  const result = { calibration, report: null, origin: "practice", explain: String };
+  const places = () => [...document.querySelectorAll(".intrinsics :is(th, td), .card > *, #result-numbers, #result-figures")]
+    .map((each) => [Math.round(each.getBoundingClientRect().x), Math.round(each.getBoundingClientRect().width), Math.round(each.getBoundingClientRect().y)]);
+  const read = () => [...document.querySelectorAll(".intrinsics td")].filter((each) => getComputedStyle(each).color !== "rgba(0, 0, 0, 0)").map((each) => each.textContent);
+  view.show({ ...result, pending: true });
+  const before = [places(), read()];
+  view.show({ ...result, report: { ...report, verdict: { ...report.verdict, reasons: [] } } });
+  return [before, [places(), read()]];
+}"""
+
+
+def test_error_bars_that_arrive_later_move_no_number(page: Page) -> None:
+    page.goto("/result/")
+    page.locator("#waiting a").first.wait_for()
+    (before, nothing), (after, numbers) = page.evaluate(SHOWN_TWICE, [result()])
+    assert before == after
+    assert nothing == [], "no number is read that is rewritten a moment later"
+    assert numbers[:2] == ["977.73\u00a0px", "±\u00a00.56\u00a0px"]
+
+
 def test_what_stands_in_the_card_is_at_hand(page: Page, context: BrowserContext) -> None:
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     answer(page, "**/v1/calibrations/*", result_of_camera)

@@ -125,8 +125,8 @@ export default {
   copy_failed: "Kopieren ist hier nicht erlaubt",
   use_in_code: "Im Code verwenden",
   see_in_ar: "In AR ansehen",
-  copy_numpy: "K und D für numpy kopieren",
-  copy_json: "K und D als JSON kopieren",
+  copy_numpy: "Als numpy kopieren",
+  copy_json: "Als JSON kopieren",
   own_camera: "Eigene Kamera kalibrieren",
   views_count: { one: "{count} Ansicht", other: "{count} Ansichten" },
   standing: { one: "{count} von {required} nötigen Kalibrierungen.", other: "{count} von {required} nötigen Kalibrierungen." },
@@ -141,4 +141,5 @@ export default {
     one: "{count} Kalibrierung stimmt darin überein. Jede Webseite kann diese Kamera abfragen.",
     other: "{count} Kalibrierungen stimmen darin überein. Jede Webseite kann diese Kamera abfragen.",
   },
+  distortion_table: "Verzeichnung in px, nach der Lage im Bild",
 };

@@ -122,8 +122,8 @@ export default {
   copy_failed: "Copying isn’t allowed here",
   use_in_code: "Use in code",
   see_in_ar: "See it in AR",
-  copy_numpy: "Copy K and D for numpy",
-  copy_json: "Copy K and D as JSON",
+  copy_numpy: "Copy as numpy",
+  copy_json: "Copy as JSON",
   own_camera: "Calibrate your own camera",
   views_count: { one: "{count} view", other: "{count} views" },
   standing: { one: "{count} of {required} calibrations needed.", other: "{count} of {required} calibrations needed." },
@@ -138,4 +138,5 @@ export default {
     one: "{count} calibration agrees on this. Any web page can look this camera up.",
     other: "{count} calibrations agree on this. Any web page can look this camera up.",
   },
+  distortion_table: "Distortion in px, by position in the picture",
 };

@@ -151,8 +151,8 @@ export default {
   copy_failed: "Тут копіювати не можна",
   use_in_code: "Використати в коді",
   see_in_ar: "Подивитися в AR",
-  copy_numpy: "Копіювати K і D для numpy",
-  copy_json: "Копіювати K і D як JSON",
+  copy_numpy: "Копіювати для numpy",
+  copy_json: "Копіювати як JSON",
   own_camera: "Калібрувати свою камеру",
   views_count: { one: "{count} знімок", few: "{count} знімки", many: "{count} знімків", other: "{count} знімка" },
   standing: {
@@ -181,4 +181,5 @@ export default {
     many: "Узгоджено {count} калібрувань. Цю камеру знайде будь-яка вебсторінка.",
     other: "Узгоджено {count} калібрування. Цю камеру знайде будь-яка вебсторінка.",
   },
+  distortion_table: "Дисторсія в px за положенням у кадрі",
 };

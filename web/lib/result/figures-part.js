@@ -2,6 +2,7 @@
 import { el } from "../dom.js";
 import { number, rough, t } from "../i18n.js";
 import { isKnownModel } from "../../sdk/projection.js";
+import { displacements } from "./numbers.js";
 import { coveragePlot, distortionPlot, errorPlot, errorTable } from "./plots.js";
 
 /**
@@ -9,11 +10,13 @@ import { coveragePlot, distortionPlot, errorPlot, errorTable } from "./plots.js"
  * @typedef {import("./numbers.js").Report} Report
  */
 
+const TABLE_GRID = /** @type {[number, number]} */ ([5, 5]); // columns and rows of values
+
 /** @param {Calibration} calibration @param {Report | null} report @param {boolean} pending the report is on its way */
 export function figuresPart(calibration, report, pending) {
   return el("div", { class: "figures" },
     ...(report || pending ? [titled("error", errorFigure(calibration, report?.error_map ?? null))] : []),
-    ...(isKnownModel(calibration.distortion_model) ? [titled("distortion", figure(distortionPlot(calibration)))] : []),
+    ...(isKnownModel(calibration.distortion_model) ? [titled("distortion", figure(distortionPlot(calibration), distortionValues(calibration)))] : []),
     ...(report || pending ? [titled("coverage", figure(coveragePlot(calibration, report)))] : []));
 }
 
@@ -46,8 +49,22 @@ export function reading({ svg, at }) {
 /** @param {Calibration} calibration @param {Report["error_map"]} map */
 function errorValues(calibration, map) {
   const { columns, rows } = errorTable(calibration, map);
+  return valuesTable(t("result.error_table"), columns, rows);
+}
+
+/** @param {Calibration} calibration */
+function distortionValues(calibration) {
+  const moves = displacements(calibration, TABLE_GRID);
+  const middles = [0, 1].map((axis) => Array.from({ length: TABLE_GRID[axis] }, (_, index) => ((index + 0.5) * calibration.img_size[axis]) / TABLE_GRID[axis] - 0.5));
+  const at = (/** @type {number} */ u, /** @type {number} */ v) => moves.find(({ to }) => Math.abs(to[0] - u) < 1e-6 && Math.abs(to[1] - v) < 1e-6);
+  const length = (/** @type {ReturnType<typeof at>} */ move) => (move ? Math.hypot(move.to[0] - move.from[0], move.to[1] - move.from[1]) : null);
+  return valuesTable(t("result.distortion_table"), middles[0].map(Math.round), middles[1].map((v) => ({ v: Math.round(v), values: middles[0].map((u) => length(at(u, v))) })));
+}
+
+/** @param {string} caption @param {number[]} columns px @param {{v: number, values: (number | null)[]}[]} rows */
+function valuesTable(caption, columns, rows) {
   return el("details", {}, el("summary", {}, t("result.as_table")),
-    el("table", { class: "values" }, el("caption", {}, t("result.error_table")),
+    el("table", { class: "values" }, el("caption", {}, caption),
       el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "y \\ x, px"), ...columns.map((u) => el("th", { scope: "col", class: "number" }, String(u))))),
       el("tbody", {}, ...rows.map(({ v, values }) => el("tr", {}, el("th", { scope: "row" }, String(v)),
         ...values.map((value) => el("td", {}, value === null ? "–" : rough(value))))))));
