@@ -91,9 +91,14 @@ SHOWN_TWICE = """async ([{ report, board, camera_key, ...calibration }]) => {
   const { ResultView } = await import("/lib/result/view.js");
   const view = new ResultView(document.getElementById("result"));
   const result = { calibration, report: null, origin: "practice", explain: String };
-  const places = () => [...document.querySelectorAll(".intrinsics :is(th, td), .card > *, #result-numbers, #result-figures")]
-    .map((each) => [Math.round(each.getBoundingClientRect().x), Math.round(each.getBoundingClientRect().width), Math.round(each.getBoundingClientRect().y)]);
-  const read = () => [...document.querySelectorAll(".intrinsics td")].filter((each) => getComputedStyle(each).color !== "rgba(0, 0, 0, 0)").map((each) => each.textContent);
+  const parts = ".intrinsics :is(th, td), .card > *, #result-numbers, #result-figures";
+  const places = () => [...document.querySelectorAll(parts)].map((each) => {
+    const { x, y, width } = each.getBoundingClientRect();
+    return [x, y, width].map(Math.round);
+  });
+  const cells = () => [...document.querySelectorAll(".intrinsics td")];
+  const seen = (cell) => getComputedStyle(cell).color !== "rgba(0, 0, 0, 0)";
+  const read = () => cells().filter(seen).map((each) => each.textContent);
   view.show({ ...result, pending: true });
   const before = [places(), read()];
   view.show({ ...result, report: { ...report, verdict: { ...report.verdict, reasons: [] } } });
