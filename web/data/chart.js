@@ -21,7 +21,7 @@ export function chart(history, label, names) {
   }
   const step = Math.max(1, Math.ceil(history.length / MAX_LABELS));
   for (let index = 0; index < history.length; index += step) {
-    svg.append(make("text", { x: short(x(times[index])), y: HEIGHT - 8, "text-anchor": index === 0 ? "start" : "middle" }, [history[index].date.slice(0, 7)]));
+    svg.append(make("text", { x: short(x(times[index])), y: HEIGHT - 8, "text-anchor": index === 0 ? "start" : index === history.length - 1 ? "end" : "middle" }, [history[index].date.slice(0, 7)]));
   }
   for (const name of /** @type {const} */ (["cameras", "known"])) {
     const points = history.map((snapshot, index) => `${short(x(times[index]))},${short(y(snapshot[name]))}`).join(" ");

@@ -1,0 +1,69 @@
+"""Lookups that found nothing are counted by camera, written down now and then, and by nobody's words."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from calibdb.lookup.misses import MAX_CAMERAS, REPORT_S, MissCounter
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store
+from infra.local import LocalStack
+from tests.helpers.service.client import Client
+from tests.helpers.service.index_items import items
+from tests.helpers.service.known import C920, LINUX, calibration, consensus
+from tests.helpers.service.published import store
+from tests.service.test_lookup import put
+
+
+class Clock:
+    ahead = 0.0
+
+    def __call__(self) -> float:
+        return 1_800_000_000 + self.ahead
+
+
+@pytest.fixture
+def clock() -> Iterator[Clock]:
+    """The service's clock; its parts outlast a request, as in an instance of a function."""
+    clock, services = Clock(), {}
+
+    def of(settings: Settings) -> Service:
+        return services.setdefault(settings, Service.build(settings, Store.of(settings), clock))
+
+    with Service.override(of):
+        yield clock
+
+
+def test_misses_are_counted_by_camera_and_written_later(clock: Clock) -> None:
+    with LocalStack(environment={"MIN_CONTRIBUTORS": "3"}) as stack:
+        known = calibration(C920, LINUX)
+        put(store(stack), consensus(camera=C920, platform=LINUX, reason="disagree", calibrations=4))
+        client = Client(stack)
+
+        def ask(*labels: str) -> None:
+            for label in labels:
+                answer = client.lookup(camera=label, platform=LINUX, redirect=False)
+                assert answer.status == 404
+
+        ask(*[C920] * 3, "Cheap drugs (046d:0825)", "Buy it now! 12", "Integrated Camera")
+        stack.wait_until_idle(60)
+        assert not [pk for pk, _ in items(stack) if pk.startswith("ASKED#")], "no lookup writes"
+        clock.ahead = REPORT_S + 1
+        ask(C920)
+        stack.wait_until_idle(60)
+        written = {
+            sk: int(item["asked"]["N"]) for (pk, sk), item in items(stack).items() if pk.startswith("ASKED#")
+        }
+        assert written == {f"CAMERA#{known.camera_key}": 4, "CAMERA#usb#046d:0825": 1}
+        assert store(stack).asked.most(int(clock())) == [(known.camera_key, 4), ("usb#046d:0825", 1)]
+        assert store(stack).asked.most(int(clock()) + 92 * 86_400) == []
+
+
+def test_miss_counter_is_bounded() -> None:
+    counter = MissCounter()
+    for n in range(3 * MAX_CAMERAS):
+        assert counter.count(f"usb#046d:{n:04x}", 0.0) == {}
+    reported = counter.count("usb#046d:0000", REPORT_S)
+    assert (len(reported), reported["usb#046d:0000"]) == (MAX_CAMERAS, 2)
+    assert counter.count("usb#046d:0000", REPORT_S + 1) == {}
