@@ -97,24 +97,48 @@ def test_keypoints_that_determine_too_little_are_not_stored(page: Page, tmp_path
     assert page.locator("#views .taken").count() >= 3
 
 
-def test_a_file_without_keypoints_is_explained(page: Page, tmp_path: Path) -> None:
+def test_a_file_without_keypoints_is_converted_and_compared(page: Page, tmp_path: Path) -> None:
+    """It is opened here; when somebody asks, it is shown, written for other programs, and compared."""
     held = subject("rectilinear")
     sent: list[Request] = []
     page.goto("/import/")
     page.on("request", lambda request: sent.append(request))
-    for form, shown in (("opencv-json", True), ("ros", True), ("kalibr", False), ("mrcal", False)):
+    for form, shown in (("opencv-json", True), ("mrcal", False), ("colmap", False), ("ros", True)):
         file = write(held, form)
         give(page, tmp_path, file.filename, file.content)
-        wanted = "cannot unpack" if form == "mrcal" else "no corners"
-        page.locator("#guess h2", has_text=wanted).wait_for()
-        expect(page.locator("#guess code")).to_contain_text(f"import {file.filename} --camera")
+        page.locator("#guess h2", has_text="packed" if form == "mrcal" else "no measurements").wait_for()
         assert page.locator("#matrix").count() == int(shown), form
         expect(page.locator("#form")).to_be_hidden()
         if shown:
             fx = float(page.locator("#matrix td").first.text_content() or "")
             assert fx == pytest.approx(held.camera.matrix[0, 0], abs=1e-3)
-            picture(page, "import-guess", full=True)
     assert telling(sent) == []
+
+    page.locator("#open-file").click()
+    expect(page.locator("#converted-values")).to_contain_text(f"{held.camera.matrix[0, 0]:.2f}")
+    page.locator(".converted .compare canvas").nth(1).wait_for()
+    page.locator("#convert-format").select_option("gltf")
+    with page.expect_download() as downloaded:
+        page.locator("#convert").click()
+    assert downloaded.value.suggested_filename.endswith(".gltf")
+    expect(page.locator("#convert-done")).to_contain_text("This format cannot hold the lens exactly")
+    page.locator("#compare-query").fill("nothing like it")
+    page.locator("#compare-search").click()
+    expect(page.locator("#compare-result")).to_contain_text("No camera of this name")
+    picture(page, "import-converted", full=True, check=False)
+    bodies = [json.loads(request.post_data) for request in sent if request.post_data]
+    assert all(set(body) <= {"file", "encoding", "format", "camera", "img_size"} for body in bodies)
+
+
+def test_size_that_a_file_does_not_state_is_asked_for(page: Page, tmp_path: Path) -> None:
+    page.goto("/import/")
+    give(page, tmp_path, "k.yaml", b"K: [900, 0, 640, 0, 900, 360, 0, 0, 1]\nD: [0.1, 0, 0, 0, 0]\n")
+    page.locator("#open-file").click()
+    expect(page.locator("#convert-status")).to_contain_text("Enter their size")
+    page.locator("#convert-width").fill("1280")
+    page.locator("#convert-height").fill("720")
+    page.locator("#open-file").click()
+    expect(page.locator("#converted-values")).to_contain_text("900.00")
 
 
 def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> None:

@@ -17,6 +17,8 @@ import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/import.js";
 import photos from "../messages/photos.js";
 import result from "../messages/result.js";
+import { Converter } from "./converter.js";
+import { sourceOf } from "./conversion.js";
 import { MalformedError } from "./malformed.js";
 import { FEWEST_CORNERS, MAX_BYTES, prepare, read } from "./read.js";
 import { table } from "./table.js";
@@ -47,16 +49,20 @@ const parts = {
 const [columns, rows, width, height] = ["columns", "rows", "width", "height"].map((id) => part(id, HTMLInputElement));
 const view = new ResultView(part("result", HTMLElement));
 const tell = liveRegion(parts.status);
+const converter = new Converter(part("converter", HTMLElement), (error) => explain(error));
 /** @type {Measured | null} */
 let measured = null;
-/** @type {{guess: Guess, name: string} | null} */
+/** @type {Guess | null} */
 let guessed = null;
+/** @type {string | null} id of a calibration of this service, whose own file it is */
+let own = null;
 /** A table whose board is still to be told. */
 let text = "";
 /** @type {unknown} what is wrong */
 let wrong = null;
 /** @type {Map<Numbered, Judgement>} */
 const judgements = new Map();
+const TEXT = /[A-Za-z\d]/; // of files that may hold a camera
 /** Files are read one after the other, and only the last one counts. */
 let turn = 0;
 
@@ -75,7 +81,8 @@ function complain(error) {
 
 /** Forgets what was read. */
 function clear() {
-  [measured, guessed, text] = [null, null, ""];
+  [measured, guessed, own, text] = [null, null, null, ""];
+  converter.clear();
   judgements.clear();
   view.clear();
   complain(null);
@@ -86,7 +93,7 @@ function clear() {
 
 function show() {
   parts.guess.hidden = guessed === null;
-  parts.guess.replaceChildren(...(guessed ? guessView(guessed.guess, guessed.name) : []));
+  parts.guess.replaceChildren(...(guessed ? guessView(guessed, own) : []));
   parts.form.hidden = measured === null;
   parts.views.replaceChildren(...(measured?.views.map((each) => card(each, /** @type {Measured} */ (measured).size, judgements.get(each))) ?? []));
 }
@@ -99,13 +106,17 @@ async function take(file) {
   try {
     if (file.size > MAX_BYTES) throw new MalformedError("large", { most: MAX_BYTES / 1e6 });
     tell(() => t("import.reading", { name: file.name }));
-    const content = await contentOf(file);
+    const bytes = await bytesOf(file);
     if (mine !== turn) return;
     tell();
-    const found = read(content);
+    const content = decode(bytes);
+    const source = sourceOf(bytes, content);
+    const found = kindOf(content, source !== null);
     if (found.kind === "guess") {
-      guessed = { guess: found, name: file.name };
+      guessed = found;
+      own = ownId(content);
       tell(() => t("import.was_read", { name: file.name }));
+      if (source) converter.offer(source, file.name);
     }
     if (found.kind === "keypoints") accept(found.views, found.size);
     if (found.kind === "table") ask(found.text, found.squares);
@@ -117,10 +128,26 @@ async function take(file) {
   }
 }
 
-/** @param {File} file */
-async function contentOf(file) {
+/**
+ * What the page can do with a file. One of a kind that it does not know itself the service may read.
+ * @param {string} content @param {boolean} isSmall whether the service takes it
+ */
+function kindOf(content, isSmall) {
   try {
-    return decode(await file.arrayBuffer());
+    return read(content);
+  } catch (error) {
+    if (!(error instanceof MalformedError) || error.code !== "unknown" || !isSmall || !TEXT.test(content.slice(0, 1000))) throw error;
+    return /** @type {Guess} */ ({ kind: "guess", matrix: null, packed: false });
+  }
+}
+
+/** Id of a calibration of this service, null where it is another program's file. @param {string} content */
+const ownId = (content) => /"id":\s*"(c\d+-[\w-]{8,120})"/.exec(content)?.[1] ?? null;
+
+/** @param {File} file */
+async function bytesOf(file) {
+  try {
+    return await file.arrayBuffer();
   } catch (error) {
     if (!(error instanceof DOMException)) throw error;
     throw new MalformedError("unreadable"); // moved or changed since it was chosen, or not permitted
@@ -171,14 +198,15 @@ async function start(without = new Set()) {
       zoom: webcam ? 0 : Number(parts.focal.value) || 0, board,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value),
     };
-    tell(() => t("photos.calibrating"));
     const usable = views.filter((each) => each.points.length >= FEWEST_CORNERS && !without.has(each));
+    tell(() => t("photos.calibrating", { done: judgements.size, all: usable.length }));
     const onRetry = (/** @type {object | null} */ retry) => {
-      if (mine === turn) tell(() => t(retry ? "faults.retry" : "photos.calibrating"));
+      if (mine === turn) tell(() => (retry ? t("faults.retry") : t("photos.calibrating", { done: judgements.size, all: usable.length })));
     };
     const { state, numbers } = await calibrate(new Api(address, { onRetry }), token, request, usable, (judgement) => {
       if (mine !== turn) return;
       judgements.set(usable[judgement.view], judgement);
+      tell(() => t("photos.calibrating", { done: judgements.size, all: usable.length }));
       show();
     });
     if (mine !== turn) return;
@@ -189,7 +217,7 @@ async function start(without = new Set()) {
       return;
     }
     const taken = [...judgements.values()].filter(({ accepted }) => accepted);
-    tell(() => t("photos.done", { count: taken.length }));
+    tell(() => t("photos.done", { count: taken.length, all: usable.length }));
     const { calibration, report } = await load(id);
     const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map((index) => usable[numbers.get(index) ?? -1])]));
     view.show({ calibration, report, origin: "imported", returnTo: query.get("return_to"), returnOrigins, goOn, explain });

@@ -12,7 +12,6 @@ import { FEWEST_CORNERS } from "./read.js";
  */
 
 const DOT = 5; // plot units
-const PLAIN = /^[\w.-]{1,80}$/; // names that a shell takes as they are
 
 /** @param {Numbered} view @param {[number, number]} size px @param {Judgement | undefined} judgement */
 export function card({ name, points }, size, judgement) {
@@ -23,16 +22,14 @@ export function card({ name, points }, size, judgement) {
   return el("li", { class: judgement?.accepted ? "taken" : usable ? "" : "unused" }, svg, el("p", { class: "name" }, name), el("p", { class: "what number" }, what));
 }
 
-/** A file without corners: what it is good for. @param {Guess} guess @param {string} name of the file @returns {HTMLElement[]} */
-export function guessView({ matrix, packed }, name) {
-  const file = PLAIN.test(name) && !name.startsWith("-") ? name : "FILE";
-  const command = `make ops ARGS="import ${file} --camera 'LABEL' --platform 'PLATFORM'"`;
+/** A file without corners: what it is. @param {Guess} guess @param {string | null} own id of the calibration, if it is a file of this service @returns {HTMLElement[]} */
+export function guessView({ matrix, packed }, own) {
   return [
     el("h2", { id: "guess-title" }, t(packed ? "import.packed" : "import.guess")),
     el("p", {}, t(packed ? "import.packed_text" : "import.guess_text")),
+    ...(own ? [el("p", {}, el("a", { href: `../result/?${new URLSearchParams({ id: own })}` }, t("import.own_page")))] : []),
+    el("p", {}, el("a", { href: "../photos/" }, t("import.photos_instead"))),
     ...(matrix ? [el("table", { id: "matrix" }, el("caption", {}, t("import.matrix")), el("tbody", {}, ...matrix.map((row) =>
       el("tr", {}, ...row.map((value) => el("td", {}, number(value, Number.isInteger(value) ? 0 : 3))))))), ] : []),
-    el("p", {}, t("import.operator")),
-    el("pre", { tabindex: 0, "aria-label": t("import.command") }, el("code", {}, command)),
   ];
 }

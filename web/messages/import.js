@@ -1,21 +1,21 @@
-// Calibration from another program's file.
+// Import and conversion of another program's calibration file.
 
 /** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
-    title: "Calibrate from another program's file · calibDB",
-    description: "Calibrate a camera from another program's measurements: PhotonVision files and tables of corners.",
-    heading: "From another program",
+    title: "Import or convert a calibration · calibDB",
+    description:
+      "Calibrate from another program's corners, or convert a calibration file: OpenCV, ROS, Kalibr, COLMAP, "
+        + "mrcal and more.",
+    heading: "Import or convert a calibration",
     lead:
-      "A file of another calibration program may contain the positions of the board's corners. calibDB "
-        + "calibrates the camera anew from these, and judges the result like every other.",
-    choose: "Choose the file, or drop it here",
-    kinds:
-      "This page reads corners from PhotonVision's JSON files and from tables of corners (.vnl). For other "
-        + "files it tells you what you can do with them.",
+      "Bring a file from another program. If it has the corners that were measured, calibDB calibrates from "
+        + "them and judges the result. If it only has the camera, you can view it, convert it, and compare it with "
+        + "the database.",
+    choose: "A calibration file",
     stays:
-      "<0>The file stays on this device.</0> What is sent: the positions of the corners, and the camera details "
-        + "that you see below.",
+      "<0>The file is opened on this device.</0> Nothing is sent until you ask for it: corner positions to "
+        + "calibrate, the text of the file to convert it. A conversion stores nothing.",
     reading: "Reading {name}.",
     found: {
       one: "{count} view of a board of {squares} squares, {size} px.",
@@ -24,8 +24,7 @@ export default {
     was_read: "{name} was read.",
     best: "Only the {most} most informative ones are used.",
     which_board:
-      "A table of corners does not contain everything. Enter the squares of the board and the size of the "
-        + "pictures.",
+      "A table of corners leaves something out. Enter the squares of the board and the size of the pictures.",
     squares: "Squares of the board, across and down",
     columns: "Squares across",
     rows: "Squares down",
@@ -41,18 +40,15 @@ export default {
     webcam: "Its name, as the browser shows it",
     not_enough: "These corners are not enough: the expected error is {rms} px. Nothing was stored.",
     nothing_taken: "None of these views is enough to fit a camera. Nothing was stored.",
-    guess: "A camera, but no corners",
+    guess: "Results, but no measurements",
     guess_text:
-      "This file contains another program's result, but not the measurements behind it. calibDB cannot check "
-        + "such a result, so it only serves as an initial guess: a capture may start from it, but calibDB never "
-        + "sends it to a web page. Nothing was sent.",
-    packed: "This page cannot unpack the corners",
+      "This file has results but no measurements, so we can't verify it. You can still view it, convert it, "
+        + "and compare it with the database.",
+    packed: "The corners are packed",
     packed_text:
-      "mrcal stores its measurements in an archive inside the file, which this page cannot open. Nothing was "
-        + "sent. This page can read a table of its corners (.vnl).",
+      "mrcal stores its measurements in an archive that this page cannot open. Export them as a table of "
+        + "corners (.vnl) to calibrate from them. You can still view and convert the camera.",
     matrix: "Its camera matrix, px",
-    operator: "The operator of this service can import the file:",
-    command: "The command",
     wrong_large: "The file is larger than {most} MB. Nothing was sent.",
     wrong_unreadable: "The browser could not read the file. Choose it again.",
     wrong_unknown: "This page does not recognise the file as a calibration file. Nothing was sent.",
@@ -71,32 +67,60 @@ export default {
     wrong_board: "calibDB does not support a board of {columns} × {rows} corners. Nothing was sent.",
     wrong_rows: "The corners are not evenly spaced in rows and columns like those of a chessboard. Nothing was sent.",
     wrong_twice: "{name} contains the same corner twice. Nothing was sent.",
+    drop_hint: "or drop it here",
+    kinds_corners: "PhotonVision (JSON), tables of corners (.vnl)",
+    kinds_corners_text: "calibrated anew and verified",
+    kinds_camera: "OpenCV, ROS, Kalibr, COLMAP, mrcal, Gyroflow and others",
+    kinds_camera_text: "viewed, converted, compared",
+    photos_instead: "Calibrate with photos instead",
+    own_page: "This is a calibDB file. Open its page",
+    open: "Open and convert",
+    open_text: "To open the camera, the text of the file is sent to calibDB. Nothing is stored.",
+    needs_size: "This file does not say how large the pictures are. Enter their size in pixels.",
+    no_camera: "No camera was found in this file. Choose a calibration file with a camera matrix.",
+    part_camera: "Camera",
+    part_convert: "Convert",
+    part_view: "View",
+    part_compare: "Compare with the database",
+    value_name: "Name",
+    value_size: "Picture size",
+    value_model: "Lens",
+    format: "Format",
+    convert: "Convert and download",
+    compare_text: "See how far this camera is from the one that calibDB knows under a name.",
+    compare_label: "Camera",
+    compare_example: "e.g. C920",
+    compare_search: "Search",
+    compare_none: "No camera of this name is in the database.",
+    compare_no_size: "The database has no calibration of this camera at {size} px.",
+    difference_label: "Difference of the two cameras: {rms} px typically, {max} px at most",
+    difference_caption:
+      "Difference from the database: typically {rms} px, at most {max} px. A rotation of the camera is left "
+        + "out.",
   },
   de: {
-    title: "Aus der Datei eines anderen Programms kalibrieren · calibDB",
+    title: "Kalibrierung importieren oder umwandeln · calibDB",
     description:
-      "Eine Kamera aus den Messungen eines anderen Programms kalibrieren: Dateien von PhotonVision und Tabellen "
-        + "von Ecken.",
-    heading: "Aus einem anderen Programm",
+      "Aus den Ecken eines anderen Programms kalibrieren oder eine Kalibrierdatei umwandeln: OpenCV, ROS, "
+        + "Kalibr, COLMAP, mrcal und mehr.",
+    heading: "Kalibrierung importieren oder umwandeln",
     lead:
-      "Die Datei eines anderen Kalibrierprogramms kann die Positionen der Ecken der Tafel enthalten. calibDB "
-        + "kalibriert die Kamera daraus neu und beurteilt das Ergebnis wie jedes andere.",
-    choose: "Die Datei wählen oder hier ablegen",
-    kinds:
-      "Diese Seite liest Ecken aus JSON-Dateien von PhotonVision und aus Tabellen von Ecken (.vnl). Bei anderen "
-        + "Dateien sagt sie Ihnen, was Sie damit tun können.",
+      "Bringen Sie die Datei eines anderen Programms mit. Enthält sie die gemessenen Ecken, kalibriert calibDB "
+        + "daraus neu und beurteilt das Ergebnis. Enthält sie nur die Kamera, können Sie sie ansehen, umwandeln "
+        + "und mit der Datenbank vergleichen.",
+    choose: "Eine Kalibrierdatei",
     stays:
-      "<0>Die Datei bleibt auf diesem Gerät.</0> Gesendet werden: die Positionen der Ecken und die Angaben zur "
-        + "Kamera, die Sie unten sehen.",
+      "<0>Die Datei wird auf diesem Gerät geöffnet.</0> Gesendet wird erst, wenn Sie es wollen: zum "
+        + "Kalibrieren die Positionen der Ecken, zum Umwandeln der Text der Datei. Beim Umwandeln wird nichts "
+        + "gespeichert.",
     reading: "{name} wird gelesen.",
     found: {
       one: "{count} Ansicht einer Tafel mit {squares} Feldern, {size} px.",
       other: "{count} Ansichten einer Tafel mit {squares} Feldern, {size} px.",
     },
     was_read: "{name} wurde gelesen.",
-    best: "Nur die {most} aufschlussreichsten werden verwendet.",
-    which_board:
-      "Eine Tabelle von Ecken enthält nicht alles. Geben Sie die Felder der Tafel und die Größe der Bilder an.",
+    best: "Verwendet werden nur die {most} aussagekräftigsten.",
+    which_board: "In einer Eckentabelle steht nicht alles. Geben Sie die Felder der Tafel und die Größe der Bilder an.",
     squares: "Felder der Tafel, waagerecht und senkrecht",
     columns: "Felder waagerecht",
     rows: "Felder senkrecht",
@@ -112,18 +136,15 @@ export default {
     webcam: "Ihr Name, wie ihn der Browser zeigt",
     not_enough: "Diese Ecken genügen nicht: Der erwartete Fehler ist {rms} px. Es wurde nichts gespeichert.",
     nothing_taken: "Keine dieser Ansichten genügt, um eine Kamera zu bestimmen. Es wurde nichts gespeichert.",
-    guess: "Eine Kamera, aber keine Ecken",
+    guess: "Ergebnisse, aber keine Messungen",
     guess_text:
-      "Diese Datei enthält das Ergebnis eines anderen Programms, aber nicht die Messungen dahinter. calibDB "
-        + "kann ein solches Ergebnis nicht prüfen; es dient daher nur als Startwert: Eine Aufnahme kann davon "
-        + "ausgehen, aber calibDB gibt es nie an eine Webseite. Es wurde nichts gesendet.",
-    packed: "Diese Seite kann die Ecken nicht entpacken",
+      "Diese Datei enthält Ergebnisse, aber keine Messungen, deshalb können wir sie nicht prüfen. Ansehen, "
+        + "umwandeln und mit der Datenbank vergleichen können Sie sie trotzdem.",
+    packed: "Die Ecken sind verpackt",
     packed_text:
-      "mrcal speichert seine Messungen in einem Archiv in der Datei, das diese Seite nicht öffnen kann. Es "
-        + "wurde nichts gesendet. Diese Seite kann eine Tabelle seiner Ecken (.vnl) lesen.",
+      "mrcal legt seine Messungen in einem Archiv ab, das diese Seite nicht öffnen kann. Exportieren Sie sie "
+        + "als Eckentabelle (.vnl), um daraus zu kalibrieren. Die Kamera selbst können Sie ansehen und umwandeln.",
     matrix: "Ihre Kameramatrix, px",
-    operator: "Der Betreiber dieses Dienstes kann die Datei einlesen:",
-    command: "Der Befehl",
     wrong_large: "Die Datei ist größer als {most} MB. Nichts wurde gesendet.",
     wrong_unreadable: "Der Browser konnte die Datei nicht lesen. Wählen Sie sie noch einmal.",
     wrong_unknown: "Diese Seite erkennt die Datei nicht als Kalibrierdatei. Es wurde nichts gesendet.",
@@ -147,21 +168,51 @@ export default {
       "Die Ecken liegen nicht in gleichmäßigen Zeilen und Spalten wie die eines Schachbretts. Es wurde nichts "
         + "gesendet.",
     wrong_twice: "{name} enthält dieselbe Ecke zweimal. Es wurde nichts gesendet.",
+    drop_hint: "oder hier ablegen",
+    kinds_corners: "PhotonVision (JSON), Eckentabellen (.vnl)",
+    kinds_corners_text: "neu kalibriert und geprüft",
+    kinds_camera: "OpenCV, ROS, Kalibr, COLMAP, mrcal, Gyroflow und andere",
+    kinds_camera_text: "angesehen, umgewandelt, verglichen",
+    photos_instead: "Stattdessen aus Fotos kalibrieren",
+    own_page: "Das ist eine Datei von calibDB. Zur Seite der Kalibrierung",
+    open: "Öffnen und umwandeln",
+    open_text: "Zum Öffnen der Kamera wird der Text der Datei an calibDB gesendet. Gespeichert wird nichts.",
+    needs_size: "In der Datei steht nicht, wie groß die Bilder sind. Geben Sie ihre Größe in Pixeln an.",
+    no_camera: "In dieser Datei wurde keine Kamera gefunden. Wählen Sie eine Kalibrierdatei mit Kameramatrix.",
+    part_camera: "Kamera",
+    part_convert: "Umwandeln",
+    part_view: "Ansehen",
+    part_compare: "Mit der Datenbank vergleichen",
+    value_name: "Name",
+    value_size: "Bildgröße",
+    value_model: "Objektiv",
+    format: "Format",
+    convert: "Umwandeln und herunterladen",
+    compare_text: "So weit ist diese Kamera von der entfernt, die calibDB unter einem Namen kennt.",
+    compare_label: "Kamera",
+    compare_example: "z. B. C920",
+    compare_search: "Suchen",
+    compare_none: "In der Datenbank gibt es keine Kamera dieses Namens.",
+    compare_no_size: "Für diese Kamera gibt es keine Kalibrierung mit {size} px.",
+    difference_label: "Abweichung der beiden Kameras: typisch {rms} px, höchstens {max} px",
+    difference_caption:
+      "Abweichung von der Datenbank: typisch {rms} px, höchstens {max} px. Eine Drehung der Kamera ist "
+        + "herausgerechnet.",
   },
   uk: {
-    title: "Калібрування з файлу іншої програми · calibDB",
-    description: "Калібрування камери з вимірювань іншої програми: файли PhotonVision і таблиці кутів.",
-    heading: "З іншої програми",
+    title: "Імпорт і перетворення калібрувань · calibDB",
+    description:
+      "Калібрування за кутами з іншої програми або перетворення калібрувального файлу: OpenCV, ROS, Kalibr, "
+        + "COLMAP, mrcal тощо.",
+    heading: "Імпорт і перетворення калібрувань",
     lead:
-      "Файл іншої програми калібрування може містити положення кутів дошки. calibDB калібрує за ними камеру "
-        + "наново й оцінює результат, як будь-який інший.",
-    choose: "Виберіть файл або перетягніть його сюди",
-    kinds:
-      "Сторінка читає кути з JSON-файлів PhotonVision і з таблиць кутів (.vnl). Для інших файлів вона підкаже, "
-        + "що з ними можна зробити.",
+      "Візьміть файл іншої програми. Якщо в ньому є виміряні кути, calibDB відкалібрує за ними камеру наново й "
+        + "оцінить результат. Якщо ж там лише камера, її можна переглянути, перетворити й порівняти з базою.",
+    choose: "Калібрувальний файл",
     stays:
-      "<0>Файл залишається на цьому пристрої.</0> Надсилаються: положення кутів і відомості про камеру, які ви "
-        + "бачите нижче.",
+      "<0>Файл відкривається на цьому пристрої.</0> Надсилається лише те, про що ви попросите: для "
+        + "калібрування — положення кутів, для перетворення — текст файлу. Під час перетворення нічого не "
+        + "зберігається.",
     reading: "Читаємо {name}.",
     found: {
       one: "{count} знімок дошки {squares} клітинок, {size} px.",
@@ -170,8 +221,8 @@ export default {
       other: "{count} знімка дошки {squares} клітинок, {size} px.",
     },
     was_read: "{name} прочитано.",
-    best: "Використовуються лише {most} найінформативніших.",
-    which_board: "Таблиця кутів містить не все. Вкажіть кількість клітинок дошки та розмір знімків.",
+    best: "Використано лише {most} найінформативніших.",
+    which_board: "У таблиці кутів є не все. Вкажіть кількість клітинок дошки й розмір зображень.",
     squares: "Клітинок на дошці, впоперек і вниз",
     columns: "Клітинок упоперек",
     rows: "Клітинок униз",
@@ -192,21 +243,18 @@ export default {
     webcam: "Її назва, як показує браузер",
     not_enough: "Цих кутів не досить: очікувана похибка {rms} px. Нічого не збережено.",
     nothing_taken: "Жодного з цих знімків не досить, щоб визначити камеру. Нічого не збережено.",
-    guess: "Камера, але без кутів",
+    guess: "Результати без вимірювань",
     guess_text:
-      "Цей файл містить результат іншої програми, але не вимірювання, за якими його отримано. calibDB не може "
-        + "перевірити такий результат, тож він лише початкове наближення: знімання може починатися з нього, але "
-        + "calibDB ніколи не надсилає його вебсторінкам. Нічого не надіслано.",
-    packed: "Сторінка не може розпакувати кути",
+      "У цьому файлі є результати, але немає вимірювань, тож перевірити його ми не можемо. Проте його можна "
+        + "переглянути, перетворити й порівняти з базою.",
+    packed: "Кути запаковано",
     packed_text:
-      "mrcal зберігає вимірювання в архіві всередині файлу, якого ця сторінка не відкриває. Нічого не "
-        + "надіслано. Сторінка може прочитати таблицю його кутів (.vnl).",
+      "mrcal зберігає вимірювання в архіві, якого ця сторінка не відкриває. Щоб калібрувати за ними, "
+        + "експортуйте їх як таблицю кутів (.vnl). Саму камеру можна переглянути й перетворити.",
     matrix: "Його матриця камери, px",
-    operator: "Оператор цього сервісу може імпортувати файл:",
-    command: "Команда",
     wrong_large: "Файл більший за {most} МБ. Нічого не надіслано.",
     wrong_unreadable: "Браузер не зміг прочитати файл. Виберіть його ще раз.",
-    wrong_unknown: "Сторінка не розпізнає цей файл як файл калібрування. Нічого не надіслано.",
+    wrong_unknown: "Сторінка не розпізнала файл як калібрувальний. Нічого не надіслано.",
     wrong_json: "Файл пошкоджено: він починається як JSON, але не є дійсним JSON. Нічого не надіслано.",
     wrong_number: "Файл пошкоджено: «{what}» бракує або воно неправильне. Нічого не надіслано.",
     wrong_many: "У файлі понад {most} знімків. Нічого не надіслано.",
@@ -221,5 +269,33 @@ export default {
     wrong_board: "calibDB не підтримує дошку з {columns} × {rows} кутів. Нічого не надіслано.",
     wrong_rows: "Кути не розташовані рівномірними рядками й стовпцями, як на шахівниці. Нічого не надіслано.",
     wrong_twice: "{name} містить той самий кут двічі. Нічого не надіслано.",
+    drop_hint: "або перетягніть його сюди",
+    kinds_corners: "PhotonVision (JSON), таблиці кутів (.vnl)",
+    kinds_corners_text: "нове калібрування з перевіркою",
+    kinds_camera: "OpenCV, ROS, Kalibr, COLMAP, mrcal, Gyroflow та інші",
+    kinds_camera_text: "перегляд, перетворення, порівняння",
+    photos_instead: "Натомість калібрувати за фото",
+    own_page: "Це файл calibDB. Відкрити його сторінку",
+    open: "Відкрити й перетворити",
+    open_text: "Щоб відкрити камеру, текст файлу надсилається до calibDB. Нічого не зберігається.",
+    needs_size: "У файлі не сказано, якого розміру зображення. Вкажіть їхній розмір у пікселях.",
+    no_camera: "Камери в цьому файлі не знайдено. Виберіть калібрувальний файл із матрицею камери.",
+    part_camera: "Камера",
+    part_convert: "Перетворення",
+    part_view: "Перегляд",
+    part_compare: "Порівняння з базою",
+    value_name: "Назва",
+    value_size: "Розмір зображення",
+    value_model: "Об’єктив",
+    format: "Формат",
+    convert: "Перетворити й завантажити",
+    compare_text: "Дізнайтеся, наскільки ця камера відрізняється від тієї, яку calibDB знає під такою назвою.",
+    compare_label: "Камера",
+    compare_example: "напр. C920",
+    compare_search: "Знайти",
+    compare_none: "Камери з такою назвою в базі немає.",
+    compare_no_size: "У базі немає калібрування цієї камери для {size} px.",
+    difference_label: "Різниця двох камер: зазвичай {rms} px, щонайбільше {max} px",
+    difference_caption: "Різниця з базою: зазвичай {rms} px, щонайбільше {max} px. Поворот камери не враховано.",
   },
 };

@@ -25,11 +25,15 @@ export class BoardForm {
   #details = part("which-board", HTMLDetailsElement);
   #problem = part("board-problem", HTMLElement);
   #board;
+  #isChosen = false;
   /** @type {import("../lib/board.js").Problem | null} */
   #wrong = null;
 
-  /** @param {SentBoard} board @param {(board: SentBoard) => void} onChoice called when somebody has chosen another */
-  constructor(board, onChoice) {
+  /**
+   * @param {SentBoard} board @param {(board: SentBoard) => void} onChoice called when somebody has chosen another
+   * @param {boolean} isChosen whether somebody has said that it is this one; else it is recognised
+   */
+  constructor(board, onChoice, isChosen) {
     this.#board = board;
     const { preset, dictionary } = this.#fields;
     preset.append(...PRESETS.map(({ id, name }) => new Option(name, id)), new Option("", OTHER));
@@ -46,6 +50,7 @@ export class BoardForm {
       this.#say(asked.problem);
       if (asked.problem) return;
       this.#board = asked.board;
+      this.#isChosen = true;
       this.#arrange();
       onChoice(asked.board);
     });
@@ -54,12 +59,13 @@ export class BoardForm {
       if (!this.#wrong) onChoice(this.#board);
     });
     onLanguage(() => this.#arrange());
-    this.show(board);
+    this.show(board, isChosen);
   }
 
-  /** @param {SentBoard} board */
-  show(board) {
+  /** @param {SentBoard} board @param {boolean} [isChosen] */
+  show(board, isChosen = true) {
     this.#board = board;
+    this.#isChosen = isChosen;
     const { kind, columns, rows, dictionary, ratio, spacing, legacy, inverted } = this.#fields;
     kind.value = kindOf(board);
     [columns.value, rows.value] = board.squares.map(String);
@@ -104,7 +110,7 @@ export class BoardForm {
     const { preset } = this.#fields;
     preset.options[preset.options.length - 1].textContent = t("photos.preset_other");
     preset.value = PRESETS.find(({ board }) => isSameBoard(board, this.#board))?.id ?? OTHER;
-    part("board", HTMLElement).textContent = boardWords(this.#board);
+    part("board", HTMLElement).textContent = this.#isChosen ? boardWords(this.#board) : t("photos.automatic");
     this.#say(this.#wrong);
   }
 

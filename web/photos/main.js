@@ -51,7 +51,7 @@ const parts = {
 };
 const view = new ResultView(part("result", HTMLElement));
 const [tell, want] = [liveRegion(parts.status), liveRegion(parts.wanted)];
-const boardForm = new BoardForm(board, (chosen) => changeBoard(chosen));
+const boardForm = new BoardForm(board, (chosen) => changeBoard(chosen), isChosen);
 const question = new BoardQuestion();
 /** @type {File[]} all that were chosen; they stay when the board changes */
 let files = [];
@@ -339,7 +339,7 @@ parts.clear.addEventListener("click", () => {
   discard();
   [files, pictures] = [[], []];
   origins.clear();
-  if (!asked.problem && isSameBoard(board, DEFAULT_BOARD)) isChosen = false;
+  if (isSameBoard(board, DEFAULT_BOARD)) boardForm.show(board, isChosen = false);
   parts.progress.hidden = true;
   tell();
   showSeries();

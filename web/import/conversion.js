@@ -1,0 +1,85 @@
+// Conversion of a file by the service: the readers of other programs' files are there, and nothing is stored.
+import { Api } from "../lib/api.js";
+import { loadSettings } from "../lib/settings.js";
+
+/**
+ * @typedef {object} Source what is sent of a file
+ * @property {string} file its text, or base64
+ * @property {"text" | "base64"} encoding
+ *
+ * @typedef {object} Camera as the service reads it
+ * @property {string} camera its name; "camera" where the file has none
+ * @property {[number, number]} img_size
+ * @property {number[][]} camera_matrix
+ * @property {number[]} distortion_coefficients
+ * @property {string} distortion_model
+ *
+ * @typedef {{img_size?: [number, number], camera?: string}} Hints what the file does not say
+ */
+
+export const MAX_CHARACTERS = 100_000; // that the service takes
+const PACKED = /'optimization_inputs'\s*:\s*b'[^']*'\s*,?/; // mrcal's measurements, which no camera needs
+const ARCHIVE = [0x50, 0x4b, 3, 4]; // first bytes of a .npz
+
+/**
+ * What to send of a file.
+ * @param {ArrayBuffer} bytes @param {string} text of it
+ * @returns {Source | null} null: it is too large for a camera
+ */
+export function sourceOf(bytes, text) {
+  const head = new Uint8Array(bytes, 0, Math.min(4, bytes.byteLength));
+  const isArchive = ARCHIVE.every((byte, index) => head[index] === byte);
+  const file = isArchive ? base64(bytes) : text.replace(PACKED, "");
+  return file.length > 0 && file.length <= MAX_CHARACTERS ? { file, encoding: isArchive ? "base64" : "text" } : null;
+}
+
+/** @param {ArrayBuffer} bytes */
+function base64(bytes) {
+  if (bytes.byteLength > MAX_CHARACTERS) return " ".repeat(MAX_CHARACTERS + 1);
+  return btoa(Array.from(new Uint8Array(bytes), (byte) => String.fromCharCode(byte)).join(""));
+}
+
+/**
+ * The camera in a file.
+ * @param {Source} source @param {Hints} hints
+ * @returns {Promise<Camera>} rejects as Api does: 422 where none is read
+ */
+export async function readCamera(source, hints) {
+  const { api, token } = await loadSettings();
+  return new Api(api).json("POST", "/convert", token, { body: { ...source, ...hints } });
+}
+
+/**
+ * Hands the file to the browser in another format.
+ * @param {Source} source @param {Hints} hints @param {string} format @param {Camera} camera
+ * @returns {Promise<import("../lib/result/source.js").Saved>} rejects as Api does: 422 where the format cannot hold the camera
+ */
+export async function saveAs(source, hints, format, camera) {
+  const { api, token } = await loadSettings();
+  const response = await new Api(api).send("POST", "/convert", token, { body: { ...source, ...hints, format }, accept: "*/*" });
+  const [, named] = /filename="?([^";]+)"?/.exec(response.headers.get("content-disposition") ?? "") ?? [];
+  const number = (/** @type {string} */ name, /** @type {number} */ otherwise) => Number(response.headers.get(name) ?? otherwise);
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(await response.blob());
+  link.download = named ?? `${camera.camera}.txt`;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000); // the browser has taken it by then
+  return { name: link.download, error: number("x-conversion-error", 0), coverage: number("x-conversion-coverage", 1) };
+}
+
+/** @typedef {import("../lib/result/numbers.js").Calibration} Calibration */
+
+/** Cameras of the database by name. @param {string} query @returns {Promise<{key: string, camera: string, platform: string}[]>} rejects as Api does */
+export async function searchCameras(query) {
+  const { api, token } = await loadSettings();
+  const { cameras } = await new Api(api).json("GET", `/cameras?${new URLSearchParams({ query, limit: "20" })}`, token);
+  return cameras;
+}
+
+/** Agreed calibrations of a camera at one size, of all models. @param {string} key @param {readonly number[]} size px @returns {Promise<Calibration[]>} rejects as Api does */
+export async function knownCalibrations(key, size) {
+  const { api, token } = await loadSettings();
+  /** @type {{modes: {img_size: number[], consensus: Record<string, Calibration>}[]}} */
+  const { modes } = await new Api(api).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
+  return modes.filter(({ img_size }) => img_size.join() === size.join()).flatMap(({ consensus }) => Object.values(consensus));
+}
