@@ -208,8 +208,7 @@ class Capture:
         if self.seed is not None and not views and not is_posed(self.seed, view):
             fresh = self.without_seed()
             first = None if target is None else fresh.next_target([], fresh.estimate([]))
-            decision = fresh.judge([], first, view)
-            return replace(decision, seed_rejected=True)
+            return replace(fresh.judge([], first, view), seed_rejected=True)
         with np.errstate(all="ignore"):  # hostile numbers end in a refusal, not in a warning
             return self._decide(list(views), target, view, excluded, quarantined)
 
@@ -229,11 +228,8 @@ class Capture:
             return self._refuse("outlier", view, target)
         all_views, excluded_before = [*views, view], dict(excluded)
         if not self.consistency.is_consistent(others, view):
-            resolved = deadline.compute_within(
-                MAX_CONFLICT_S,
-                partial(self._resolve_conflict, views, active, view, excluded, quarantined),
-                None,
-            )
+            resolve = partial(self._resolve_conflict, views, active, view, excluded, quarantined)
+            resolved = deadline.compute_within(MAX_CONFLICT_S, resolve, None)
             if resolved is None:
                 quarantine = bool(others) and self.consistency.is_consistent([], view)
                 return replace(self._refuse("outlier", view, target), quarantine=quarantine)
@@ -336,7 +332,7 @@ class Capture:
 
     def _resection_error(self, camera: Camera, view: View) -> float | None:
         """Rms of the view with its pose alone fitted, px; None where it has no pose."""
-        error = float(reprojection_score(camera, [view]).view_errors[0])
+        error = float(reprojection_score(camera, [view]).rms)
         return error if np.isfinite(error) else None
 
     def _refuse(

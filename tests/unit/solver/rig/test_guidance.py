@@ -32,17 +32,16 @@ def test_the_first_target_is_whole_and_says_who_is_not_linked() -> None:
     assert len(view.ids) == BOARD.corner_count
 
 
-def test_targets_are_seen_by_both_cameras_and_skipped_ones_do_not_return() -> None:
+def test_targets_of_known_lenses_are_seen_by_both_and_skipped_ones_do_not_return() -> None:
+    """Where the intrinsics are held, only poses that both see tell anything."""
     truth = rigs.side_by_side(synthetic.rectilinear_cameras(2), 2.0)
-    rng = np.random.default_rng(2)
-    moments = rigs.moments(truth, BOARD, 3, 0.2, rng)
-    cameras = [(camera.img_size, camera.model) for camera in truth.cameras]
-    found = rig.fit(moments, cameras)
-    target = rig.next_moment(BOARD, cameras, moments, found)
+    moments = rigs.moments(truth, BOARD, 3, 0.2, np.random.default_rng(2))
+    found = rig.fit(moments, truth.cameras)
+    target = rig.next_moment(BOARD, truth.cameras, moments, found)
     assert set(target.views) == {0, 1}
     assert min(len(view.ids) for view in target.views.values()) >= 0.3 * BOARD.corner_count
     assert target.pose is not None
-    other = rig.next_moment(BOARD, cameras, moments, found, [target.pose])
+    other = rig.next_moment(BOARD, truth.cameras, moments, found, [target.pose])
     assert other.pose is not None
     assert np.linalg.norm(other.pose - target.pose) > 0.3
 
