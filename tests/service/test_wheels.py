@@ -23,8 +23,11 @@ WITHOUT_OPENCV = """
 import sys
 sys.modules["cv2"] = None
 import calibsolver
-from calibsolver import Board, View, Camera, fit, models, consensus, formats, quality
+from calibsolver import Board, Camera, View, capture, consensus, fit, formats, guidance, models, quality
 from calibsolver.quality import assessment, model_selection
+for name in guidance.GUIDES:
+    guided = capture.Capture(Board(), (640, 480), guidance=name)
+    assert len(guided.next_target([], guided.estimate([])).ids) == 40
 import calibdb_client
 assert "site-packages" in calibsolver.__file__ and "site-packages" in calibdb_client.__file__
 """

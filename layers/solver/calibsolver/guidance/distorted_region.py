@@ -1,12 +1,11 @@
 """Most distorted region of the image that no target has covered yet."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..camera import Camera
 
 CELL_PX = 20
@@ -44,13 +43,27 @@ def find_next_region(camera: Camera, covered: Sequence[Box]) -> Box:
         covered_cells |= down[:, None] & across[None]
     largest = strength.max()
     for percent in range(95, 0, -5):
-        mask = (strength >= percent / 100 * largest).astype(np.uint8)
-        count, labels = cv2.connectedComponents(mask, connectivity=8)
-        for label in range(1, count):
-            region = labels == label
+        for region in connected_regions(strength >= percent / 100 * largest):
             if covered_cells[region].mean() < MIN_COVERED_SHARE:
                 return bounding_box(region)
     return Box(0.0, 0.0, 1.0, 1.0)
+
+
+def connected_regions(mask: Mask) -> Iterator[Mask]:
+    """Yield the connected regions (8 neighbours) of a mask (rows, columns), from its top left."""
+    left = {(int(y), int(x)) for y, x in np.argwhere(mask)}
+    for first in sorted(left):
+        region = np.zeros_like(mask)
+        reached = [first] if first in left else []
+        left -= {first}
+        while reached:
+            y, x = reached.pop()
+            region[y, x] = True
+            near = {(y + dy, x + dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)} & left
+            left -= near
+            reached += near
+        if region.any():
+            yield region
 
 
 def displacement(camera: Camera, columns: int, rows: int) -> Array:

@@ -1,11 +1,10 @@
 """Overlap of two areas of an image: the Jaccard index."""
 
-import cv2
 import numpy as np
-import numpy.typing as npt
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..board import Board
+from ..fitting.homography import Homographies
 from ..view import View
 from .target import edge_points
 
@@ -20,24 +19,32 @@ def jaccard_index(one: Array, other: Array, img_size: tuple[int, int]) -> float:
     return float(np.count_nonzero(first & second) / union) if union else 0.0
 
 
-def rasterize(polygon: Array, img_size: tuple[int, int]) -> npt.NDArray[np.uint8]:
-    """Rasterize the inside of a polygon (m, 2) px: a mask (h / MASK_PX, w / MASK_PX) of 0 and 1."""
+def rasterize(polygon: Array, img_size: tuple[int, int]) -> Mask:
+    """Rasterize the inside of a polygon (m, 2) px, by the even-odd rule: (h / MASK_PX, w / MASK_PX)."""
     w, h = img_size
-    picture = np.zeros((-(-h // MASK_PX), -(-w // MASK_PX)), dtype=np.uint8)
-    if len(polygon) >= 3:
-        corners = np.clip(polygon / MASK_PX, -1e4, 1e4)
-        cv2.fillPoly(picture, [np.round(corners * 16).astype(np.int32)], 1, shift=4)
-    return picture
+    mask: Mask = np.zeros((-(-h // MASK_PX), -(-w // MASK_PX)), dtype=bool)
+    if len(polygon) < 3:
+        return mask
+    start = np.clip((np.asarray(polygon) + 0.5) / MASK_PX - 0.5, -1e4, 1e4)
+    end = np.roll(start, -1, axis=0)
+    rows, columns = (np.arange(n, dtype=np.float64) for n in mask.shape)
+    crossed = (start[:, 1] <= rows[:, None]) != (end[:, 1] <= rows[:, None])
+    fall = np.where(start[:, 1] == end[:, 1], 1.0, end[:, 1] - start[:, 1])
+    x = start[:, 0] + (rows[:, None] - start[:, 1]) / fall * (end[:, 0] - start[:, 0])
+    to_the_right = crossed[:, :, None] & (x[:, :, None] > columns)
+    inside: Mask = to_the_right.sum(axis=1) % 2 == 1
+    return inside
 
 
 def estimate_outline(board: Board, view: View) -> Array:
     """Estimate the board's edge (m, 2) px from the corners of a view, by a homography."""
-    p, q = view.object_points[:, :2], view.image_points
-    h, _ = cv2.findHomography(p, q, 0)
-    if h is None:
-        return np.empty((0, 2))
-    flat = edge_points(board)[:, :2]
-    edge: Array = np.concatenate([flat, np.ones((len(flat), 1))], axis=1) @ np.asarray(h, dtype=np.float64).T
+    q = view.image_points
+    middle, scale = q.mean(axis=0), max(float(np.abs(q - q.mean(axis=0)).max()), 1e-9)
+    rays = np.concatenate([(q - middle) / scale, np.ones((len(q), 1))], axis=1)
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    found = Homographies.fit_dlt(view.object_points.T[None], rays.T[None], np.ones((1, len(q))))
+    edge = (edge_points(board)[:, :2] - found.mean[0]) / found.spread[0]
+    seen = np.concatenate([edge, np.ones((len(edge), 1))], axis=1) @ found.h[0].T
     with np.errstate(all="ignore"):
-        outline: Array = edge[:, :2] / edge[:, 2:]
-    return outline[(edge[:, 2] > 0) & np.isfinite(outline).all(axis=1)]
+        outline: Array = seen[:, :2] / seen[:, 2:] * scale + middle
+    return outline[(seen[:, 2] > 0) & np.isfinite(outline).all(axis=1)]
