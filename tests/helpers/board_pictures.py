@@ -25,11 +25,10 @@ def picture(board: Board, rvec: tuple[float, float, float], distance: float = 11
     """Grey picture (h, w) of the board, its middle before the camera at `distance` squares."""
     sheet = cv2.imdecode(np.frombuffer(png(board, SQUARE_PX), np.uint8), cv2.IMREAD_GRAYSCALE)
     # pixels of the sheet to squares: a margin of half a square, pixel centres at whole numbers
-    to_board = np.array(
-        [[1 / SQUARE_PX, 0, 0.5 / SQUARE_PX - 0.5], [0, 1 / SQUARE_PX, 0.5 / SQUARE_PX - 0.5], [0, 0, 1]]
-    )
+    left, top = board.edge[0] + 0.5 / SQUARE_PX - 0.5
+    to_board = np.array([[1 / SQUARE_PX, 0, left], [0, 1 / SQUARE_PX, top], [0, 0, 1]])
     rotation = cv2.Rodrigues(np.array(rvec))[0]
-    middle = np.array([board.squares[0] / 2, board.squares[1] / 2, 0])
+    middle = np.array([*board.edge.mean(axis=0), 0])
     translation = np.array([0, 0, distance]) - rotation @ middle
     onto = MATRIX @ np.column_stack([rotation[:, 0], rotation[:, 1], translation]) @ to_board
     flags = {"flags": cv2.INTER_AREA, "borderValue": 200}

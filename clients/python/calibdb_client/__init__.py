@@ -13,11 +13,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from . import offline
     from .aio import AsyncClient
     from .answer import Answer, ExportedFile
     from .board import Board
     from .calibration import Calibration
     from .camera import Camera, open_camera
+    from .capture.operation import CaptureInterruptedError
+    from .checks import CheckResult
     from .client import Client
     from .errors import (
         CalibDBError,
@@ -48,6 +51,8 @@ _MODULES = {
     "CameraError": "errors",
     "CaptureError": "errors",
     "CameraKey": "key",
+    "CaptureInterruptedError": "capture.operation",
+    "CheckResult": "checks",
     "CaptureResult": "session",
     "Client": "client",
     "ConflictError": "errors",
@@ -73,7 +78,9 @@ __all__ = [
     "CameraError",
     "CameraKey",
     "CaptureError",
+    "CaptureInterruptedError",
     "CaptureResult",
+    "CheckResult",
     "Client",
     "ConflictError",
     "CredentialError",
@@ -85,12 +92,15 @@ __all__ = [
     "Recording",
     "ServiceUnavailableError",
     "UsageError",
+    "offline",
     "open_camera",
 ]
 
 
 def __getattr__(name: str) -> Any:
     """Import the module of a public name."""
+    if name == "offline":
+        return import_module(".offline", __name__)
     if name in _MODULES:
         return getattr(import_module(f".{_MODULES[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

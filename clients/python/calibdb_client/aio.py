@@ -4,24 +4,37 @@ from __future__ import annotations
 
 import asyncio
 import random
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self, Unpack
 
 import httpx
 
-from . import flows, session
+from . import checks, flows, session
 from .answer import Answer, ExportedFile
 from .calibration import Calibration
+from .checks import CheckResult
 from .client import open_cache
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
 from .errors import CalibDBError
 from .export_query import export_query
 from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
-from .recording import Recording
+from .recording import Recording, ignore
 from .session import CaptureResult, Progress
 from .wire import Failure, Reply, Request, checked, pause
+
+if TYPE_CHECKING:
+    from .board import Board
+    from .capture.operation import CaptureOptions, Keep
+
+
+@dataclass(frozen=True)
+class _End:
+    """End of a conversation, and its result."""
+
+    value: Any
 
 
 class AsyncClient:
@@ -108,25 +121,93 @@ class AsyncClient:
         return await self._run(flows.camera(key))
 
     async def submit(
-        self, recording: Recording, model: str = DEFAULT_MODEL, progress: Progress | None = None
+        self,
+        recording: Recording,
+        model: str = DEFAULT_MODEL,
+        progress: Progress | None = None,
+        *,
+        licence: str | None = None,
     ) -> CaptureResult:
         """Send the corners of a recording, as `Client.submit` does."""
-        return await self._run(session.submit(recording, checked_model(model), Calibration, progress))
+        consent = session.consent_of(licence)
+        return await self._run(
+            session.submit(recording, checked_model(model), Calibration, progress, consent)
+        )
 
-    async def _run(self, flow: flows.Flow[flows.T]) -> flows.T:
-        """Drive a conversation to its end."""
-        try:
-            request = next(flow)
-            while True:
-                try:
-                    reply = await self._exchange(request)
-                except CalibDBError as error:
-                    request = flow.throw(error)
-                else:
-                    request = flow.send(reply)
-        except StopIteration as end:
-            result: flows.T = end.value
-            return result
+    async def calibrate_images(
+        self,
+        paths: str | Path | Iterable[str | Path],
+        camera: CameraKey | HasLabel | str,
+        *,
+        board: Board | None = None,
+        platform: str | None = None,
+        zoom: float | None = None,
+        model: str = DEFAULT_MODEL,
+        licence: str | None = None,
+    ) -> CaptureResult:
+        """Calibrate a camera from pictures of a board, as `Client.calibrate_images` does."""
+        from .images import recording_of
+
+        recording = await asyncio.to_thread(recording_of, paths, camera, board, platform, zoom)
+        return await self.submit(recording, model, licence=licence)
+
+    async def calibrate(
+        self,
+        camera: Any,
+        *,
+        model: str = DEFAULT_MODEL,
+        licence: str | None = None,
+        keep: Keep | None = None,
+        **options: Unpack[CaptureOptions],
+    ) -> CaptureResult:
+        """Calibrate a camera live, as `Client.calibrate` does with the same parameters.
+
+        Frames are read in a thread, requests are awaited.
+        """
+        from .capture.operation import prepare
+
+        consent = session.consent_of(licence)
+        operation = await asyncio.to_thread(prepare, camera, **options)
+        flow = operation.by_service(checked_model(model), keep or ignore, Calibration, consent)
+        return await self._run(flow, in_thread=True)
+
+    async def check(
+        self,
+        camera: Any,
+        *,
+        model: str = DEFAULT_MODEL,
+        licence: str | None = None,
+        **options: Unpack[CaptureOptions],
+    ) -> CheckResult:
+        """Check the calibration of a camera, as `Client.check` does with the same parameters."""
+        from .capture.glances import recording_to_check
+
+        consent = session.consent_of(licence)
+        recording = await asyncio.to_thread(recording_to_check, camera, **options)
+        return await self._run(checks.check(recording, checked_model(model), Calibration, consent))
+
+    async def _run(self, flow: flows.Flow[flows.T], in_thread: bool = False) -> flows.T:
+        """Drive a conversation to its end; its own work `in_thread`, if it takes long."""
+
+        def step(advance: Callable[..., Request], *given: Any) -> Request | _End:
+            try:
+                return advance(*given)
+            except StopIteration as end:  # no thread can pass it on
+                return _End(end.value)
+
+        async def go(advance: Callable[..., Request], *given: Any) -> Request | _End:
+            return await asyncio.to_thread(step, advance, *given) if in_thread else step(advance, *given)
+
+        request = await go(next, flow)
+        while not isinstance(request, _End):
+            try:
+                reply = await self._exchange(request)
+            except CalibDBError as error:
+                request = await go(flow.throw, error)
+            else:
+                request = await go(flow.send, reply)
+        result: flows.T = request.value
+        return result
 
     async def _exchange(self, request: Request) -> Reply:
         """Send a request until it is answered, at most as often as is allowed."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .board import Board
+from .board import Board, opencv
 from .errors import UsageError
 
 PAPERS_MM = {"a4": (297.0, 210.0), "a3": (420.0, 297.0), "letter": (279.4, 215.9)}
@@ -21,8 +21,9 @@ Rectangle = tuple[float, float, float, float]
 
 def largest_square_mm(board: Board, paper: str) -> float:
     """Return the side of the largest square, in whole half millimetres, with which the board fits a sheet."""
-    (w, h), (columns, rows) = _sheet(board, paper), board.squares
-    side = min((w - 2 * MARGIN_MM) / columns, (h - 3 * MARGIN_MM) / rows)
+    (w, h), (columns, rows) = _sheet(board, paper), board.size
+    quiet = 2 * _quiet(board)
+    side = min((w - 2 * MARGIN_MM) / (columns + quiet), (h - 3 * MARGIN_MM) / (rows + quiet))
     return int(side * 2) / 2
 
 
@@ -36,19 +37,19 @@ def pdf(board: Board, paper: str = "a4", square_mm: float | None = None) -> byte
     if not 1 <= side <= largest:
         raise UsageError(f"on {paper} a square of this board has 1 to {largest:g} mm, not {side:g}")
     w, h = _sheet(board, paper)
-    left, top = (w - side * board.squares[0]) / 2, (h - MARGIN_MM - side * board.squares[1]) / 2
+    (columns, rows), quiet = board.size, _quiet(board)
+    left, top = (w - side * columns) / 2, (h - MARGIN_MM - side * rows) / 2
+    ink = list(black(board))
+    if board.inverted:
+        sheet = f"0 g {_rectangle(left - quiet * side, top - quiet * side, *_grown(board, side), h)} f 1 g"
+    else:
+        sheet = "0 g"
     drawn = "\n".join(
-        f"{_pt(left + side * x):.4f} {_pt(h - top - side * (y + b)):.4f} {_pt(side * a):.4f} "
-        f"{_pt(side * b):.4f} re"
-        for x, y, a, b in black(board)
+        _rectangle(left + side * x, top + side * y, side * a, side * b, h) for x, y, a, b in ink
     )
-    said = (
-        f"calibDB board: {board.squares[0]} x {board.squares[1]} squares of {side:g} mm, "
-        f"marker ratio {board.marker_ratio:g}, {board.dictionary}{', legacy' if board.legacy else ''}. "
-        "Print at 100 %, and glue it to something flat."
-    )
+    said = f"calibDB board: {_details(board, side)}. Print at 100 %, and glue it to something flat."
     text = f"BT /F1 8 Tf {_pt(MARGIN_MM):.2f} {_pt(MARGIN_MM / 2):.2f} Td ({said}) Tj ET"
-    return _document(_pt(w), _pt(h), f"0 g\n{drawn}\nf\n{text}\n")
+    return _document(_pt(w), _pt(h), f"{sheet}\n{drawn}\nf\n0 g\n{text}\n")
 
 
 def png(board: Board, square_px: int = 120) -> bytes:
@@ -56,35 +57,59 @@ def png(board: Board, square_px: int = 120) -> bytes:
 
     Raises UsageError for a size that is too small or too large.
     """
-    import cv2
-
-    w, h = (square_px * (n + 1) for n in board.squares)
+    cv2 = opencv()
+    w, h = (round(square_px * (n + 1)) for n in board.size)
     if not square_px >= 16 or max(w, h) > MAX_PNG_PX:
         raise UsageError(f"squares have 16 px or more, the picture at most {MAX_PNG_PX} px, not {w} x {h}")
-    picture = board.opencv().generateImage((w, h), marginSize=square_px // 2, borderBits=1)
-    _, encoded = cv2.imencode(".png", picture)
+    picture = np.full((h, w), 255, dtype=np.uint8)
+    margin = square_px // 2
+    for x, y, a, b in black(board):
+        left, top, right, bottom = (round(margin + square_px * each) for each in (x, y, x + a, y + b))
+        picture[top:bottom, left:right] = 0
+    _, encoded = cv2.imencode(".png", 255 - picture if board.inverted else picture)
     return bytes(encoded)
 
 
 def black(board: Board) -> Iterator[Rectangle]:
-    """Yield what is black: left, top, width, height in squares, y down; squares, then markers."""
-    import cv2
+    """Yield the printed cells: left, top, width, height, board units from the top left, y down.
 
-    drawn: Any = board.opencv()
-    places = [np.asarray(corners)[:, :2] for corners in drawn.getObjPoints()]
-    with_marker = {tuple(np.floor(place.mean(axis=0)).astype(int).tolist()) for place in places}
+    Of an inverted board these are white, on black.
+    """
     columns, rows = board.squares
+    if board.kind == "aprilgrid":
+        yield from _tags(board)
+        return
+    places: list[Any] = []
+    if board.kind == "charuco":
+        drawn: Any = board.opencv()
+        places = [np.asarray(corners)[:, :2] for corners in drawn.getObjPoints()]
+    with_marker = {tuple(np.floor(place.mean(axis=0)).astype(int).tolist()) for place in places}
     for y in range(rows):
         for x in range(columns):
-            if (x, y) not in with_marker:
+            if (x, y) not in with_marker and (places or (x + y) % 2 == 0):
                 yield x, y, 1.0, 1.0
-    dictionary = drawn.getDictionary()
+    for identifier, place in enumerate(places):
+        left, top = place.min(axis=0).tolist()
+        yield from _marker(board, identifier, left, top, board.marker_ratio)
+
+
+def _tags(board: Board) -> Iterator[Rectangle]:
+    """Yield the cells of an AprilGrid, and a square in every gap where four tags meet."""
+    (columns, rows), pitch, gap = board.squares, 1 + board.tag_spacing, board.tag_spacing
+    for y in range(rows):
+        for x in range(columns):
+            yield from _marker(board, (rows - 1 - y) * columns + x, x * pitch, y * pitch, 1.0)
+            if y + 1 < rows and x + 1 < columns:
+                yield x * pitch + 1, y * pitch + 1, gap, gap
+
+
+def _marker(board: Board, identifier: int, left: float, top: float, side: float) -> Iterator[Rectangle]:
+    dictionary = board.markers()
     cells = dictionary.markerSize + 2
-    for identifier, place in zip(drawn.getIds().ravel().tolist(), places, strict=True):
-        picture = cv2.aruco.generateImageMarker(dictionary, int(identifier), cells, borderBits=1)
-        (left, top), cell = place.min(axis=0).tolist(), board.marker_ratio / cells
-        for row, line in enumerate(picture < 128):
-            yield from _runs(line.tolist(), left, top + row * cell, cell)
+    picture = opencv().aruco.generateImageMarker(dictionary, identifier, cells, borderBits=1)
+    cell = side / cells
+    for row, line in enumerate(picture < 128):
+        yield from _runs(line.tolist(), left, top + row * cell, cell)
 
 
 def _runs(line: list[bool], left: float, top: float, cell: float) -> Iterator[Rectangle]:
@@ -98,11 +123,32 @@ def _runs(line: list[bool], left: float, top: float, cell: float) -> Iterator[Re
             start = None
 
 
+def _details(board: Board, side: float) -> str:
+    """Return the board in words, its squares or tags in millimetres."""
+    unit = "tags" if board.kind == "aprilgrid" else "squares"
+    return str(board).replace(unit, f"{unit} of {side:g} mm", 1)
+
+
+def _quiet(board: Board) -> float:
+    """Black about an inverted board, board units: its outermost cells need an edge."""
+    return 0.25 if board.inverted else 0.0
+
+
+def _grown(board: Board, side: float) -> tuple[float, float]:
+    w, h = board.size
+    return (w + 2 * _quiet(board)) * side, (h + 2 * _quiet(board)) * side
+
+
+def _rectangle(left: float, top: float, width: float, height: float, page: float) -> str:
+    """Return a rectangle in millimetres, y down, as PDF has it: points, y up."""
+    return f"{_pt(left):.4f} {_pt(page - top - height):.4f} {_pt(width):.4f} {_pt(height):.4f} re"
+
+
 def _sheet(board: Board, paper: str) -> tuple[float, float]:
     if paper not in PAPERS_MM:
         raise UsageError(f"a sheet is one of {', '.join(PAPERS_MM)}, not {paper!r}")
     w, h = PAPERS_MM[paper]
-    return (w, h) if board.squares[0] >= board.squares[1] else (h, w)
+    return (w, h) if board.size[0] >= board.size[1] else (h, w)
 
 
 def _pt(millimetres: float) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 
 from .answer import ExportedFile
 from .errors import MissingPackageError, UsageError
+from .files import write_whole
 from .projection import Array, Lens
 from .rectification import new_camera_matrix, remap_tables
 
@@ -211,14 +212,7 @@ class Calibration:
         The service writes other formats than its own. The file is there as a whole or not at all.
         """
         file = self.export(format)
-        target = Path(path)
-        partial = target.with_name(f".{target.name}.part")
-        try:
-            partial.write_bytes(file.content)
-            partial.replace(target)
-        except OSError as error:
-            partial.unlink(missing_ok=True)
-            raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+        write_whole(Path(path), file.content)
         return file
 
     def export(self, format: str = _NATIVE) -> ExportedFile:  # noqa: A002

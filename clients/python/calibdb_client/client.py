@@ -7,22 +7,26 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self, Unpack
 
 import httpx
 
-from . import flows, pictures, session
+from . import checks, flows, session
 from .answer import Answer, ExportedFile
-from .board import Board
 from .cache import Cache, default_folder
 from .calibration import Calibration
+from .checks import CheckResult
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
 from .errors import CalibDBError
 from .export_query import export_query
 from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
-from .recording import Recording
+from .recording import Recording, ignore
 from .session import CaptureResult, Progress
 from .wire import Failure, Reply, Request, checked, pause
+
+if TYPE_CHECKING:
+    from .board import Board
+    from .capture.operation import CaptureOptions, Keep
 
 
 class Client:
@@ -148,13 +152,81 @@ class Client:
         return self._run(flows.camera(key))
 
     def submit(
-        self, recording: Recording, model: str = DEFAULT_MODEL, progress: Progress | None = None
+        self,
+        recording: Recording,
+        model: str = DEFAULT_MODEL,
+        progress: Progress | None = None,
+        *,
+        licence: str | None = None,
     ) -> CaptureResult:
         """Send the corners of a recording; those that agree become a calibration of the database.
 
-        `progress` is told how many of how many views are sent. Raises CaptureError if they do not suffice.
+        Parameters
+        ----------
+        recording, model
+            The views, and the distortion model.
+        progress
+            Is told how many of how many views are sent.
+        licence
+            ``CC0-1.0``: the contributor agrees that the corners and the calibration are given away under CC0
+            1.0. Without it they count in consensuses and stay out of the public dumps.
+
+        Raises CaptureError if the views do not suffice.
         """
-        return self._run(session.submit(recording, checked_model(model), self._calibration, progress))
+        consent = session.consent_of(licence)
+        make = self._calibration
+        return self._run(session.submit(recording, checked_model(model), make, progress, consent))
+
+    def calibrate(
+        self,
+        camera: Any,
+        *,
+        model: str = DEFAULT_MODEL,
+        licence: str | None = None,
+        keep: Keep | None = None,
+        **options: Unpack[CaptureOptions],
+    ) -> CaptureResult:
+        """Calibrate a camera live, guided by the service, hands-free. Only the corners are sent.
+
+        Parameters
+        ----------
+        camera
+            An open camera, an index, path or name of one here, the address of a stream, a video file, or any
+            object with `read()`.
+        model, licence
+            Distortion model; the licence as in `submit`.
+        keep
+            Is told the recording after every view, to save it.
+        options
+            As in `CaptureOptions`.
+
+        Raises CameraError, CaptureError, and CaptureInterruptedError on Ctrl-C; what was captured until then
+        is in their `recording`.
+        """
+        from .capture.operation import prepare
+
+        consent = session.consent_of(licence)
+        operation = prepare(camera, **options)
+        flow = operation.by_service(checked_model(model), keep or ignore, self._calibration, consent)
+        return self._run(flow)
+
+    def check(
+        self,
+        camera: Any,
+        *,
+        model: str = DEFAULT_MODEL,
+        licence: str | None = None,
+        **options: Unpack[CaptureOptions],
+    ) -> CheckResult:
+        """Check the database's calibration of a camera on three still frames. Parameters as of `calibrate`.
+
+        A `Recording` is checked as it is. Raises NotFoundError if there is nothing to check.
+        """
+        from .capture.glances import recording_to_check
+
+        consent = session.consent_of(licence)
+        recording = recording_to_check(camera, **options)
+        return self._run(checks.check(recording, checked_model(model), self._calibration, consent))
 
     def calibrate_images(
         self,
@@ -165,32 +237,31 @@ class Client:
         platform: str | None = None,
         zoom: float | None = None,
         model: str = DEFAULT_MODEL,
+        licence: str | None = None,
     ) -> CaptureResult:
         """Calibrate a camera from pictures of a board. Only the corners are sent.
 
         Parameters
         ----------
         paths
-            Pictures, or folders of pictures.
+            Pictures, folders of pictures, or one video file.
         camera
             The camera that took them, or its label; the size is the pictures'.
         board
-            The board; the usual one unless given.
+            The board; recognised unless given.
         platform, zoom
             As in `key_of`; ``photographs`` is the platform of a label alone.
         model
             Distortion model.
+        licence
+            As in `submit`.
 
         Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
         """
-        chosen = board or Board()
-        found = pictures.Found()
-        given = [paths] if isinstance(paths, (str, Path)) else paths
-        pictures.read(pictures.picture_paths(given), chosen, found)
-        size, views = found.of_one_size()
-        if platform is None and isinstance(camera, str):
-            platform = pictures.PLATFORM
-        return self.submit(Recording(key_of(camera, platform, size, zoom), chosen, views), model)
+        from .images import recording_of
+
+        recording = recording_of(paths, camera, board, platform, zoom)
+        return self.submit(recording, model, licence=licence)
 
     def _calibration(self, record: Mapping[str, Any]) -> Calibration:
         return Calibration(record, self.export)

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .recording import Recording
 
 
 class CalibDBError(Exception):
-    """Base of every error that the client raises on purpose."""
+    """Base of every error that the client raises on purpose.
+
+    Attributes
+    ----------
+    recording
+        Views that were captured before it; None if there are none. Nothing that was captured is lost.
+    """
 
     exit_status = 1
+    recording: Recording | None = None
 
 
 class UsageError(CalibDBError, ValueError):

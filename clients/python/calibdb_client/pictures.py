@@ -12,7 +12,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from .board import Board
-from .detection import Detector
+from .detection import Detector, recognise
+from .detection.recognition import MAX_LOOKED_AT
 from .errors import CaptureError, UsageError
 from .recording import RecordedView
 
@@ -37,27 +38,30 @@ class Found:
     ----------
     views
         Views with their picture's size, px.
+    broken
+        Sentence about a video that breaks off.
     empty, unreadable
         Names of pictures without the board, and of files that are no pictures.
     """
 
     views: list[tuple[tuple[int, int], RecordedView]] = field(default_factory=list)
     empty: list[str] = field(default_factory=list)
+    broken: str = ""
     unreadable: list[str] = field(default_factory=list)
 
-    def of_one_size(self) -> tuple[tuple[int, int], tuple[RecordedView, ...]]:
+    def of_one_size(self, least: int = MIN_VIEWS) -> tuple[tuple[int, int], tuple[RecordedView, ...]]:
         """Return the size that most views have, and those views, at most as many as the service takes.
 
-        Raises CaptureError if there are too few.
+        Raises CaptureError if there are fewer than `least`.
         """
         if not self.views:
             raise CaptureError(self._nothing())
         sizes = Counter(size for size, _ in self.views)
         size, count = sizes.most_common(1)[0]
-        if count < MIN_VIEWS:
+        if count < least:
             several = f" of {size[0]}x{size[1]} px" if len(sizes) > 1 else ""
             raise CaptureError(
-                f"{count} pictures{several} show the board, and {MIN_VIEWS} are needed, better 10: "
+                f"{count} pictures{several} show the board, and {least} are needed, better 10: "
                 "take more, with the board tilted in several ways"
             )
         views = _spread([view for each, view in self.views if each == size], MAX_VIEWS)
@@ -73,8 +77,8 @@ class Found:
         if self.unreadable and not self.empty:
             return "none of the files can be read as a picture: give JPEG, PNG, TIFF or WebP files"
         return (
-            "the board is in none of the pictures: check --squares, --marker-ratio and --dictionary, "
-            "or --legacy for a board drawn by OpenCV before 4.6"
+            "the board is in none of the pictures: describe it by --kind, --squares, --marker-ratio and "
+            "--dictionary, and --legacy if OpenCV before 4.6 drew it"
         )
 
 
@@ -112,10 +116,7 @@ def read(
     detector = Detector(board)
     chosen = _spread(list(paths), MAX_PICTURES)
     for n, path in enumerate(chosen):
-        try:
-            content = path.read_bytes()
-        except OSError:
-            content = b""
+        content = _content(path)
         picture = _decode(content) if content else None
         if picture is None:
             found.unreadable.append(path.name)
@@ -127,6 +128,24 @@ def read(
             found.views.append(((w, h), RecordedView(path.name, corners.ids, points)))
         if progress:
             progress(n + 1, len(chosen))
+
+
+def recognised(paths: Sequence[Path]) -> Board | None:
+    """Return the board in pictures, of which some, spread evenly, are looked at; None if they do not tell."""
+    chosen = _spread(list(paths), 2 * MAX_LOOKED_AT)
+    for some in (chosen[::2], chosen[1::2]):
+        pictures = (_decode(content) for path in some if (content := _content(path)))
+        board = recognise(each for each in pictures if each is not None)
+        if board is not None:
+            return board
+    return None
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
 
 
 def _decode(content: bytes) -> Any:

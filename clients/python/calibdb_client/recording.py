@@ -11,6 +11,7 @@ from typing import Any
 
 from .board import Board
 from .errors import UsageError
+from .files import write_whole
 from .key import CameraKey
 
 FORMAT = "calibdb-recording-1"
@@ -47,11 +48,14 @@ class Recording:
         The board.
     views
         In the order in which they were taken.
+    live
+        Whether a guided capture took them, which can go on with them.
     """
 
     key: CameraKey
     board: Board
     views: tuple[RecordedView, ...]
+    live: bool = False
 
     @classmethod
     def load(cls, path: str | Path) -> Recording:
@@ -68,8 +72,9 @@ class Recording:
             w, h = told["img_size"]
             columns, rows = told["board"]["squares"]
             board = Board(**{**told["board"], "squares": (int(columns), int(rows))})
+            live = told.get("live") is True
             key = CameraKey(str(told["camera"]), str(told["platform"]), (w, h), float(told["zoom"]))
-            return cls(key, board, tuple(_view(each, board) for each in told["views"]))
+            return cls(key, board, tuple(_view(each, board) for each in told["views"]), live)
         except OSError as error:
             raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
         except UsageError:
@@ -77,15 +82,25 @@ class Recording:
         except (ValueError, KeyError, TypeError):
             raise UsageError(f"{path} holds no recording of calibdb") from None
 
+    def save(self, path: str | Path) -> None:
+        """Write the file, as a whole or not at all. Raises UsageError if it cannot be written."""
+        write_whole(Path(path), self.content())
+
     def content(self, calibration: Mapping[str, Any] | None = None) -> bytes:
         """Return the file's content; with a calibration it is that calibration's file, too."""
         told = {
             **self.key.record(),
             "format": FORMAT,
             "board": self.board.record(),
+            **({"live": True} if self.live else {}),
             "views": [{"source": v.source, "ids": v.ids, "points": v.points} for v in self.views],
         }
         return json.dumps({**(calibration or {}), _MEMBER: told}, ensure_ascii=False).encode() + b"\n"
+
+
+def ignore(recording: Recording) -> None:
+    """Keep nothing of a recording."""
+    del recording
 
 
 def _view(told: Mapping[str, Any], board: Board) -> RecordedView:

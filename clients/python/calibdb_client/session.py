@@ -7,14 +7,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from .calibration import Calibration
-from .errors import CaptureError, ConflictError, MissingPackageError
+from .errors import CaptureError, ConflictError, MissingPackageError, UsageError
 from .flows import Flow
 from .recording import Recording
 from .wire import Request
 
 Progress = Callable[[int, int], None]
 """Is told how many of how many are done."""
+LICENCE = "CC0-1.0"
+"""The licence under which the database gives calibrations away."""
 _REASONS = {
+    "no_information": "it tells nothing new",
     "too_few_points": "too few corners",
     "degenerate": "its corners lie on a line",
     "mirrored": "the picture is mirrored",
@@ -48,37 +51,78 @@ class CaptureResult:
     verdict: tuple[str, ...] = ()
 
 
+def start(
+    recording: Recording, model: str, capture: str, consent: Mapping[str, str]
+) -> Flow[tuple[str, Mapping[str, Any]]]:
+    """Open a session, and return its id and state.
+
+    Parameters
+    ----------
+    recording, model
+        Camera and board, and the distortion model.
+    capture
+        ``live`` or ``recorded``.
+    consent
+        The licence that the contributor agreed to, as `consent_of` gives it.
+    """
+    reply = yield Request("POST", "v1/auth")
+    session = str(reply.json["session_id"])
+    body = {
+        **recording.key.record(),
+        "distortion_model": model,
+        "board": recording.board.record(),
+        "capture": capture,
+        **consent,
+    }
+    reply = yield Request("POST", "v1/session", body, credential=session)
+    return session, reply.json
+
+
+def consent_of(licence: str | None) -> dict[str, str]:
+    """Return the members by which a contributor agrees to a licence; none without one.
+
+    Raises UsageError for a licence that the database does not have.
+    """
+    if licence is None:
+        return {}
+    if licence != LICENCE:
+        raise UsageError(f"calibrations are given away under {LICENCE}, or not at all, not {licence!r}")
+    return {"licence": LICENCE}
+
+
 def submit(
     recording: Recording,
     model: str,
     make: Callable[[Mapping[str, Any]], Calibration],
     progress: Progress | None = None,
+    consent: Mapping[str, str] | None = None,
 ) -> Flow[CaptureResult]:
     """Send the corners of a recording, and end the session with those that agree.
 
+    Views that contradict the ones before them are offered again at the end: the first may be the wrong ones.
+
     Raises CaptureError if they do not suffice.
     """
-    reply = yield Request("POST", "v1/auth")
-    session = str(reply.json["session_id"])
-    start = {
-        **recording.key.record(),
-        "distortion_model": model,
-        "board": recording.board.record(),
-        "capture": "recorded",
-    }
-    yield Request("POST", "v1/session", start, credential=session)
+    session, _ = yield from start(recording, model, "recorded", consent or {})
     accepted: list[str] = []
-    left_out: list[tuple[str, str]] = []
-    for n, view in enumerate(recording.views):
-        body = {"index": len(accepted), "ids": list(view.ids), "points": [list(q) for q in view.points]}
-        reply = yield Request("POST", "v1/session/views", body, credential=session)
-        answer = reply.json
-        if answer.get("accepted"):
-            accepted.append(view.source)
-        else:
-            left_out.append((view.source, _words(answer.get("reason"))))
-        if progress:
-            progress(n + 1, len(recording.views))
+    refused: dict[str, str] = {}
+    waiting = list(recording.views)
+    while waiting:
+        count, contradicting = len(accepted), []
+        for view in waiting:
+            body = {"index": len(accepted), "ids": list(view.ids), "points": [list(q) for q in view.points]}
+            reply = yield Request("POST", "v1/session/views", body, credential=session)
+            answer = reply.json
+            if answer.get("accepted"):
+                accepted.append(view.source)
+                refused.pop(view.source, None)
+            else:
+                refused[view.source] = refusal(answer.get("reason"))
+                contradicting += [view] if answer.get("reason") == "outlier" else []
+            if progress:
+                progress(len(accepted) + len(refused), len(recording.views))
+        waiting = contradicting if len(accepted) > count else []
+    left_out = list(refused.items())
     try:
         reply = yield Request("POST", "v1/session/finish", credential=session)
     except ConflictError as error:
@@ -86,7 +130,7 @@ def submit(
     state = reply.json
     for source, view_state in zip(accepted, state.get("views", []), strict=False):
         if aside := view_state.get("set_aside"):
-            left_out.append((source, _words(aside.get("reason"))))
+            left_out.append((source, refusal(aside.get("reason"))))
     record = state.get("calibration")
     if not isinstance(record, dict):
         raise CaptureError("the views determine no calibration: take more pictures, with the board tilted")
@@ -115,7 +159,7 @@ def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureRes
         from calibsolver.quality import assessment, model_selection
     except ImportError:
         raise MissingPackageError("calibrating offline needs the solver: pip install calibsolver") from None
-    board = calibsolver.Board(**{**recording.board.record(), "squares": recording.board.squares})
+    board = calibsolver.Board.from_record(recording.board.record())
     try:
         views = board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
         fitted = calibsolver.fit(views, recording.key.img_size, model)
@@ -125,7 +169,7 @@ def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureRes
             f"the pictures determine no calibration ({error}): take more, with the board tilted"
         ) from None
     said = assessment.assess(fitted, views, choice.held_out.get(model))
-    cut = tuple((recording.views[n].source, _words(why)) for n, why in sorted(fitted.cut_views.items()))
+    cut = tuple((recording.views[n].source, refusal(why)) for n, why in sorted(fitted.cut_views.items()))
     record = {
         **fitted.record(),
         **recording.key.record(),
@@ -145,5 +189,6 @@ def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureRes
     )
 
 
-def _words(reason: object) -> str:
+def refusal(reason: object) -> str:
+    """Return the words of a reason for which a view does not count."""
     return _REASONS.get(str(reason), str(reason))

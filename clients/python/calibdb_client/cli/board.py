@@ -1,4 +1,4 @@
-"""The command `board`: a board to print, or to show on a screen."""
+"""The command `board`: a board to print, or to show on a screen; and the options that describe one."""
 
 from __future__ import annotations
 
@@ -6,16 +6,17 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from ..board import DICTIONARIES, Board
+from ..board import DICTIONARIES, KINDS, Board
 from ..errors import UsageError
+from ..files import write_whole
 from . import options
-from .output import Output, write_whole
+from .output import Output
 
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "board", help="draw a board", description="Draw a ChArUco board: as PDF in true size, or as PNG."
+        "board", help="draw a board", description="Draw a board: as PDF in true size, or as PNG."
     )
     parser.add_argument("--pdf", metavar="FILE", help="file to print")
     parser.add_argument("--png", metavar="FILE", help="picture")
@@ -27,32 +28,50 @@ def add(commands: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def add_board(parser: argparse.ArgumentParser) -> None:
-    """Add the options that describe a board."""
-    usual = Board()
-    parser.add_argument("--squares", type=options.size, default=usual.squares, metavar="CxR")
-    parser.add_argument("--marker-ratio", type=float, default=usual.marker_ratio, metavar="R")
-    parser.add_argument("--dictionary", choices=DICTIONARIES, default=usual.dictionary, metavar="DICT_…")
-    parser.add_argument("--legacy", action="store_true", help="layout of OpenCV before 4.6")
+def add_board(parser: argparse.ArgumentParser, recognised: bool = False) -> None:
+    """Add the options that describe a board; unless any is given it may be `recognised`."""
+    words = "; without any of these options the board is recognised" if recognised else ""
+    group = parser.add_argument_group("board", f"ChArUco, 9x6 squares, DICT_4X4_50{words}")
+    group.add_argument("--kind", choices=KINDS, help="kind of board")
+    group.add_argument(
+        "--squares", type=options.size, metavar="CxR", help="columns and rows; of an AprilGrid its tags"
+    )
+    group.add_argument("--marker-ratio", type=float, metavar="R", help="side of a marker / side of a square")
+    group.add_argument(
+        "--dictionary", choices=DICTIONARIES, metavar="DICT_…", help="OpenCV's name of the markers"
+    )
+    group.add_argument("--legacy", action="store_true", default=None, help="layout of OpenCV before 4.6")
+    group.add_argument("--inverted", action="store_true", default=None, help="white on black")
+    group.add_argument("--tag-spacing", type=float, metavar="R", help="gap between tags / side of a tag")
 
 
-def chosen_board(chosen: argparse.Namespace) -> Board:
-    """Return the board that the options describe. Raises UsageError for one that cannot exist."""
-    return Board(chosen.squares, chosen.marker_ratio, chosen.dictionary, chosen.legacy)
+def chosen_board(chosen: argparse.Namespace) -> Board | None:
+    """Return the board that the options describe; None if there are none.
+
+    Raises UsageError for one that cannot exist.
+    """
+    names = ("kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted", "tag_spacing")
+    given = {name: value for name in names if (value := getattr(chosen, name)) is not None}
+    if not given:
+        return None
+    if given.get("kind") == "aprilgrid":
+        given.setdefault("squares", (6, 6))
+    return Board(**given)
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """Draw the board."""
     if not (chosen.pdf or chosen.png):
         raise UsageError("say where to: --pdf board.pdf, or --png board.png")
-    board = chosen_board(chosen)
-    board.opencv()  # says what is missing before the module below is imported
+    board = chosen_board(chosen) or Board()
+    board.check_opencv()  # says what is missing before the module below is imported
     from .. import board_sheet
 
     if chosen.pdf:
         write_whole(Path(chosen.pdf), board_sheet.pdf(board, chosen.paper, chosen.square_mm))
         side = chosen.square_mm or board_sheet.largest_square_mm(board, chosen.paper)
-        output.note(f"wrote {chosen.pdf}: print it at 100 %, squares have {side:g} mm")
+        unit = "tags" if board.kind == "aprilgrid" else "squares"
+        output.note(f"wrote {chosen.pdf}: print it at 100 %, {unit} have {side:g} mm")
     if chosen.png:
         write_whole(Path(chosen.png), board_sheet.png(board))
         output.note(f"wrote {chosen.png}")

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..answer import ExportedFile
-from ..errors import UsageError
+from ..files import write_whole
 
 
 class Output:
@@ -54,17 +53,6 @@ class Output:
             return
         write_whole(Path(path), file.content)
         self.note(f"wrote {path}")
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file as a whole or not at all. Raises UsageError if it cannot be written."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        partial.write_bytes(content)
-        partial.replace(path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
 
 
 def one_line(text: str) -> str:

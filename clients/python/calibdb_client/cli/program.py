@@ -9,18 +9,18 @@ from collections.abc import Sequence
 
 from .. import __version__
 from ..errors import CalibDBError
-from . import board, calibrate, database, export, lookup, submit
+from . import board, calibrate, check, database, export, lookup, resume, submit
 from .output import Output
 
 STATUSES = """exit status:
-  0 done · 1 nothing is known, or there is no such thing · 2 an argument cannot be used
+  0 done · 1 nothing is known, there is no such thing, or it does not fit · 2 an argument cannot be used
   3 the service does not answer · 4 the token is refused · 5 the plan's calls are used up
   6 the camera cannot be used · 7 the pictures do not suffice · 130 interrupted
 
 CALIBDB_URL and CALIBDB_TOKEN stand for --url and --token."""
 _INTERRUPTED = 130
 
-_COMMANDS = (lookup, calibrate, submit, database, export, board)
+_COMMANDS = (lookup, calibrate, resume, submit, check, database, export, board)
 
 
 def parser() -> argparse.ArgumentParser:

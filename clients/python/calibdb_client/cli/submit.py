@@ -12,7 +12,8 @@ from ..key import UNNAMED
 from ..pictures import PLATFORM
 from ..recording import Recording
 from . import options
-from .calibrate import add_model, finish
+from .calibrate import finish
+from .capture_options import add_licence, add_model, licence_of
 from .output import Output
 
 
@@ -30,6 +31,7 @@ def add(commands: Any) -> None:
         "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
     )
     add_model(parser)
+    add_licence(parser)
     options.add_service(parser)
     parser.set_defaults(run=run)
 
@@ -40,6 +42,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     recording = Recording.load(path)
     if not (chosen.offline or chosen.label) and recording.key.camera == UNNAMED:
         raise UsageError("which camera took the pictures? Say --label, and --platform if a browser used it")
+    chosen.licence = None if chosen.offline else licence_of(chosen, output)
     key = replace(
         recording.key,
         camera=chosen.label or recording.key.camera,

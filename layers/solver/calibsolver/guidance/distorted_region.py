@@ -86,7 +86,7 @@ def displacement(camera: Camera, columns: int, rows: int) -> Array:
     return field
 
 
-def bounding_box(region: Array) -> Box:
+def bounding_box(region: Mask) -> Box:
     """Bounding box of a region (rows, columns), enlarged to MIN_REGION_SHARE of the image."""
     rows, columns = region.shape
     y, x = np.nonzero(region)

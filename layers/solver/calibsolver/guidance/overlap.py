@@ -47,4 +47,5 @@ def estimate_outline(board: Board, view: View) -> Array:
     seen = np.concatenate([edge, np.ones((len(edge), 1))], axis=1) @ found.h[0].T
     with np.errstate(all="ignore"):
         outline: Array = seen[:, :2] / seen[:, 2:] * scale + middle
-    return outline[(seen[:, 2] > 0) & np.isfinite(outline).all(axis=1)]
+    front: Array = outline[(seen[:, 2] > 0) & np.isfinite(outline).all(axis=1)]
+    return front

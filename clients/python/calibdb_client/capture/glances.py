@@ -1,0 +1,74 @@
+"""Glances at a board: a few still frames of different tilts, for the check of a calibration."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Unpack
+
+from ..checks import CHECK_VIEWS
+from ..detection import Detector
+from ..errors import CaptureError
+from ..projection import Array
+from ..recording import RecordedView, Recording
+from .feedback import Scene
+from .guide import Status
+from .live import HOLD_S
+from .operation import CaptureInterruptedError, CaptureOptions, Operation, prepare
+from .outline import difference, outline_of
+from .stillness import Stillness
+
+MIN_DIFFERENCE = 0.06
+"""Difference of two views' tilts, as a share of the board's size, from which both tell something."""
+MAX_GLANCES_S = 180.0
+
+
+def recording_to_check(camera: Any, **options: Unpack[CaptureOptions]) -> Recording:
+    """Return a recording as it is, or take one of three views of a camera. Raises as `take_glances`."""
+    return camera if isinstance(camera, Recording) else take_glances(prepare(camera, **options))
+
+
+def take_glances(operation: Operation, count: int = CHECK_VIEWS) -> Recording:
+    """Take views, hands-free, whenever the board is still in another tilt than before.
+
+    Raises CameraError, CaptureError if it takes longer than three minutes, CaptureInterruptedError.
+    """
+    recording, frames, feedback = operation.recording, operation.frames, operation.feedback
+    detector, width = Detector(recording.board), recording.key.img_size[0]
+    still, taken = Stillness(), list[Array]()
+    began: float | None = None
+    try:
+        while len(taken) < count:
+            frame = frames.next()
+            if frame is None:
+                break
+            began = frame.time if began is None else began
+            if frame.time - began > MAX_GLANCES_S:
+                raise CaptureError(
+                    f"{len(taken)} views in three minutes: hold the board still, tilted differently"
+                )
+            corners = detector.find(frame.picture)
+            still = still.observe(corners, frame.time, width, repeated=frame.repeated)
+            seen = None if corners is None else outline_of(recording.board, corners.ids, corners.points)
+            another = seen is not None and all(difference(seen, each) > MIN_DIFFERENCE for each in taken)
+            words = "show the board to the camera" if seen is None else "tilt the board another way"
+            status = Status(len(taken), len(taken) / count)
+            hold = min(1.0, still.held / HOLD_S) if another else 0.0
+            points = None if corners is None else corners.points
+            said = "hold the board still" if another else words
+            if feedback.show(Scene(frame.picture, points, None, said, hold, status)) == "stop":
+                raise KeyboardInterrupt
+            if another and corners is not None and seen is not None and still.held >= HOLD_S:
+                view = RecordedView(
+                    f"view {len(taken) + 1}",
+                    corners.ids,
+                    tuple((float(u), float(v)) for u, v in corners.points.tolist()),
+                )
+                recording = replace(recording, views=(*recording.views, view))
+                taken.append(seen)
+                still = Stillness()
+                feedback.taken(Status(len(taken), len(taken) / count))
+    except KeyboardInterrupt:
+        raise CaptureInterruptedError(recording) from None
+    finally:
+        operation.close()
+    return recording

@@ -1,0 +1,267 @@
+"""Guides of a capture, which choose targets and judge views: the service, or calibsolver on this machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from ..calibration import Calibration
+from ..errors import CaptureError, MissingPackageError
+from ..flows import Flow
+from ..projection import Array
+from ..recording import RecordedView, Recording
+from ..session import CaptureResult, calibrate_offline, refusal, start, submit
+from ..wire import Request
+
+if TYPE_CHECKING:
+    from calibsolver.guidance import TargetPose
+
+Maker = Callable[[Mapping[str, Any]], Calibration]
+MIN_VIEWS = 4
+"""Views of which a calibration is made."""
+TARGET_ERROR_WIDTHS = 0.3 / 1280
+"""Predicted error / image width at which a capture ends, as the service has it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """A pose in which the board is wanted, as the camera would see it.
+
+    Attributes
+    ----------
+    index
+        Number that a view carries which answers it.
+    ids, corners
+        Corners in the picture (n), and their places (n, 2) px.
+    outline
+        (m, 2) px, edge of the board.
+    purpose, hint
+        Purpose of the view, and the next movement, in words.
+    """
+
+    index: int
+    ids: tuple[int, ...]
+    corners: Array
+    outline: Array
+    purpose: str
+    hint: str
+
+    @classmethod
+    def of(cls, told: Mapping[str, Any], index: int) -> Target:
+        """Return the target of plain values, as the service and `TargetPose.to_dict` give them."""
+        return cls(
+            index,
+            tuple(int(each) for each in told["ids"]),
+            np.array(told["corners"], dtype=np.float64).reshape(-1, 2),
+            np.array(told["outline"], dtype=np.float64).reshape(-1, 2),
+            str(told.get("purpose", "")),
+            str(told.get("hint", "")),
+        )
+
+
+@dataclass(frozen=True)
+class Status:
+    """Course of a capture.
+
+    Attributes
+    ----------
+    views
+        Number of views that are in.
+    progress
+        0 to 1.
+    error
+        Predicted error over the image, px; None: there is no fit yet.
+    done
+        Whether it has converged.
+    advice
+        Sentences about the whole capture.
+    """
+
+    views: int = 0
+    progress: float = 0.0
+    error: float | None = None
+    done: bool = False
+    advice: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Judgement of a view: whether it is in, else why not and what to do; and how far the capture is.
+
+    Attributes
+    ----------
+    accepted, reason, hint
+        Whether it counts; else the reason in words and the next movement.
+    status
+        Course of the capture with it.
+    """
+
+    accepted: bool
+    status: Status
+    reason: str = ""
+    hint: str = ""
+
+
+class Guide(Protocol):
+    """Chooser of targets and judge of views."""
+
+    def start(self) -> Flow[Status]:
+        """Begin."""
+
+    def target(self, skip: bool = False) -> Flow[Target]:
+        """Return the target; with `skip` one of another kind."""
+
+    def judge(self, target: Target, view: RecordedView) -> Flow[Judgement]:
+        """Judge a view."""
+
+    def finish(self, recording: Recording) -> Flow[CaptureResult]:
+        """Return the calibration, of a capture that converged or was ended with views enough."""
+
+
+class ServiceGuide:
+    """The service guides: a live session. `make` turns its record into a calibration."""
+
+    def __init__(self, recording: Recording, model: str, make: Maker, consent: Mapping[str, str]) -> None:
+        self._recording, self._model, self._make, self._consent = recording, model, make, consent
+        self._session = ""
+        self._state: Mapping[str, Any] = {}
+
+    def start(self) -> Flow[Status]:
+        """Open a session."""
+        self._session, self._state = yield from start(self._recording, self._model, "live", self._consent)
+        return self._status()
+
+    def target(self, skip: bool = False) -> Flow[Target]:
+        """Ask for the pose."""
+        query = {"skip": "1"} if skip else {}
+        reply = yield Request("GET", "v1/session/pose", query=query, credential=self._session)
+        return Target.of(reply.json, int(reply.json["index"]))
+
+    def judge(self, target: Target, view: RecordedView) -> Flow[Judgement]:
+        """Send the corners."""
+        body = {"index": target.index, "ids": list(view.ids), "points": [list(q) for q in view.points]}
+        reply = yield Request("POST", "v1/session/views", body, credential=self._session)
+        self._state = answer = reply.json
+        hint = answer.get("hint") or {}
+        words = "" if answer.get("accepted") else refusal(answer.get("reason"))
+        return Judgement(bool(answer.get("accepted")), self._status(), words, str(hint.get("code", "")))
+
+    def finish(self, recording: Recording) -> Flow[CaptureResult]:
+        """Return the session's calibration; of one that has not converged, its views' as recorded ones."""
+        record = self._state.get("calibration")
+        if self._state.get("status") != "converged" or not isinstance(record, dict):
+            return (yield from submit(recording, self._model, self._make, consent=self._consent))
+        used = sum(not each.get("set_aside") for each in self._state.get("views", []))
+        identifier = self._state.get("calibration_id") or record.get("id")
+        advice = tuple(str(each.get("text")) for each in self._state.get("advice", []))
+        suggested = self._state.get("suggested_model")
+        return CaptureResult(
+            self._make({**record, "id": identifier}), used, (), suggested, ("converged", *advice)
+        )
+
+    def _status(self) -> Status:
+        state = self._state
+        uncertainty = state.get("uncertainty") or {}
+        return Status(
+            views=sum(not each.get("set_aside") for each in state.get("views", [])),
+            progress=float(state.get("progress") or 0.0),
+            error=uncertainty.get("rms"),
+            done=state.get("status") == "converged",
+            advice=tuple(str(each.get("text", "")) for each in state.get("advice", [])),
+        )
+
+
+class OfflineGuide:
+    """calibsolver guides on this machine. Raises MissingPackageError without it.
+
+    Parameters
+    ----------
+    recording, model
+        Camera and board, and the distortion model.
+    clock
+        Unix seconds, for the calibration's time.
+    """
+
+    def __init__(self, recording: Recording, model: str, clock: Callable[[], float]) -> None:
+        try:
+            from calibsolver import Board
+            from calibsolver.capture import Capture
+        except ImportError:
+            raise MissingPackageError("guiding offline needs the solver: pip install calibsolver") from None
+        self._model, self._clock = model, clock
+        self._board = Board.from_record(recording.board.record())
+        size = recording.key.img_size
+        self._capture = Capture(self._board, size, model, target_error=TARGET_ERROR_WIDTHS * size[0])
+        self._estimate = self._capture.estimate([])
+        self._views: list[Any] = []
+        self._accepted: list[RecordedView] = []
+        self._quarantined: list[Any] = []
+        self._skipped: tuple[TargetPose, ...] = ()
+        self._unreached: tuple[TargetPose, ...] = ()
+        self._pose: TargetPose | None = None
+
+    def start(self) -> Flow[Status]:
+        """Begin."""
+        yield from ()
+        return self._status()
+
+    def target(self, skip: bool = False) -> Flow[Target]:
+        """Choose the pose."""
+        yield from ()
+        if self._pose is not None and skip:
+            self._skipped = (*self._skipped, self._pose)
+            self._pose = None
+        if self._pose is None:
+            self._pose = self._capture.next_target(
+                self._views, self._estimate, self._skipped, self._unreached
+            )
+        return Target.of(self._pose.to_dict(), len(self._views))
+
+    def judge(self, target: Target, view: RecordedView) -> Flow[Judgement]:
+        """Judge by the rules of the service."""
+        yield from ()
+        del target
+        seen = self._board.view(view.ids, view.points)
+        decision = self._capture.judge(
+            self._views, self._pose, seen, self._estimate.excluded, self._quarantined
+        )
+        if decision.seed_rejected:
+            self._capture = self._capture.without_seed()
+        if not decision.accepted or decision.estimate is None:
+            self._quarantined += [seen] if decision.quarantine else []
+            hint = decision.hint.code if decision.hint else ""
+            return Judgement(False, self._status(), refusal(decision.reason), hint)
+        self._views.append(seen)
+        self._accepted.append(view)
+        self._estimate = decision.estimate
+        self._unreached, self._skipped = (*self._unreached, *self._skipped), ()
+        self._quarantined, self._pose = [], None
+        return Judgement(True, self._status())
+
+    def finish(self, recording: Recording) -> Flow[CaptureResult]:
+        """Fit the views that are not excluded."""
+        yield from ()
+        kept = tuple(view for i, view in enumerate(self._accepted) if i not in self._estimate.excluded)
+        views = kept if len(kept) >= MIN_VIEWS else recording.views
+        return calibrate_offline(replace(recording, views=views), self._model, int(self._clock()))
+
+    def _status(self) -> Status:
+        estimate = self._estimate
+        return Status(
+            views=len(self._views) - len(estimate.excluded),
+            progress=estimate.progress,
+            error=estimate.uncertainty.rms if estimate.uncertainty else None,
+            done=estimate.converged,
+            advice=tuple(each.text for each in estimate.advice),
+        )
+
+
+def require_views(views: Sequence[RecordedView]) -> None:
+    """Raise CaptureError if these views are too few for a calibration."""
+    if len(views) < MIN_VIEWS:
+        raise CaptureError(
+            f"{len(views)} views were taken, and {MIN_VIEWS} are needed: `calibdb resume` goes on with them"
+        )

@@ -1,0 +1,243 @@
+"""Live capture: frames become views, hands-free, when the board is still and where it helps.
+
+The rules and numbers are those of the capture page. A conversation: it yields the requests of its guide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..board import Board
+from ..detection import Corners, Detector, recognise
+from ..errors import CaptureError
+from ..flows import Flow
+from ..projection import Array
+from ..recording import RecordedView, Recording
+from ..session import CaptureResult
+from .feedback import Feedback, Scene
+from .frames import Frame, Frames
+from .guide import Guide, Status, Target, require_views
+from .outline import TEXTS, advice, difference, foreshortening, outline_of, overlap
+from .stillness import REFERENCE_WIDTH_PX, Stillness, motion
+
+HOLD_S, LONG_HOLD_S = 0.7, 1.5
+"""Time for which the board is still at the target; anywhere else, where the view may help all the same."""
+FROZEN_HOLD_S = 3.0
+"""Time of a hold that shows one picture again and again: a camera that stalls looks like a steady hand."""
+MIN_HOLD_FRAMES = 3
+MIN_OVERLAP, MAX_DIFFERENCE = 0.75, 0.06
+"""Overlap with the target, and difference in tilt, that count as there."""
+TOLERANCES, TOLERANT_AFTER_S = (0.8, 1.6), 10.0
+"""Factors on what a hand may miss by, at first and after that time. Whoever is led by words stops at the first
+"hold still", and at the picture's border a hand's breadth is most of what a view tells."""
+MIN_FORESHORTENING = 0.08
+"""From which a pose other than the target may help."""
+MIN_DISPLACEMENT_PX = 8.0
+"""At 1280 px image width, from the last view that was judged."""
+STUCK_S, MAX_TARGET_S = 15.0, 45.0
+"""Time without coming nearer, and in all, after which another pose is asked for."""
+READ_REFUSAL_S = 2.0
+"""Time to read why a view at the target was refused, before another pose is asked for."""
+MIN_APPROACH = 0.05
+LENIENT_AFTER_S, MAX_LENIENCE = 3.0, 4.0
+"""Time in which a steady hand would be still; later, up to so many times its motion counts as still."""
+RECOGNITION_FRAMES = 5
+"""Frames that are looked at together for a board that nobody described."""
+MAX_RECOGNITION_FRAMES = 900
+
+
+@dataclass
+class Aim:
+    """The target of the moment, and how near the board came to it.
+
+    Attributes
+    ----------
+    target, outline
+        The target, and the board's edge (4, 2) px in it; None if it shows too little.
+    since
+        Seconds, when it was set.
+    nearest, nearest_at
+        Least distance from it so far, and when.
+    refused_at
+        Seconds, when a view at it was refused.
+    """
+
+    target: Target
+    outline: Array | None
+    since: float
+    nearest: float = float("inf")
+    nearest_at: float = 0.0
+    refused_at: float | None = None
+
+
+class Live:
+    """One live capture.
+
+    Parameters
+    ----------
+    frames, recording
+        The source; camera and board, and the views of an earlier capture that it goes on with.
+    guide, feedback
+        The guide, and who tells the person.
+    keep
+        Is told the recording after each view, before anything else happens.
+    """
+
+    def __init__(
+        self,
+        frames: Frames,
+        recording: Recording,
+        guide: Guide,
+        feedback: Feedback,
+        keep: Callable[[Recording], object],
+    ) -> None:
+        self.recording = recording
+        self._frames, self._guide, self._feedback, self._keep = frames, guide, feedback, keep
+        self._detector = Detector(recording.board)
+        self._width = recording.key.img_size[0]
+        self._status = Status()
+        self._aim: Aim | None = None
+        self._still = Stillness()
+        self._judged: Corners | None = None
+        self._required: float | None = None
+
+    def run(self) -> Flow[CaptureResult]:
+        """Capture until the guide has converged, the file ends, or the person stops with views enough."""
+        self._status = yield from self._guide.start()
+        yield from self._replay()
+        while not self._status.done:
+            frame = self._frames.next()
+            if frame is None:
+                break
+            if self._aim is None:
+                yield from self._set_target(frame.time)
+            corners = self._detector.find(frame.picture)
+            command = self._observe(frame, corners)
+            if command == "stop":
+                break
+            if command == "skip" or self._is_stuck(frame.time):
+                yield from self._set_target(frame.time, skip=True)
+            elif corners is not None and self._is_due(corners):
+                yield from self._judge(corners, frame.time)
+        require_views(self.recording.views)
+        return (yield from self._guide.finish(self.recording))
+
+    def _replay(self) -> Flow[None]:
+        """Offer the views of an earlier capture; those that are refused stay in the file."""
+        for view in self.recording.views:
+            if self._status.done:
+                return
+            target = yield from self._guide.target()
+            judgement = yield from self._guide.judge(target, view)
+            self._status = judgement.status
+
+    def _set_target(self, time: float, skip: bool = False) -> Flow[None]:
+        target = yield from self._guide.target(skip)
+        edge = outline_of(self.recording.board, target.ids, target.corners)
+        self._aim = Aim(target, edge, time, nearest_at=time)
+        self._still = Stillness()
+
+    def _observe(self, frame: Frame, corners: Corners | None) -> str:
+        """Update the hold and the distance from the target, and show the frame."""
+        aim = self._aim
+        assert aim is not None  # noqa: S101 - set before
+        elapsed = frame.time - aim.since
+        tolerance = float(np.interp(elapsed, (0.0, TOLERANT_AFTER_S), TOLERANCES))
+        lenience = min(MAX_LENIENCE, max(1.0, elapsed / LENIENT_AFTER_S))
+        self._still = self._still.observe(corners, frame.time, self._width, lenience, frame.repeated)
+        seen = None if corners is None else outline_of(self.recording.board, corners.ids, corners.points)
+        there, instruction = False, "show the board to the camera"
+        if corners is not None and seen is None:
+            instruction = TEXTS["show_more"]
+        if seen is not None:
+            covered = overlap(seen, aim.target.outline, frame.size)
+            off = difference(seen, aim.outline) if aim.outline is not None else 0.0
+            there = 1 - covered < (1 - MIN_OVERLAP) * tolerance and off < MAX_DIFFERENCE * tolerance
+            distance = 1 - covered + off
+            if distance < aim.nearest - MIN_APPROACH:
+                aim.nearest, aim.nearest_at = distance, frame.time
+            code = "" if there or aim.outline is None else advice(seen, aim.outline, tolerance)
+            instruction = TEXTS[code or "hold_still"]
+        self._required = self._required_hold(seen, there, corners)
+        hold = 0.0 if self._required is None else min(1.0, self._still.held / self._required)
+        points = None if corners is None else corners.points
+        return self._feedback.show(Scene(frame.picture, points, aim.target, instruction, hold, self._status))
+
+    def _required_hold(self, seen: Array | None, there: bool, corners: Corners | None) -> float | None:
+        """Time for which the board must be still where it is; None: no view is taken there."""
+        if seen is None or corners is None:
+            return None
+        nearest = MIN_DISPLACEMENT_PX * self._width / REFERENCE_WIDTH_PX
+        if self._judged is not None and motion(self._judged, corners) < nearest:
+            return None
+        if not there and foreshortening(seen) < MIN_FORESHORTENING:
+            return None
+        usual = HOLD_S if there else LONG_HOLD_S
+        return usual if self._still.frames >= MIN_HOLD_FRAMES else FROZEN_HOLD_S
+
+    def _is_due(self, corners: Corners) -> bool:
+        """Whether a view is taken now: the hold is long enough, and this very frame belongs to it."""
+        return (
+            self._required is not None and self._still.last is corners and self._still.held >= self._required
+        )
+
+    def _is_stuck(self, time: float) -> bool:
+        aim = self._aim
+        assert aim is not None  # noqa: S101
+        if aim.refused_at is not None:
+            return time - aim.refused_at > READ_REFUSAL_S
+        if self._still.anchor is None:  # while no board is in sight, another pose would not help
+            return False
+        return time - aim.nearest_at > STUCK_S or time - aim.since > MAX_TARGET_S
+
+    def _judge(self, corners: Corners, time: float) -> Flow[None]:
+        """Keep the view, and have it judged."""
+        aim = self._aim
+        assert aim is not None  # noqa: S101
+        points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
+        view = RecordedView(f"view {len(self.recording.views) + 1}", corners.ids, points)
+        before = self.recording
+        self.recording = replace(before, views=(*before.views, view))
+        self._keep(self.recording)
+        judgement = yield from self._guide.judge(aim.target, view)
+        self._judged, self._still = corners, Stillness()
+        self._status = judgement.status
+        if judgement.accepted:
+            self._feedback.taken(judgement.status)
+            self._aim = None
+            return
+        self.recording = before
+        self._keep(before)
+        words = TEXTS.get(judgement.hint, "")
+        self._feedback.note(f"not taken: {judgement.reason}{'; ' + words if words else ''}")
+        aim.refused_at = time
+
+
+def first_board(frames: Frames, feedback: Feedback) -> Board:
+    """Return the board that the first frames show, which nobody described.
+
+    Raises CaptureError if none is recognised in `MAX_RECOGNITION_FRAMES`.
+    """
+    feedback.note("show the board to the camera: it will be recognised")
+    seen: list[Any] = []
+    for _ in range(MAX_RECOGNITION_FRAMES):
+        frame = frames.next()
+        if frame is None:
+            break
+        seen.append(frame.picture)
+        if len(seen) == RECOGNITION_FRAMES:
+            board = recognise(seen)
+            if board is not None:
+                feedback.note(f"board: {board}")
+                return board
+            seen = []
+    board = recognise(seen)
+    if board is None:
+        raise CaptureError(
+            "no board was recognised: describe it by --kind, --squares, --marker-ratio and --dictionary"
+        )
+    return board

@@ -1,0 +1,183 @@
+"""A whole live capture: source, board, guide and feedback together, and what is left if it ends early."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal, TypedDict
+
+from ..board import Board
+from ..errors import CalibDBError, UsageError
+from ..flows import Flow
+from ..key import UNNAMED, CameraKey
+from ..recording import Recording
+from ..session import CaptureResult
+from .feedback import Feedback, Silent
+from .frames import Frames
+from .guide import Guide, Maker, OfflineGuide, ServiceGuide
+from .live import Live, first_board
+from .source import NamedSource, open_source
+from .terminal import Terminal
+from .window import Window, has_window
+
+Show = Literal["auto", "window", "text", "none"] | Feedback
+Keep = Callable[[Recording], object]
+
+
+class CaptureOptions(TypedDict, total=False):
+    """Options of a live capture, of which each has a default.
+
+    Attributes
+    ----------
+    label, platform, zoom
+        Of the camera, if not those that it has in a browser here.
+    size
+        Width and height that its pictures must have, px.
+    board
+        The board; recognised unless given.
+    show
+        ``window``, ``text``, ``none``, ``auto`` (a window where there is one, else text), or a `Feedback`.
+    resume
+        Recording of an earlier capture of this camera, to go on with.
+    clock
+        Seconds, by which the board's stillness is timed; of a file it is the file's own.
+    """
+
+    label: str | None
+    platform: str | None
+    zoom: float | None
+    size: tuple[int, int] | None
+    board: Board | None
+    show: Show
+    resume: Recording | None
+    clock: Callable[[], float]
+
+
+class CaptureInterruptedError(KeyboardInterrupt):
+    """The person ended the capture; `recording` holds the views so far."""
+
+    def __init__(self, recording: Recording) -> None:
+        super().__init__("interrupted")
+        self.recording = recording
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """A capture that is about to begin.
+
+    Attributes
+    ----------
+    source, frames, feedback
+        The source, its frames, and who tells the person.
+    recording
+        Camera and board, and the views of an earlier capture that it goes on with.
+    """
+
+    source: NamedSource
+    frames: Frames
+    feedback: Feedback
+    recording: Recording
+
+    def offline(self, model: str, keep: Keep, clock: Callable[[], float] = time.time) -> Flow[CaptureResult]:
+        """Capture and calibrate on this machine; `clock` is the calibration's time, unix seconds."""
+        return self._run(lambda: OfflineGuide(self.recording, model, clock), keep)
+
+    def by_service(
+        self, model: str, keep: Keep, make: Maker, consent: Mapping[str, str]
+    ) -> Flow[CaptureResult]:
+        """Capture by the guidance of the service, and have it calibrate."""
+        return self._run(lambda: ServiceGuide(self.recording, model, make, consent), keep)
+
+    def close(self) -> None:
+        """Close the window, and the camera if it was opened here."""
+        self.feedback.close()
+        self.source.close()
+
+    def _run(self, guide: Callable[[], Guide], keep: Keep) -> Flow[CaptureResult]:
+        live: Live | None = None
+        try:
+            live = Live(self.frames, self.recording, guide(), self.feedback, keep)
+            return (yield from live.run())
+        except CalibDBError as error:
+            error.recording = live.recording if live else self.recording
+            raise
+        except KeyboardInterrupt:
+            raise CaptureInterruptedError(live.recording if live else self.recording) from None
+        finally:
+            self.close()
+
+
+def prepare(
+    camera: Any,
+    *,
+    label: str | None = None,
+    platform: str | None = None,
+    zoom: float | None = None,
+    size: tuple[int, int] | None = None,
+    board: Board | None = None,
+    show: Show = "auto",
+    resume: Recording | None = None,
+    named: bool = True,
+    clock: Callable[[], float] = time.monotonic,
+) -> Operation:
+    """Open the source and find out what it shows.
+
+    Parameters
+    ----------
+    camera
+        As in `open_source`.
+    label, platform, zoom, size, board, show, resume, clock
+        As in `CaptureOptions`.
+    named
+        Whether the camera must have a label: without one its calibration cannot be looked up.
+
+    Raises CameraError, CaptureError, MissingPackageError or UsageError.
+    """
+    if resume is not None:
+        size = size or resume.key.img_size
+    feedback = feedback_of(show)
+    source = open_source(camera, size)
+    try:
+        frames = Frames(source.source, source.name, clock)
+        delivered = frames.size
+        if size is not None and delivered != tuple(size):
+            raise UsageError(
+                f"{source.name} delivers {delivered[0]}x{delivered[1]} and not {size[0]}x{size[1]}: "
+                "set it to that size"
+            )
+        if resume is not None:
+            return Operation(source, frames, feedback, replace(resume, live=True))
+        name = label or source.label
+        if name is None and named:
+            raise UsageError(f"which camera is {source.name}? Say its label, as a browser gives it")
+        key = _key(source, name or UNNAMED, platform, delivered, zoom)
+        chosen = board or first_board(frames, feedback)
+        return Operation(source, frames, feedback, Recording(key, chosen, (), live=True))
+    except BaseException:
+        feedback.close()
+        source.close()
+        raise
+
+
+def feedback_of(show: Show) -> Feedback:
+    """Return the feedback that an argument `show` means."""
+    if not isinstance(show, str):
+        return show
+    if show == "none":
+        return Silent()
+    if show not in ("auto", "window", "text"):
+        raise UsageError(f"a capture is shown by auto, window, text or none, not {show!r}")
+    window = show == "window" or (show == "auto" and has_window())
+    if window and not has_window():
+        raise UsageError("there is no window here: say text, or install opencv-python and set DISPLAY")
+    return Window(Terminal()) if window else Terminal()
+
+
+def _key(
+    source: NamedSource, label: str, platform: str | None, size: tuple[int, int], zoom: float | None
+) -> CameraKey:
+    from ..devices import platform_of
+
+    known = zoom if zoom is not None else float(getattr(source.source, "zoom", 0.0) or 0.0)
+    return CameraKey(label, platform or source.platform or platform_of(), size, known)

@@ -1,0 +1,102 @@
+"""A check of the database's calibration of a camera, on a few fresh views of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import CaptureError
+from .flows import Flow
+from .recording import RecordedView, Recording
+from .wire import Request
+
+if TYPE_CHECKING:
+    from .calibration import Calibration
+
+CHECK_VIEWS = 3
+"""Views of a check: three, tilted differently, tell whether a calibration fits."""
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """Result of a check.
+
+    Attributes
+    ----------
+    fits
+        Whether the calibration fits the views.
+    error, expected
+        px rms of the views under it, and under a camera fitted to them alone.
+    counted
+        Whether the check counts as a vote.
+    votes
+        Number of votes that agree, and that disagree.
+    calibration
+        The calibration that was checked.
+    record
+        All that the service answered.
+    """
+
+    fits: bool
+    error: float
+    expected: float
+    counted: bool
+    votes: tuple[int, int]
+    calibration: Calibration
+    record: Mapping[str, Any]
+
+
+def check(
+    recording: Recording,
+    model: str,
+    make: Callable[[Mapping[str, Any]], Calibration],
+    consent: Mapping[str, str],
+) -> Flow[CheckResult]:
+    """Have the service score its calibration on the views of a recording, of which three are sent."""
+    views = most_different(recording)
+    reply = yield Request("POST", "v1/auth")
+    body = {
+        **recording.key.record(),
+        "distortion_model": model,
+        "board": recording.board.record(),
+        "views": [{"ids": list(view.ids), "points": [list(q) for q in view.points]} for view in views],
+        **consent,
+    }
+    reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
+    told = reply.json
+    return CheckResult(
+        told["fits"] == "fits",
+        float(told["error"]),
+        float(told["expected"]),
+        bool(told["counted"]),
+        (int(told["votes"]["agree"]), int(told["votes"]["disagree"])),
+        make(told["calibration"]),
+        told,
+    )
+
+
+def most_different(recording: Recording, count: int = CHECK_VIEWS) -> Sequence[RecordedView]:
+    """Return the views, at most `count`, in which the board is tilted most differently.
+
+    Raises CaptureError if there are none.
+    """
+    from .capture.outline import difference, outline_of
+
+    outlines = [outline_of(recording.board, view.ids, view.points) for view in recording.views]
+    usable = [i for i, outline in enumerate(outlines) if outline is not None]
+    if not usable:
+        raise CaptureError("no picture shows the board: show it, tilted, and try again")
+    shapes = {i: outlines[i] for i in usable}
+    chosen = [usable[0]]
+    while len(chosen) < min(count, len(usable)):
+        left = [i for i in usable if i not in chosen]
+        distance = [min(difference(_known(shapes[i]), _known(shapes[k])) for k in chosen) for i in left]
+        chosen.append(left[int(np.argmax(distance))])
+    return [recording.views[i] for i in sorted(chosen)]
+
+
+def _known(outline: Any) -> Any:
+    return outline

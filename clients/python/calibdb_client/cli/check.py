@@ -1,0 +1,69 @@
+"""The command `check`: whether the database's calibration fits this camera."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from ..errors import UsageError
+from ..recording import Recording
+from . import options
+from .board import chosen_board
+from .capture_options import add_licence, add_source, capture_arguments, kind_of, licence_of
+from .output import Output, calibration_facts
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "check",
+        help="check the database's calibration on three frames",
+        description="Check the database's calibration of a camera on three still frames of a board, tilted "
+        "differently: live, or of pictures, a video or a file that `calibrate` wrote.",
+    )
+    add_source(parser)
+    add_licence(parser)
+    options.add_service(parser)
+    parser.set_defaults(run=run)
+
+
+def run(chosen: argparse.Namespace, output: Output) -> int:
+    """Take or read the frames, and have them scored."""
+    source: Any = chosen.source[0]
+    if len(chosen.source) == 1 and source.endswith(".json"):
+        camera: Any = Recording.load(source)
+        arguments: dict[str, Any] = {}
+    elif kind_of(chosen.source) == "camera":
+        camera, arguments = int(source) if source.isdigit() else source, capture_arguments(chosen)
+    else:
+        camera, arguments = _pictures(chosen), {}
+    licence = licence_of(chosen, output)
+    with options.client(chosen) as client:
+        result = client.check(camera, model=chosen.model, licence=licence, **arguments)
+    if output.json:
+        output.document(dict(result.record))
+    else:
+        agree, disagree = result.votes
+        output.facts(
+            [
+                ("fits", "yes" if result.fits else "no"),
+                ("error", f"{result.error:.3f} px, {result.expected:.3f} px expected"),
+                ("counted", "yes" if result.counted else "no"),
+                ("votes", f"{agree} agree, {disagree} disagree"),
+                *calibration_facts(result.calibration.record),
+            ]
+        )
+    if not result.fits:
+        output.note("the calibration does not fit this camera: calibrate it (`calibdb calibrate`)")
+    return 0 if result.fits else 1
+
+
+def _pictures(chosen: argparse.Namespace) -> Recording:
+    from ..images import recording_of
+
+    if not chosen.label:
+        raise UsageError("which camera took them? Say --label, and --platform if a browser used it")
+    paths = [Path(each) for each in chosen.source]
+    board = chosen_board(chosen)
+    return recording_of(paths, chosen.label, board, chosen.platform, chosen.zoom, least=1)

@@ -1,0 +1,47 @@
+"""The command `resume`: a live capture that ended early goes on."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from ..errors import UsageError
+from ..key import UNNAMED
+from ..recording import Recording
+from . import live, options
+from .capture_options import add_licence, add_model, add_show, licence_of
+from .output import Output
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "resume",
+        help="go on with a live capture that ended early",
+        description="Go on with a live capture, from the file that `calibdb calibrate` kept.",
+    )
+    parser.add_argument("file", help="file that `calibdb calibrate` kept")
+    parser.add_argument("camera", nargs="?", help="the camera; found by its label unless given")
+    parser.add_argument(
+        "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
+    )
+    add_show(parser)
+    add_model(parser)
+    add_licence(parser)
+    options.add_service(parser)
+    parser.set_defaults(run=run)
+
+
+def run(chosen: argparse.Namespace, output: Output) -> int:
+    """Read the file, open the camera, and go on."""
+    recording = Recording.load(chosen.file)
+    if not recording.live:
+        raise UsageError(f"{chosen.file} holds pictures, not a live capture: `calibdb submit {chosen.file}`")
+    if not chosen.offline and recording.key.camera == UNNAMED:
+        raise UsageError("this capture has no camera's label: go on with --offline")
+    camera = chosen.camera or recording.key.camera
+    if camera == UNNAMED:
+        raise UsageError("which camera is it? Give its index, path or address after the file")
+    licence = None if chosen.offline else licence_of(chosen, output)
+    arguments = {"resume": recording, "show": chosen.show}
+    return live.capture(camera, arguments, licence, live.KeptFile(chosen.file), chosen, output)

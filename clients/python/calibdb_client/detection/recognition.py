@@ -1,0 +1,234 @@
+"""Recognition of the board that pictures show.
+
+Markers name their dictionary. Their numbers, row by row, fit the lattice of one number of columns only, of
+one kind of board and one layout; their size in the lattice is the ratio to the squares. A board without
+markers is a chessboard, whose corners OpenCV counts.
+"""
+
+from __future__ import annotations
+
+import statistics
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..board import DICTIONARIES, Board, opencv
+from ..errors import UsageError
+from ..projection import Array
+from .corners import Corners
+from .detector import Detector, grey_of
+from .markers import Markers, find_markers
+
+MAX_LOOKED_AT = 8
+"""Pictures in which one board is looked for."""
+MAX_SEARCHED = 3
+"""Pictures of these, and families of markers, that are tried; more would say the same."""
+MAX_SIDE_PX = 1600
+"""Longer side of a picture in which a board is looked for; larger ones are shrunk."""
+MIN_MARKERS = 5
+"""Markers of a picture whose numbers say how the board is laid out."""
+MAX_RESIDUAL = 0.12
+"""Mean distance of markers from their lattice / its pitch, far ones counted as one."""
+MAX_TRIALS = 50
+"""Sets of four markers by which a layout is tried: few of them are no markers."""
+MIN_LEAD = 2.0
+"""Residual of the second best layout / that of the best."""
+MAX_COLUMNS = 50
+USUAL_RATIOS = (0.5, 0.6, 0.65, 0.7, 0.75, 0.8)
+MAX_RATIO_OFFSET = 0.02
+"""Difference from a usual marker ratio up to which that is meant."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Layout of numbered markers on a board: how many columns, and which of its cells hold one.
+
+    Attributes
+    ----------
+    columns
+        Columns of squares or tags.
+    first
+        Whether the first cell of a checkered layout holds a marker; None: every cell does, from the bottom.
+    """
+
+    columns: int
+    first: bool | None
+
+    def cells(self, ids: Any) -> Array:
+        """Columns and rows (n, 2) of markers; rows of an AprilGrid are negative: it is numbered upwards."""
+        if self.first is None:
+            row, column = np.divmod(ids, self.columns)
+            return np.stack([column, -row], axis=1).astype(np.float64)
+        # Two rows hold as many markers as a row has squares.
+        upper = (self.columns + self.first) // 2
+        pair, rest = np.divmod(ids, self.columns)
+        lower = rest >= upper
+        column = np.where(lower, 2 * (rest - upper) + self.first, 2 * rest + (not self.first))
+        return np.stack([column, 2 * pair + lower], axis=1).astype(np.float64)
+
+
+def recognise(pictures: Iterable[Any]) -> Board | None:
+    """Return the board in pictures (h, w) or (h, w, 3), 8 bits; None if they show none, or do not tell.
+
+    Raises MissingPackageError without OpenCV.
+    """
+    greys = []
+    for picture in pictures:
+        greys.append(_shrunk(grey_of(picture)))
+        if len(greys) == MAX_LOOKED_AT:
+            break
+    return _with_markers(greys) or _chessboard(greys)
+
+
+def _with_markers(greys: Sequence[Any]) -> Board | None:
+    """Return the board that the markers of most pictures fit."""
+    found = [find_markers(grey) for grey in greys]
+    families = Counter(
+        {key: sum(len(each[key].ids) for each in found if key in each) for key in set().union(*found)}
+    )
+    for key, _ in families.most_common(MAX_SEARCHED):
+        seen = [each[key] for each in found if key in each and len(each[key].ids) >= MIN_MARKERS]
+        seen.sort(key=lambda each: -len(each.ids))
+        if seen and (layout := _layout(seen[:MAX_SEARCHED])):
+            return _board(layout, *key, seen, greys)
+    return None
+
+
+def _layout(seen: Sequence[Markers]) -> Layout | None:
+    """Return the layout that the markers fit, if it is certain."""
+    scores: list[tuple[float, Layout]] = []
+    last = max(int(each.ids.max()) for each in seen)
+    for first in (False, True, None):
+        rows = 2 if first is None else 1  # at least two are seen, so that there are no more columns than that
+        for columns in range(2 if first is None else 3, min(MAX_COLUMNS, last * 2 // rows + 1) + 1):
+            layout = Layout(columns, first)
+            residuals = [r for each in seen if (r := _fit(layout, each)[0]) is not None]
+            if residuals:
+                scores.append((statistics.median(residuals), layout))
+    scores.sort(key=lambda each: each[0])
+    if not scores or scores[0][0] > MAX_RESIDUAL:
+        return None
+    if len(scores) > 1 and scores[1][0] < MIN_LEAD * scores[0][0]:
+        return None
+    return scores[0][1]
+
+
+def _fit(layout: Layout, seen: Markers) -> tuple[float | None, Any]:
+    """Return the residual, pitches, of markers in a layout, and the homography to its cells; None: no fit."""
+    cells = layout.cells(seen.ids) + 0.5
+    if np.linalg.matrix_rank(cells - cells.mean(axis=0), tol=0.5) < 2:
+        return None, None
+    middles = seen.corners.mean(axis=1)
+    matrix, _ = opencv().findHomography(middles, cells, opencv().RANSAC, MAX_RESIDUAL, maxIters=MAX_TRIALS)
+    if matrix is None:
+        return None, None
+    placed = opencv().perspectiveTransform(middles[None], matrix)[0]
+    # Board and picture are both seen from before: a layout that mirrors one of them is wrong.
+    if np.linalg.det(matrix) < 0 or not np.isfinite(placed).all():
+        return None, None
+    return float(np.minimum(np.linalg.norm(placed - cells, axis=1), 1.0).mean()), matrix
+
+
+def _board(
+    layout: Layout, family: str, inverted: bool, seen: Sequence[Markers], greys: Sequence[Any]
+) -> Board | None:
+    side = statistics.median(side for each in seen for side in _sides(layout, each, inverted))
+    rows = max(int(np.abs(layout.cells(each.ids)[:, 1]).max()) for each in seen) + 1
+    try:
+        if layout.first is None:
+            grid = Board((layout.columns, rows), 0.65, family, False, "aprilgrid", inverted, 1 / side - 1)
+            return _spaced(grid, greys)
+        rows = max(rows, 3)
+        if layout.first and rows % 2:  # the old layout differs where the number of rows is even
+            rows += 1
+        dictionary = _smallest(family, layout.columns * rows // 2)
+        ratio = min(USUAL_RATIOS, key=lambda each: abs(each - side))
+        if abs(ratio - side) > MAX_RATIO_OFFSET:
+            ratio = round(side, 2)
+        return Board((layout.columns, rows), ratio, dictionary, layout.first, inverted=inverted)
+    except UsageError:
+        return None
+
+
+def _sides(layout: Layout, seen: Markers, inverted: bool) -> list[float]:
+    """Sides of the markers, pitches. Contours run through the outermost black pixels, not along them."""
+    _, matrix = _fit(layout, seen)
+    if matrix is None:
+        return []
+    corners = opencv().perspectiveTransform(seen.corners.reshape(1, -1, 2), matrix).reshape(-1, 4, 2)
+    edges, pixels = (
+        np.linalg.norm(each - np.roll(each, -1, axis=1), axis=2).mean(axis=1)
+        for each in (corners, seen.corners)
+    )
+    return [float(each) for each in edges * (pixels + (-1 if inverted else 1)) / pixels]
+
+
+def _spaced(grid: Board, greys: Sequence[Any]) -> Board:
+    """Return an AprilGrid with the spacing at which its refined corners lie in planes best."""
+    spacing = grid.tag_spacing
+    for width in (0.15, 0.05, 0.02):
+        detector = Detector(replace(grid, tag_spacing=spacing))
+        views = [found for grey in _spread(greys, MAX_SEARCHED) if (found := detector.find(grey)) is not None]
+        if not views:
+            break
+        trials = spacing * np.linspace(1 - width, 1 + width, 9)
+        spacing = float(
+            min(trials, key=lambda each: _residual(replace(grid, tag_spacing=float(each)), views))
+        )
+    return replace(grid, tag_spacing=round(spacing, 2))
+
+
+def _residual(board: Board, views: Sequence[Corners]) -> float:
+    """Median over pictures of the distance of corners from a plane's picture, px."""
+    residuals = []
+    for view in views:
+        places = board.places[list(view.ids)]
+        matrix, _ = opencv().findHomography(places, view.points, 0)
+        if matrix is not None:
+            off = opencv().perspectiveTransform(places[None], matrix)[0] - view.points
+            residuals.append(float(np.sqrt(np.mean(np.sum(off**2, axis=1)))))
+    return statistics.median(residuals) if residuals else float("inf")
+
+
+def _smallest(family: str, count: int) -> str:
+    """Return the smallest dictionary of a family with so many markers: fewer are mistaken for others."""
+    stem = family.removesuffix("_1000")
+    smaller = [n for n in (50, 100, 250) if f"{stem}_{n}" in DICTIONARIES and count <= n]
+    return f"{stem}_{smaller[0]}" if stem != family and smaller else family
+
+
+def _chessboard(greys: Sequence[Any]) -> Board | None:
+    """Return the chessboard in most pictures, counted by OpenCV.
+
+    One that is white on black is the same board turned by half a turn, or gives the same intrinsics.
+    """
+    cv2 = opencv()
+    sizes: Counter[tuple[int, int]] = Counter()
+    for grey in _spread(greys, MAX_SEARCHED):
+        found, _, meta = cv2.findChessboardCornersSBWithMeta(grey, (3, 3), cv2.CALIB_CB_LARGER)
+        if found and meta is not None:
+            rows, columns = np.asarray(meta).shape[:2]
+            sizes[max(rows, columns) + 1, min(rows, columns) + 1] += 1
+    if not sizes:
+        return None
+    size, times = sizes.most_common(1)[0]
+    if times < 2 and len(greys) > 1:
+        return None
+    try:
+        return Board(size, kind="chessboard")
+    except UsageError:
+        return None
+
+
+def _shrunk(grey: Any) -> Any:
+    factor = MAX_SIDE_PX / max(grey.shape)
+    if factor >= 1:
+        return grey
+    return opencv().resize(grey, None, fx=factor, fy=factor, interpolation=opencv().INTER_AREA)
+
+
+def _spread(values: Sequence[Any], count: int) -> list[Any]:
+    return [values[n * len(values) // count] for n in range(count)] if len(values) > count else list(values)

@@ -1,0 +1,54 @@
+"""Recordings of pictures and videos: the board is recognised if nobody described it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from . import pictures
+from .board import Board
+from .capture.source import is_video
+from .capture.video import read_video
+from .errors import CaptureError
+from .key import CameraKey, HasLabel, key_of
+from .pictures import MIN_VIEWS, Found
+from .recording import Recording
+
+
+def recording_of(
+    paths: str | Path | Iterable[str | Path],
+    camera: CameraKey | HasLabel | str,
+    board: Board | None = None,
+    platform: str | None = None,
+    zoom: float | None = None,
+    least: int = MIN_VIEWS,
+) -> Recording:
+    """Find the board in pictures, folders of pictures, or one video file.
+
+    Parameters as of `Client.calibrate_images`; `least` views suffice.
+
+    Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
+    """
+    found = Found()
+    given = [paths] if isinstance(paths, (str, Path)) else list(paths)
+    if len(given) == 1 and is_video(given[0]):
+        chosen = read_video(given[0], board, found)
+    else:
+        files = pictures.picture_paths(given)
+        chosen = board or board_of(files)
+        pictures.read(files, chosen, found)
+    size, views = found.of_one_size(least)
+    if platform is None and isinstance(camera, str):
+        platform = pictures.PLATFORM
+    return Recording(key_of(camera, platform, size, zoom), chosen, views)
+
+
+def board_of(files: list[Path]) -> Board:
+    """Return the board that pictures show. Raises CaptureError if they do not tell."""
+    board = pictures.recognised(files)
+    if board is None:
+        raise CaptureError(
+            "no board was recognised in the pictures: describe it by --kind, --squares, --marker-ratio and "
+            "--dictionary"
+        )
+    return board

@@ -1,0 +1,117 @@
+"""A camera with a known truth, and a person before it who does what the text says, and nothing else."""
+
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+
+from calibdb_client import Board
+from calibdb_client.board_sheet import png
+from calibdb_client.capture.feedback import Scene
+from calibdb_client.capture.guide import Status
+from calibdb_client.capture.outline import TEXTS
+
+FRAME_S = 0.12
+SQUARE_PX = 60
+BORDER_PX = 60
+SHOW = "show the board to the camera"
+STEP, TURN = 0.05, 0.08
+
+
+@dataclass
+class VirtualCamera:
+    """Source of pictures (h, w) of a board in a hand that follows words; `clock` is its frames' time.
+
+    The lens has distortion; the sensor has noise, so that no picture is the one before.
+    """
+
+    board: Board = field(default_factory=Board)
+    size: tuple[int, int] = (640, 480)
+    fx: float = 570.0
+    k1: float = -0.08
+    noise: float = 1.0
+    seed: int = 0
+    frames: int = 0
+    words: str = ""
+
+    def __post_init__(self) -> None:
+        self.rng = np.random.default_rng(self.seed)
+        w, h = self.size
+        self.matrix = np.array([[self.fx, 0, w / 2 + 4], [0, self.fx, h / 2 - 3], [0, 0, 1.0]])
+        self.distortion = np.array([self.k1, 0.01, 0, 0, 0])
+        drawn = np.frombuffer(png(self.board, SQUARE_PX), np.uint8)
+        self.sheet = cv2.imdecode(drawn, cv2.IMREAD_GRAYSCALE)
+        # A pinhole camera sees some more than the lens; its picture is then bent.
+        self.pinhole = np.add(self.matrix, [[0, 0, BORDER_PX], [0, 0, BORDER_PX], [0, 0, 0]])
+        pixels = np.indices((h, w), dtype=np.float64)[::-1].reshape(2, -1).T
+        bent = cv2.undistortPoints(pixels[:, None], self.matrix, self.distortion, P=self.pinhole)
+        self.lens = cv2.convertMaps(bent.reshape(h, w, 2).astype(np.float32), None, cv2.CV_16SC2)
+        self.grain = [
+            np.clip(self.rng.normal(0, self.noise, (h, w)), -20, 20).astype(np.int8) for _ in range(7)
+        ]
+        self.middle = np.array([*self.board.edge.mean(axis=0), 0])
+        self.rotation, self.place = np.eye(3), np.array([0, 0, 1.4 * max(self.board.size)])
+
+    def clock(self) -> float:
+        """Seconds."""
+        return self.frames * FRAME_S
+
+    def read(self) -> tuple[bool, np.ndarray]:
+        """Follow the words for the time of a frame, and look."""
+        self.frames += 1
+        self.follow(self.words)
+        return True, self.picture()
+
+    def picture(self) -> np.ndarray:
+        """Picture (h, w) of the board where it is."""
+        origin = self.place - self.rotation @ self.middle
+        left, top = self.board.edge[0] + 0.5 / SQUARE_PX - 0.5
+        to_board = np.array([[1 / SQUARE_PX, 0, left], [0, 1 / SQUARE_PX, top], [0, 0, 1]])
+        onto = self.pinhole @ np.column_stack([self.rotation[:, :2], origin]) @ to_board
+        size = (self.size[0] + 2 * BORDER_PX, self.size[1] + 2 * BORDER_PX)
+        flat = cv2.GaussianBlur(cv2.warpPerspective(self.sheet, onto, size, borderValue=150), (0, 0), 0.7)
+        seen = cv2.remap(flat, *self.lens, cv2.INTER_LINEAR)
+        return cv2.add(seen, self.grain[self.frames % len(self.grain)], dtype=cv2.CV_8U)
+
+    def follow(self, words: str) -> None:
+        """Move as told, by what a hand does in the time of a frame."""
+        code = next((code for code, text in TEXTS.items() if text == words), "")
+        if words == SHOW:
+            code = "farther"
+        step = STEP * self.place[2]
+        moves = {"left": (-step, 0, 0), "right": (step, 0, 0), "up": (0, -step, 0), "down": (0, step, 0)}
+        moves |= {"closer": (0, 0, -step), "farther": (0, 0, step)}
+        turns = {"tilt_top": (TURN, 0, 0), "tilt_bottom": (-TURN, 0, 0), "tilt_left": (0, -TURN, 0)}
+        turns |= {"tilt_right": (0, TURN, 0), "turn_clockwise": (0, 0, TURN)}
+        turns |= {"turn_counterclockwise": (0, 0, -TURN)}
+        self.place = self.place + moves.get(code, (0, 0, 0))
+        self.place[2] = np.clip(self.place[2], 3, 60)
+        turn = np.array(turns.get(code, (0, 0, 0)), dtype=np.float64)
+        self.rotation = cv2.Rodrigues(turn)[0] @ self.rotation
+
+
+@dataclass
+class Listener:
+    """Feedback that hands the words to the person, and remembers what was said."""
+
+    camera: VirtualCamera
+    said: list[str] = field(default_factory=list)
+    views: int = 0
+    closed: bool = False
+
+    def show(self, scene: Scene) -> str:
+        """Hand on the instruction."""
+        self.camera.words = scene.instruction
+        return ""
+
+    def taken(self, status: Status) -> None:
+        """Count."""
+        self.views = status.views
+
+    def note(self, text: str) -> None:
+        """Remember."""
+        self.said.append(text)
+
+    def close(self) -> None:
+        """Remember."""
+        self.closed = True

@@ -1,0 +1,310 @@
+"""Live captures on this machine: hands-free by words alone, and what is left when they end early."""
+
+import os
+import pty
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from calibdb_client import Board, Calibration, CameraError, CaptureError, Recording, UsageError, offline
+from calibdb_client.capture import frames as frames_module
+from calibdb_client.capture.feedback import Scene
+from calibdb_client.capture.frames import Frames
+from calibdb_client.capture.guide import Status, Target
+from calibdb_client.capture.operation import CaptureInterruptedError
+from calibdb_client.capture.outline import advice, difference, outline_of
+from calibdb_client.capture.source import is_stream, open_source
+from calibdb_client.capture.stillness import Stillness
+from calibdb_client.capture.terminal import Terminal
+from calibdb_client.capture.window import draw
+from calibdb_client.cli import main
+from calibdb_client.detection import Corners
+from tests.helpers import board_pictures
+from tests.helpers.virtual_person import Listener, VirtualCamera
+
+PICTURE = np.full((48, 64), 100, dtype=np.uint8)
+
+
+class Tape:
+    """Source of given pictures, then of nothing."""
+
+    def __init__(self, *pictures: Any) -> None:
+        self.pictures = list(pictures)
+
+    def read(self) -> tuple[bool, Any]:
+        return (True, self.pictures.pop(0)) if self.pictures else (False, None)
+
+
+def no_pause(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(frames_module, "LOST_PAUSE_S", 0)
+
+
+def test_words_alone_calibrate_a_camera_in_at_most_eight_views() -> None:
+    camera = VirtualCamera(seed=2)
+    listener = Listener(camera)
+    kept: list[Recording] = []
+    result = offline.calibrate(camera, show=listener, clock=camera.clock, keep=kept.append)
+    assert "board: ChArUco, 9 x 6 squares, marker ratio 0.65, DICT_4X4_50" in listener.said
+    assert listener.views <= 8
+    assert (
+        abs(result.calibration.camera_matrix[0, 0] - camera.fx)
+        < 3 * result.calibration.uncertainty["rms"] + 1
+    )
+    assert len(kept[-1].views) == listener.views
+    assert listener.closed
+    assert threading.active_count() == 1 or all(t.daemon for t in threading.enumerate()[1:])
+
+
+def test_capture_that_loses_its_camera_goes_on_later(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    no_pause(monkeypatch)
+    monkeypatch.chdir(tmp_path)
+    camera = VirtualCamera(seed=2)
+    listener = Listener(camera)
+    read = camera.read
+    monkeypatch.setattr(camera, "read", lambda: read() if listener.views < 2 else (False, None))
+    board = Board()
+    with pytest.raises(CameraError, match="plugged in") as unplugged:
+        offline.calibrate(camera, board=board, show=listener, clock=camera.clock)
+    kept = unplugged.value.recording
+    assert kept is not None
+    assert len(kept.views) == 2
+    kept.save(tmp_path / "kept.json")
+    resumed = Recording.load(tmp_path / "kept.json")
+    assert resumed == kept
+    monkeypatch.setattr(camera, "read", read)
+    result = offline.calibrate(camera, resume=resumed, show=listener, clock=camera.clock)
+    assert result.used <= 8
+    assert abs(result.calibration.camera_matrix[0, 0] - camera.fx) < 2
+    assert main(["resume", "kept.json", "no such camera", "--offline"]) == 6
+    assert "no camera 'no such camera'" in capfd.readouterr().err
+    assert Recording.load(tmp_path / "kept.json") == kept
+
+
+def test_interrupted_capture_hands_over_its_views() -> None:
+    camera = VirtualCamera()
+    listener = Listener(camera)
+
+    def press(scene: Scene) -> str:
+        if listener.views == 1:
+            raise KeyboardInterrupt
+        return Listener.show(listener, scene)
+
+    listener.show = press  # type: ignore[method-assign]
+    with pytest.raises(CaptureInterruptedError) as interrupted:
+        offline.calibrate(camera, board=Board(), show=listener, clock=camera.clock)
+    assert len(interrupted.value.recording.views) == 1
+    assert isinstance(interrupted.value, KeyboardInterrupt)
+    assert listener.closed
+
+
+def test_command_keeps_a_live_capture_and_says_how_to_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    camera = VirtualCamera(seed=2)
+    listener = Listener(camera)
+    taken = listener.taken
+
+    def press(status: Status) -> None:
+        taken(status)
+        if status.views == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(listener, "taken", press)
+    calibrate: Callable[..., Any] = offline.calibrate
+
+    def virtual(source: Any, **arguments: Any) -> Any:
+        assert source == 0
+        return calibrate(camera, **{**arguments, "show": listener, "clock": camera.clock})
+
+    monkeypatch.setattr(offline, "calibrate", virtual)
+    assert main(["calibrate", "0", "--offline", "--squares", "9x6"]) == 130
+    (path,) = tmp_path.iterdir()
+    assert f"`calibdb resume {path.name}` goes on" in capfd.readouterr().err
+    monkeypatch.setattr(listener, "taken", taken)
+    assert main(["resume", path.name, "0", "--offline", "--json"]) == 0
+    calibration = Calibration.load(path)
+    assert abs(calibration.camera_matrix[0, 0] - camera.fx) < 2
+    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+    recording = Recording.load(path)
+    assert recording.live
+    assert 4 <= len(recording.views) <= 8
+
+
+def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    writer = cv2.VideoWriter("board.avi", cv2.VideoWriter.fourcc(*"MJPG"), 2, board_pictures.SIZE)
+    for n, tilt in enumerate(board_pictures.TILTS):
+        picture = board_pictures.picture(Board(), tilt, 9.0 + 0.8 * n)
+        for _ in range(8):
+            writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
+    writer.release()
+    assert main(["calibrate", "board.avi", "--offline", "-o", "camera.json"]) == 0
+    found = Calibration.load("camera.json")
+    assert np.abs(found.camera_matrix - board_pictures.MATRIX).max() < 3 * found.uncertainty["rms"] + 2
+    assert len(Recording.load("camera.json").views) == 6
+    content = Path("board.avi").read_bytes()
+    Path("cut.avi").write_bytes(content[: len(content) * 3 // 4])
+    Path("none.mp4").write_bytes(content[1000:5000])
+    capfd.readouterr()
+    assert main(["calibrate", "cut.avi", "--offline", "-o", "cut.json"]) in (0, 7)
+    assert main(["calibrate", "none.mp4", "--offline"]) == 2
+    assert "cannot be read as a video" in capfd.readouterr().err
+    # through an object with read(), as a camera: its own time, its end
+    capture = cv2.VideoCapture("board.avi")
+    result = offline.calibrate(capture, board=Board(), show="none")
+    assert result.used <= 8
+    capture.release()
+
+
+def test_frames_of_another_size_and_lost_ones_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    no_pause(monkeypatch)
+    changed = Frames(Tape(PICTURE, PICTURE, PICTURE[:, :32]), "camera 0")
+    first, second = changed.next(), changed.next()
+    assert first is not None
+    assert second is not None
+    assert (first.repeated, second.repeated) == (False, True)
+    with pytest.raises(CameraError, match="from 64x48 to 32x48"):
+        changed.next()
+    with pytest.raises(CameraError, match="camera 0 delivers no picture"):
+        _ = Frames(Tape(), "camera 0").size
+    with pytest.raises(CameraError, match="no picture"):
+        offline.calibrate(Tape(), board=Board(), show="none")
+    with pytest.raises(CaptureError, match="0 views"):
+        offline.calibrate(VideoOf(PICTURE, 3), board=Board(), show="none")
+    with pytest.raises(CaptureError, match="no board was recognised"):
+        offline.calibrate(VideoOf(PICTURE, 3), show="none")
+    with pytest.raises(UsageError, match="delivers 64x48"):
+        offline.calibrate(VideoOf(PICTURE, 3), show="none", size=(1280, 720))
+
+
+class VideoOf:
+    """A `cv2.VideoCapture` of a file that shows one picture."""
+
+    def __init__(self, picture: Any, count: int) -> None:
+        self.picture, self.count, self.at = picture, count, 0
+
+    def get(self, number: int) -> float:
+        return {7: float(self.count), 0: 100.0 * self.at}[number]
+
+    def read(self) -> tuple[bool, Any]:
+        self.at += 1
+        return (True, self.picture) if self.at <= self.count else (False, None)
+
+
+def corners(offset: float, count: int = 12) -> Corners:
+    points = np.stack(np.divmod(np.arange(float(count)), 4), axis=1) * 30 + offset
+    return Corners(tuple(range(count)), points)
+
+
+def test_hold_survives_a_smeared_frame_and_ends_with_motion() -> None:
+    still = Stillness()
+    for n in range(5):
+        still = still.observe(corners(0.3 * (n % 2)), 0.1 * n, 1280)
+    assert still.held == pytest.approx(0.4)
+    assert still.frames == 4
+    assert still.observe(None, 0.5, 1280) is still
+    assert still.observe(corners(9.0), 0.5, 1280) is still
+    moved = still.observe(corners(9.0), 0.8, 1280)
+    assert (moved.held, moved.frames) == (0, 0)
+    crept = Stillness()
+    for n in range(9):
+        crept = crept.observe(corners(1.0 * n), 0.1 * n, 1280)
+    assert crept.held < 0.5, "slow movement is movement"
+    frozen = Stillness()
+    for n in range(9):
+        frozen = frozen.observe(corners(0), 0.1 * n, 1280, repeated=True)
+    assert frozen.frames == 0, "a camera that stalls is no steady hand"
+
+
+def seen(
+    rvec: tuple[float, float, float], shift: tuple[float, float] = (0, 0), distance: float = 11.0
+) -> Any:
+    """Outline (4, 2) px of the usual board."""
+    board = Board()
+    rotation = cv2.Rodrigues(np.array(rvec, dtype=np.float64))[0]
+    tvec = np.array([*shift, distance]) - rotation @ [*board.edge.mean(axis=0), 0]
+    points = np.column_stack([board.places, np.zeros(board.corner_count)])
+    q = cv2.projectPoints(points, np.array(rvec, dtype=np.float64), tvec, board_pictures.MATRIX, None)[0][
+        :, 0
+    ]
+    return outline_of(board, range(board.corner_count), q)
+
+
+@pytest.mark.parametrize(
+    ("code", "target"),
+    [
+        ("left", seen((0, 0, 0), (-4, 0))),
+        ("down", seen((0, 0, 0), (0, 3))),
+        ("closer", seen((0, 0, 0), distance=8)),
+        ("farther", seen((0, 0, 0), distance=16)),
+        ("turn_clockwise", seen((0, 0, 0.4))),
+        ("tilt_top", seen((0.5, 0, 0))),
+        ("tilt_left", seen((0, -0.5, 0))),
+        ("", seen((0.02, 0.02, 0))),
+    ],
+)
+def test_advice_names_the_movement_that_is_missing(code: str, target: Any) -> None:
+    assert advice(seen((0, 0, 0)), target) == code
+    if code.startswith("tilt"):
+        assert difference(seen((0, 0, 0)), target) > 0.08
+
+
+def test_terminal_gives_settled_words_and_rings(capfd: pytest.CaptureFixture[str]) -> None:
+    times = iter(np.arange(0, 100, 0.25).tolist())
+    terminal = Terminal(clock=lambda: next(times))
+    scene = Scene(PICTURE, None, None, "move the board left", 0.0, Status())
+    for _ in range(8):
+        terminal.show(scene)
+    terminal.show(Scene(PICTURE, None, None, "hold the board still", 0.5, Status()))
+    terminal.taken(Status(1, 0.2, 3.0))
+    terminal.close()
+    assert capfd.readouterr().err.splitlines() == ["move the board left", "view taken: 1 view, 20 %, 3.00 px"]
+
+
+def test_terminal_of_a_person_shows_progress_without_a_thread() -> None:
+    leader, follower = pty.openpty()
+    before = threading.active_count()
+    with os.fdopen(follower, "w") as stream, Terminal(stream) as terminal:
+        terminal.show(Scene(PICTURE, None, None, "hold the board still", 0.5, Status(2, 0.5, 0.7)))
+        assert threading.active_count() == before
+        terminal.taken(Status(3, 0.6, 0.5))
+    told = os.read(leader, 65536).decode()
+    os.close(leader)
+    assert "2 views, 50 %, 0.70 px" in told
+    assert "\a" in told
+
+
+def test_window_draws_target_corners_and_words() -> None:
+    target = Target(0, (), np.empty((0, 2)), np.array([[10.0, 10], [300, 10], [300, 200]]), "", "")
+    picture = np.full((240, 320), 100, dtype=np.uint8)
+    drawn = draw(Scene(picture, np.array([[50.0, 50]]), target, "hold", 0.5, Status(1, 0.5)))
+    assert drawn.shape == (240, 320, 3)
+    assert drawn[10, 100].tolist() != [100, 100, 100]
+    assert drawn[50, 50, 1] > 150
+    large = draw(Scene(np.zeros((2160, 3840, 3), np.uint8), None, None, "hold", 0, Status()))
+    assert large.shape == (720, 1280, 3)
+
+
+def test_sources_are_told_apart(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert is_stream("rtsp://user:secret@camera.example/1")
+    assert not is_stream("photos/")
+    with pytest.raises(UsageError, match="is no camera"):
+        open_source(object())
+    with pytest.raises(CameraError, match=r"stream of 127\.0\.0\.1 cannot be opened") as refused:
+        open_source("http://user:secret@127.0.0.1:9/video")
+    assert "secret" not in str(refused.value)
+    assert main(["calibrate", "http://127.0.0.1:9/video", "--offline"]) == 6
+    assert main(["calibrate", "no such camera", "--offline"]) == 6
+    assert main(["calibrate", str(tmp_path / "absent"), "--offline"]) == 2
+    assert main(["calibrate", "http://127.0.0.1:9/video", "--licence", "MIT"]) == 2
+    assert "CC0-1.0" in capfd.readouterr().err
