@@ -245,7 +245,7 @@ class OfflineGuide:
         """Fit the views that are not excluded."""
         yield from ()
         kept = tuple(view for i, view in enumerate(self._accepted) if i not in self._estimate.excluded)
-        views = kept if len(kept) >= MIN_VIEWS else recording.views
+        views = kept if self._estimate.converged else recording.views
         return calibrate_offline(replace(recording, views=views), self._model, int(self._clock()))
 
     def _status(self) -> Status:

@@ -32,8 +32,8 @@ MIN_HOLD_FRAMES = 3
 MIN_OVERLAP, MAX_DIFFERENCE = 0.75, 0.06
 """Overlap with the target, and difference in tilt, that count as there."""
 TOLERANCES, TOLERANT_AFTER_S = (0.8, 1.6), 10.0
-"""Factors on what a hand may miss by, at first and after that time. Whoever is led by words stops at the first
-"hold still", and at the picture's border a hand's breadth is most of what a view tells."""
+"""Factors on what a hand may miss by, at first and after that time. Whoever is led by words stops as soon as they
+end, and at the picture's border a hand's breadth is most of what a view tells."""
 MIN_FORESHORTENING = 0.08
 """From which a pose other than the target may help."""
 MIN_DISPLACEMENT_PX = 8.0
@@ -44,7 +44,7 @@ READ_REFUSAL_S = 2.0
 """Time to read why a view at the target was refused, before another pose is asked for."""
 MIN_APPROACH = 0.05
 LENIENT_AFTER_S, MAX_LENIENCE = 3.0, 4.0
-"""Time in which a steady hand would be still; later, up to so many times its motion counts as still."""
+"""Time in which a steady hand would be still; later, up to so many times its motion counts, too."""
 RECOGNITION_FRAMES = 5
 """Frames that are looked at together for a board that nobody described."""
 MAX_RECOGNITION_FRAMES = 900
@@ -174,9 +174,9 @@ class Live:
         nearest = MIN_DISPLACEMENT_PX * self._width / REFERENCE_WIDTH_PX
         if self._judged is not None and motion(self._judged, corners) < nearest:
             return None
-        if not there and foreshortening(seen) < MIN_FORESHORTENING:
+        if not there and not self._frames.is_file and foreshortening(seen) < MIN_FORESHORTENING:
             return None
-        usual = HOLD_S if there else LONG_HOLD_S
+        usual = HOLD_S if there or self._frames.is_file else LONG_HOLD_S
         return usual if self._still.frames >= MIN_HOLD_FRAMES else FROZEN_HOLD_S
 
     def _is_due(self, corners: Corners) -> bool:
@@ -210,6 +210,8 @@ class Live:
             self._feedback.taken(judgement.status)
             self._aim = None
             return
+        if self._frames.is_file:
+            return  # nobody can hold it elsewhere: the views of a file are fitted together at its end
         self.recording = before
         self._keep(before)
         words = TEXTS.get(judgement.hint, "")
