@@ -32,8 +32,8 @@ MIN_HOLD_FRAMES = 3
 MIN_OVERLAP, MAX_DIFFERENCE = 0.75, 0.06
 """Overlap with the target, and difference in tilt, that count as there."""
 TOLERANCES, TOLERANT_AFTER_S = (0.8, 1.6), 10.0
-"""Factors on what a hand may miss by, at first and after that time. Whoever is led by words stops as soon as they
-end, and at the picture's border a hand's breadth is most of what a view tells."""
+"""Factors on what a hand may miss by, at first and after that time. Whoever is led by words stops as soon as
+they end, and at the picture's border a hand's breadth is most of what a view tells."""
 MIN_FORESHORTENING = 0.08
 """From which a pose other than the target may help."""
 MIN_DISPLACEMENT_PX = 8.0

@@ -13,7 +13,7 @@ from .feedback import Command, Feedback, Scene, progress_words
 from .guide import Status
 
 TITLE = "calibdb"
-MAX_SIDE_PX = 1280
+MAX_SHOWN_SIDE_PX = 1280
 """Longer side of what is shown; larger pictures are shrunk."""
 _GREEN, _MAGENTA, _WHITE, _BLACK = (80, 220, 80), (220, 80, 220), (255, 255, 255), (0, 0, 0)
 _ESCAPE = 27
@@ -72,7 +72,7 @@ def draw(scene: Scene) -> Any:
     cv2 = opencv()
     picture = scene.picture
     canvas = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR) if picture.ndim == 2 else picture.copy()
-    factor = min(1.0, MAX_SIDE_PX / max(canvas.shape[:2]))
+    factor = min(1.0, MAX_SHOWN_SIDE_PX / max(canvas.shape[:2]))
     if factor < 1:
         canvas = cv2.resize(canvas, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
     if scene.target is not None and len(scene.target.outline):
