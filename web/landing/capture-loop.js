@@ -58,7 +58,8 @@ export function captureLoop(svg, words, toggle) {
   };
   const frame = (/** @type {number} */ now) => {
     if (!playing || !seen) return;
-    at = (at + Math.min(100, now - before)) % (TARGETS.length * STEP_MS + END_MS);
+    // A frame's time may lie before the call that asked for it.
+    at = (at + Math.min(100, Math.max(0, now - before))) % (TARGETS.length * STEP_MS + END_MS);
     before = now;
     draw();
     requestAnimationFrame(frame);
