@@ -33,7 +33,7 @@ def test_the_first_target_is_whole_and_says_who_is_not_linked() -> None:
 
 
 def test_targets_of_known_lenses_are_seen_by_both_and_skipped_ones_do_not_return() -> None:
-    """Where the intrinsics are held, only poses that both see tell anything."""
+    """Intrinsics that are held leave poses that both cameras see as the only ones that tell anything."""
     truth = rigs.side_by_side(synthetic.rectilinear_cameras(2), 2.0)
     moments = rigs.moments(truth, BOARD, 3, 0.2, np.random.default_rng(2))
     found = rig.fit(moments, truth.cameras)
