@@ -2,7 +2,7 @@
 
     make bench DOCS=page-speed      # VISITS=5
 
-Chromium, an empty cache, 1.6 Mbit/s and 150 ms a round trip (DevTools' own throttling), the files of an upload
+Chromium, an empty cache, 1.6 Mbit/s and 150 ms a round trip (DevTools' throttling), the files of an upload
 over HTTP/2 with Brotli. A page can be used when its script has run: its language can be changed in place.
 """
 
