@@ -83,6 +83,19 @@ def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page)
     assert boards == [False, True]
 
 
+def test_a_different_board_can_be_used_or_the_right_one_be_shown(page: Page) -> None:
+    listen(page)
+    page.goto(address(shown_dictionary="DICT_5X5_100"))
+    page.locator("#instruction", has_text="This is a different board").wait_for()
+    page.locator("#right-board").click()
+    expect(page.locator("#no-board svg path")).to_be_visible()
+    picture(page, "capture-different-board")
+    page.locator("#use-board").click()
+    hear(page, "notice", "This board is used now: 9 × 6")
+    page.locator("#undo:enabled").wait_for()
+    assert "dictionary=DICT_5X5_50" in page.url, "a reload goes on with it"
+
+
 @pytest.mark.parametrize(
     ("language", "heading"), [("de", "Eine Kamera kalibrieren"), ("uk", "Калібрування камери")]
 )

@@ -4,6 +4,7 @@ import { boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-problem.js";
 import { addMessages, onLanguage, t } from "../lib/i18n.js";
 import showing from "../messages/showing.js";
+import { showSender } from "./sender.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
 
@@ -21,14 +22,15 @@ function boardAddress(board, fill) {
 
 /**
  * @param {import("./parts.js").Parts} parts
- * @param {{board: Board, problem: import("../lib/board.js").Problem | null, parameters: URLSearchParams}} page
+ * @param {{board: Board, problem: import("../lib/board.js").Problem | null, parameters: URLSearchParams, wanted: import("./state.js").Wanted}} page
  */
-export function showFirstSheet(parts, { board, problem, parameters }) {
+export function showFirstSheet(parts, { board, problem, parameters, wanted }) {
   showProblem(parts.problem, problem);
   // A phone that was sent here by the screen that shows the board needs no other one.
   const isSentByScreen = parameters.has("facing");
   parts.ways.hidden = isSentByScreen;
   parts.onOtherScreen.hidden = !isSentByScreen;
+  void showSender(parts, parameters.get("return_to"), wanted);
   void showWays(parts, board);
 }
 

@@ -13,19 +13,18 @@ import { acquireLock, heldLocks } from "./capture-lock.js";
 import { CaptureLoop } from "./capture-loop.js";
 import { openCaptureStore } from "./capture-store.js";
 import { Captures, captureKey } from "./captures.js";
+import { connectControls } from "./controls.js";
 import { failureOf } from "./failure.js";
 import { Feedback } from "./feedback.js";
 import { showFirstSheet } from "./first-sheet.js";
 import { RESUME, captureQuery, resumeAt, showCaptureAddress, showResultAddress } from "./history.js";
 import { loadPlan } from "./plan.js";
-import { watchPopovers } from "./popovers.js";
 import { parseTargetError, parseWanted } from "./query.js";
 import { initial, reduce } from "./reducer.js";
 import { plainNotice } from "./state.js";
 import { findParts } from "./parts.js";
 import { showPracticeEnd } from "./practice.js";
-import { render, renderChoice } from "./render.js";
-import { showSender } from "./sender.js";
+import { render } from "./render.js";
 import { Sizes } from "./sizes.js";
 import * as statusText from "./status-text.js";
 
@@ -34,6 +33,7 @@ import * as statusText from "./status-text.js";
  * @typedef {import("./state.js").Notice} Notice
  * @typedef {import("../lib/camera.js").OpenCamera} OpenCamera
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
+ * @typedef {Awaited<ReturnType<typeof openCamera>>} OpenedCamera
  */
 
 openPage({ capture: captureMessages });
@@ -147,8 +147,6 @@ async function openCamera(signal, choice, opened) {
   return { camera, keepOpen: () => signal.removeEventListener("abort", close) };
 }
 
-/** @typedef {Awaited<ReturnType<typeof openCamera>>} OpenedCamera */
-
 /** Shows the open camera, and how it delivers. @param {OpenedCamera} opened @param {AbortSignal} signal @returns {Promise<SessionRequest>} */
 async function identify({ camera }, signal) {
   // The frames' size counts: on a turned device some browsers' settings still give the sensor's.
@@ -196,9 +194,23 @@ async function finish(end, { camera, keepOpen }, request) {
   }
   capture.cancel();
   if (end !== "relayout") return captures.forget(captureKey(request));
+  void continueWithBoard({ ...state.board, legacy: !state.board.legacy }, plainNotice("capture.legacy_taken"));
+}
+
+/** Starts again with another board. @param {State["board"]} other @param {Notice} notice */
+function continueWithBoard(other, notice) {
   closeDetector();
-  dispatch({ type: "board", board: { ...state.board, legacy: !state.board.legacy } });
-  void capture(chosen, { notice: plainNotice("capture.legacy_taken") });
+  dispatch({ type: "board", board: other });
+  return capture(chosen, { notice });
+}
+
+/** Goes on with the board before the camera, whichever it is. */
+async function useBoard() {
+  const { takeBoard } = await import("./board-choice.js");
+  const seen = await takeBoard(page, parameters);
+  if (!seen) return;
+  capture.cancel();
+  await continueWithBoard(seen.board, seen.notice);
 }
 
 /** Loads what only a capture that goes on will need. */
@@ -309,37 +321,25 @@ async function forget() {
 }
 
 const sizes = new Sizes(parts.resolution, size);
-void showSender(parts, parameters.get("return_to"), state.wanted);
 const listed = listInterrupted().then(listCameras);
 parts.start.addEventListener("click", async () => {
   await listed; // a click before the browser has listed its cameras
   size = sizes.chosen;
   void capture(parts.camera.value);
 });
-parts.goOn.addEventListener("click", resume);
-for (const button of parts.models) button.addEventListener("click", changeModel);
-parts.camera.addEventListener("change", () => renderChoice(parts));
-watchPopovers(() => state.phase === "opening" && restart());
-for (const button of [parts.startVirtual, parts.failedVirtual]) button.addEventListener("click", () => capture("virtual"));
-for (const button of [parts.cancel, parts.other]) button.addEventListener("click", restart);
-parts.again.addEventListener("click", () => capture(chosen));
-parts.ownCamera.addEventListener("click", () => (parameters.delete("virtual"), restart()));
-// A double click counts once where what is lost does not come back.
-for (const [button, action] of /** @type {const} */ ([[parts.stop, stop], [parts.forget, forget]])) {
-  button.addEventListener("click", ({ detail }) => detail < 2 && action());
-}
+connectControls(parts, {
+  resume, changeModel, restart, stop, forget, useBoard, listCameras, practise: () => capture("virtual"),
+  again: () => capture(chosen), escape: () => state.phase === "opening" && restart(), wantBoard: () => dispatch({ type: "want-board" }),
+  leavePractice: () => (parameters.delete("virtual"), restart()),
+});
 feedback.bind(parts.senses);
-parts.rightBoard.addEventListener("click", () => dispatch({ type: "want-board" }));
 onLanguage(() => {
   if (parameters.has("lang")) parameters.set("lang", language());
   sizes.write();
   render(parts, state, null);
   void listCameras();
 });
-navigator.mediaDevices?.addEventListener("devicechange", listCameras);
-// A phone may have taken the camera away meanwhile.
-document.addEventListener("visibilitychange", () => document.hidden || void listCameras());
-showFirstSheet(parts, { board, problem, parameters });
+showFirstSheet(parts, { board, problem, parameters, wanted: state.wanted });
 await listed;
 const isResumed = location.hash === RESUME;
 showCaptureAddress(parameters);

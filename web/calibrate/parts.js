@@ -20,7 +20,7 @@ export function findParts() {
     codes: /** @type {NodeListOf<SVGElement>} */ (document.querySelectorAll("svg.qr")),
     addresses: document.querySelectorAll(".board-address"),
     onlyHere: /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".only-here")),
-    boardChoice: html("board-choice"), useBoard: part("use-board", HTMLButtonElement), rightBoard: part("right-board", HTMLButtonElement),
+    boardChoice: html("board-choice"), useBoard: part("use-board", HTMLButtonElement), recogniseBoard: part("recognise-board", HTMLButtonElement), rightBoard: part("right-board", HTMLButtonElement),
     wanted: html("wanted"), problem: html("problem"),
     interrupted: html("interrupted"), interruptedText: html("interrupted-text"),
     forget: part("forget", HTMLButtonElement), goOn: part("go-on", HTMLButtonElement),

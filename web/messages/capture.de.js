@@ -121,6 +121,11 @@ export default {
   do_wrong_board: "Sie können sie verwenden oder die Tafel zeigen, die diese Seite erwartet.",
   use_this_board: "Diese Tafel verwenden",
   show_right_board: "Die richtige zeigen",
+  recognise_board: "Tafel im Bild erkennen",
+  looking_at_board: "Die Tafel wird erkannt.",
+  board_not_recognised:
+    "Diese Tafel wurde nicht erkannt. Halten Sie sie ganz ins Bild, und versuchen Sie es noch einmal.",
+  board_taken: "Diese Tafel gilt jetzt: {columns} × {rows}.",
   do_legacy:
     "Sie wurde für OpenCV vor 4.6 gemacht. Die Seite stellt sich von selbst darauf ein; Sie können auch eine "
       + "neue drucken.",

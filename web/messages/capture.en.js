@@ -121,6 +121,10 @@ export default {
   do_wrong_board: "You can use it as it is, or show the board that this page expects.",
   use_this_board: "Use this board",
   show_right_board: "Show the right one",
+  recognise_board: "Recognise the board in view",
+  looking_at_board: "Recognising the board.",
+  board_not_recognised: "This board was not recognised. Hold all of it in view, and try again.",
+  board_taken: "This board is used now: {columns} × {rows}.",
   do_legacy:
     "It was made for OpenCV before 4.6. The page switches to that layout by itself; you can also print a new "
       + "board.",
