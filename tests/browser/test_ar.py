@@ -203,7 +203,7 @@ def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserCon
     )
     there = parse_qs(urlsplit(page.locator("#calibrate").evaluate("link => link.href")).query)
     assert there["camera"] == ["Overlay Test Camera (1234:0a12)"]
-    assert urlsplit(there["return_to"][0]).path == "/ar/"
+    assert urlsplit(there["return_to"][0]).path == "/de/ar/"
     picture(page, "ar-unknown")
     [request] = [request for request in sent if request.method != "GET"]
     assert set(json.loads(request.post_data or "")) <= {
