@@ -12,8 +12,8 @@ KNOWN = {
         {
             "key": "c2.x", "camera": "HD Pro Webcam C920", "platform": "Linux",
             "sizes": [
-                {"img_size": [640, 480], "zoom": 0, "calibrations": 3, "contributors": 3, "reliable": False},
-                {"img_size": [1280, 720], "zoom": 0, "calibrations": 9, "contributors": 9, "reliable": True},
+                {"img_size": [640, 480], "zoom": 0, "calibrations": 4, "contributors": 3, "agreeing": 3, "required": 5, "reliable": False},
+                {"img_size": [1280, 720], "zoom": 0, "calibrations": 9, "contributors": 9, "agreeing": 9, "required": 5, "reliable": True},
             ],
         }
     ],
@@ -49,7 +49,7 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
 
 @pytest.mark.parametrize(("calibrations", "said"), [(0, "new here"), (6, "do not agree yet")])
 def test_what_is_known_of_the_camera_is_said(page: Page, calibrations: int, said: str) -> None:
-    size = {"img_size": [640, 480], "calibrations": calibrations, "reliable": False}
+    size = {"img_size": [640, 480], "calibrations": calibrations, "agreeing": calibrations, "required": 5, "reliable": False}
     found = {"cameras": [{"camera": "HD Pro Webcam C920", "sizes": [size]}], "next": None}
     answer(page, "**/v1/cameras?*", lambda: found)
     page.goto(f"/calibrate/?{ASKED}&return_to=/examples/")

@@ -10,15 +10,12 @@ import { isVirtual } from "../lib/virtual/name.js";
  *
  * @typedef {object} Known calibrations of the camera that was asked for
  * @property {number} calibrations at the size that was asked for
+ * @property {number} missing calibrations that must still agree
  * @property {boolean} reliable
  *
- * @typedef {object} CameraSize of `GET /v1/cameras`
- * @property {[number, number]} img_size
- * @property {number} calibrations
- * @property {boolean} reliable
+ * @typedef {import("../vendor/api.js").CameraSize} CameraSize
  */
 
-const RELIABLE_FROM = 5; // calibrations that agree
 const MAX_FOUND = 20;
 
 /**
@@ -42,13 +39,12 @@ export function knownText(known) {
   if (!known) return "";
   if (known.reliable) return t("capture.camera_known");
   if (known.calibrations === 0) return t("capture.camera_new");
-  const more = RELIABLE_FROM - known.calibrations;
-  return more > 0 ? t("capture.camera_more", { count: more }) : t("capture.camera_unsettled");
+  return known.missing > 0 ? t("capture.camera_more", { count: known.missing }) : t("capture.camera_unsettled");
 }
 
 /**
  * What the database holds of one camera at one size, out of a search's answer.
- * @param {{cameras: {camera: string, sizes: CameraSize[]}[]}} answer @param {string} label @param {[number, number] | null} size px
+ * @param {{cameras: {camera: string, sizes: readonly CameraSize[]}[]}} answer @param {string} label @param {[number, number] | null} size px
  * @returns {Known}
  */
 export function knownOf({ cameras }, label, size) {
@@ -57,6 +53,7 @@ export function knownOf({ cameras }, label, size) {
     .filter(({ img_size }) => !size || img_size.join() === size.join());
   return {
     calibrations: modes.reduce((most, { calibrations }) => Math.max(most, calibrations), 0),
+    missing: modes.reduce((least, { agreeing, required }) => Math.min(least, required - agreeing), Infinity),
     reliable: modes.some(({ reliable }) => reliable),
   };
 }
