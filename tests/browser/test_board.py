@@ -104,7 +104,7 @@ def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
     board = "squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100"
     links = page.locator("a[href*='board/']")
     addresses = links.evaluate_all("links => links.map((link) => link.href.replace('#phone-camera', ''))")
-    assert len(addresses) >= 4
+    assert len(addresses) >= 4, addresses
     assert all(there.endswith(f"/board/?{board}") for there in addresses)
     page.goto(f"/board/?{board}")
     description = page.locator("#description").text_content() or ""

@@ -189,7 +189,7 @@ def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> Non
     page.unroute("**/v1/calibrations/*")
     done(page)
     expect(page.locator("#once-more:focus"), "the report leaves the focus where it is").to_have_count(1)
-    expect(page.locator("#practice")).to_contain_text("This was practice")
+    expect(page.locator("#practice")).to_contain_text("Practice run")
     expect(page.locator("#practice")).to_be_visible()
     assert "/result/?id=" in address(page)
     first = address(page)
@@ -215,7 +215,7 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(contex
     page.route("**/v1/session/views", suggest)
     page.goto(ENDLESS)
     wait_for_views(page, 2)
-    page.locator("#model", has_text="Start again with “rational”").click()
+    page.locator("#model", has_text="Start again with lens type “Wide-angle (up to 120°)”").click()
     until(page, lambda: len(begun) == 2)
     page.locator("#controls:not([hidden])").wait_for()
     assert views(page) >= 1, "views that say nothing new are not taken twice"

@@ -49,7 +49,13 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
 
 @pytest.mark.parametrize(("calibrations", "said"), [(0, "new here"), (6, "do not agree yet")])
 def test_what_is_known_of_the_camera_is_said(page: Page, calibrations: int, said: str) -> None:
-    size = {"img_size": [640, 480], "calibrations": calibrations, "agreeing": calibrations, "required": 5, "reliable": False}
+    size = {
+        "img_size": [640, 480],
+        "calibrations": calibrations,
+        "agreeing": calibrations,
+        "required": 5,
+        "reliable": False,
+    }
     found = {"cameras": [{"camera": "HD Pro Webcam C920", "sizes": [size]}], "next": None}
     answer(page, "**/v1/cameras?*", lambda: found)
     page.goto(f"/calibrate/?{ASKED}&return_to=/examples/")

@@ -10,8 +10,6 @@ import { showSender } from "./sender.js";
 
 addMessages({ showing });
 
-const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
-
 /** Address that shows the board on another device. @param {Board} board @param {boolean} fill the whole of its window */
 function boardAddress(board, fill) {
   const there = new URL("../board/", location.href);
@@ -26,10 +24,6 @@ function boardAddress(board, fill) {
  */
 export function showFirstSheet(parts, { board, problem, parameters, wanted }) {
   showProblem(parts.problem, problem);
-  // A phone that was sent here by the screen that shows the board needs no other one.
-  const isSentByScreen = parameters.has("facing");
-  parts.ways.hidden = isSentByScreen;
-  parts.onOtherScreen.hidden = !isSentByScreen;
   void showSender(parts, parameters.get("return_to"), wanted);
   void showWays(parts, board);
 }
@@ -38,11 +32,10 @@ export function showFirstSheet(parts, { board, problem, parameters, wanted }) {
  * Fills in what leads to the board. The QR code and the file are made by modules that are loaded after the page is there.
  * @param {import("./parts.js").Parts} parts @param {Board} board
  */
-async function showWays({ boardLinks, addresses, onlyHere, paper, codes }, board) {
+async function showWays({ boardLinks, addresses, paper, codes }, board) {
   for (const link of boardLinks) link.search = boardQuery(board).toString();
-  const { host, pathname, search, hostname } = boardAddress(board, false);
+  const { host, pathname, search } = boardAddress(board, false);
   for (const place of addresses) place.textContent = host + pathname + search;
-  for (const place of onlyHere) place.hidden = !LOOPBACK.test(hostname);
   const [{ drawQr }, print] = await Promise.all([import("../lib/qr.js"), import("../lib/board-print.js")]);
   for (const code of codes) drawQr(code, boardAddress(board, true).href);
   const fitting = print.papersFor(board);

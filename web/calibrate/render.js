@@ -76,7 +76,7 @@ function renderCameras(parts, state) {
   if (proposed === "" && isListed) camera.prepend(new Option(t("capture.no_camera"), ""));
   camera.value = proposed;
   renderChoice(parts);
-  show(wanted, statusText.wanted(state, !sender.hidden));
+  write(wanted, statusText.wanted(state, !sender.hidden));
 }
 
 /**
