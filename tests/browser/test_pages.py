@@ -56,10 +56,10 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     done(page)
     assert len(published_corners(page, api)) >= 4
     expect(page.locator("#practice-kept")).to_contain_text("app.example does not get a practice result")
-    expect(page.locator("#own-camera")).to_be_visible()
+    expect(page.locator("#go-on-really")).to_be_visible()
     assert "return_to" not in address(page)
     picture(page, "capture-done")
-    assert page.evaluate("document.activeElement.id") == "verdict"
+    assert page.evaluate("document.activeElement.id") == "result-name"
     assert page.evaluate(READ_AS_A_PAGE) == [0, 0, True]
     expect(page.locator("#summary")).to_contain_text("practice run")
     expect(page.locator("#done .another")).to_be_hidden()

@@ -7,13 +7,14 @@ from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.specimens import answer
 
 ASKED = "camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=640x480"
+MODE = {"zoom": 0, "contributors": 3, "required": 5}
 KNOWN = {
     "cameras": [
         {
             "key": "c2.x", "camera": "HD Pro Webcam C920", "platform": "Linux",
             "sizes": [
-                {"img_size": [640, 480], "zoom": 0, "calibrations": 4, "contributors": 3, "agreeing": 3, "required": 5, "reliable": False},
-                {"img_size": [1280, 720], "zoom": 0, "calibrations": 9, "contributors": 9, "agreeing": 9, "required": 5, "reliable": True},
+                MODE | {"img_size": [640, 480], "calibrations": 4, "agreeing": 3, "reliable": False},
+                MODE | {"img_size": [1280, 720], "calibrations": 9, "agreeing": 9, "reliable": True},
             ],
         }
     ],
@@ -39,7 +40,7 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
         page.locator("#paper").click()
     assert paper.value.suggested_filename == "calibdb-board-letter.pdf"
     # Results are not handed to everybody, which is said before and not after.
-    page.goto(f"/calibrate/?{ASKED}&return_to=https://app.example/")
+    page.goto(f"/calibrate/?{ASKED}&return_to=http://app.example/")
     expect(sender).to_contain_text("this service may not hand the result to app.example")
     expect(page.locator("#go-back")).to_be_hidden()
     page.goto(f"/calibrate/?{ASKED}&return_to=javascript:alert(1)")

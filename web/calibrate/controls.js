@@ -17,7 +17,7 @@ export function connectControls(parts, actions) {
   on([parts.startVirtual, parts.failedVirtual], actions.practise);
   on([parts.cancel, parts.other], actions.restart);
   on([parts.again], actions.again);
-  on([parts.ownCamera], actions.leavePractice);
+  on([parts.goOnReally], actions.leavePractice);
   on([parts.useBoard, parts.recogniseBoard], actions.useBoard);
   on([parts.rightBoard], actions.wantBoard);
   parts.camera.addEventListener("change", () => renderChoice(parts));

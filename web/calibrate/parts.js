@@ -28,7 +28,7 @@ export function findParts() {
       voice: part("voice", HTMLInputElement),
     },
     resolution: part("resolution", HTMLSelectElement), resolutions: html("resolutions"), practice: html("practice"),
-    practiceKept: html("practice-kept"), ownCamera: part("own-camera", HTMLButtonElement),
+    practiceKept: html("practice-kept"), practiceKeptText: html("practice-kept-text"), goOnReally: part("go-on-really", HTMLButtonElement),
     backWithout: part("back-without", HTMLAnchorElement),
     models: [part("model", HTMLButtonElement), part("model-done", HTMLButtonElement)],
     another: html("another"), mismatches: /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".another")),

@@ -21,14 +21,14 @@ export function isPracticeReturned(returnTo, asked) {
  * Says that a practice result is not handed over, and offers the ways on.
  * @param {import("./parts.js").Parts} parts @param {State} state of a capture that is done @param {string | null} returnTo
  */
-export async function showPracticeEnd({ practiceKept, backWithout }, { capture: { key }, wanted }, returnTo) {
-  practiceKept.hidden = backWithout.hidden = true;
+export async function showPracticeEnd({ practiceKept, practiceKeptText, backWithout }, { capture: { key }, wanted }, returnTo) {
+  practiceKept.hidden = true;
   if (!returnTo || !isVirtual(key?.camera ?? "") || isPracticeReturned(returnTo, wanted.camera)) return;
   const { return_origins = [] } = await loadSettings().catch(() => ({ return_origins: [] }));
   const sender = senderOf(returnTo, return_origins);
   if (!sender) return;
   const { host, url, allowed, isHere } = sender;
-  practiceKept.textContent = t("capture.practice_kept", { host: senderName(sender) });
+  practiceKeptText.textContent = t("capture.practice_kept", { host: senderName(sender) });
   practiceKept.hidden = false;
   backWithout.textContent = isHere ? t("capture.go_back") : t("capture.back_without", { host });
   backWithout.hidden = !allowed;
