@@ -5,7 +5,7 @@ from __future__ import annotations
 from starlette.responses import Response
 
 from calibdb.http import application
-from calibdb.schema import Health, SessionOpened
+from calibdb.schema import SessionOpened
 
 
 def open_session(call: application.Call) -> Response:
@@ -15,12 +15,4 @@ def open_session(call: application.Call) -> Response:
     return application.json_response(SessionOpened(session_id=session_id, expires_at=expires_at), 201)
 
 
-def health(_: application.Call) -> Response:
-    """Answer that the service is there."""
-    return application.json_response(Health())
-
-
-handler = application.handler(
-    application.route("/v1/auth", POST=open_session),
-    application.route("/healthz", GET=health),
-)
+handler = application.handler(application.route("/v1/auth", POST=open_session))

@@ -302,7 +302,13 @@ OPERATIONS = (
         "/healthz",
         "health",
         "Whether the service is there",
-        {200: Content("It is.", schema.Health)},
-        (500,),
+        {
+            200: Content("It is; with `deep=1`, so is every part.", schema.Health, other=schema.DeepHealth),
+            503: Content("With `deep=1`: some part does not work.", schema.HealthProblem, media_type=PROBLEM),
+        },
+        (422, 500),
+        parameters=(
+            query("deep", SWITCH, "`1`: check table, bucket, edge and solver, each with its latency."),
+        ),
     ),
 )

@@ -71,7 +71,7 @@ function show() {
   part("plans", HTMLElement).replaceChildren(...planRows());
 }
 
-/** What was typed and not sent yet. @param {HTMLElement} place */
+/** Inputs whose text was typed and not sent yet. @param {HTMLElement} place */
 const inputsOf = (place) => [...place.querySelectorAll("input")].filter(({ value, defaultValue }) => value !== defaultValue).map(({ id, value }) => ({ id, value }));
 
 /** @param {string} id */

@@ -163,5 +163,11 @@ class UnavailableError(CalibdbError):
         super().__init__(detail, headers={"Retry-After": "1"})
 
 
+class UnhealthyError(CalibdbError):
+    """Some part of the service does not work; `parts` says which."""
+
+    status, kind, title = 503, "unhealthy", "Not everything works"
+
+
 class DeniedReadError(UnavailableError):
     """S3 denied an object that is there, or may be there: nothing may be concluded from its absence."""

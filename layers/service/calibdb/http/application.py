@@ -106,11 +106,12 @@ def _service() -> Service:
     return Service.of(os.environ)
 
 
-def _problem(error: CalibdbError) -> Response:
-    return _problem_response(error.problem(), error.status, error.headers)
+def problem_response(error: CalibdbError) -> Response:
+    """Make the response of an error."""
+    return _document_response(error.problem(), error.status, error.headers)
 
 
-def _problem_response(
+def _document_response(
     document: Mapping[str, Any], status: int, headers: Mapping[str, str] | None
 ) -> Response:
     """Make the response of a problem document, its type an address of the site.
@@ -129,7 +130,7 @@ async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
         _log.error("%s", error.detail, exc_info=error)
         denied = {"DeniedReads": 1} if isinstance(error, DeniedReadError) else {}
         metrics.count(time.time(), reason=error.kind, Errors=1, **denied)
-    return _problem(error)
+    return problem_response(error)
 
 
 async def _on_http_exception(_: Request, raised: Exception) -> Response:
@@ -141,14 +142,14 @@ async def _on_http_exception(_: Request, raised: Exception) -> Response:
         "status": error.status_code,
         "detail": _DETAILS.get(error.status_code, error.detail).format_map(error.headers or {}),
     }
-    return _problem_response(body, error.status_code, error.headers)
+    return _document_response(body, error.status_code, error.headers)
 
 
 async def _on_unhandled(_: Request, __: Exception) -> Response:
     # Starlette raises it again once this is sent, and Mangum logs it with its trace: for us, not for the
     # caller.
     metrics.count(time.time(), reason="internal", Errors=1)
-    return _problem(
+    return problem_response(
         CalibdbError("The service failed to handle the request; the request itself may be valid.")
     )
 

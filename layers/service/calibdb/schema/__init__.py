@@ -33,6 +33,7 @@ from calibdb.schema.documents import (
 )
 from calibdb.schema.export import FORMATS, ExportQuery
 from calibdb.schema.fields import DISTORTION_MODELS
+from calibdb.schema.health import DeepHealth, HealthProblem
 from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration
 from calibdb.schema.managed_token import (
     HourlyLimits,
@@ -83,6 +84,7 @@ __all__ = [
     "CheckView",
     "ConsensusDocument",
     "ConvertRequest",
+    "DeepHealth",
     "EstimateDocument",
     "ExportQuery",
     "FieldProblem",
@@ -90,6 +92,7 @@ __all__ = [
     "FitRecord",
     "GroupsDocument",
     "Health",
+    "HealthProblem",
     "HourlyLimits",
     "LookupAnswer",
     "LookupProblem",

@@ -1,0 +1,146 @@
+"""Health: whether the service is there, and, asked for, whether each of its parts works.
+
+The parts are what everything else stands on: the index, the bucket, the solver and the edge. Nobody needs a
+credential for this, so it is bounded three times: an instance checks the parts once in ten seconds, the edge
+keeps an answer as long, and the gateway lets few requests through.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import time
+import urllib.request
+from collections.abc import Callable
+from http import HTTPStatus
+from typing import Any
+from urllib.parse import urljoin
+
+from starlette.responses import Response
+
+from calibdb.errors import UnhealthyError
+from calibdb.http import application
+from calibdb.http.part_checks import CHECKS_TTL_S, Part, PartChecks
+from calibdb.schema import DeepHealth, Health
+from calibdb.schema.health import CanaryRun, PartHealth
+from calibdb.settings import Settings
+from calibdb.store import Objects, Table, clients
+from calibdb.store.canary import last_canary_run
+
+_TABLE_LIMIT_S, _BUCKET_LIMIT_S, _EDGE_LIMIT_S, _SOLVER_LIMIT_S = 2.0, 2.0, 3.0, 8.0
+_MAX_CONFIG_BYTES = 10_000
+_CACHED = {"Cache-Control": f"public, max-age=5, s-maxage={CHECKS_TTL_S:.0f}"}
+_FX, _IMG_SIZE = 950.0, (1280, 720)
+
+
+class Checks:
+    """Checks of one deployment, and what they found of its canary."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._table = Table(functools.partial(clients.dynamodb, settings.region), settings.table_name)
+        self._objects = Objects(functools.partial(clients.s3, settings.region), settings.bucket_name)
+        self.canary: CanaryRun | None = None
+        storage = (
+            Part("table", _TABLE_LIMIT_S, self._prepare_table),
+            Part("bucket", _BUCKET_LIMIT_S, self._prepare_bucket),
+            Part("edge", _EDGE_LIMIT_S, self._prepare_edge),
+        )
+        self.parts = PartChecks((storage, (Part("solver", _SOLVER_LIMIT_S, prepare_solver),)))
+
+    def _prepare_table(self) -> Callable[[], None]:
+        clients.dynamodb(self._settings.region)
+        self.canary = None
+
+        def read() -> None:
+            self.canary = last_canary_run(self._table, int(time.time()))
+
+        return read
+
+    def _prepare_bucket(self) -> Callable[[], None]:
+        clients.s3(self._settings.region)
+        # There is no such object: a bucket that works says so.
+        return lambda: void(self._objects.get("health/none"))
+
+    def _prepare_edge(self) -> Callable[[], None]:
+        address = urljoin(self._settings.guidance_url, "/config.json")
+        if not address.startswith(("https://", "http://")):
+            raise ValueError("the site has no address")
+        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), Unredirected)
+        return functools.partial(read_config, opener, address)
+
+
+def void(_: object) -> None:
+    """Take a value for nothing but that there is one."""
+
+
+class Unredirected(urllib.request.HTTPRedirectHandler):
+    """Follows nothing: the site answers itself."""
+
+    def redirect_request(self, *_: Any) -> None:
+        """Return no request to go on with."""
+
+
+def read_config(opener: urllib.request.OpenerDirector, address: str) -> None:
+    """Read the site's settings, as every page does first; raises where they are not there."""
+    with opener.open(address, timeout=_EDGE_LIMIT_S) as answer:
+        if answer.status != HTTPStatus.OK or "api" not in json.loads(answer.read(_MAX_CONFIG_BYTES)):
+            raise ValueError("the settings are no settings")
+
+
+def prepare_solver() -> Callable[[], None]:
+    """Import the solver; return a fit whose outcome is known. Nothing else here loads numpy or OpenCV."""
+    import numpy as np
+
+    from calibsolver import Board, Camera, View, fit, rotation
+
+    matrix = np.array([[_FX, 0.0, 640.0], [0.0, _FX, 360.0], [0.0, 0.0, 1.0]])
+    camera = Camera("rectilinear", matrix, np.zeros(5), _IMG_SIZE)
+    points = Board().points
+
+    def solve() -> None:
+        views = []
+        for turn in ((0.5, 0.0, 0.0), (-0.4, 0.3, 0.1), (0.1, 0.5, 0.0), (0.0, -0.5, 0.2)):
+            placed = points @ rotation.matrix(np.array(turn)).T + np.array([-4.5, -3.0, 10.0])
+            views.append(View(points, camera.project(placed)))
+        found = fit(views, _IMG_SIZE).camera.matrix[0, 0]
+        if not abs(found / _FX - 1) < 1e-3:
+            raise ValueError(f"fx is {found} px, not {_FX} px")
+
+    return solve
+
+
+@functools.lru_cache(maxsize=4)
+def checks_of(settings: Settings) -> Checks:
+    """Return the checks of a deployment, which are remembered."""
+    return Checks(settings)
+
+
+def health(call: application.Call) -> Response:
+    """Answer that the service is there; with `deep=1`, how its parts are."""
+    if not call.flag("deep"):
+        return application.json_response(Health())
+    checks = checks_of(call.service.settings)
+    parts, canary = checks.parts(), checks.canary
+    if all(part.ok for part in parts) and (canary is None or canary.ok):
+        answer = DeepHealth(checked_at=checks.parts.checked_at, parts=parts, canary=canary)
+        return application.json_response(answer, headers=_CACHED)
+    return application.problem_response(unhealthy(checks.parts.checked_at, parts, canary))
+
+
+def unhealthy(checked_at: int, parts: tuple[PartHealth, ...], canary: CanaryRun | None) -> UnhealthyError:
+    """Make the error that says which parts failed, and nothing of why."""
+    failed = [part.part for part in parts if not part.ok]
+    detail = f"Not working: {', '.join(failed)}." if failed else "The canary failed; every part works."
+    return UnhealthyError(
+        detail,
+        headers=_CACHED,
+        extensions={
+            "checked_at": checked_at,
+            "parts": [part.model_dump(mode="json") for part in parts],
+            "canary": None if canary is None else canary.model_dump(mode="json"),
+        },
+    )
+
+
+handler = application.handler(application.route("/healthz", GET=health))

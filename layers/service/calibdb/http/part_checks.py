@@ -1,0 +1,107 @@
+"""Checks of the parts that the service needs: each within a time of its own, remembered for some seconds.
+
+A part that does not answer keeps its thread until it does; meanwhile it is not asked again, so that there are
+never more threads than parts. What a part said when it failed goes to the log alone.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+
+from calibdb.schema.health import PartHealth, PartName
+
+CHECKS_TTL_S = 10.0
+"""Time for which the parts are not checked again, by each instance of the function and by the edge."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of the service.
+
+    Attributes
+    ----------
+    name
+        Name of the part.
+    limit_s
+        Time for all of it, s.
+    prepare
+        Imports what the check needs, and returns the check; only that is timed. Both raise where they fail.
+    """
+
+    name: PartName
+    limit_s: float
+    prepare: Callable[[], Callable[[], None]]
+
+    def measure(self) -> float:
+        """Check the part; return the ms that it took."""
+        check = self.prepare()
+        start = time.perf_counter()
+        check()
+        return round(1000 * (time.perf_counter() - start), 1)
+
+
+class PartChecks:
+    """Parts, checked stage by stage; those of one stage side by side.
+
+    Parameters
+    ----------
+    stages
+        What would slow the others down, as imports do, has a stage of its own.
+    clock
+        Monotonic seconds.
+    """
+
+    def __init__(self, stages: Sequence[Sequence[Part]], clock: Callable[[], float] = time.monotonic) -> None:
+        self._stages = stages
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._threads = ThreadPoolExecutor(sum(map(len, stages)), thread_name_prefix="check")
+        self._running: dict[PartName, Future[float]] = {}
+        self._known: tuple[PartHealth, ...] = ()
+        self.checked_at = 0
+        """Unix seconds of the last check."""
+        self._until = float("-inf")
+
+    def __call__(self) -> tuple[PartHealth, ...]:
+        """Check all parts, unless they were checked lately; who asks meanwhile is given the same answer."""
+        with self._lock:
+            if self._clock() >= self._until:
+                self._known = tuple(found for stage in self._stages for found in self._check(stage))
+                self._until = self._clock() + CHECKS_TTL_S
+                self.checked_at = int(time.time())
+            return self._known
+
+    def _check(self, stage: Sequence[Part]) -> list[PartHealth]:
+        start = time.perf_counter()
+        runs = [(part, self._begin(part)) for part in stage]
+        return [_health(part, run, start + part.limit_s) for part, run in runs]
+
+    def _begin(self, part: Part) -> Future[float] | None:
+        """Start the check of a part; None where the last one has not ended yet."""
+        before = self._running.get(part.name)
+        if before is not None and not before.done():
+            return None
+        self._running[part.name] = run = self._threads.submit(part.measure)
+        return run
+
+
+def _health(part: Part, run: Future[float] | None, end: float) -> PartHealth:
+    """Wait for a check until `end`, by the performance counter."""
+    latency = None
+    try:
+        failed = run.exception(max(0.0, end - time.perf_counter())) if run is not None else TimeoutError()
+    except TimeoutError as error:
+        failed = error
+    if failed is not None:
+        _log.warning("the check of %s failed", part.name, exc_info=failed)
+    elif run is not None:
+        latency = run.result()
+    limit_ms = round(1000 * part.limit_s)
+    return PartHealth(part=part.name, ok=failed is None, latency_ms=latency, limit_ms=limit_ms)

@@ -1,0 +1,48 @@
+"""Health of the service: its parts, each checked, and its canary's last run."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from calibdb.schema.fields import Open
+from calibdb.schema.problem import Problem
+from calibdb.schema.session import Health
+
+PartName = Literal["table", "bucket", "solver", "edge"]
+CanaryStep = Literal["lookup", "open", "pose", "view", "result"]
+
+
+class PartHealth(Open):
+    """One part, checked within a time of its own."""
+
+    part: PartName
+    ok: bool
+    latency_ms: float | None = Field(description="Time of the check; null: it failed, or took longer.")
+    limit_ms: int = Field(description="Time that the check had.")
+
+
+class CanaryRun(Open):
+    """Last lookup and capture that the service made of itself, if it makes any."""
+
+    ok: bool
+    at: int = Field(description="Unix seconds.")
+    took_ms: int
+    failed_at: CanaryStep | None = None
+
+
+class DeepHealth(Health):
+    """Every part works."""
+
+    checked_at: int = Field(description="Unix seconds. An answer is remembered for ten seconds.")
+    parts: tuple[PartHealth, ...]
+    canary: CanaryRun | None = Field(description="Null: there is none, or it has not run for two hours.")
+
+
+class HealthProblem(Problem):
+    """Some part does not work, or the canary failed."""
+
+    checked_at: int
+    parts: tuple[PartHealth, ...]
+    canary: CanaryRun | None

@@ -1,0 +1,21 @@
+"""Last run of the canary: `HEALTH#CANARY/LAST`. It expires by itself; nothing follows from it."""
+
+from __future__ import annotations
+
+from calibdb.schema.health import CanaryRun
+from calibdb.store.table import Table
+
+_PK, _SK = "HEALTH#CANARY", "LAST"
+EXPIRY_S = 2 * 3600  # s; a canary that is switched off is not spoken of for long
+
+
+def store_canary_run(table: Table, run: CanaryRun) -> None:
+    """Note how the canary fared, over the time before."""
+    table.put({"pk": _PK, "sk": _SK, "run": run.model_dump_json(), "ttl": run.at + EXPIRY_S})
+
+
+def last_canary_run(table: Table, now: int) -> CanaryRun | None:
+    """Return the last run; None where there was none lately."""
+    item = table.get(_PK, _SK)
+    run = None if item is None else CanaryRun.model_validate_json(str(item["run"]))
+    return run if run is not None and now < run.at + EXPIRY_S else None
