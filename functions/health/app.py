@@ -10,9 +10,9 @@ from __future__ import annotations
 import functools
 import json
 import time
+import urllib.error
 import urllib.request
 from collections.abc import Callable
-from http import HTTPStatus
 from typing import Any
 from urllib.parse import urljoin
 
@@ -83,9 +83,14 @@ class Unredirected(urllib.request.HTTPRedirectHandler):
 
 def read_config(opener: urllib.request.OpenerDirector, address: str) -> None:
     """Read the site's settings, as every page does first; raises where they are not there."""
-    with opener.open(address, timeout=_EDGE_LIMIT_S) as answer:
-        if answer.status != HTTPStatus.OK or "api" not in json.loads(answer.read(_MAX_CONFIG_BYTES)):
-            raise ValueError("the settings are no settings")
+    try:
+        with opener.open(address, timeout=_EDGE_LIMIT_S) as answer:
+            content = json.loads(answer.read(_MAX_CONFIG_BYTES))
+    except urllib.error.HTTPError as error:
+        error.close()
+        raise
+    if "api" not in content:
+        raise ValueError("the settings are no settings")
 
 
 def prepare_solver() -> Callable[[], None]:

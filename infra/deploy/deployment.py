@@ -73,6 +73,8 @@ def _do(step: Step, target: Target, source: str) -> None:
             made, given = described.outputs, described.parameters
             s3, bucket = boto3.client("s3", region), made["WebBucketName"]
             token = page_token.current(made, region, aws.settings(s3, bucket))
+            if made["Canary"] == "on":
+                page_token.give_canary(made, region, boto3.client("ssm", region), stack)
             settings = public_settings("/v1", token, made["EdgeAnswers"], given)
             contact = made.get("SecurityContact") or given.get("OperatorContact")
             options = Options(made["SiteUrl"], contacts(given))

@@ -22,7 +22,10 @@ DASHBOARD = ROOT / "infra" / "deploy" / "dashboard.json"
 # Resources that stand in files of their own
 FRAGMENTS = (
     *(ROOT / "infra" / "edge" / name for name in ("headers.yaml", "caching.yaml", "distribution.yaml")),
-    *(ROOT / "infra" / "deploy" / name for name in ("alarms.yaml", "monitoring.yaml", "replication.yaml")),
+    *(
+        ROOT / "infra" / "deploy" / name
+        for name in ("alarms.yaml", "canary.yaml", "monitoring.yaml", "replication.yaml")
+    ),
 )
 UNRELEASED = "source"  # the release of a template that nobody packaged
 # What a release consists of besides its template and parameters: code as it is uploaded

@@ -1,4 +1,4 @@
-"""Token of the site's own pages: it follows the site's address."""
+"""Tokens of the site's own pages and of its canary: they follow the site's address."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ import secrets
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from calibdb.access.tokens import ApiToken, parse, secret_hash
 from calibdb.store import Objects, Table, Tokens, clients
 
-_PLAN = "page"
+_PLAN, _CANARY_PLAN = "page", "free"
+_CANARY_PARAMETER = "CANARY_TOKEN"
 _ID_BYTES, _SECRET_BYTES = 8, 24
 
 
@@ -25,13 +27,37 @@ def current(made: Mapping[str, str], region: str, settings: Mapping[str, str] | 
     settings
         The deployed `/config.json`, None where there is none.
     """
+    return admit(_tokens(made, region), (settings or {}).get("token", ""), _origins(made))
+
+
+def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> None:
+    """See to it that the canary has a token, in a secure parameter that it alone reads.
+
+    Parameters
+    ----------
+    made
+        Outputs of the stack.
+    ssm
+        Client of the parameter store.
+    """
+    name = f"/calibdb/{stack}/{_CANARY_PARAMETER}"
+    found = ssm.get_parameters(Names=[name], WithDecryption=True)["Parameters"]
+    known = found[0]["Value"] if found else ""
+    token = admit(_tokens(made, region), known, _origins(made), _CANARY_PLAN)
+    if token != known:
+        ssm.put_parameter(Name=name, Value=token, Type="SecureString", Overwrite=True)
+
+
+def _tokens(made: Mapping[str, str], region: str) -> Tokens:
     table = Table(functools.partial(clients.dynamodb, region), made["TableName"])
-    objects = Objects(functools.partial(clients.s3, region), made["KeypointBucketName"])
-    origins = dict.fromkeys([made["SiteUrl"], f"https://{made['DistributionDomain']}"])
-    return admit(Tokens(table, objects), (settings or {}).get("token", ""), tuple(origins))
+    return Tokens(table, Objects(functools.partial(clients.s3, region), made["KeypointBucketName"]))
 
 
-def admit(tokens: Tokens, known: str, origins: Sequence[str]) -> str:
+def _origins(made: Mapping[str, str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys([made["SiteUrl"], f"https://{made['DistributionDomain']}"]))
+
+
+def admit(tokens: Tokens, known: str, origins: Sequence[str], plan: str = _PLAN) -> str:
     """Return a token that admits pages of `origins`: the known one, changed if need be, or a new one."""
     parts = parse(known)
     token = tokens.get(parts[0]) if parts else None
@@ -41,6 +67,6 @@ def admit(tokens: Tokens, known: str, origins: Sequence[str]) -> str:
         return known
     while True:
         token_id, secret = secrets.token_hex(_ID_BYTES), secrets.token_hex(_SECRET_BYTES)
-        token = ApiToken(token_id, secret_hash(secret), tuple(origins), _PLAN, int(time.time()))
+        token = ApiToken(token_id, secret_hash(secret), tuple(origins), plan, int(time.time()))
         if tokens.create(token):
             return f"cdb_{token_id}_{secret}"

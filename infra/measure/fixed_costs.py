@@ -54,6 +54,8 @@ def _items(prices: Mapping[str, Any]) -> Iterator[FixedCost]:
         name: resource for file in TEMPLATES for name, resource in parse(ROOT / file)["Resources"].items()
     }
     parameters = {name: p.get("Default") for name, p in parse(ROOT / TEMPLATES[0])["Parameters"].items()}
+    if parameters["Canary"] == "off":
+        resources = {name: each for name, each in resources.items() if each.get("Condition") != "CanaryOn"}
     assumed = prices["assumed"]
 
     def of_type(kind: str) -> dict[str, Any]:

@@ -124,6 +124,7 @@ def use(stack: LocalStack) -> None:
     body = {**CAMERA, "camera": "Well known", "platform": PLATFORM, "views": views}
     assert checker.call("POST", "/v1/checks", body).json["counted"]
     assert checker.call("POST", "/v1/checks", body).status == 200
+    assert client.call("GET", "/healthz", token="", query="deep=1").status == 503  # nothing serves the site
 
 
 #: one entry for each write of a session that is to come too late, as when another request got ahead

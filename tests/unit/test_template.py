@@ -236,9 +236,9 @@ def test_every_alarm_has_the_topic(source: dict) -> None:
     assert len(alarms) >= 5
     for alarm in alarms:
         assert alarm["Properties"]["AlarmActions"] == [{"Ref": "AlarmTopic"}]
-    # A probe that does not run is a failure; anything else without data is at rest.
+    # A probe or a canary that does not run is a failure; anything else without data is at rest.
     missing = [alarm["Properties"]["TreatMissingData"] for alarm in alarms]
-    assert sorted(missing) == ["breaching", *["notBreaching"] * (len(alarms) - 1)]
+    assert sorted(missing) == ["breaching", "breaching", *["notBreaching"] * (len(alarms) - 2)]
 
 
 def test_throttles_of_any_number_of_functions_raise_one_alarm(source: dict) -> None:

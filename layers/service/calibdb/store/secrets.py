@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 
 from botocore.exceptions import BotoCoreError, ClientError
 
+from calibdb.errors import UnavailableError
 from calibdb.store.clients import ParameterReader, available, ssm
 
 SECRETS_TTL_S = 300.0  # after which a rotation is known everywhere
@@ -81,6 +82,15 @@ def with_secrets(environment: Mapping[str, str]) -> Mapping[str, str]:
     if not path:
         return environment
     return {**environment, **_cached_secrets(path, environment["AWS_REGION"])()}
+
+
+def read_parameter(name: str, region: str) -> str:
+    """Read one secure parameter; raises UnavailableError, also where it is not there."""
+    with available():
+        answer = ssm(region).get_parameters(Names=[name], WithDecryption=True)
+    if not answer["Parameters"]:
+        raise UnavailableError(f"The parameter {name} is missing.")
+    return str(answer["Parameters"][0]["Value"])
 
 
 @functools.cache

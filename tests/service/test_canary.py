@@ -1,0 +1,118 @@
+"""The canary against a served stack: it looks up and calibrates, leaves nothing, and says where it failed."""
+
+import importlib.util
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import boto3
+import httpx
+import pytest
+
+from infra.deploy import page_token
+from infra.local import LocalStack
+from infra.local.stack import DEVELOPMENT_TOKEN
+from tests.helpers.service.published import store
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def canary() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("canary_app", ROOT / "functions/canary/app.py")
+    assert spec
+    assert spec.loader
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where dataclasses look their class up
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def site() -> Iterator[tuple[LocalStack, str]]:
+    with LocalStack(environment={"CANARY_TOKEN": DEVELOPMENT_TOKEN}) as stack, stack.serve() as url:
+        yield stack, url
+
+
+def names(stack: LocalStack) -> set[str]:
+    listed = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"])
+    return {found["Key"] for found in listed.get("Contents", [])}
+
+
+def test_canary_calibrates_and_leaves_nothing(canary: ModuleType, site: tuple[LocalStack, str]) -> None:
+    stack, url = site
+    before = names(stack)
+    run = canary.handler({}, None)
+    assert (run["ok"], run["failed_at"]) == (True, None)
+    assert names(stack) - before == set(), "neither views nor a calibration are kept"
+    shown = httpx.get(f"{url}/healthz", params={"deep": "1"}, timeout=30)
+    assert shown.status_code == 200, shown.text
+    assert shown.json()["canary"] == run
+
+
+@pytest.mark.parametrize(
+    ("breaks", "step"),
+    [
+        ("LookupFunction", "lookup"),
+        ("AuthFunction", "open"),
+        ("NextPoseFunction", "pose"),
+        ("SubmitFunction", "view"),
+    ],
+)
+def test_canary_says_at_which_step_it_failed(
+    canary: ModuleType, site: tuple[LocalStack, str], breaks: str, step: str
+) -> None:
+    stack, url = site
+
+    def broken(_event: object, _request_id: object = None) -> dict[str, object]:
+        return {"statusCode": 500, "body": "secret"}
+
+    stack.functions[breaks] = broken  # type: ignore[assignment]
+    with pytest.raises(canary.CanaryError, match=rf"^{step}: "):
+        canary.handler({}, None)
+    shown = httpx.get(f"{url}/healthz", params={"deep": "1"}, timeout=30)
+    assert shown.status_code == 503
+    assert shown.json()["canary"]["failed_at"] == step
+
+
+def test_canary_that_measures_wrongly_fails(
+    canary: ModuleType, site: tuple[LocalStack, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert site
+    monkeypatch.setattr(canary, "_MAX_FOCAL_ERROR", 1e-9)
+    with pytest.raises(canary.CanaryError, match=r"^result: fx"):
+        canary.handler({}, None)
+
+
+def test_deployment_gives_the_canary_a_token_once(site: tuple[LocalStack, str]) -> None:
+    stack, _ = site
+    kept: dict[str, str] = {}
+
+    class Parameters:
+        """The parameter store."""
+
+        def get_parameters(self, **asked: object) -> dict[str, list[dict[str, str]]]:
+            """Return the parameters that there are."""
+            wanted = asked["Names"]
+            assert isinstance(wanted, list)
+            return {"Parameters": [{"Name": n, "Value": kept[n]} for n in wanted if n in kept]}
+
+        def put_parameter(self, **given: object) -> None:
+            """Keep a parameter."""
+            assert (given["Type"], given["Overwrite"]) == ("SecureString", True)
+            kept[str(given["Name"])] = str(given["Value"])
+
+    made = {
+        "TableName": stack.environment["TABLE_NAME"],
+        "KeypointBucketName": stack.environment["BUCKET_NAME"],
+        "SiteUrl": "https://calibdb.example",
+        "DistributionDomain": "d1.cloudfront.net",
+    }
+    for _ in range(2):
+        page_token.give_canary(made, "us-east-1", Parameters(), "calibdb")
+    ((name, value),) = kept.items()
+    assert name == "/calibdb/calibdb/CANARY_TOKEN"
+    token = store(stack).tokens.get(value.split("_")[1])
+    assert token is not None
+    assert (token.plan, token.origins) == ("free", ("https://calibdb.example", "https://d1.cloudfront.net"))

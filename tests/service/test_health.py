@@ -1,0 +1,160 @@
+"""Health of the parts: each told for itself, in bounded time, seldom enough, and with no word of why."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import httpx
+import pytest
+
+from calibdb.errors import UnavailableError
+from calibdb.http.part_checks import CHECKS_TTL_S, Part, PartChecks
+from calibdb.schema.health import CanaryRun
+from calibdb.store import Objects, Table
+from calibdb.store.canary import EXPIRY_S, store_canary_run
+from infra.local import LocalStack
+from tests.helpers.service.client import Client
+from tests.helpers.service.published import store
+
+PARTS = ["table", "bucket", "edge", "solver"]
+SECRETS = "arn:aws:dynamodb:table/secret-name key=AKIA"
+
+
+@pytest.fixture(scope="module")
+def site() -> Iterator[tuple[LocalStack, str]]:
+    with LocalStack() as stack, stack.serve() as url:
+        assert Client(stack).call("GET", "/healthz", token="").status == 200  # the function is loaded now
+        yield stack, url
+
+
+@pytest.fixture(autouse=True)
+def _never_cached(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("calibdb.http.part_checks.CHECKS_TTL_S", 0.0)
+
+
+def deep(url: str) -> httpx.Response:
+    return httpx.get(f"{url}/healthz", params={"deep": "1"}, timeout=30)
+
+
+def states(answer: Any) -> dict[str, bool]:
+    return {part["part"]: part["ok"] for part in answer["parts"]}
+
+
+def test_every_part_is_checked_with_its_latency(site: tuple[LocalStack, str]) -> None:
+    _, url = site
+    answer = deep(url)
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["cache-control"] == "public, max-age=5, s-maxage=10"
+    body = answer.json()
+    assert (body["status"], body["canary"]) == ("ok", None)
+    assert [part["part"] for part in body["parts"]] == PARTS
+    assert all(0 <= part["latency_ms"] <= part["limit_ms"] for part in body["parts"])
+    assert abs(body["checked_at"] - time.time()) < 60
+    assert sum(part["limit_ms"] for part in body["parts"]) <= 20_000  # of the gateway's 30 s
+
+
+def test_plain_answer_checks_nothing(site: tuple[LocalStack, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    stack, _ = site
+    monkeypatch.setattr(PartChecks, "__call__", fail)
+    for query in ("", "deep=0"):
+        answer = Client(stack).call("GET", "/healthz", token="", query=query)
+        assert (answer.status, answer.json) == (200, {"status": "ok"})
+        assert answer.headers["cache-control"] == "no-store"
+    assert Client(stack).call("GET", "/healthz", token="", query="deep=all").status == 422
+
+
+def fail(*_: object, **__: object) -> Any:
+    raise UnavailableError(SECRETS)
+
+
+@pytest.mark.parametrize(
+    ("part", "owner", "method"),
+    [("table", Table, "get"), ("bucket", Objects, "get"), ("edge", httpx, "no"), ("solver", None, "fit")],
+)
+def test_part_that_fails_is_named_and_nothing_of_why(
+    site: tuple[LocalStack, str], monkeypatch: pytest.MonkeyPatch, part: str, owner: Any, method: str
+) -> None:
+    stack, url = site
+    if part == "solver":
+        monkeypatch.setattr("calibsolver.fit", fail)
+    elif part == "edge":
+        monkeypatch.setattr("urllib.request.OpenerDirector.open", fail)
+    else:
+        monkeypatch.setattr(owner, method, fail)
+    answer = deep(url)
+    assert answer.status_code == 503
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert answer.headers["cache-control"] == "public, max-age=5, s-maxage=10"
+    body = answer.json()
+    assert body["type"].endswith("/docs/problems/#unhealthy")
+    assert states(body) == {name: name != part for name in PARTS}
+    assert [each["latency_ms"] for each in body["parts"] if not each["ok"]] == [None]
+    for secret in (SECRETS, "Error", stack.environment["TABLE_NAME"], stack.environment["BUCKET_NAME"]):
+        assert secret not in answer.text
+    assert Client(stack).call("GET", "/healthz", token="").status == 200
+
+
+def test_failed_canary_is_shown_until_it_is_old(site: tuple[LocalStack, str]) -> None:
+    stack, url = site
+    table, now = store(stack).quotas._table, int(time.time())
+    run = CanaryRun(ok=False, at=now, took_ms=900, failed_at="view")
+    store_canary_run(table, run)
+    answer = deep(url)
+    assert answer.status_code == 503
+    assert answer.json()["canary"] == {"ok": False, "at": now, "took_ms": 900, "failed_at": "view"}
+    assert all(states(answer.json()).values())
+    store_canary_run(table, CanaryRun(ok=True, at=now, took_ms=900))
+    assert deep(url).json()["canary"]["ok"] is True
+    store_canary_run(table, run.model_copy(update={"at": now - EXPIRY_S}))
+    assert deep(url).json()["canary"] is None  # it was switched off
+
+
+def doing_nothing() -> Callable[[], None]:
+    return lambda: None
+
+
+def test_slow_part_takes_its_own_time_and_is_not_asked_again_meanwhile() -> None:
+    release, asked = threading.Event(), []
+
+    def hang() -> Callable[[], None]:
+        asked.append(1)
+        return lambda: void(release.wait(30))
+
+    slow = Part("edge", 0.05, hang)
+    checks = PartChecks(((slow, Part("table", 5.0, doing_nothing)), (Part("solver", 5.0, doing_nothing),)))
+    start = time.monotonic()
+    for _ in range(5):
+        assert [(found.part, found.ok) for found in checks()] == [
+            ("edge", False),
+            ("table", True),
+            ("solver", True),
+        ]
+    assert time.monotonic() - start < 5
+    assert len(asked) == 1
+    release.set()
+
+
+def void(_: object) -> None:
+    """Take a value for nothing."""
+
+
+def test_parts_are_checked_once_in_ten_seconds_however_many_ask(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    asked: list[int] = []
+    now = [0.0]
+
+    def count() -> Callable[[], None]:
+        asked.append(1)
+        return lambda: None
+
+    checks = PartChecks(((Part("table", 5.0, count),),), lambda: now[0])
+    threads = [threading.Thread(target=checks) for _ in range(20)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(asked) == 1
+    now[0] = CHECKS_TTL_S
+    checks()
+    assert len(asked) == 2
