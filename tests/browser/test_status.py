@@ -1,0 +1,60 @@
+"""The status page: live, in words and signs, and standing when everything behind it is down."""
+
+import json
+
+import pytest
+from playwright.sync_api import BrowserContext, Page, Route, expect
+
+from tests.helpers.browser.pictures import WIDE, picture
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_part_is_shown_with_its_latency(page: Page, scheme: str) -> None:
+    page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    page.goto("/status/")
+    expect(page.locator("#verdict")).to_have_text("Everything works.")
+    expect(page.locator(".state.ok")).to_have_count(6)
+    expect(page.locator("#part-solver td").last).to_contain_text("ms")
+    picture(page, f"status-{scheme}", ["hand"], full=True)
+    page.set_viewport_size({"width": 320, "height": 700})
+    assert page.evaluate(WIDE) == 0
+
+
+def test_what_is_down_is_said(context: BrowserContext) -> None:
+    page = context.new_page()  # a failure is an error in the console, and here it is meant to be one
+    parts = [
+        {
+            "part": name,
+            "ok": name != "table",
+            "latency_ms": None if name == "table" else 4.0,
+            "limit_ms": 2000,
+        }
+        for name in ("table", "bucket", "edge", "solver")
+    ]
+    failed = json.dumps({"status": 503, "checked_at": 0, "parts": parts, "canary": None})
+
+    def answer(route: Route) -> None:
+        route.fulfill(status=503, body=failed, content_type="application/problem+json")
+
+    page.route("**/healthz?deep=1", answer)
+    page.goto("/status/")
+    expect(page.locator("#verdict")).to_have_text("A part of the service fails.")
+    expect(page.locator("#part-table .state")).to_have_text("fails")
+    expect(page.locator("#part-bucket .state")).to_have_text("works")
+    # Every function is down: the page says so, and what still works.
+    page.unroute("**/healthz?deep=1")
+    page.route("**/healthz?deep=1", lambda route: route.abort())
+    page.locator("#again").click()
+    expect(page.locator("#verdict")).to_have_text("The service does not answer.")
+    expect(page.locator("#advice")).to_contain_text("Known cameras are still looked up at the edge")
+    expect(page.locator(".state.unknown")).to_have_count(4)
+    picture(page, "status-down", ["hand"], full=True)
+    page.unroute("**/healthz?deep=1")
+    page.locator("#again").click()
+    expect(page.locator("#verdict")).to_have_text("Everything works.")
+    # It asks again by itself once the network is back.
+    context.set_offline(offline=True)
+    expect(page.locator("#verdict")).to_have_text("calibDB cannot be reached.")
+    expect(page.locator("#advice")).to_contain_text("Your device has no network")
+    context.set_offline(offline=False)
+    expect(page.locator("#verdict")).to_have_text("Everything works.")
