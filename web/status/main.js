@@ -43,6 +43,7 @@ function plan() {
 function show() {
   if (!shown || !checked) return;
   const { rows, verdict } = shown;
+  part("verdict", HTMLElement).className = `headline verdict ${verdict === "all" ? "good" : "poor"}`;
   tell(() => t(`status.verdict_${verdict}`));
   advise(() => t(navigator.onLine || verdict !== "nothing" ? `status.advice_${verdict}` : "status.advice_offline"));
   const time = checked;

@@ -34,6 +34,8 @@ _PROBLEM = "application/problem+json"
 _TEXT = ["text/", "application/json", _PROBLEM]  # everything else leaves as base64
 
 _log = logging.getLogger(__name__)
+# It writes down every path, in which a caller may have put a secret by mistake; the gateway logs the route.
+logging.getLogger("mangum").setLevel(logging.WARNING)
 _HOST_HEADERS = ("host", "x-forwarded-port")
 _DETAILS: dict[int, str] = {
     HTTPStatus.NOT_FOUND: "The API has no such path.",
