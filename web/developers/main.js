@@ -299,4 +299,5 @@ addEventListener("beforeunload", (event) => {
 });
 onLanguage(show);
 show();
+makeButton.disabled = false; // a click before would send the form to nowhere
 void refresh();
