@@ -13,7 +13,7 @@ export default {
     latency: "Latency",
     again: "Check now",
     about:
-      "The page asks again every 30 s while you look at it. The service checks its parts at most every ten seconds, "
+      "The page asks again every half minute while you look at it. The service checks its parts at most every ten seconds, "
         + "whoever asks. Programs read the same with <0>GET /healthz?deep=1</0>: 200 if everything works, else 503.",
     checked: "Checked at {time}.",
     ran_at: "Last run at {time}.",
@@ -66,7 +66,7 @@ export default {
     latency: "Antwortzeit",
     again: "Jetzt prüfen",
     about:
-      "Die Seite fragt alle 30 s, solange Sie hinsehen. Der Dienst prüft seine Teile höchstens alle zehn Sekunden, wer "
+      "Die Seite fragt jede halbe Minute, solange Sie hinsehen. Der Dienst prüft seine Teile höchstens alle zehn Sekunden, wer "
         + "auch fragt. Programme lesen dasselbe mit <0>GET /healthz?deep=1</0>: 200, wenn alles funktioniert, sonst 503.",
     checked: "Geprüft um {time}.",
     ran_at: "Letzter Lauf um {time}.",
@@ -119,7 +119,7 @@ export default {
     latency: "Час відповіді",
     again: "Перевірити зараз",
     about:
-      "Сторінка питає знову кожні 30 с, доки ви на неї дивитеся. Сервіс перевіряє свої частини щонайбільше раз на "
+      "Сторінка питає знову щопівхвилини, доки ви на неї дивитеся. Сервіс перевіряє свої частини щонайбільше раз на "
         + "десять секунд, хто б не питав. Програми читають те саме через <0>GET /healthz?deep=1</0>: 200, якщо все працює, "
         + "інакше 503.",
     checked: "Перевірено о {time}.",
