@@ -37,6 +37,8 @@ export function frame(document, place) {
   head(document, place);
   const header = document.querySelector("header.masthead");
   if (header) header.outerHTML = masthead(place);
+  // Where one looks through a camera there is no room for more than the way back.
+  document.querySelector("header.rim > .brand")?.insertAdjacentHTML("afterend", `<a class="back" href="${toPage("", place)}" data-t="common.back"></a>`);
   const column = document.querySelector(".page");
   if (column) {
     column.querySelector(":scope > footer.foot")?.remove();

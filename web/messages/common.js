@@ -4,6 +4,7 @@
 export default {
   en: {
     pages: "Pages",
+    back: "Back",
     copy: "Copy",
     copied: "Copied",
     selected: "Selected: press Ctrl+C",
@@ -38,6 +39,7 @@ export default {
   },
   de: {
     pages: "Seiten",
+    back: "Zurück",
     copy: "Kopieren",
     copied: "Kopiert",
     selected: "Markiert: Strg+C drücken",
@@ -72,6 +74,7 @@ export default {
   },
   uk: {
     pages: "Сторінки",
+    back: "Назад",
     copy: "Копіювати",
     copied: "Скопійовано",
     selected: "Виділено: натисніть Ctrl+C",
