@@ -115,6 +115,14 @@ def test_error_bars_that_arrive_later_move_no_number(page: Page) -> None:
     assert numbers[:2] == ["977.73\u00a0px", "±\u00a00.56\u00a0px"]
 
 
+def test_of_a_known_camera_nobody_is_asked_to_wait_for_five(page: Page) -> None:
+    six = {"calibrations": 6, "contributors": 4, "reliable": True, "id": "c~1280x720~0~rectilinear", "report": None}
+    answer(page, "**/v1/calibrations/*", lambda: result() | six)
+    page.goto("/result/?id=c")
+    summary = page.locator("#summary")
+    expect(summary).to_have_text("6 calibrations agree on this. Any web page can look this camera up.")
+
+
 def test_what_stands_in_the_card_is_at_hand(page: Page, context: BrowserContext) -> None:
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     answer(page, "**/v1/calibrations/*", result_of_camera)

@@ -3,6 +3,7 @@ import { ApiError, OfflineError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
 import { addMessages, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
+import { pageTitle } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 import { SettingsError, loadSettings } from "../lib/settings.js";
@@ -54,6 +55,7 @@ export class Outcome {
       goOn: this.#onWithout, explain,
     };
     this.#complete.cancel();
+    document.title = pageTitle(calibration, null);
     this.#view.show({ ...result, pending: Boolean(id) });
     if (!id) return;
     this.#complete(id, { ...result, returnTo }).catch((error) => {
@@ -64,6 +66,7 @@ export class Outcome {
 
   clear() {
     this.#complete.cancel();
+    document.title = t("capture.title");
     this.#view.clear();
   }
 }

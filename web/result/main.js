@@ -1,14 +1,13 @@
 // Page of one stored calibration: /result/?id=…
 import { ApiError } from "../lib/api.js";
-import { splitLabel } from "../lib/camera-name.js";
 import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { onLanguage, sized, t } from "../lib/i18n.js";
+import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/result.js";
-import { verdictOf } from "../lib/result/card.js";
+import { pageTitle } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 
@@ -21,12 +20,7 @@ const view = new ResultView(part("result", HTMLElement));
 
 /** Title of the page, which tabs, histories and bookmarks show. @param {Result} result */
 function entitle({ calibration, report }) {
-  const { camera, img_size } = calibration;
-  const write = () => {
-    document.title = t("result.title_of", {
-      camera: splitLabel(camera).name, size: sized(img_size), level: t(`result.level_${verdictOf(calibration, report)}`),
-    });
-  };
+  const write = () => void (document.title = pageTitle(calibration, report));
   onLanguage(write);
   write();
 }

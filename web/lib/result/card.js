@@ -25,8 +25,10 @@ const BOARDS = /** @type {Record<string, string>} */ ({ charuco: "ChArUco", ches
 /** Level of a result. @param {Calibration} calibration @param {Report | null} report */
 export const verdictOf = (calibration, report) => report?.verdict.level ?? levelOf(calibration);
 
-/** "Logitech C920 · 1280 × 720". @param {Calibration} calibration */
-export const titleOf = ({ camera, img_size }) => `${splitLabel(camera).name} · ${sized(img_size)}`;
+/** Title of a page that shows it. @param {Calibration} calibration @param {Report | null} report */
+export const pageTitle = (calibration, report) => t("result.title_of", {
+  camera: splitLabel(calibration.camera).name, size: sized(calibration.img_size), level: t(`result.level_${verdictOf(calibration, report)}`),
+});
 
 /** The result's own page, in the language of whoever opens it. @param {string} id */
 export const resultAddress = (id) => new URL(`../../result/?${new URLSearchParams({ id })}`, import.meta.url).href;
