@@ -116,7 +116,13 @@ def test_error_bars_that_arrive_later_move_no_number(page: Page) -> None:
 
 
 def test_of_a_known_camera_nobody_is_asked_to_wait_for_five(page: Page) -> None:
-    six = {"calibrations": 6, "contributors": 4, "reliable": True, "id": "c~1280x720~0~rectilinear", "report": None}
+    six = {
+        "calibrations": 6,
+        "contributors": 4,
+        "reliable": True,
+        "id": "c~1280x720~0~rectilinear",
+        "report": None,
+    }
     answer(page, "**/v1/calibrations/*", lambda: result() | six)
     page.goto("/result/?id=c")
     summary = page.locator("#summary")
