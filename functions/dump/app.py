@@ -17,7 +17,8 @@ from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import WeeklyDump
 from calibdb.http import metrics
 from calibdb.settings import Thresholds
-from calibdb.store import Objects, Table, clients
+from calibdb.store import Calibrations, Objects, Table, clients
+from calibdb.store.aliases import Aliases
 from calibdb.store.asked import Asked
 from calibdb.store.cameras import Cameras
 from calibdb.store.dumps import Dumps
@@ -29,11 +30,13 @@ def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
     region = os.environ["AWS_REGION"]
     table = Table(functools.partial(clients.dynamodb, region), os.environ["TABLE_NAME"])
     s3 = functools.partial(clients.s3, region)
-    dumps = Dumps(s3, Objects(s3, os.environ["BUCKET_NAME"]), os.environ["WEB_BUCKET_NAME"])
+    objects = Objects(s3, os.environ["BUCKET_NAME"])
+    calibrations = Calibrations(table, objects)
+    dumps = Dumps(s3, objects, os.environ["WEB_BUCKET_NAME"])
     least = Thresholds.from_environment(os.environ).min_contributors
     dump = WeeklyDump(
         dumps=dumps,
-        figures=Figures(dumps, Cameras(table), Asked(table), least),
+        figures=Figures(dumps, Cameras(table), Asked(table), Aliases(table), calibrations.licence, least),
         now=lambda: int(time.time()),
         random_hex=secrets.token_hex,
         seconds_left=lambda: context.get_remaining_time_in_millis() / 1000,

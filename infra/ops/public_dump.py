@@ -22,10 +22,10 @@ def publish_dump(context: OpsContext) -> Dump:
     dumps = dumps_of(context)
     if dumps is None:
         raise OpsError("set WEB_BUCKET_NAME: the site to which the dump is written")
-    least = context.settings.thresholds.min_contributors
+    store, least = context.store, context.settings.thresholds.min_contributors
     dump = WeeklyDump(
         dumps=dumps,
-        figures=Figures(dumps, context.store.cameras, context.store.asked, least),
+        figures=Figures(dumps, store.cameras, store.asked, store.aliases, store.calibrations.licence, least),
         now=lambda: context.now,
         random_hex=context.random_hex,
         seconds_left=lambda: math.inf,

@@ -14,6 +14,7 @@ from calibdb.dump.weekly_dump import PERIOD_S, WeeklyDump
 from calibdb.schema import CalibrationDocument, VoteDocument
 from calibdb.schema.dump import Dump
 from calibdb.store import Store
+from calibdb.store.aliases import Alias
 from calibdb.store.asked import USB
 from calibdb.store.dumps import LATEST, Dumps
 from infra.local import LocalStack
@@ -67,9 +68,9 @@ def vote(document: CalibrationDocument, **given: str) -> VoteDocument:
 def writer(
     context: OpsContext, now: int = NOW, left: Callable[[], float] = lambda: 900.0, **options: Any
 ) -> WeeklyDump:
-    dumps = dumps_of(context)
+    dumps, store = dumps_of(context), context.store
     assert dumps is not None
-    figures = Figures(dumps, context.store.cameras, context.store.asked, 3)
+    figures = Figures(dumps, store.cameras, store.asked, store.aliases, store.calibrations.licence, 3)
     return WeeklyDump(dumps, figures, lambda: now, context.random_hex, left, **options)
 
 
@@ -247,3 +248,24 @@ def test_forgetting_replaces_the_dumps(stack: LocalStack, context: OpsContext) -
         if file.count and file not in now.files:
             assert read(stack, file.name) is None
     assert LATEST in dumps.names()
+
+
+def test_bundle_of_known_cameras_says_its_licence(stack: LocalStack, context: OpsContext) -> None:
+    """Of two known cameras one was given whole; of the other, a calibration came without a licence."""
+    store = context.store
+    given, mixed = C920, "Microsoft LifeCam HD-3000 (045e:0779)"
+    for label in (given, mixed):
+        for n in range(2):
+            document = calibration(label, number=n)
+            consented = label == given or n == 0
+            store.calibrations.publish(document.model_copy(update=GIVEN if consented else {}))
+        put(store, consensus(camera=label, platform=LINUX))
+        store.aliases.put(document.camera_key, Alias(label, LINUX, seen=True))
+    publish_dump(context)
+    told = json.loads(read(stack, "statistics.json") or b"")["bundle"]
+    content = read(stack, told["name"]) or b""
+    assert (len(content), hashlib.sha256(content).hexdigest()) == (told["size"], told["sha256"])
+    bundle = json.loads(content)
+    licences = {camera["camera"]: camera.get("licence") for camera in bundle["cameras"]}
+    assert licences == {given: "CC0-1.0", mixed: None}
+    assert set(bundle["labels"]) >= {given, "HD Pro Webcam C920", mixed}

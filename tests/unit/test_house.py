@@ -81,6 +81,9 @@ def test_locks_carry_versions_and_hashes_only() -> None:
 def test_no_path_of_a_machine_in_a_tracked_file() -> None:
     pattern = re.compile(r"(^|[^A-Za-z0-9_.])/(home|root|Users)/")
     for path in tracked():
-        if path.suffix in {".png", ".jpg", ".ico", ".woff2", ".wasm", ".webp"} or path.name == Path(__file__).name:
+        if (
+            path.suffix in {".png", ".jpg", ".ico", ".woff2", ".wasm", ".webp"}
+            or path.name == Path(__file__).name
+        ):
             continue
         assert not pattern.search(path.read_text()), path

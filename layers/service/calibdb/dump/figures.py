@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import hashlib
+import heapq
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from typing import Any
 
 from calibdb.camera_key.usb_vendors import vendor_of
+from calibdb.dump.bundle import Source, build_bundle, names_of, rank
 from calibdb.lookup.camera_search import display_name, is_listed
-from calibdb.schema.dump import DumpDraft, Snapshot, Statistics, WantedCamera
+from calibdb.schema.dump import BundleFile, DumpDraft, Snapshot, Statistics, WantedCamera
+from calibdb.store.aliases import Aliases
 from calibdb.store.asked import USB, Asked
 from calibdb.store.cameras import Cameras
-from calibdb.store.dumps import STATISTICS, Dumps
+from calibdb.store.dumps import FOLDER, STATISTICS, Dumps
 from calibdb.store.objects import READERS
 
+BUNDLE = "bundle.json"
+MAX_BUNDLED = 500  # cameras
 MAX_WANTED = 20  # cameras that are named
 MAX_HISTORY = 520  # dumps, ten years of weeks
 _PAGE = 200  # cameras read together
@@ -21,16 +29,21 @@ _PAGE = 200  # cameras read together
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures of the database; `min_contributors`: that agree on what is shown to everybody."""
+    """Figures of the database, and the bundle.
+
+    `licence`: of all calibrations of a camera. `min_contributors`: that agree on what is shown to everybody.
+    """
 
     dumps: Dumps
     cameras: Cameras
     asked: Asked
+    aliases: Aliases
+    licence: Callable[[str], str | None]
     min_contributors: int
 
     def write(self, draft: DumpDraft) -> Statistics:
         """Write the figures of a dump that is whole, and return them."""
-        known = self._known()
+        known, popular = self._known()
         tally = draft.tally
         snapshot = Snapshot(
             date=datetime.fromtimestamp(draft.started, UTC).date().isoformat(),
@@ -46,20 +59,41 @@ class Figures:
             created=draft.started,
             history=(*history, snapshot)[-MAX_HISTORY:],
             wanted=tuple(self._wanted(draft.started)),
+            bundle=self._bundle(popular, draft.started),
         )
         self.dumps.write(STATISTICS, statistics.model_dump_json(indent=1).encode())
         return statistics
 
-    def _known(self) -> int:
-        """Count the cameras that a lookup answers."""
+    def _known(self) -> tuple[int, list[str]]:
+        """Count the cameras that a lookup answers, and choose those with the most contributors."""
         known, after = 0, None
+        popular: list[tuple[Any, str]] = []
         with ThreadPoolExecutor(READERS) as readers:
             while True:
                 found, after = self.cameras.search("", _PAGE, after)
-                read = readers.map(lambda camera: self.cameras.known(camera[0]), found)
-                known += sum(any(c.reliable for c in camera.consensuses) for camera in read)
+                keys = [key for key, _ in found]
+                for key, camera in zip(keys, readers.map(self.cameras.known, keys), strict=True):
+                    reliable = [c for c in camera.consensuses if c.reliable]
+                    if reliable:
+                        known += 1
+                        popular.append((rank(reliable), key))
+                popular = heapq.nsmallest(MAX_BUNDLED, popular)
                 if after is None:
-                    return known
+                    return known, [key for _, key in popular]
+
+    def _bundle(self, keys: Sequence[str], now: int) -> BundleFile | None:
+        """Write the bundle of these cameras, under the names by which the edge answers for them."""
+        names = {
+            key: {name for alias in self.aliases.of(key) if alias.seen for name in names_of(*alias.name)}
+            for key in keys
+        }
+        if not any(names.values()):
+            return None
+        source = Source(self.cameras.known, self.licence, self.min_contributors == 1, now)
+        made = build_bundle(source, names, MAX_BUNDLED)
+        self.dumps.write(FOLDER + BUNDLE, made.content)
+        digest = hashlib.sha256(made.content).hexdigest()
+        return BundleFile(name=BUNDLE, cameras=len(made.cameras), size=len(made.content), sha256=digest)
 
     def _wanted(self, now: int) -> list[WantedCamera]:
         """Name the cameras most asked for that are not known.

@@ -65,6 +65,15 @@ class WantedCamera(Open):
     calibrations: int
 
 
+class BundleFile(Open):
+    """The bundle that was written with a dump, for lookups without a network."""
+
+    name: str = Field(description="Under `/dumps/`.")
+    cameras: int
+    size: int = Field(description="Bytes.")
+    sha256: str = Field(pattern="^[0-9a-f]{64}$")
+
+
 class Statistics(Open):
     """The database in figures: `/dumps/statistics.json`."""
 
@@ -72,6 +81,7 @@ class Statistics(Open):
     created: int = Field(description="Unix time, seconds.")
     history: tuple[Snapshot, ...] = Field(description="One a dump, oldest first.")
     wanted: tuple[WantedCamera, ...] = Field(description="Most asked for first.")
+    bundle: BundleFile | None = Field(None, description="null: no camera is known.")
 
 
 class Tally(Open):

@@ -149,6 +149,12 @@ class Calibrations:
         modes = {mode for mode, _ in self._not_withdrawn(camera_key)}
         return sorted(modes, key=lambda mode: (mode.img_size, mode.zoom))
 
+    def licence(self, camera_key: str) -> str | None:
+        """Return the licence under which every calibration of the camera was given; None of one without."""
+        items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
+        given = {str(item.get("licence", "")) for item in items if "withdrawn" not in item}
+        return (given.pop() or None) if len(given) == 1 else None
+
     def _not_withdrawn(self, camera_key: str) -> list[tuple[StreamMode, str]]:
         """Return mode and id of every calibration of the camera that was not withdrawn."""
         items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True)
@@ -238,7 +244,8 @@ def _tombstone(calibration_id: str) -> str:
 def _item(document: CalibrationDocument) -> Item:
     fit = document.fits.get(document.distortion_model)
     shown = fit.model_dump_json(include={"camera_matrix", "avg_reprojection_error"}) if fit else "{}"
-    return {
+    given: Item = {"licence": document.licence} if document.licence else {}
+    return given | {
         "pk": camera_pk(document.camera_key),
         "sk": calibrations_prefix(document.img_size, document.zoom) + document.id,
         "camera": document.camera,

@@ -1,0 +1,215 @@
+"""The reliable calibrations of the cameras that most people have, as one file for web applications to carry.
+
+Its reader compares labels and nothing else. Which label means which camera is found here, by the rules of a
+lookup, for every label under which the camera was calibrated.
+"""
+
+from __future__ import annotations
+
+import functools
+import gzip
+import json
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from calibdb.camera_key import identify, public_label
+from calibdb.camera_key.system import system_of
+from calibdb.lookup.answer import build_answer
+from calibdb.lookup.camera_lookup import resolve, unanswerable_reason
+from calibdb.lookup.selection import choose
+from calibdb.schema import Calibration, ConsensusDocument
+from calibdb.schema.fields import ImgSize
+from calibdb.store import Known
+
+#: platforms to which cameras can be attached, one of each system
+DESKTOP_PLATFORMS = {
+    "linux": "X11; Linux x86_64",
+    "windows": "Windows NT 10.0; Win64; x64",
+    "macos": "Macintosh; Intel Mac OS X 10_15_7",
+    "chromeos": "X11; CrOS x86_64 14541.0.0",
+}
+#: sizes that applications use; the answers for them are precomputed
+COMMON_SIZES: tuple[ImgSize, ...] = (
+    *((320, 180), (320, 240), (480, 270), (640, 360), (640, 480), (800, 450), (800, 600), (854, 480)),
+    *((960, 540), (960, 720), (1024, 576), (1024, 768), (1280, 720), (1280, 960), (1600, 900)),
+    *((1600, 1200), (1920, 1080), (2560, 1440), (3840, 2160)),
+)
+COLUMNS = (
+    *("img_size", "zoom", "distortion_model", "intrinsics", "distortion_coefficients"),
+    *("avg_reprojection_error", "uncertainty", "spread", "held_out_error", "systematic"),
+    *("calibrations", "contributors", "basis", "calibration_time", "id", "relation", "at"),
+)
+Name = tuple[str, str]
+"""Label and platform."""
+_SIGNIFICANT_DIGITS = 9  # a thousandth of a pixel is the seventh
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """Content of a bundle, and numbers and sizes of what is in it."""
+
+    content: bytes
+    cameras: dict[str, int]  # bytes of each, by its label
+    calibrations: int
+    labels: int
+
+    @property
+    def compressed(self) -> int:
+        """Bytes that a web server sends."""
+        return len(gzip.compress(self.content))
+
+
+@dataclass(frozen=True)
+class Source:
+    """Database that a bundle is made of.
+
+    Attributes
+    ----------
+    read
+        What is known under a camera key.
+    licence
+        Licence under which every calibration of a camera was given; None where one was given without.
+    private
+        Whether it is the database of one person, who has few cameras.
+    created
+        Unix time, seconds.
+    track
+        Shows how far a loop is.
+    """
+
+    read: Callable[[str], Known]
+    licence: Callable[[str], str | None]
+    private: bool
+    created: int
+    track: Callable[..., Iterable[Any]] = lambda items, *_: items
+
+
+def build_bundle(source: Source, names: Mapping[str, set[Name]], max_cameras: int) -> Bundle:
+    """Build a bundle of the cameras with the most contributors; the same for the same database.
+
+    `names`: labels and platforms of the cameras among which these are chosen.
+    """
+    read = functools.cache(source.read)
+    reliable = {
+        key: [c for c in read(key).consensuses if c.reliable]
+        for key in source.track(names, "consensuses", len(names))
+    }
+    popular = sorted((key for key, found in reliable.items() if found), key=lambda k: (rank(reliable[k]), k))
+    chosen = popular[:max_cameras]
+    labels: dict[str, int] = {}
+    places: defaultdict[str, dict[str, int]] = defaultdict(dict)
+    meant = _meanings(source, read, {key: (names[key], reliable[key]) for key in chosen})
+    for label, by_place in sorted(meant.items()):
+        everywhere = {by_place.get(place) for place in DESKTOP_PLATFORMS}
+        if len(everywhere) == 1 and (key := everywhere.pop()):
+            labels[label] = chosen.index(key)
+        for place, key in sorted(by_place.items()):
+            if label not in labels or place not in DESKTOP_PLATFORMS:
+                places[place][label] = chosen.index(key)
+    cameras = [_camera(read(key).consensuses, source.licence(key)) for key in chosen]
+    document = {
+        "format": "calibdb-bundle",
+        "version": 1,
+        "created": source.created,
+        "columns": COLUMNS,
+        "cameras": cameras,
+        "labels": labels,
+        "places": places,
+    }
+    return Bundle(
+        content=_json(document),
+        cameras={f"{c['camera']} ({key})": len(_json(c)) for key, c in zip(chosen, cameras, strict=True)},
+        calibrations=sum(len(c["rows"]) for c in cameras),
+        labels=len(labels.keys() | {label for found in places.values() for label in found}),
+    )
+
+
+def names_of(label: str, platform: str) -> set[Name]:
+    """Return a label as it is given away, with and without its USB id."""
+    public = public_label(label)
+    return {(public, platform), (public.rpartition(" (")[0] or public, platform)}
+
+
+def _meanings(
+    source: Source,
+    read: Callable[[str], Known],
+    cameras: dict[str, tuple[set[Name], list[ConsensusDocument]]],
+) -> dict[str, dict[str, str]]:
+    """Map label and platform to the camera that a lookup finds; none where it finds two."""
+    private = source.private
+    meant: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+
+    def found(label: str, platform: str, c: ConsensusDocument) -> str | None:
+        identity = identify(label, platform)
+        if unanswerable_reason(identity, private=private, resize_mode=None):
+            return None
+        resolved = resolve(read, identity, c.img_size, c.zoom, c.distortion_model, private=private)
+        return resolved.key if resolved.choice.found else None
+
+    for key, (names, reliable) in source.track(cameras.items(), "cameras", len(cameras)):
+        for label, own in names:
+            system = system_of(own)
+            here = {system.text: own} if system.is_one_device else {}
+            for place, platform in (DESKTOP_PLATFORMS | here).items():
+                if all(found(label, platform, c) == key for c in reliable):
+                    meant[label][place].add(key)
+    return {
+        label: {place: keys.pop() for place, keys in places.items() if len(keys) == 1}
+        for label, places in meant.items()
+    }
+
+
+def _rows(known: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
+    for c in known:
+        if not c.reliable or c.calibration is None:
+            continue
+        exact = build_answer(c.calibration, known, c.img_size)
+        at = {}
+        for size in sorted({*COMMON_SIZES, *(other.img_size for other in known)}):
+            if choose(known, size, c.zoom, c.distortion_model).found is not c or size == c.img_size:
+                continue
+            told = build_answer(c.calibration, known, size)
+            carried = _intrinsics(told.adapted.camera_matrix) if told.adapted else []
+            if carried or told.relation != exact.relation:
+                at[f"{size[0]}x{size[1]}"] = [told.relation, *carried]
+        yield _row(c.calibration, exact.relation, at)
+
+
+def _row(c: Calibration, relation: str | None, at: dict[str, Any]) -> list[Any]:
+    values = {
+        **dict(c),
+        "intrinsics": _intrinsics(c.camera_matrix),
+        "distortion_coefficients": _round_significant(c.distortion_coefficients),
+        "uncertainty": _round_significant((c.uncertainty.rms, c.uncertainty.max)),
+        "relation": relation,
+        "at": at,
+    }
+    return [values[column] for column in COLUMNS]
+
+
+def _camera(known: Sequence[ConsensusDocument], licence: str | None) -> dict[str, Any]:
+    newest = max(
+        (c.calibration for c in known if c.reliable and c.calibration), key=lambda c: c.calibration_time
+    )
+    given = {"licence": licence} if licence else {}
+    return {"camera": newest.camera, "platform": newest.platform, **given, "rows": list(_rows(known))}
+
+
+def _json(value: object) -> bytes:
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":")).encode()
+
+
+def _intrinsics(matrix: Sequence[Sequence[float]]) -> list[float]:
+    (fx, _, cx), (_, fy, cy), _ = matrix
+    return _round_significant((fx, fy, cx, cy))
+
+
+def _round_significant(values: Sequence[float]) -> list[float]:
+    return [float(f"{value:.{_SIGNIFICANT_DIGITS}g}") for value in values]
+
+
+def rank(reliable: Sequence[ConsensusDocument]) -> tuple[int, int]:
+    """Rank a camera by its reliable consensuses: the most contributors first, which is the least."""
+    return min((-c.calibration.contributors, -c.total) for c in reliable if c.calibration)
