@@ -32,7 +32,7 @@ const api = apiAddress();
 const facts = new Map();
 /** @type {import("./token-view.js").Choices} */
 let choices = { snippet: "page", period: "hours", kind: "lookups" };
-let chosen = decodeURIComponent(location.hash.slice(1));
+let chosen = location.hash.slice(1);
 let busy = false;
 /** Secrets that this page alone has, and that nobody has copied yet. @type {Set<string>} */
 const unsaved = new Set();
@@ -77,7 +77,7 @@ const inputsOf = (place) => [...place.querySelectorAll("input")].filter(({ value
 /** @param {string} id */
 function choose(id) {
   chosen = id;
-  history.replaceState(null, "", `#${encodeURIComponent(id)}`);
+  history.replaceState(null, "", `#${id}`);
   tellToken();
   show();
   part("token-heading", HTMLElement).focus();
