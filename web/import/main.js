@@ -62,7 +62,7 @@ let text = "";
 let wrong = null;
 /** @type {Map<Numbered, Judgement>} */
 const judgements = new Map();
-const TEXT = /[A-Za-z\d]/; // of files that may hold a camera
+const BINARY = /[\u0000-\u0008\u000e-\u001f\ufffd]/; // characters that no text has
 /** Files are read one after the other, and only the last one counts. */
 let turn = 0;
 
@@ -111,7 +111,8 @@ async function take(file) {
     tell();
     const content = decode(bytes);
     const source = sourceOf(bytes, content);
-    const found = kindOf(content, source !== null);
+    const isArchive = source?.encoding === "base64";
+    const found = kindOf(content, source !== null && (isArchive || (content.trim() !== "" && !BINARY.test(content.slice(0, 1000)))));
     if (found.kind === "guess") {
       guessed = found;
       own = ownId(content);
@@ -130,13 +131,13 @@ async function take(file) {
 
 /**
  * What the page can do with a file. One of a kind that it does not know itself the service may read.
- * @param {string} content @param {boolean} isSmall whether the service takes it
+ * @param {string} content @param {boolean} isSendable whether the service takes it
  */
-function kindOf(content, isSmall) {
+function kindOf(content, isSendable) {
   try {
     return read(content);
   } catch (error) {
-    if (!(error instanceof MalformedError) || error.code !== "unknown" || !isSmall || !TEXT.test(content.slice(0, 1000))) throw error;
+    if (!(error instanceof MalformedError) || error.code !== "unknown" || !isSendable) throw error;
     return /** @type {Guess} */ ({ kind: "guess", matrix: null, packed: false });
   }
 }

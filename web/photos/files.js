@@ -104,7 +104,7 @@ function event(video, name, file) {
 }
 
 /** Words that cameras and programs put into names of files. */
-const FILE_WORDS = /^(?:img|dsc[fn]?|pxl|dji|gopro|gh\d\d|mvi|mov|vid|video|image|frame|frames|photo|photos|picture|pic|capture|captured|snapshot|screenshot|output|left|right|calib|calibration|board|charuco|chessboard|aprilgrid|test|scan|wp|p|s)$/i;
+const FILE_WORDS = /^(?:img|dsc[fn]?|pxl|dji|gopr\d+|gh\d\d|mvi|mov|vid|video|image|frame|frames|photo|photos|picture|pic|capture|captured|snapshot|screenshot|output|left|right|calib|calibration|board|charuco|chessboard|aprilgrid|test|scan|wp|p|s)$/i;
 const MIN_NAME_LETTERS = 4;
 
 /**

@@ -11,6 +11,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from calibsolver import Board
+from calibsolver.guidance.overlay import draw_board
+
 from .truth import Truth
 
 Grey = npt.NDArray[np.uint8]
@@ -92,6 +95,34 @@ def photograph(
     blurred = cv2.GaussianBlur(30 + 0.75 * grey, (0, 0), BLUR)
     noise = np.random.default_rng(seed).normal(0, NOISE, blurred.shape)
     return np.asarray(np.clip(blurred + noise, 0, 255).round(), dtype=np.uint8)
+
+
+def board_photographs(board: Board, count: int) -> Iterator[Grey]:
+    """Draw photographs of any board by the camera, whole in the picture, tilted by 20 to 40 degrees."""
+    rng = np.random.default_rng(3)
+    texture = draw_board(board, SQUARE)
+    edge = 0 if board.inverted else 255
+    texture = cv2.copyMakeBorder(texture, SQUARE, SQUARE, SQUARE, SQUARE, cv2.BORDER_CONSTANT, value=edge)
+    origin = board.outline[0, :2]
+    middle = np.append(origin + np.array(board.size) / 2, 0)
+    w, h = CAMERA.size
+    for index in range(count):
+        azimuth = 2.4 * index
+        tilt = np.radians(rng.uniform(20, 40)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
+        rotation = cv2.Rodrigues(tilt)[0] @ cv2.Rodrigues(np.array([0, 0, rng.uniform(-0.3, 0.3)]))[0]
+        depth = rng.uniform(1.35, 1.8) * CAMERA.fx * max(board.size[0] / w, board.size[1] / h)
+        aside = 0.1 * depth * np.array([np.cos(1.1 * index), 0.7 * np.sin(1.1 * index), 0])
+        translation = np.array([0, 0, depth]) + aside - rotation @ middle
+        on_board = _rays() @ np.linalg.inv(np.column_stack([rotation[:, :2], translation])).T
+        place = SQUARE * (on_board[:, :2] / on_board[:, 2:] - origin) + SQUARE - 0.5
+        maps = np.float32(place).reshape(SAMPLES * h, SAMPLES * w, 2)
+        fine = cv2.remap(
+            texture, maps, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=90
+        )
+        grey = fine.astype(float).reshape(h, SAMPLES, w, SAMPLES).mean(axis=(1, 3))
+        blurred = cv2.GaussianBlur(30 + 0.75 * grey, (0, 0), BLUR)
+        noise = np.random.default_rng(index).normal(0, NOISE, blurred.shape)
+        yield np.asarray(np.clip(blurred + noise, 0, 255).round(), dtype=np.uint8)
 
 
 def jpeg(picture: Grey, orientation: int = 1) -> bytes:

@@ -1,0 +1,80 @@
+"""Chessboards, AprilGrids and inverted boards, found by the page's own detector in drawn photographs."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+from calibsolver import Board, fit
+from tests.helpers.browser.photographs import CAMERA, board_photographs
+
+CHESSBOARD = Board(kind="chessboard", squares=(10, 7))
+APRILGRID = Board(kind="aprilgrid", squares=(4, 3), dictionary="DICT_APRILTAG_36h11", tag_spacing=0.25)
+INVERTED = Board(squares=(8, 6), marker_ratio=0.7, inverted=True)
+TOLD: dict[str, tuple[Board, dict[str, Any]]] = {
+    "chessboard": (CHESSBOARD, {"kind": "chessboard", "squares": [10, 7]}),
+    "aprilgrid": (
+        APRILGRID,
+        {"kind": "aprilgrid", "squares": [4, 3], "dictionary": "DICT_APRILTAG_36h11", "tag_spacing": 0.25},
+    ),
+    "inverted": (INVERTED, {"squares": [8, 6], "marker_ratio": 0.7, "inverted": True}),
+}
+COUNT = 8
+
+FIND = """async (pictures) => {
+  const { Detector } = await import("/lib/detector.js");
+  const { recognise } = await import("/lib/board-recognition.js");
+  const { DEFAULT_BOARD } = await import("/lib/board.js");
+  const bytes = (data) => Uint8Array.from(atob(data), (character) => character.charCodeAt(0));
+  const bitmaps = () => Promise.all(pictures.map((data) => createImageBitmap(new Blob([bytes(data)]))));
+  const detector = await Detector.open(DEFAULT_BOARD);
+  const sightings = [];
+  for (const bitmap of (await bitmaps()).slice(0, 1)) {
+    const families = sightings.flatMap(({ family }) => family ?? []);
+    sightings.push(await detector.sight(bitmap, { families, inverted: true, timeout: 120000 }));
+  }
+  const found = recognise(sightings);
+  if (!found) return null;
+  await detector.change(found.board);
+  const views = [];
+  for (const bitmap of await bitmaps()) {
+    views.push(await detector.detect(bitmap, { full: true, timeout: 120000 }));
+  }
+  detector.close();
+  return { board: found.board, views: views.map(({ ids, points }) => ({ ids, points })) };
+}"""
+
+
+@pytest.mark.parametrize("name", TOLD)
+def test_board_is_recognised_and_gives_what_opencv_gives(page: Page, name: str) -> None:
+    """What is recognised is the board; fx is OpenCV's on the same corners: a chessboard's within 0.05 px."""
+    board, told = TOLD[name]
+    pictures = list(board_photographs(board, COUNT))
+    data = [base64.b64encode(cv2.imencode(".png", p)[1].tobytes()).decode() for p in pictures]
+    page.goto("/board/")
+    found = page.evaluate(FIND, data)
+    assert found is not None
+    assert {key: found["board"].get(key) for key in told} == told
+    views = [board.view(v["ids"], v["points"]) for v in found["views"] if len(v["ids"]) >= 6]
+    assert len(views) == COUNT
+    objects = [view.object_points.astype(np.float32) for view in views]
+    points = [view.image_points.astype(np.float32)[:, None] for view in views]
+    extended = cv2.calibrateCameraExtended(objects, points, CAMERA.size, None, None)
+    matrix, deviations = extended[1], extended[5]
+    ours = fit(views, CAMERA.size).camera.matrix[0, 0]
+    print(f"{name}: fx {ours:.3f}, OpenCV with the same corners {matrix[0, 0]:.3f}, truth {CAMERA.fx}")
+    if name == "chessboard":
+        seen = [cv2.findChessboardCornersSB(p, (9, 6), flags=cv2.CALIB_CB_ACCURACY) for p in pictures]
+        theirs = [corners.astype(np.float32) for is_found, corners in seen if is_found]
+        whole = [CHESSBOARD.points.astype(np.float32)] * len(theirs)
+        _, with_theirs, *_ = cv2.calibrateCamera(whole, theirs, CAMERA.size, None, None)
+        print(f"with the corners of findChessboardCornersSB: {with_theirs[0, 0]:.3f}")
+        assert abs(ours - matrix[0, 0]) < 0.05
+        assert abs(ours - with_theirs[0, 0]) < deviations[0][0]
+    assert abs(ours - matrix[0, 0]) < deviations[0][0]
+    assert abs(ours - CAMERA.fx) < 0.005 * CAMERA.fx
