@@ -1,6 +1,7 @@
 """The Python client and its command against the local stack."""
 
 import json
+import runpy
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ LABEL, PLATFORM, SIZE = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64", (
 KEY = CameraKey(LABEL, PLATFORM, SIZE)
 LOOKUP = ["lookup", "--label", LABEL, "--platform", PLATFORM, "--size", "1280x720", "--no-cache"]
 TOKEN = "cdb_dev_local"
+EXAMPLES = Path(__file__).parents[2] / "clients/python/examples"
 
 
 @pytest.fixture(scope="module")
@@ -178,3 +180,24 @@ def test_folder_of_pictures_becomes_a_calibration_of_the_database(
         assert np.allclose(again.calibration.camera_matrix, stored.camera_matrix)
         assert again.used == 6
         assert stored.save(tmp_path / "ros.yaml", format="ros").error == 0
+
+
+@pytest.mark.usefixtures("served")
+def test_ros_node_writes_what_camera_info_manager_reads(
+    known: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = ["ros_camera_info.py", "--label", LABEL, "--folder", str(tmp_path), "--name", "head"]
+    monkeypatch.setattr("sys.argv", program)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_path(str(EXAMPLES / "ros_camera_info.py"), run_name="__main__")
+    assert ended.value.code == 0
+    message = json.loads(capsys.readouterr().out)
+    written = yaml.safe_load((tmp_path / "head.yaml").read_bytes())
+    assert written["camera_matrix"]["data"] == message["k"]
+    assert written["distortion_coefficients"]["data"] == message["d"]
+    assert message["header"]["frame_id"] == "head"
+    assert (message["width"], message["distortion_model"]) == (1280, "plumb_bob")
+    for path in (tmp_path / "cache").rglob("*"):
+        assert path.stat().st_mode & 0o077 == 0, path
+    assert message["k"] == np.ravel(known["camera_matrix"]).tolist()

@@ -12,13 +12,19 @@ import sysconfig
 import venv
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
+import yaml
 from flit_core.wheel import make_wheel_in
 
-from calibdb_client import Board
+from calibdb_client import Board, Recording
+from infra.local import LocalStack
 from tests.helpers import board_pictures
+from tests.helpers.data import data_dir, external_data
 
 ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "clients/python/examples"
 WITHOUT_OPENCV = """
 import sys
 sys.modules["cv2"] = None
@@ -48,10 +54,14 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return scripts
 
 
-def run(*command: str | Path, folder: Path) -> subprocess.CompletedProcess[str]:
+def run(
+    *command: str | Path, folder: Path, status: int = 0, **variables: str
+) -> subprocess.CompletedProcess[str]:
     """Run a program with nothing of this checkout in its way."""
     names = {name: value for name, value in os.environ.items() if not name.startswith(("CALIBDB", "PYTHON"))}
-    return subprocess.run(command, cwd=folder, env=names, check=True, capture_output=True, text=True)
+    done = subprocess.run(command, cwd=folder, env=names | variables, capture_output=True, text=True)
+    assert done.returncode == status, done.stderr
+    return done
 
 
 def test_installed_packages_need_no_opencv(environment: Path, tmp_path: Path) -> None:
@@ -67,3 +77,112 @@ def test_installed_command_calibrates_a_folder_offline(environment: Path, tmp_pa
     assert quickstart
     code = quickstart[1] + "print(abs(calibration.camera.matrix[0, 0] - 560) < 5)\n"
     assert run(environment / "python", "-c", code, folder=tmp_path).stdout.splitlines()[-1] == "True"
+
+
+@pytest.fixture(scope="module")
+def calibrated(environment: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with photographs of a board, and the calibration that the installed command made of them."""
+    folder = tmp_path_factory.mktemp("offline")
+    board_pictures.write(folder / "photos", Board((7, 5), 0.7, "DICT_5X5_100"))
+    command = ("calibrate", "photos", "--offline", "--json", "-o", "camera.json")
+    told = run(environment / "calibdb", *command, folder=folder)
+    assert "board: ChArUco, 7 x 5 squares, marker ratio 0.7, DICT_5X5_50" in told.stderr
+    assert abs(json.loads(told.stdout)["camera_matrix"][0][0] - board_pictures.MATRIX[0, 0]) < 5
+    return folder
+
+
+def test_example_finds_the_pose_of_a_tag(environment: Path, calibrated: Path) -> None:
+    tags = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
+    picture = np.full((480, 640), 255, dtype=np.uint8)
+    picture[100:260, 200:360] = cv2.aruco.generateImageMarker(tags, 7, 160)
+    cv2.imwrite(str(calibrated / "tag.png"), cv2.GaussianBlur(picture, (0, 0), 1))
+    told = run(
+        *(environment / "python", EXAMPLES / "apriltag_pose.py", "tag.png", "camera.json", "--side", "0.2"),
+        folder=calibrated,
+    )
+    (tag,) = [json.loads(line) for line in told.stdout.splitlines()]
+    # 160 px of 0.2 m at a focal length of 560 px
+    x, y, z = tag["tvec"]
+    assert tag["id"] == 7
+    assert abs(z - 0.7) < 0.02
+    assert abs(x - (279.5 - 322) / 560 * 0.7) < 0.01
+    assert abs(y - (179.5 - 237) / 558 * 0.7) < 0.01
+
+
+def test_example_writes_a_rectified_video(environment: Path, calibrated: Path) -> None:
+    writer = cv2.VideoWriter(str(calibrated / "in.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 10, (640, 480))
+    for path in sorted((calibrated / "photos").iterdir()):
+        writer.write(cv2.imread(str(path)))
+    writer.release()
+    told = run(
+        *(environment / "python", EXAMPLES / "undistorted_stream.py", "in.avi", "camera.json", "out.avi"),
+        folder=calibrated,
+    )
+    assert told.stdout.startswith("6 frames")
+    there, frame = cv2.VideoCapture(str(calibrated / "out.avi")).read()
+    assert there
+    assert frame.shape == (480, 640, 3)
+
+
+def test_notebook_runs_and_shows_two_plots(environment: Path, calibrated: Path) -> None:
+    told = run(
+        environment / "python",
+        *(ROOT / "tests/helpers/notebook.py", EXAMPLES / "calibration.ipynb"),
+        folder=calibrated,
+    )
+    assert "6 views" in told.stdout
+    sizes = json.loads(told.stdout.splitlines()[-1])
+    assert len(sizes) == 2
+    assert min(sizes) > 5000
+
+
+@external_data
+def test_installed_commands_calibrate_real_photographs_by_the_service(
+    environment: Path, stack: LocalStack, tmp_path: Path
+) -> None:
+    photographs = data_dir() / "photos" / "charuco_1280x720"
+    camera = ("--label", "Microsoft LifeCam HD-3000 (045e:0779)")
+    with stack.serve():
+        service = {"CALIBDB_URL": stack.url, "CALIBDB_TOKEN": "cdb_dev_local"}
+        asked = ("lookup", *camera, "--platform", "photographs", "--size", "1280x720", "--no-cache", "--json")
+        calibdb = environment / "calibdb"
+        unknown = run(calibdb, *asked, folder=tmp_path, status=1, **service)
+        assert json.loads(unknown.stdout)["reason"] == "unknown_camera"
+        agreed = (*camera, "--licence", "CC0-1.0")
+        run(calibdb, "calibrate", str(photographs), *agreed, "-o", "camera.json", folder=tmp_path, **service)
+        checked = run(calibdb, "check", str(photographs), *camera, "--json", folder=tmp_path, **service)
+        assert json.loads(checked.stdout)["fits"] == "fits"
+        known = json.loads((tmp_path / "camera.json").read_text())
+        export = ("export", known["id"], "--format", "ros", "-o", "ros.yaml")
+        run(calibdb, *export, folder=tmp_path, **service)
+        stored = stack.request(
+            "GET", f"/v1/calibrations/{known['id']}", headers={"authorization": "Bearer cdb_dev_local"}
+        )
+    assert json.loads(stored.body)["licence"] == "CC0-1.0"
+    recording = Recording.load(tmp_path / "camera.json")
+    assert recording.board.squares == (8, 8)
+    places = [
+        np.column_stack([recording.board.places[list(view.ids)], np.zeros(len(view.ids))]).astype(np.float32)
+        for view in recording.views
+    ]
+    seen = [np.array(view.points, dtype=np.float32) for view in recording.views]
+    _, matrix, _, _, _, std, *_ = cv2.calibrateCameraExtended(places, seen, (1280, 720), None, None)
+    assert len(recording.views) == 16
+    fx, fy = known["camera_matrix"][0][0], known["camera_matrix"][1][1]
+    assert abs(fx - matrix[0, 0]) < std.ravel()[0]
+    assert abs(fy - matrix[1, 1]) < std.ravel()[1]
+    # as ROS's camera_calibration_parsers reads it
+    ros = yaml.safe_load((tmp_path / "ros.yaml").read_bytes())
+    assert (ros["image_width"], ros["image_height"], ros["distortion_model"]) == (1280, 720, "plumb_bob")
+    for name, rows, columns in (
+        ("camera_matrix", 3, 3),
+        ("distortion_coefficients", 1, 5),
+        ("rectification_matrix", 3, 3),
+        ("projection_matrix", 3, 4),
+    ):
+        assert (ros[name]["rows"], ros[name]["cols"], len(ros[name]["data"])) == (
+            rows,
+            columns,
+            rows * columns,
+        )
+    assert ros["camera_matrix"]["data"][0] == pytest.approx(fx, abs=1e-6)

@@ -1,0 +1,171 @@
+"""Live captures, checks and other boards of the Python client against the local stack."""
+
+import asyncio
+import json
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from calibdb_client import (
+    AsyncClient,
+    Board,
+    CameraKey,
+    CaptureResult,
+    Client,
+    NotFoundError,
+    Recording,
+    ServiceUnavailableError,
+)
+from calibdb_client.capture.outline import TEXTS
+from calibdb_client.cli import main
+from infra.local import LocalStack
+from tests.helpers import board_pictures
+from tests.helpers.virtual_person import Listener, VirtualCamera
+
+TOKEN = "cdb_dev_local"
+LABEL, PLATFORM = "USB2.0 HD UVC WebCam (13d3:5a01)", "X11; Linux x86_64"
+
+
+@pytest.fixture
+def served(stack: LocalStack, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    monkeypatch.setenv("CALIBDB_URL", stack.url)
+    monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
+    with stack.serve():
+        yield stack.url
+
+
+@dataclass
+class Captured:
+    """A live capture by the service."""
+
+    result: CaptureResult
+    recording: Recording
+    threads: int
+
+
+@pytest.fixture(scope="module")
+def captured(stack: LocalStack) -> Captured:
+    camera = VirtualCamera(seed=2)
+    kept: list[Recording] = []
+    threads = threading.active_count()
+    how: dict[str, Any] = {"label": LABEL, "platform": PLATFORM, "clock": camera.clock}
+    with stack.serve(), Client(stack.url, TOKEN, cache=False) as client:
+        result = client.calibrate(camera, licence="CC0-1.0", show=Listener(camera), keep=kept.append, **how)
+        return Captured(result, kept[-1], threading.active_count() - threads)
+
+
+def test_service_guides_by_words_in_at_most_eight_views(served: str, captured: Captured) -> None:
+    result = captured.result
+    assert result.verdict[0] == "converged"
+    assert result.used <= 8
+    assert captured.recording.board == Board()
+    sigma = result.calibration.uncertainty["rms"]
+    assert abs(result.calibration.camera_matrix[0, 0] - VirtualCamera().fx) < 3 * sigma + 1
+    assert result.calibration.id
+    with Client(served, TOKEN, cache=False) as client:
+        stored = client.calibration(result.calibration.id)
+    assert (stored.record["licence"], stored.record["platform"]) == ("CC0-1.0", PLATFORM)
+
+
+def test_check_takes_three_glances_of_different_tilts(served: str, captured: Captured) -> None:
+    camera = VirtualCamera(seed=3)
+    listener = Listener(camera)
+    assert captured.result.used
+    how: dict[str, Any] = {"label": LABEL, "platform": PLATFORM, "show": listener, "clock": camera.clock}
+    with Client(served, TOKEN, cache=False) as client:
+        # three glances, tilted as the words say
+        tilts = iter(["tilt_top", "tilt_left", "tilt_bottom", "tilt_right"] * 9)
+        take = listener.show
+        turn: list[str] = []
+
+        def obey(scene: Any) -> str:
+            take(scene)
+            if scene.instruction.startswith("tilt"):
+                turn[:] = turn or [next(tilts)]
+                camera.words = TEXTS[turn[0]]
+            else:
+                turn.clear()
+            return ""
+
+        listener.show = obey  # type: ignore[method-assign]
+        check = client.check(camera, board=Board(), **how)
+        assert check.fits
+        assert check.error < 2 * check.expected
+        assert check.calibration.id
+
+
+def test_service_that_goes_away_leaves_every_view(served: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    camera = VirtualCamera(seed=2)
+    listener = Listener(camera)
+    client = Client(served, TOKEN, cache=False, sleep=lambda _: None)
+    taken = listener.taken
+
+    def cut(status: Any) -> None:
+        taken(status)
+        if status.views == 2:
+            monkeypatch.setattr(client._connection.__class__, "message", gone)
+
+    def gone(*_: Any) -> dict[str, Any]:
+        return {"method": "GET", "url": "http://127.0.0.1:9/", "headers": {}}
+
+    monkeypatch.setattr(listener, "taken", cut)
+    kept: list[Recording] = []
+    with client, pytest.raises(ServiceUnavailableError, match="does not answer") as away:
+        client.calibrate(
+            camera, label=LABEL, board=Board(), show=listener, clock=camera.clock, keep=kept.append
+        )
+    assert away.value.recording is not None
+    assert len(away.value.recording.views) >= 2
+    assert kept[-1] == away.value.recording
+
+
+@pytest.mark.usefixtures("served")
+@pytest.mark.parametrize(
+    "board", [Board((9, 6), kind="chessboard"), Board((6, 4), kind="aprilgrid")], ids=lambda each: each.kind
+)
+def test_pictures_of_other_boards_become_calibrations(
+    board: Board, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    folder = board_pictures.write(tmp_path / "pictures", board)
+    label = f"Camera of a {board.kind}"
+    assert main(["calibrate", str(folder), "--label", label, "-o", str(tmp_path / "x.json"), "--json"]) == 0
+    told = json.loads(capfd.readouterr().out)
+    assert np.abs(np.array(told["camera_matrix"]) - board_pictures.MATRIX).max() < 6
+    assert Recording.load(tmp_path / "x.json").board == board
+    assert main(["check", str(tmp_path / "x.json")]) == 0
+    assert "fits" in capfd.readouterr().out
+    assert main(["check", str(folder), "--label", "Unheard camera"]) == 1
+
+
+async def _async_capture(url: str, camera: VirtualCamera, listener: Listener, begun: Recording) -> Any:
+    async with AsyncClient(url, TOKEN, cache=False) as client:
+        ticks = 0
+
+        async def tick() -> None:
+            nonlocal ticks
+            while True:
+                await asyncio.sleep(0)
+                ticks += 1
+
+        other = asyncio.create_task(tick())
+        with pytest.raises(NotFoundError):
+            await client.check(replace(begun, key=CameraKey("Nobody", PLATFORM, camera.size)))
+        try:
+            result = await client.calibrate(camera, resume=begun, show=listener, clock=camera.clock)
+        finally:
+            other.cancel()
+        return result, ticks
+
+
+def test_asynchronous_twin_resumes_a_capture(served: str, captured: Captured) -> None:
+    camera = VirtualCamera(seed=2)
+    begun = replace(captured.recording, views=captured.recording.views[:3])
+    result, ticks = asyncio.run(_async_capture(served, camera, Listener(camera), begun))
+    assert result.used <= 8
+    assert abs(result.calibration.camera_matrix[0, 0] - camera.fx) < 2
+    assert ticks > 10, "the loop goes on while frames are read"
