@@ -8,14 +8,16 @@ const modules = fileURLToPath(new URL("../../node_modules/", import.meta.url));
 const buffer = fileURLToPath(new URL("./buffer.mjs", import.meta.url));
 
 const ENGINES = {
-  three: 'export { BoxGeometry, EdgesGeometry, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene, WebGLRenderer } from "three";',
+  three: 'export { BoxGeometry, Group, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene, WebGLRenderer } from "three";',
   "@babylonjs/core": `
     export { FreeCamera } from "@babylonjs/core/Cameras/freeCamera.js";
     export { Engine } from "@babylonjs/core/Engines/engine.js";
     export { Color3, Color4 } from "@babylonjs/core/Maths/math.color.js";
-    export { Vector3 } from "@babylonjs/core/Maths/math.vector.js";
-    export { CreateLineSystem } from "@babylonjs/core/Meshes/Builders/linesBuilder.js";
+    export { HemisphericLight } from "@babylonjs/core/Lights/hemisphericLight.js";
+    export { Matrix, Quaternion, Vector3 } from "@babylonjs/core/Maths/math.vector.js";
+    export { CreateBox } from "@babylonjs/core/Meshes/Builders/boxBuilder.js";
     export { CreatePlane } from "@babylonjs/core/Meshes/Builders/planeBuilder.js";
+    export { TransformNode } from "@babylonjs/core/Meshes/transformNode.js";
     export { StandardMaterial } from "@babylonjs/core/Materials/standardMaterial.js";
     export { Scene } from "@babylonjs/core/scene.js";`,
   // From its source: what npm has built puts its styles into the page, where our policy refuses them.

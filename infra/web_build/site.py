@@ -26,6 +26,7 @@ from pathlib import Path
 
 from infra.web_build.docs import build as documentation
 from infra.web_build.docs.catalog import ENTRIES
+from infra.web_build.docs.example_pages import example_pages
 from infra.web_build.sdk import sdk_files
 
 ROOT = Path(__file__).parents[2]
@@ -42,7 +43,7 @@ _INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
 Generator = Callable[[Path], Mapping[str, str]]
 """Makes page sources, by key ("docs/api/index.html"), and texts that they load, of a client's folder."""
 
-GENERATORS: tuple[Generator, ...] = (documentation.pages,)
+GENERATORS: tuple[Generator, ...] = (documentation.pages, example_pages)
 """Those of pages that are not written by hand."""
 
 

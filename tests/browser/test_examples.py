@@ -91,7 +91,7 @@ def distance(found: Array, wanted: Array) -> float:
 
 @pytest.mark.parametrize("engine", ["three", "babylon", "aframe"])
 def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
-    page.goto(f"/examples/{engine}/?{TRUTH.query(error=0)}")
+    page.goto(f"/examples/{engine}/?{TRUTH.query(error=0)}&still=1")
     lens = {"img_size": TRUTH.size, "camera_matrix": TRUTH.matrix.tolist(), "distortion_model": "rectilinear"}
     matrix = page.evaluate(STRAIGHT, lens | {"distortion_coefficients": TRUTH.distortion.tolist()})
     for ratio in RATIOS:

@@ -10,20 +10,25 @@ import { loadSettings } from "../lib/settings.js";
 import { setupFrom } from "../lib/virtual/camera.js";
 import { trueCalibration } from "../lib/virtual/truth.js";
 import words from "../messages/examples.js";
+import { poseAt } from "./board.js";
 
 /**
- * @typedef {object} Pinhole the straightened picture's
+ * @typedef {object} Pinhole camera without distortion
  * @property {[number, number]} img_size
  * @property {number[][]} camera_matrix
  *
  * @typedef {object} Picture
- * @property {Pinhole} pinhole for a scene over it
+ * @property {() => Pinhole} pinhole for a scene over the picture as it is shown now
  * @property {import("../sdk/calibdb.js").Calibration} calibration of the camera
  * @property {HTMLElement} stage in which it lies, as CSS `object-fit: cover` has it
  * @property {() => [number, number]} viewport size of the stage, px
+ * @property {() => import("../lib/pose.js").Pose} pose of the board in the picture, board → camera
+ * @property {(listener: () => void) => void} onChange called now, and when pinhole or viewport are others
+ * @property {(listener: () => void) => void} onFrame called with each picture
  */
 
 const WANTED = /** @type {[number, number]} */ ([1280, 720]);
+const USUAL_FIELD_DEG = 60; // whole field of view, width, that is taken for a camera nobody knows
 
 /**
  * Waits for the visitor, then opens the camera; with `?virtual=1` in the address, on pages that offer it, the virtual one at once.
@@ -42,10 +47,13 @@ export function whenOpen(draw) {
       const picture = await begin(id, parameters);
       if (!picture) return;
       part("stage", HTMLElement).hidden = false;
+      part("choice", HTMLElement).hidden = false;
       part("begin", HTMLElement).hidden = true;
       await draw(picture);
     } catch (error) {
-      say(error instanceof CameraError ? t(`capture.fault_${error.code}`, { detail: error.detail }) : explain(error));
+      const alone = error instanceof CameraError && error.code === "not_found" && !document.getElementById("virtually");
+      if (alone) say(t("examples.no_camera"));
+      else say(error instanceof CameraError ? t(`capture.fault_${error.code}`, { detail: error.detail }) : explain(error));
     } finally {
       opening = false;
     }
@@ -91,16 +99,59 @@ async function shown({ track, stream, virtual }, parameters) {
     return null;
   }
   const rectifier = await calibration.rectifier({ balance: 0 });
+  return composed({ stage, video, rectifier, calibration, virtual, moves: !parameters.has("still") });
+}
 
-  rectifier.canvas.className = "picture";
-  stage.prepend(rectifier.canvas);
-  const show = () => {
-    if (video.videoWidth === calibration.img_size[0]) rectifier.draw(video);
-    video.requestVideoFrameCallback(show);
+/**
+ * Puts the picture on the stage, straightened with the calibration or as it is without.
+ * @param {{stage: HTMLElement, video: HTMLVideoElement, rectifier: import("../sdk/rectifier.js").Rectifier, moves: boolean,
+ *   calibration: import("../sdk/calibdb.js").Calibration, virtual: import("../lib/virtual/camera.js").VirtualCamera | null}} parts
+ * @returns {Picture}
+ */
+function composed({ stage, video, rectifier, calibration, virtual, moves }) {
+  const source = virtual?.canvas ?? video;
+  const choice = part("calibrated", HTMLInputElement);
+  /** @type {(() => void)[]} */
+  const changed = [];
+  /** @type {(() => void)[]} */
+  const drawn = [];
+  const change = () => {
+    const shown = choice.checked ? rectifier.canvas : source;
+    shown.classList.add("picture");
+    shown.classList.remove("virtual-camera");
+    stage.querySelector(":scope > .picture")?.remove();
+    stage.prepend(shown);
+    for (const listener of changed) listener();
   };
-  video.requestVideoFrameCallback(show);
-  const { img_size, camera_matrix } = rectifier;
-  return { pinhole: { img_size, camera_matrix }, calibration, stage, viewport: () => [stage.clientWidth, stage.clientHeight] };
+  choice.addEventListener("change", change);
+  new ResizeObserver(change).observe(stage);
+  const swings = virtual && moves && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+  const start = performance.now();
+  const frame = () => {
+    if (swings) virtual.hold(poseAt(calibration, (performance.now() - start) / 1000));
+    if (choice.checked && (virtual || video.videoWidth === calibration.img_size[0])) rectifier.draw(source);
+    for (const listener of drawn) listener();
+    requestAnimationFrame(frame);
+  };
+  change();
+  requestAnimationFrame(frame);
+  return {
+    pinhole: () => (choice.checked ? rectifier : usualPinhole(calibration.img_size)),
+    calibration, stage,
+    viewport: () => [stage.clientWidth, stage.clientHeight],
+    pose: () => virtual?.shown ?? poseAt(calibration, 0),
+    onChange: (listener) => {
+      changed.push(listener);
+      listener();
+    },
+    onFrame: (listener) => void drawn.push(listener),
+  };
+}
+
+/** Pinhole that applications assume of a camera they know nothing about. @param {readonly [number, number]} size @returns {Pinhole} */
+function usualPinhole([width, height]) {
+  const focal = width / 2 / Math.tan((USUAL_FIELD_DEG * Math.PI) / 360);
+  return { img_size: [width, height], camera_matrix: [[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]] };
 }
 
 /** @param {...(string | Node)} what */

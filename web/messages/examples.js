@@ -3,21 +3,28 @@
 /** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
+    calibrated: "Use the calibration",
+    no_camera: "No camera was found. Plug one in, then try again.",
+    source: "The whole source",
+    install: "Import the modules from this service, or install its package: <0>how</0>.",
+    all: "All examples",
+    index: "Examples",
+    index_lead: "A drawing over the camera's picture, with and without the calibration. Every example shows its source and runs here, without a camera, too.",
+    ar: "What the calibration changes",
     three: "three.js over a calibrated camera",
     babylon: "Babylon.js over a calibrated camera",
     aframe: "A-Frame over a calibrated camera",
     arjs: "AR.js with your own camera_para.dat",
     lead:
-      "A box on the board, drawn over the straightened picture of your camera. The adapter gives the engine's "
-        + "camera this one's focal length and centre, however the picture lies in the page.",
+      "A box stands on the board, drawn over the straightened picture of your camera. The adapter gives the engine's "
+        + "camera the focal length and centre of yours, whatever the layout. Switch the calibration off to see the difference.",
     arjs_lead:
-      "AR.js tracks markers with the camera parameters in camera_para.dat. The one it comes with is another "
-        + "camera's. Here is yours.",
+      "AR.js tracks markers with the camera parameters in camera_para.dat. AR.js ships with another camera's file. "
+        + "Download yours here.",
     start: "Open the camera",
-    virtual: "Try the virtual camera",
+    virtual: "Try the simulated camera",
     scene: "The camera's picture with a box over it",
     code: "What the page does",
-    others: "Others",
     unknown: "This camera is not calibrated yet, at this resolution.",
     calibrate: "Calibrate it",
     download: "Download camera_para.dat",
@@ -28,21 +35,28 @@ export default {
         + "this page gives the file, your page runs AR.js.",
   },
   de: {
+    calibrated: "Kalibrierung verwenden",
+    no_camera: "Es wurde keine Kamera gefunden. Schließen Sie eine an, und versuchen Sie es noch einmal.",
+    source: "Der ganze Quelltext",
+    install: "Importieren Sie die Module von diesem Dienst, oder installieren Sie sein Paket: <0>so geht es</0>.",
+    all: "Alle Beispiele",
+    index: "Beispiele",
+    index_lead: "Eine Zeichnung über dem Bild der Kamera, mit und ohne Kalibrierung. Jedes Beispiel zeigt seinen Quelltext und läuft hier, auch ohne Kamera.",
+    ar: "Was die Kalibrierung ändert",
     three: "three.js über einer kalibrierten Kamera",
     babylon: "Babylon.js über einer kalibrierten Kamera",
     aframe: "A-Frame über einer kalibrierten Kamera",
     arjs: "AR.js mit einer eigenen camera_para.dat",
     lead:
-      "Ein Kasten auf der Tafel, über das entzerrte Bild Ihrer Kamera gezeichnet. Der Adapter gibt der Kamera "
-        + "der Szene die Brennweite und die Bildmitte der echten, wie immer das Bild auf der Seite liegt.",
+      "Auf der Tafel steht ein Kasten, gezeichnet über das entzerrte Bild Ihrer Kamera. Der Adapter gibt der Kamera "
+        + "der Szene Brennweite und Bildmitte der echten, unabhängig vom Layout. Schalten Sie die Kalibrierung aus, um den Unterschied zu sehen.",
     arjs_lead:
-      "AR.js verfolgt Marken mit den Kameraparametern in camera_para.dat. Die mitgelieferte ist die einer "
-        + "anderen Kamera. Hier ist Ihre.",
+      "AR.js verfolgt Marken mit den Kameraparametern in camera_para.dat. Mitgeliefert wird die Datei einer anderen "
+        + "Kamera. Hier laden Sie Ihre eigene herunter.",
     start: "Kamera öffnen",
-    virtual: "Virtuelle Kamera ausprobieren",
+    virtual: "Simulierte Kamera ausprobieren",
     scene: "Das Bild der Kamera mit einem Kasten darüber",
     code: "Was die Seite tut",
-    others: "Andere",
     unknown: "Diese Kamera ist in dieser Auflösung noch nicht kalibriert.",
     calibrate: "Kalibrieren",
     download: "camera_para.dat herunterladen",
@@ -53,21 +67,28 @@ export default {
         + "nicht. Diese Seite gibt die Datei, Ihre Seite führt AR.js aus.",
   },
   uk: {
+    calibrated: "Використовувати калібрування",
+    no_camera: "Камеру не знайдено. Під’єднайте її та спробуйте ще раз.",
+    source: "Увесь код",
+    install: "Імпортуйте модулі з цього сервісу або встановіть його пакет: <0>як це зробити</0>.",
+    all: "Усі приклади",
+    index: "Приклади",
+    index_lead: "Малюнок поверх зображення камери, з калібруванням і без нього. Кожен приклад показує свій код і працює тут, навіть без камери.",
+    ar: "Що змінює калібрування",
     three: "three.js поверх каліброваної камери",
     babylon: "Babylon.js поверх каліброваної камери",
     aframe: "A-Frame поверх каліброваної камери",
     arjs: "AR.js із власним camera_para.dat",
     lead:
-      "Коробка на дошці, намальована поверх випрямленого зображення вашої камери. Адаптер дає камері сцени "
-        + "фокусну відстань і центр справжньої, хоч як зображення лежить на сторінці.",
+      "На дошці стоїть коробка, намальована поверх випрямленого зображення вашої камери. Адаптер дає камері сцени "
+        + "фокусну відстань і центр справжньої, хоч би яким був макет. Вимкніть калібрування, щоб побачити різницю.",
     arjs_lead:
-      "AR.js стежить за мітками з параметрами камери у файлі camera_para.dat. Той, що йде в комплекті, — від "
-        + "іншої камери. Ось ваш.",
+      "AR.js стежить за мітками з параметрами камери у файлі camera_para.dat. У комплекті йде файл іншої камери. "
+        + "Завантажте тут свій.",
     start: "Відкрити камеру",
-    virtual: "Спробувати віртуальну камеру",
+    virtual: "Спробувати змодельовану камеру",
     scene: "Зображення камери з коробкою поверх нього",
     code: "Що робить сторінка",
-    others: "Інші",
     unknown: "Цю камеру з такою роздільністю ще не калібровано.",
     calibrate: "Калібрувати",
     download: "Завантажити camera_para.dat",

@@ -89,6 +89,12 @@ export class VirtualCamera {
   #settled = false;
   /** @type {ImageData | null} */
   #picture = null;
+  /** @type {Pose | null} in which somebody holds the board, without a hand */
+  #held = null;
+  /** @type {Pose | null} of the board in the picture that is being painted */
+  #painted = null;
+  /** @type {Pose | null} of the board in the picture on the canvas */
+  #shown = null;
   /** @type {ReturnType<typeof setInterval> | undefined} */
   #timer;
   /** @type {MediaStream | null} */
@@ -122,6 +128,16 @@ export class VirtualCamera {
 
   get label() {
     return labelOf(this.#setup);
+  }
+
+  /** Canvas on which the pictures are painted. */
+  get canvas() {
+    return this.#canvas;
+  }
+
+  /** Pose of the board in the picture on the canvas; null before the first. */
+  get shown() {
+    return this.#shown;
   }
 
   /** @returns {Promise<MediaStream>} */
@@ -158,6 +174,13 @@ export class VirtualCamera {
     if (!this.#asked) this.#ask();
   }
 
+  /** Holds the board in this very pose. @param {Pose} pose board → camera, squares */
+  hold(pose) {
+    this.#held = pose;
+    this.#settled = false;
+    if (!this.#asked) this.#ask();
+  }
+
   close() {
     clearInterval(this.#timer);
     this.#worker.terminate();
@@ -167,14 +190,16 @@ export class VirtualCamera {
 
   #ask() {
     const now = performance.now();
-    this.#settled = !this.#hand.moves(now);
+    this.#settled = this.#held !== null || !this.#hand.moves(now);
     this.#asked = true;
-    this.#worker.postMessage({ pose: this.#hand.pose(now), blur: this.#hand.blur() });
+    this.#painted = this.#held ?? this.#hand.pose(now);
+    this.#worker.postMessage({ pose: this.#painted, blur: this.#held ? 0 : this.#hand.blur() });
   }
 
   /** @param {ImageData} picture */
   #show(picture) {
     this.#picture = picture;
+    this.#shown = this.#painted;
     this.#context.putImageData(picture, 0, 0);
     this.#asked = false;
     if (!this.#settled) this.#ask();

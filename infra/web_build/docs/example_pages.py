@@ -1,0 +1,211 @@
+"""Pages under `/examples/`: one an engine, with its whole source, and one of all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from infra.web_build.docs.markdown import code_block
+
+EXAMPLES = "examples/"
+_SHARED = ("picture.js", "board.js")
+
+
+@dataclass(frozen=True)
+class Example:
+    """One example: folder, name, heading, whether the virtual camera can stand in, the lines that matter."""
+
+    folder: str
+    name: str
+    heading: str
+    has_virtual: bool
+    lines: str
+    style: str = ""
+
+
+_LOOKUP = """const { calibration } = await lookup(track, { token, exact: true });
+const rectifier = await calibration.rectifier();   // straightens the picture, on the GPU
+stage.prepend(rectifier.canvas);                   // object-fit: cover; once a frame: rectifier.draw(video)
+"""
+_IMPORT = 'import { lookup } from "calibdb";\n'
+ENGINES = (
+    Example(
+        "three",
+        "three.js",
+        "three.js over a calibrated camera",
+        has_virtual=True,
+        lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/three";
+
+{_LOOKUP}
+const camera = new THREE.PerspectiveCamera();
+applyCalibration(camera, rectifier, {{ viewport: [stage.clientWidth, stage.clientHeight], fit: "cover" }});
+mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
+    ),
+    Example(
+        "babylon",
+        "Babylon.js",
+        "Babylon.js over a calibrated camera",
+        has_virtual=True,
+        lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/babylon";
+
+{_LOOKUP}
+const camera = new BABYLON.FreeCamera("camera", BABYLON.Vector3.Zero(), scene);
+applyCalibration(camera, rectifier, {{ viewport: [stage.clientWidth, stage.clientHeight], fit: "cover" }});
+mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a left-handed scene""",
+    ),
+    Example(
+        "aframe",
+        "A-Frame",
+        "A-Frame over a calibrated camera",
+        has_virtual=True,
+        style="vendor/engines/aframe.css",
+        lines=f"""{_IMPORT}import {{ registerCalibrated }} from "calibdb/adapters/aframe";
+
+registerCalibrated(AFRAME);
+// <a-scene embedded background="transparent: true">
+//   <a-entity id="eye" camera="near: 0.1" calibrated="fit: cover" position="0 0 0"></a-entity>
+{_LOOKUP}document.querySelector("#eye").components.calibrated.use(rectifier);""",
+    ),
+    Example(
+        "arjs",
+        "AR.js",
+        "AR.js with your own camera_para.dat",
+        has_virtual=False,
+        lines="""import { lookup } from "calibdb";
+import { cameraParameters } from "calibdb/adapters/artoolkit";
+import { applyCalibration } from "calibdb/adapters/three";
+
+const { calibration } = await lookup(track, { token, exact: true });
+const { url, error } = await cameraParameters(calibration, { token });
+const [width, height] = calibration.img_size;
+const parameters = { cameraParametersUrl: url, canvasWidth: width, canvasHeight: height };
+const context = new THREEx.ArToolkitContext(parameters);
+const viewport = [canvas.clientWidth, canvas.clientHeight];
+context.init(() => applyCalibration(camera, calibration, { viewport }));
+// in A-Frame: <a-scene arjs="cameraParametersUrl: …">, with the address that was given""",
+    ),
+)
+_ARJS = """<div id="ready" hidden>
+          <p><a class="button primary" id="file" data-t="examples.download">Download camera_para.dat</a></p>
+          <p id="error"></p>
+        </div>
+        <p class="muted" data-t="examples.arjs_note"><code>unsafe-eval</code></p>"""
+
+
+def example_pages(web: Path) -> Mapping[str, str]:
+    """Make the pages, by key. A folder without the examples' scripts has none."""
+    if not (web / EXAMPLES / "picture.js").is_file():
+        return {}
+    made = {f"{EXAMPLES}{one.folder}/index.html": _page(web, one) for one in ENGINES}
+    return made | {f"{EXAMPLES}index.html": _index()}
+
+
+def _page(web: Path, example: Example) -> str:
+    lead = "examples.lead" if example.has_virtual else "examples.arjs_lead"
+    virtually = (
+        '\n          <a class="button" id="virtually" href="?virtual=1" '
+        'data-t="examples.virtual">Try the simulated camera</a>'
+        if example.has_virtual
+        else ""
+    )
+    others = " · ".join(
+        f'<a href="../{one.folder}/">{one.name}</a>' for one in ENGINES if one.folder != example.folder
+    )
+    style = f'\n  <link rel="stylesheet" href="../../{example.style}">' if example.style else ""
+    sources = "".join(
+        f'<details><summary><code>{name}</code></summary><div lang="en">{_source(web, name)}</div></details>'
+        for name in (f"{example.folder}/main.js", *_SHARED)
+    )
+    return _document(
+        example.name,
+        lead,
+        "../../",
+        f'<link rel="stylesheet" href="../../docs/docs.css">{style}\n'
+        '  <script type="module" src="./main.js"></script>',
+        f"""      <div class="opening">
+        <h1 data-t="examples.{example.folder}">{example.heading}</h1>
+        <p data-t="{lead}"></p>
+      </div>
+      <div class="example">
+        <p class="problem" id="problem" role="alert" hidden></p>
+        <div class="actions" id="begin">
+          <button class="primary" id="start" type="button"
+            data-t="examples.start">Open the camera</button>{virtually}
+        </div>
+        <div class="stage" id="stage" role="img"
+          data-t-label="examples.scene" aria-label="Scene" hidden></div>
+        <p id="choice" hidden><label class="choice"><input id="calibrated" type="checkbox" checked>
+          <span data-t="examples.calibrated">Use the calibration</span></label></p>
+        <div id="virtual" aria-hidden="true"></div>
+        {"" if example.has_virtual else _ARJS}
+        <section>
+          <h2 data-t="examples.code">What the page does</h2>
+          {code_block(example.lines, "js")}
+          <p data-t="examples.install"><a href="../../docs/sdk/">SDK</a></p>
+        </section>
+        <section class="source">
+          <h2 data-t="examples.source">The whole source</h2>
+          {sources}
+        </section>
+        <p><a href="../" data-t="examples.all">All examples</a> · {others}</p>
+      </div>""",
+    )
+
+
+def _source(web: Path, name: str) -> str:
+    return code_block((web / EXAMPLES / name).read_text(encoding="utf-8"), "js")
+
+
+def _index() -> str:
+    cards = []
+    for folder, heading, message in (
+        ("../ar", "", "examples.ar"),
+        *((one.folder, one.heading, f"examples.{one.folder}") for one in ENGINES),
+    ):
+        name = folder.rpartition("/")[2]
+        cards.append(
+            f'<li><a href="{folder}/"><img src="./{name}.jpg" width="480" height="270" alt="" loading="lazy">'
+            f'<span data-t="{message}">{escape(heading)}</span></a></li>'
+        )
+    return _document(
+        "Examples",
+        "examples.index_lead",
+        "../",
+        '<script type="module" src="./main.js"></script>',
+        f"""      <div class="opening">
+        <h1 data-t="examples.index">Examples</h1>
+        <p data-t="examples.index_lead"></p>
+      </div>
+      <ul class="gallery">{"".join(cards)}</ul>""",
+    )
+
+
+def _document(title: str, lead: str, root: str, head: str, main: str) -> str:
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+  <meta charset="utf-8">
+  <meta name="viewport" content="width=device-width, initial-scale=1">
+  <title>{title} · calibDB</title>
+  <meta name="description" data-t-content="{lead}" content="">
+  <link rel="icon" href="{root}icon.svg" type="image/svg+xml">
+  <link rel="stylesheet" href="{root}style.css">
+  <link rel="stylesheet" href="{root}examples/examples.css">
+  {head}
+</head>
+<body>
+  <div class="page">
+    <header class="masthead">
+      <a class="brand" href="{root}">calibDB</a>
+      <select class="language" id="language" aria-label="Language"></select>
+    </header>
+    <main>
+{main}
+    </main>
+    <footer class="foot"><span data-t="common.licence">calibDB is free software, Apache-2.0.</span></footer>
+  </div>
+</body>
+</html>
+"""
