@@ -25,9 +25,14 @@ STRAIGHT = """async (lens) => {
   const { rectifiedMatrix } = await import("/sdk/rectification.js");
   return rectifiedMatrix(lens, 0);
 }"""
+NO_CAMERA = 'throw new DOMException("none", "NotFoundError");'
 RATIOS = ("16 / 9", "4 / 3", "2 / 1")  # the last two cut the picture, at its sides and above and below
 RESIZED = """async (ratio) => {
-  document.querySelector("#stage").style.aspectRatio = ratio;
+  const stage = document.querySelector("#stage");
+  stage.style.aspectRatio = ratio;
+  stage.style.marginTop = "0";
+  const { top } = stage.getBoundingClientRect(); // between two pixels, a screenshot has one more on each side
+  stage.style.marginTop = `${Math.ceil(top) - top}px`;
   for (let frame = 0; frame < 5; frame++) await new Promise(requestAnimationFrame);
 }"""
 #: keeps what the page was given in sight
@@ -97,7 +102,8 @@ def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
     for ratio in RATIOS:
         page.evaluate(RESIZED, ratio)
         image, marks, seen = complete(page)
-        viewport = (image.shape[1], image.shape[0])
+        viewport = tuple(page.evaluate("[stage.clientWidth, stage.clientHeight]"))
+        assert max(abs(image.shape[1] - viewport[0]), abs(image.shape[0] - viewport[1])) <= 1
         wanted = expected(matrix, MARKS, DEPTH, viewport)
         assert len(marks) == len(MARKS), ratio
         assert distance(marks, wanted) < 1, (ratio, marks, wanted)
@@ -118,3 +124,32 @@ def test_a_camera_that_is_of_no_use_is_let_go(context: BrowserContext) -> None:
     page.locator("#problem a", has_text="Calibrate").wait_for()
     assert page.evaluate("window.given.map((track) => track.readyState)") == ["ended", "ended"]
     expect(page.locator("#stage")).to_be_hidden()
+
+
+def offset(page: Page) -> float:
+    """Distance of the marks from where the picture shows the board's outer corners, px."""
+    image, marks, _ = complete(page)
+    corners, ids, _, _ = DETECTOR.detectBoard(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
+    at = np.array([(i % 8 + 1, i // 8 + 1) for i in ids.ravel()], dtype=np.float64)
+    onto, _ = cv2.findHomography(at, corners.reshape(-1, 2) + 0.5)
+    ends = np.array([[(0.0, 0.0), (9.0, 0.0), (9.0, 6.0), (0.0, 6.0)]])
+    return distance(marks, cv2.perspectiveTransform(ends, onto)[0])
+
+
+def test_the_board_moves_and_the_scene_with_it_and_leaves_it_without_the_calibration(page: Page) -> None:
+    page.goto("/examples/three/?virtual=1&k1=-0.3&error=0")
+    complete(page)
+    assert offset(page) < 2.5, "of one moment, as far as a screenshot takes one"
+    page.locator("#calibrated").click()
+    assert offset(page) > 8
+    expect(page.locator(".source summary")).to_have_text(["three/main.js", "picture.js", "board.js"])
+
+
+def test_examples_have_a_page_of_all_and_say_nothing_of_a_camera_they_lack(page: Page) -> None:
+    page.add_init_script(f"navigator.mediaDevices.getUserMedia = async () => {{ {NO_CAMERA} }}")
+    page.goto("/examples/")
+    expect(page.locator(".gallery a")).to_have_count(5)
+    page.locator(".gallery a", has_text="AR.js").click()
+    expect(page.locator("#virtually")).to_have_count(0)
+    page.locator("#start").click()
+    expect(page.locator("#problem")).to_have_text("No camera was found. Plug one in, then try again.")

@@ -25,7 +25,7 @@ class Example:
     style: str = ""
 
 
-_LOOKUP = """const { calibration } = await lookup(track, { token, exact: true });
+_LOOKUP_LINES = """const { calibration } = await lookup(track, { token, exact: true });
 const rectifier = await calibration.rectifier();   // straightens the picture, on the GPU
 stage.prepend(rectifier.canvas);                   // object-fit: cover; once a frame: rectifier.draw(video)
 """
@@ -38,7 +38,7 @@ ENGINES = (
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/three";
 
-{_LOOKUP}
+{_LOOKUP_LINES}
 const camera = new THREE.PerspectiveCamera();
 applyCalibration(camera, rectifier, {{ viewport: [stage.clientWidth, stage.clientHeight], fit: "cover" }});
 mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
@@ -50,7 +50,7 @@ mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/babylon";
 
-{_LOOKUP}
+{_LOOKUP_LINES}
 const camera = new BABYLON.FreeCamera("camera", BABYLON.Vector3.Zero(), scene);
 applyCalibration(camera, rectifier, {{ viewport: [stage.clientWidth, stage.clientHeight], fit: "cover" }});
 mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a left-handed scene""",
@@ -66,7 +66,7 @@ mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a l
 registerCalibrated(AFRAME);
 // <a-scene embedded background="transparent: true">
 //   <a-entity id="eye" camera="near: 0.1" calibrated="fit: cover" position="0 0 0"></a-entity>
-{_LOOKUP}document.querySelector("#eye").components.calibrated.use(rectifier);""",
+{_LOOKUP_LINES}document.querySelector("#eye").components.calibrated.use(rectifier);""",
     ),
     Example(
         "arjs",
