@@ -42,6 +42,7 @@ def replace_dumps(context: OpsContext) -> int:
     """
     dumps = dumps_of(context)
     if dumps is None:
+        context.echo("WEB_BUCKET_NAME is not set: the dumps of the site, if it has any, stay as they are")
         return 0
     dumps.end()
     names = [name for name in dumps.names() if name != STATISTICS]

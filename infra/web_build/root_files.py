@@ -6,8 +6,11 @@ from collections.abc import Iterable
 from datetime import datetime, timedelta
 from xml.sax.saxutils import escape
 
+from infra.web_build.site import LANGUAGES
+
 _SECURITY_TEXT_DAYS = 364  # less than the year that the RFC recommends at most
-_NOT_INDEXED = ("/v1/", "/known/", "/result/")  # answers to programs, and single results of people
+#: answers to programs, and single results of people
+_NOT_INDEXED = ("/v1/", "/known/", *(f"{folder}/result/" for folder in ("", *map("/{}".format, LANGUAGES))))
 
 
 def robots_text(site: str) -> bytes:

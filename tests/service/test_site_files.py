@@ -1,11 +1,14 @@
 """The local stack's site: who runs it, files that programs look for, the page of what is missing."""
 
+import hashlib
 from collections.abc import Iterator
 
 import httpx
 import pytest
 
 from infra.local import LocalStack
+from infra.ops.context import OpsContext
+from infra.ops.public_dump import publish_dump
 
 OPERATOR = {
     "OPERATOR_NAME": "Lens Society",
@@ -20,6 +23,7 @@ def site() -> Iterator[httpx.Client]:
         for name, value in OPERATOR.items():
             patch.setenv(name, value)
         with LocalStack() as stack, stack.serve() as url, httpx.Client(base_url=url, timeout=120) as client:
+            publish_dump(OpsContext.of(stack.environment, secret_known=True))
             yield client
 
 
@@ -52,3 +56,15 @@ def test_page_of_what_is_missing_stands_for_pages_alone(site: httpx.Client) -> N
     assert site.get("/absent.js").text == "Not Found"
     assert site.get("/v1/absent").headers["content-type"] == "application/problem+json"
     assert site.get("/known/aa/absent.json").content == b""
+
+
+def test_dumps_are_files_that_every_origin_may_read(site: httpx.Client) -> None:
+    latest = site.get("/dumps/latest.json")
+    assert (latest.json()["format"], latest.headers["content-type"]) == ("calibdb-dump", "application/json")
+    for file in latest.json()["files"]:
+        part = site.get(f"/dumps/{file['name']}")
+        assert hashlib.sha256(part.content).hexdigest() == file["sha256"]
+        assert part.headers["content-type"] == "application/gzip"
+        assert part.headers["access-control-allow-origin"] == "*"
+    assert site.get("/dumps/statistics.json").json()["history"][0]["calibrations"] == 0
+    assert site.get("/dumps/draft.json").status_code == 404

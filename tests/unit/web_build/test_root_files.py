@@ -18,6 +18,7 @@ def test_crawlers_find_pages_and_leave_the_api_alone() -> None:
         ("/data/", True),
         ("/v1/cameras", False),
         ("/known/aa/bb.json", False),
+        ("/de/result/?id=1", False),
     ):
         assert robots.can_fetch("any", SITE + path) is allowed, path
 
