@@ -1,0 +1,45 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+globalThis.location = new URL("https://calibdb.example/calibrate/");
+const { setLanguage } = await import("../../web/lib/i18n.js");
+const { isPracticeReturned } = await import("../../web/calibrate/practice.js");
+const { knownOf, knownText, senderOf } = await import("../../web/calibrate/sender.js");
+const { default: capture } = await import("../../web/messages/capture.js");
+const { addMessages } = await import("../../web/lib/i18n.js");
+addMessages({ capture });
+globalThis.history = { state: null, replaceState() {} };
+setLanguage("en");
+
+const VIRTUAL = "calibDB virtual camera 42e1b240";
+
+test("an application under development gets a practice result, any other only if it asked for one", () => {
+  assert.equal(isPracticeReturned("http://localhost:9000/app", "HD Pro Webcam C920"), true);
+  assert.equal(isPracticeReturned("http://127.0.0.1:9000/", null), true);
+  assert.equal(isPracticeReturned("https://app.example/", "HD Pro Webcam C920"), false);
+  assert.equal(isPracticeReturned("https://localhost.app.example/", null), false);
+  assert.equal(isPracticeReturned("https://app.example/", VIRTUAL), true);
+  assert.equal(isPracticeReturned(null, null), false);
+  assert.equal(isPracticeReturned("/ar/", null), false, "a page of this site is no application under development");
+});
+
+test("the visitor is led back to web pages alone", () => {
+  assert.deepEqual(["javascript:alert(1)", "data:text/html,x", "https://user:secret@app.example/", null].map((to) => senderOf(to, [])), [null, null, null, null]);
+  assert.equal(senderOf("http://app.example/", []).allowed, false);
+  const here = senderOf("/ar/?virtual=1", []);
+  assert.deepEqual([here.isHere, here.allowed], [true, true]);
+});
+
+test("what a camera still needs is told for the size that was asked for", () => {
+  const size = (img_size, agreeing, reliable = false) => ({ img_size, calibrations: agreeing, agreeing, required: 5, reliable });
+  const answer = { cameras: [
+    { camera: "HD Pro Webcam C920", sizes: [size([640, 480], 3), size([1280, 720], 9, true)] },
+    { camera: "HD Pro Webcam C920 Plus", sizes: [size([640, 480], 4)] },
+  ] };
+  const said = (label, img_size) => knownText(knownOf(answer, label, img_size));
+  assert.match(said("HD Pro Webcam C920 (046d:082d)", [640, 480]), /^2 more calibrations are needed/);
+  assert.match(said("hd pro webcam c920", [1280, 720]), /knows this camera already/);
+  assert.match(said("HD Pro Webcam C920", [1920, 1080]), /new here/);
+  assert.match(said("Another", null), /new here/);
+  assert.equal(knownText(null), "");
+});
