@@ -27,6 +27,8 @@ const FOOTER = [
 ];
 const OPERATORS = { contact: "common.contact", imprint: "common.imprint", source: "common.source" };
 
+const MANY_SCRIPTS = 20;
+
 /** The address of a page, from the root. @param {string} key @param {string} language */
 export function addressOf(key, language) {
   return `/${language === "en" ? "" : `${language}/`}${key.replace(/(^|\/)index\.html$/, "$1")}`;
@@ -37,6 +39,8 @@ export function frame(document, place) {
   head(document, place);
   const header = document.querySelector("header.masthead");
   if (header) header.outerHTML = masthead(place);
+  const select = document.querySelector("header.rim > #language");
+  if (select && place.translated) select.outerHTML = languageSelect(place.language);
   // Where one looks through a camera there is no room for more than the way back.
   document.querySelector("header.rim > .brand")?.insertAdjacentHTML("afterend", `<a class="back" href="${toPage("", place)}" data-t="common.back"></a>`);
   const column = document.querySelector(".page");
@@ -53,8 +57,11 @@ function head(document, { key, language, translated, origin, preloads }) {
   if (translated) viewport?.insertAdjacentHTML("afterend", '\n  <script src="/language.js"></script>');
   for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
   const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
+  // Where many scripts are waited for, the font comes after them; a font of the same widths stands in (style.css).
+  const fonts = preloads.length < MANY_SCRIPTS
+    ? ['<link rel="preload" href="/vendor/font/geologica-latin.woff2" as="font" type="font/woff2" crossorigin>'] : [];
   const scripts = document.querySelector("header.masthead") ? ['<script type="module" src="/lib/header.js"></script>'] : [];
-  const lines = [...preloads.map((path) => `<link rel="modulepreload" href="${path}">`), ...scripts, ...addresses(key, language, translated, origin)];
+  const lines = [...fonts, ...preloads.map((path) => `<link rel="modulepreload" href="${path}">`), ...scripts, ...addresses(key, language, translated, origin)];
   const social = [
     ["og:type", "website"], ["og:site_name", "calibDB"], ["og:image", origin && `${origin}/social.png`],
     ["og:title", document.title], ["og:description", document.querySelector("meta[name=description]")?.getAttribute("content") ?? ""],
