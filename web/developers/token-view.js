@@ -70,9 +70,10 @@ function codePart(token, choices, actions) {
   const text = snippet(choices.snippet, { origin: location.origin, token: token.token });
   const local = token.origins.length > 0 && token.origins.every(isLoopback);
   return [
-    choice("snippet", SNIPPETS, choices.snippet, (kind) => actions.choose({ snippet: kind }), (kind) => t(`developers.snippet_${kind}`)),
-    el("div", { class: "code" }, el("pre", { tabindex: 0, "aria-label": t(`developers.snippet_${choices.snippet}`) }, el("code", { id: "snippet" }, text)),
+    el("div", { class: "actions" },
+      choice("snippet", SNIPPETS, choices.snippet, (kind) => actions.choose({ snippet: kind }), (kind) => t(`developers.snippet_${kind}`)),
       copyButton(() => text, t("developers.the_code"), { id: "copy-snippet", primary: true, onCopied: () => actions.copied("code") })),
+    el("div", { class: "code" }, el("pre", { tabindex: 0, "aria-label": t(`developers.snippet_${choices.snippet}`) }, el("code", { id: "snippet" }, text))),
     el("p", { class: "muted" }, t(choices.snippet === "curl" ? "developers.about_curl" : local ? "developers.about_page_local" : "developers.about_page")),
   ];
 }
