@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from starlette.responses import Response
@@ -15,7 +16,8 @@ from calibdb.http import application
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
 
 if TYPE_CHECKING:
-    from calibsolver.formats import ExportedFile
+    from calibsolver import View
+    from calibsolver.formats import ExportedFile, ExportSource
 
 COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
 """What messages of the solver say to those who use the operator's command line."""
@@ -116,7 +118,7 @@ def consensus(call: application.Call, calibration_id: str) -> ReportedCalibratio
 
 def file(found: ReportedCalibration, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
     """Return the calibration as a file, and in its headers how far that is from the calibration."""
-    from calibsolver import Board, CalibrationError, Camera, View, formats, image_transform
+    from calibsolver import Board, CalibrationError, Camera, formats, image_transform
 
     board: Board | None = None
     views: tuple[View, ...] = ()
@@ -202,10 +204,26 @@ def converted(asked: ConvertRequest) -> ExportedFile:
         raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
     name = asked.camera or found.name or "camera"
     source = formats.ExportSource(found.camera, name=name, record={"camera": name, "platform": "", "zoom": 0})
+    if asked.format == "photonvision" and found.views:
+        source = with_corners(source, found.views)
     try:
         return formats.write(source, asked.format)
     except CalibrationError as error:
         raise InvalidError.field("format", error.message) from error
+
+
+def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
+    """Return the source with the corners that its file has: pages read them of PhotonVision's files alone."""
+    from calibsolver import Board, CalibrationError
+    from calibsolver.formats.grid import grid
+
+    try:
+        numbered = grid(views)
+        board = Board(numbered.squares, kind="chessboard")  # which has no markers to run out of
+        seen = tuple(board.view(ids, v.image_points) for ids, v in zip(numbered.ids, views, strict=True))
+    except (CalibrationError, ValueError) as error:
+        raise InvalidError.field("file", f"its corners are those of no board: {error}") from error
+    return replace(source, board=board, views=seen)
 
 
 def content_of(asked: ConvertRequest) -> bytes:

@@ -148,7 +148,7 @@ TEXTS: dict[str, OperationText] = {
         "Database",
         "Reads the camera matrix and distortion of another program's file (OpenCV, ROS, Kalibr, COLMAP, "
         "mrcal, Gyroflow and others) and answers with the file in `format`. Nothing is stored. A file "
-        "larger than 100,000 characters is refused; corners in it are left aside.",
+        "larger than 100,000 characters is refused; corners in it are kept in `photonvision` alone.",
         body={"file": EXAMPLE_FILE, "format": "kalibr"},
     ),
     "searchCameras": OperationText(

@@ -46,6 +46,17 @@ def give(page: Page, tmp_path: Path, name: str, content: bytes) -> None:
     page.locator("#file").set_input_files(path)
 
 
+def test_corners_that_mrcal_packs_are_unpacked(page: Page, tmp_path: Path) -> None:
+    """Every exported format that holds corners comes back: the service unpacks mrcal's."""
+    content = write(captured()[0], "mrcal")
+    page.goto("/import/")
+    give(page, tmp_path, content.filename, content.content)
+    page.locator("#unpack").click()
+    page.locator("#status", has_text="13 views of a board of 10 × 7 squares, 640 × 480 px").wait_for()
+    expect(page.locator("#guess")).to_be_hidden()
+    expect(page.locator("#form")).to_be_visible()
+
+
 @pytest.mark.parametrize("form", ["photonvision", "corners-vnl"])
 def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -> None:
     kept, size = captured()

@@ -52,7 +52,7 @@ FIND = """async (pictures) => {
 
 @pytest.mark.parametrize("name", TOLD)
 def test_board_is_recognised_and_gives_what_opencv_gives(page: Page, name: str) -> None:
-    """What is recognised is the board; fx is OpenCV's on the same corners: a chessboard's within 0.05 px."""
+    """The board is recognised; fx is OpenCV's on the same corners: a chessboard's within 0.05 px."""
     board, told = TOLD[name]
     pictures = list(board_photographs(board, COUNT))
     data = [base64.b64encode(cv2.imencode(".png", p)[1].tobytes()).decode() for p in pictures]

@@ -10,10 +10,11 @@ import pytest
 from calibdb.schema import FORMATS
 from calibsolver import Camera
 from calibsolver.formats import FORMATS as WRITERS
-from calibsolver.formats import ExportSource
+from calibsolver.formats import ExportSource, mrcal, reading
+from calibsolver.formats.grid import grid
 from infra.web_build.operation_texts import EXAMPLE_FILE
 from tests.helpers.data import data_dir, external_data
-from tests.helpers.service.client import TOKEN, Answer, Client
+from tests.helpers.service.client import TOKEN, Answer, Client, Truth
 
 NEED_CORNERS = {"corners-vnl"}
 
@@ -103,6 +104,29 @@ def test_corners_alone_are_no_camera(client: Client) -> None:
     assert subject.views == ()
     status, field, _ = refused(convert(client, "# filename x y level\nview000.png 10 20 0\n" * 20))
     assert (status, field) == (422, "file")
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("form", ["photonvision", "mrcal", "corners-vnl"])
+def test_exported_corners_come_back(client: Client, form: str, seed: int) -> None:
+    """Nine round trips: a capture, a file of its corners, a session of them without a complaint."""
+    state = Truth(seed=20 + seed).calibrate(client)
+    where = f"/v1/calibrations/{state['calibration_id']}"
+    content = client.call("GET", where, token=TOKEN, query=f"format={form}").body.decode()
+    if form == "mrcal":
+        content = convert(client, content, format="photonvision").body.decode()
+        form = "photonvision"
+    read = mrcal.read_corners(content, (9, 6)) if form == "corners-vnl" else reading.read(json.loads(content))
+    found = grid(read.views)
+    told = {"kind": "chessboard", "squares": list(found.squares)}
+    assert client.open(camera="Again", board=told, capture="recorded").status == 201
+    for index, (ids, view) in enumerate(zip(found.ids, read.views, strict=True)):
+        answer = client.view(index, list(ids), view.image_points.tolist())
+        assert answer.json["accepted"], answer.json["reason"]
+    ended = client.call("POST", "/v1/session/finish")
+    assert ended.status == 200, ended.body
+    before, after = (each["calibration"]["camera_matrix"][0][0] for each in (state, ended.json))
+    assert abs(after / before - 1) < 0.002
 
 
 @external_data

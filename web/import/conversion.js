@@ -22,7 +22,7 @@ const PACKED = /'optimization_inputs'\s*:\s*b'[^']*'\s*,?/; // mrcal's measureme
 const ARCHIVE = [0x50, 0x4b, 3, 4]; // first bytes of a .npz
 
 /**
- * What to send of a file.
+ * Part of a file that is sent.
  * @param {ArrayBuffer} bytes @param {string} text of it
  * @returns {Source | null} null: it is too large for a camera
  */
@@ -65,6 +65,16 @@ export async function saveAs(source, hints, format, camera) {
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000); // the browser has taken it by then
   return { name: link.download, error: number("x-conversion-error", 0), coverage: number("x-conversion-coverage", 1) };
+}
+
+/**
+ * The corners that mrcal packs into its files, as a PhotonVision file.
+ * @param {string} file @returns {Promise<string>} rejects as Api does: 422 where there are none
+ */
+export async function unpackCorners(file) {
+  const { api, token } = await loadSettings();
+  const response = await new Api(api).send("POST", "/convert", token, { body: { file, format: "photonvision" }, accept: "*/*" });
+  return response.text();
 }
 
 /** @typedef {import("../lib/result/numbers.js").Calibration} Calibration */

@@ -46,8 +46,9 @@ export class Converter {
   /**
    * Offers to open a file.
    * @param {Source} source @param {string} name of the file
+   * @param {(() => Promise<void>) | null} [unpack] calibrates from the corners that it has packed; null: there are none
    */
-  offer(source, name) {
+  offer(source, name, unpack = null) {
     this.clear();
     this.#root.hidden = false;
     const status = el("p", { class: "problem", id: "convert-status", role: "status" });
@@ -71,7 +72,19 @@ export class Converter {
         open.disabled = false;
       }
     });
-    this.#root.append(el("p", {}, t("import.open_text")), size.element, el("div", { class: "actions" }, open), status);
+    const corners = el("button", { type: "button", class: "primary", id: "unpack" }, t("import.unpack"));
+    corners.addEventListener("click", async () => {
+      corners.disabled = true;
+      try {
+        await unpack?.();
+      } catch (error) {
+        status.textContent = error instanceof ApiError && error.status === 422 ? t("import.wrong_empty") : this.#explain(error);
+      } finally {
+        corners.disabled = false;
+      }
+    });
+    if (unpack) open.classList.remove("primary");
+    this.#root.append(el("p", {}, t("import.open_text")), size.element, el("div", { class: "actions" }, ...(unpack ? [corners] : []), open), status);
   }
 
   /** @param {Source} source @param {Hints} hints @param {Camera} camera */

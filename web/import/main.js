@@ -18,7 +18,7 @@ import words from "../messages/import.js";
 import photos from "../messages/photos.js";
 import result from "../messages/result.js";
 import { Converter } from "./converter.js";
-import { sourceOf } from "./conversion.js";
+import { MAX_CHARACTERS, sourceOf, unpackCorners } from "./conversion.js";
 import { MalformedError } from "./malformed.js";
 import { FEWEST_CORNERS, MAX_BYTES, prepare, read } from "./read.js";
 import { table } from "./table.js";
@@ -117,7 +117,7 @@ async function take(file) {
       guessed = found;
       own = ownId(content);
       tell(() => t("import.was_read", { name: file.name }));
-      if (source) converter.offer(source, file.name);
+      if (source) converter.offer(source, file.name, found.packed && content.length <= MAX_CHARACTERS ? () => unpack(content) : null);
     }
     if (found.kind === "keypoints") accept(found.views, found.size);
     if (found.kind === "table") ask(found.text, found.squares);
@@ -130,7 +130,7 @@ async function take(file) {
 }
 
 /**
- * What the page can do with a file. One of a kind that it does not know itself the service may read.
+ * Content of a file, by its kind. One of a kind that the page does not know the service may read.
  * @param {string} content @param {boolean} isSendable whether the service takes it
  */
 function kindOf(content, isSendable) {
@@ -153,6 +153,18 @@ async function bytesOf(file) {
     if (!(error instanceof DOMException)) throw error;
     throw new MalformedError("unreadable"); // moved or changed since it was chosen, or not permitted
   }
+}
+
+/** Calibrates from the corners that a file has packed. @param {string} content */
+async function unpack(content) {
+  const mine = turn;
+  const found = read(await unpackCorners(content));
+  if (mine !== turn) return;
+  if (found.kind !== "keypoints") throw new MalformedError("empty");
+  guessed = null;
+  converter.clear();
+  accept(found.views, found.size);
+  show();
 }
 
 /** Board of a table of corners. @param {string} content @param {[number, number] | null} squares */

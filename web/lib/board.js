@@ -17,7 +17,7 @@ const MAX_CORNERS = 2401; // of a board, likewise
 const MIN_CORNERS = 6;
 const [MIN_TAG_SPACING, MAX_TAG_SPACING] = [0.05, 2]; // of a tag's side
 export const DEFAULT_TAG_SPACING = 0.3;
-/** What a board can be. @type {("charuco" | "chessboard" | "aprilgrid")[]} */
+/** Kinds of boards. @type {("charuco" | "chessboard" | "aprilgrid")[]} */
 export const KINDS = ["charuco", "chessboard", "aprilgrid"];
 
 /**

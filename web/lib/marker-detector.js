@@ -58,7 +58,7 @@ export function sideOf({ corners }) {
 
 /** @param {Marker} marker @returns {number[]} px */
 export function centreOf({ corners: [a, b, c, d] }) {
-  // Where the diagonals meet: the centre in the plane of the marker, too.
+  // Intersection of the diagonals: the centre in the plane of the marker, too.
   const [p, q] = [[c[0] - a[0], c[1] - a[1]], [d[0] - b[0], d[1] - b[1]]];
   const determinant = p[0] * q[1] - p[1] * q[0];
   const s = ((b[0] - a[0]) * q[1] - (b[1] - a[1]) * q[0]) / (determinant || 1);

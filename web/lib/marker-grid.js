@@ -1,4 +1,4 @@
-// Which board the markers of a picture belong to: ids and places fit the rows and columns of one board only. Pure.
+// Board to which the markers of a picture belong: ids and places fit the rows and columns of one only. Pure.
 import { centreOf, sideOf } from "./marker-detector.js";
 import { apply, homography } from "./homography.js";
 

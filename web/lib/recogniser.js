@@ -1,4 +1,4 @@
-// What a picture shows of boards of which nobody said what they are. The conclusion from several pictures is board-recognition.js.
+// Search for unknown boards in one picture. The conclusion from several pictures is board-recognition.js.
 import { FAMILIES, isTagFamily, isTelling } from "./board-recognition.js";
 import { negative } from "./charuco-finder.js";
 import { recogniseChessboard, shrunk } from "./chessboard.js";

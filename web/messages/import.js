@@ -46,8 +46,8 @@ export default {
         + "and compare it with the database.",
     packed: "The corners are packed",
     packed_text:
-      "mrcal stores its measurements in an archive that this page cannot open. Export them as a table of "
-        + "corners (.vnl) to calibrate from them. You can still view and convert the camera.",
+      "mrcal packs its measurements into the file. calibDB can unpack them and calibrate from them; a larger file it "
+        + "takes as a table of corners (.vnl).",
     matrix: "Its camera matrix, px",
     wrong_large: "The file is larger than {most} MB. Nothing was sent.",
     wrong_unreadable: "The browser could not read the file. Choose it again.",
@@ -75,6 +75,7 @@ export default {
     photos_instead: "Calibrate with photos instead",
     own_page: "This is a calibDB file. Open its page",
     open: "Open and convert",
+    unpack: "Calibrate from its corners",
     open_text: "To open the camera, the text of the file is sent to calibDB. Nothing is stored.",
     needs_size: "This file does not say how large the pictures are. Enter their size in pixels.",
     no_camera: "No camera was found in this file. Choose a calibration file with a camera matrix.",
@@ -142,8 +143,8 @@ export default {
         + "umwandeln und mit der Datenbank vergleichen können Sie sie trotzdem.",
     packed: "Die Ecken sind verpackt",
     packed_text:
-      "mrcal legt seine Messungen in einem Archiv ab, das diese Seite nicht öffnen kann. Exportieren Sie sie "
-        + "als Eckentabelle (.vnl), um daraus zu kalibrieren. Die Kamera selbst können Sie ansehen und umwandeln.",
+      "mrcal verpackt seine Messungen in der Datei. calibDB kann sie auspacken und daraus kalibrieren; eine größere Datei "
+        + "exportieren Sie bitte als Eckentabelle (.vnl).",
     matrix: "Ihre Kameramatrix, px",
     wrong_large: "Die Datei ist größer als {most} MB. Nichts wurde gesendet.",
     wrong_unreadable: "Der Browser konnte die Datei nicht lesen. Wählen Sie sie noch einmal.",
@@ -176,6 +177,7 @@ export default {
     photos_instead: "Stattdessen aus Fotos kalibrieren",
     own_page: "Das ist eine Datei von calibDB. Zur Seite der Kalibrierung",
     open: "Öffnen und umwandeln",
+    unpack: "Aus diesen Ecken kalibrieren",
     open_text: "Zum Öffnen der Kamera wird der Text der Datei an calibDB gesendet. Gespeichert wird nichts.",
     needs_size: "In der Datei steht nicht, wie groß die Bilder sind. Geben Sie ihre Größe in Pixeln an.",
     no_camera: "In dieser Datei wurde keine Kamera gefunden. Wählen Sie eine Kalibrierdatei mit Kameramatrix.",
@@ -249,8 +251,8 @@ export default {
         + "переглянути, перетворити й порівняти з базою.",
     packed: "Кути запаковано",
     packed_text:
-      "mrcal зберігає вимірювання в архіві, якого ця сторінка не відкриває. Щоб калібрувати за ними, "
-        + "експортуйте їх як таблицю кутів (.vnl). Саму камеру можна переглянути й перетворити.",
+      "mrcal запаковує вимірювання у файл. calibDB може розпакувати їх і відкалібрувати камеру; більший файл "
+        + "експортуйте як таблицю кутів (.vnl).",
     matrix: "Його матриця камери, px",
     wrong_large: "Файл більший за {most} МБ. Нічого не надіслано.",
     wrong_unreadable: "Браузер не зміг прочитати файл. Виберіть його ще раз.",
@@ -277,6 +279,7 @@ export default {
     photos_instead: "Натомість калібрувати за фото",
     own_page: "Це файл calibDB. Відкрити його сторінку",
     open: "Відкрити й перетворити",
+    unpack: "Калібрувати за цими кутами",
     open_text: "Щоб відкрити камеру, текст файлу надсилається до calibDB. Нічого не зберігається.",
     needs_size: "У файлі не сказано, якого розміру зображення. Вкажіть їхній розмір у пікселях.",
     no_camera: "Камери в цьому файлі не знайдено. Виберіть калібрувальний файл із матрицею камери.",

@@ -87,7 +87,7 @@ export class BoardForm {
     this.#details.open = false;
   }
 
-  /** What the fields say. */
+  /** Board of the fields. */
   #asked() {
     const { kind, columns, rows, dictionary, ratio, spacing, legacy, inverted } = this.#fields;
     const isGrid = kind.value === "aprilgrid";

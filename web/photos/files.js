@@ -108,7 +108,7 @@ const FILE_WORDS = /^(?:img|dsc[fn]?|pxl|dji|gopr\d+|gh\d\d|mvi|mov|vid|video|im
 const MIN_NAME_LETTERS = 4;
 
 /**
- * What the names of the files say of the camera: the words that they begin with alike, without numbers and dates.
+ * Camera by the names of its files: the words that they begin with alike, without numbers and dates.
  * @param {string[]} names
  * @returns {string} "" where they say nothing
  */

@@ -157,7 +157,7 @@ async function look(list) {
   try {
     tell(() => t("photos.loading"));
     const finder = await openDetector();
-    // Which board it is nobody has said yet: a few pictures tell.
+    // Nobody has said yet which board it is: a few pictures tell.
     const recognised = isChosen || pictures.length ? null : await recognise(finder, list, signal);
     if (signal.aborted) return;
     if (recognised && !isChosen) return;

@@ -19,7 +19,8 @@ class ConvertRequest(Strict):
     file: str = Field(
         min_length=1,
         max_length=MAX_FILE_CHARACTERS,
-        description="Content of the file: a camera matrix and distortion. Corners in it are left aside.",
+        description="Content of the file: a camera matrix and distortion. Corners in it are kept in "
+        "`photonvision` alone.",
     )
     encoding: Literal["text", "base64"] = Field("text", description="`base64` of a numpy archive (.npz).")
     format: FormatName = Field("calibdb", description="Format that is wanted.")
