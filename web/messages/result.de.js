@@ -102,7 +102,7 @@ export default {
   calibrate: "Eine Kamera kalibrieren",
   help_photographs: "Sie haben die Positionen der Ecken und die Größe der Bilder beigetragen, ob es Fotos oder ein Video sind, und was Sie über Kamera, Objektiv und Brennweite eingegeben haben. Kein einziges Bild hat dieses Gerät verlassen. Sobald fünf Kalibrierungen dieser Kamera übereinstimmen, kann jede Webseite sie abfragen.",
   help_imported: "Sie haben die Positionen der Ecken, die Größe der Bilder, den Namen Ihrer Kamera und Ihr Betriebssystem beigetragen. Die Datei selbst hat dieses Gerät nicht verlassen. Sobald fünf Kalibrierungen dieser Kamera übereinstimmen, kann jede Webseite sie abfragen.",
-  help_practice: "Übungslauf. Die Kamera war simuliert, nichts hier beschreibt eine echte. Für keine Kamera zählt etwas davon mit.",
+  help_practice: "Von diesem Übungslauf zählt nichts für irgendeine Kamera mit.",
   help_stored: {
     one: "{count} Kalibrierung stimmt darin überein. Sobald es fünf sind, kann jede Webseite diese Kamera abfragen.",
     other: "{count} Kalibrierungen stimmen darin überein. Sobald es fünf sind, kann jede Webseite diese Kamera abfragen.",

@@ -99,7 +99,7 @@ export default {
   calibrate: "Calibrate a camera",
   help_photographs: "You have contributed the positions of the corners, the size of the pictures, whether they are photos or a video, and what you entered about camera, lens and focal length. Not a single picture left this device. Once five calibrations of this camera agree, any web page can look it up.",
   help_imported: "You have contributed the positions of the corners, the size of the pictures, your camera’s name, and your operating system. The file itself did not leave this device. Once five calibrations of this camera agree, any web page can look it up.",
-  help_practice: "Practice run. The camera was simulated, so nothing here describes a real one. Nothing of it counts towards any camera.",
+  help_practice: "Nothing of this practice run counts towards any camera.",
   help_stored: {
     one: "{count} calibration agrees on this. Once five of this camera agree, any web page can look it up.",
     other: "{count} calibrations agree on this. Once five of this camera agree, any web page can look it up.",
