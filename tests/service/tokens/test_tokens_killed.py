@@ -164,11 +164,16 @@ def test_killed_while_a_token_is_made_leaves_none_half_made(stack: LocalStack) -
         assert client.call("GET", "/v1/usage", token=answer.json["token"]).status == 200
 
 
-def rotate_until_cut_off(url: str, acknowledged: dict[str, Any]) -> None:
+def rotate_until_cut_off(url: str, acknowledged: dict[str, Any], *, used: bool) -> None:
     with httpx.Client(base_url=url, timeout=60) as client:
         made = client.post("/v1/tokens", json={"origins": ["http://localhost"]}).raise_for_status().json()
         acknowledged |= {"token": made["token"], "managing": made["management_token"], "secrets": 1}
         managing = {"authorization": f"Bearer {made['management_token']}"}
+        acknowledged["expires"] = made["expires"]
+        if used:
+            headers = {"authorization": f"Bearer {made['token']}"}
+            client.get("/v1/usage", headers=headers).raise_for_status()
+            acknowledged["expires"] = None
         try:
             for number in range(50):
                 rotated = client.post("/v1/tokens/self/rotate", headers=managing, json={"grace_s": 600})
@@ -184,7 +189,10 @@ def test_acknowledged_secrets_open_after_a_kill(tmp_path: Path) -> None:
     data_dir = tmp_path / "data"
     tokens: list[dict[str, Any]] = [{} for _ in range(4)]
     with LocalProcess(data_dir) as server, ThreadPoolExecutor(4) as pool:
-        workers = [pool.submit(rotate_until_cut_off, server.url, token) for token in tokens]
+        workers = [
+            pool.submit(rotate_until_cut_off, server.url, token, used=n % 2 == 0)
+            for n, token in enumerate(tokens)
+        ]
         while sum(token.get("secrets", 0) for token in tokens) < 40:
             time.sleep(0.005)
             for worker in workers:
@@ -195,10 +203,12 @@ def test_acknowledged_secrets_open_after_a_kill(tmp_path: Path) -> None:
     assert all(token["cut off"] for token in tokens)
     with LocalProcess(data_dir) as server, httpx.Client(base_url=server.url, timeout=60) as client:
         for token in tokens:
-            opened = client.get("/v1/usage", headers={"authorization": f"Bearer {token['token']}"})
-            assert opened.status_code == 200, opened.text
             managing = {"authorization": f"Bearer {token['managing']}"}
             facts = client.get("/v1/tokens/self", headers=managing).raise_for_status().json()
+            assert facts["expires"] == token["expires"], "of an unused token alone"
+            assert sum(day["lookups"] for day in facts["use"]["days"]) == (token["expires"] is None)
+            opened = client.get("/v1/usage", headers={"authorization": f"Bearer {token['token']}"})
+            assert opened.status_code == 200, opened.text
             assert int(facts["name"]) in {int(token["name"]), int(token["name"]) + 1}
             assert client.delete("/v1/tokens/self", headers=managing).status_code == 204
         refused = [client.post("/v1/tokens", json={"origins": ["http://localhost"]}) for _ in range(2)]
