@@ -22,6 +22,7 @@ from calibdb_client import Board, Recording
 from infra.local import LocalStack
 from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
+from tests.helpers.service.client import Client, until
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "clients/python/examples"
@@ -150,6 +151,8 @@ def test_installed_commands_calibrate_real_photographs_by_the_service(
         assert json.loads(unknown.stdout)["reason"] == "unknown_camera"
         agreed = (*camera, "--licence", "CC0-1.0")
         run(calibdb, "calibrate", str(photographs), *agreed, "-o", "camera.json", folder=tmp_path, **service)
+        of = {"camera": camera[1], "platform": "photographs", "img_size": [1280, 720], "redirect": False}
+        until(lambda: Client(stack).lookup(**of).json["reason"] == "too_few")  # the consensus comes after
         checked = run(calibdb, "check", str(photographs), *camera, "--json", folder=tmp_path, **service)
         assert json.loads(checked.stdout)["fits"] == "fits"
         known = json.loads((tmp_path / "camera.json").read_text())

@@ -44,22 +44,6 @@ def no_pause(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(frames_module, "LOST_PAUSE_S", 0)
 
 
-def test_words_alone_calibrate_a_camera_in_at_most_eight_views() -> None:
-    camera = VirtualCamera(seed=2)
-    listener = Listener(camera)
-    kept: list[Recording] = []
-    result = offline.calibrate(camera, show=listener, clock=camera.clock, keep=kept.append)
-    assert "board: ChArUco, 9 x 6 squares, marker ratio 0.65, DICT_4X4_50" in listener.said
-    assert listener.views <= 8
-    assert (
-        abs(result.calibration.camera_matrix[0, 0] - camera.fx)
-        < 3 * result.calibration.uncertainty["rms"] + 1
-    )
-    assert len(kept[-1].views) == listener.views
-    assert listener.closed
-    assert threading.active_count() == 1 or all(t.daemon for t in threading.enumerate()[1:])
-
-
 def test_capture_that_loses_its_camera_goes_on_later(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -138,10 +122,10 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    writer = cv2.VideoWriter("board.avi", cv2.VideoWriter.fourcc(*"MJPG"), 2, board_pictures.SIZE)
+    writer = cv2.VideoWriter("board.avi", cv2.VideoWriter.fourcc(*"MJPG"), 1, board_pictures.SIZE)
     for n, tilt in enumerate(board_pictures.TILTS):
         picture = board_pictures.picture(Board(), tilt, 9.0 + 0.8 * n)
-        for _ in range(8):
+        for _ in range(5):
             writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
     writer.release()
     assert main(["calibrate", "board.avi", "--offline", "-o", "camera.json"]) == 0
@@ -152,7 +136,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     Path("cut.avi").write_bytes(content[: len(content) * 3 // 4])
     Path("none.mp4").write_bytes(content[1000:5000])
     capfd.readouterr()
-    assert main(["calibrate", "cut.avi", "--offline", "-o", "cut.json"]) in (0, 7)
+    assert main(["calibrate", "cut.avi", "--offline", "-o", "cut.json", "--squares", "9x6"]) in (0, 7)
     assert main(["calibrate", "none.mp4", "--offline"]) == 2
     assert "cannot be read as a video" in capfd.readouterr().err
     # through an object with read(), as a camera: its own time, its end
