@@ -12,6 +12,7 @@ from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from calibdb import __version__, schema
 from infra.web_build.operation import JSON, PROBLEM, PROBLEMS, Content, Operation
+from infra.web_build.field_texts import describe_fields
 from infra.web_build.operation_texts import TAGS, text_of
 from infra.web_build.operations import OPERATIONS
 from infra.web_build.parameters import Node
@@ -34,6 +35,7 @@ def document() -> Node:
         *((model, "serialization") for model in answers),
     ]
     names, definitions = models_json_schema(wanted, ref_template=_REFERENCE)
+    describe_fields(definitions["$defs"])
     examples = json.loads(EXAMPLES_PATH.read_text(encoding="utf-8"))
     paths: dict[str, Node] = {}
     for operation in OPERATIONS:
