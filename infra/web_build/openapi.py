@@ -11,8 +11,8 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from calibdb import __version__, schema
-from infra.web_build.operation import JSON, PROBLEM, PROBLEMS, Content, Operation
 from infra.web_build.field_texts import describe_fields
+from infra.web_build.operation import JSON, PROBLEM, PROBLEMS, Content, Operation
 from infra.web_build.operation_texts import TAGS, text_of
 from infra.web_build.operations import OPERATIONS
 from infra.web_build.parameters import Node
