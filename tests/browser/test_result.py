@@ -163,6 +163,8 @@ def test_a_stored_calibration_is_shown_and_saved(page: Page, api: httpx.Client) 
     page.goto(f"/result/?id={state['calibration_id']}")
     page.locator("#verdict").wait_for()
     assert json.loads(page.locator("#json").text_content() or "")["camera"] == KEY["camera"]
+    page.locator("#standing", has_text=re.compile("[1-4] of 5 calibrations needed")).wait_for()
+    assert "/calibrate/?camera=Result+Test" in (page.locator("#confirm").get_attribute("href") or "")
     with page.expect_download() as download:
         page.locator("#download").click()
     assert download.value.suggested_filename == "result-test-camera-1234-0001-1280x720.json"
