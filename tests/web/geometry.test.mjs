@@ -100,3 +100,25 @@ test("the dictionaries are those that the service takes, in the sizes of their t
     assert.ok(count <= TABLES[size].count, name);
   }
 });
+
+test("boards of other kinds equal the solver's drawings in every pixel", { skip: !existsSync(python) && "no Python environment" }, () => {
+  const boards = [
+    { kind: "aprilgrid", squares: [3, 2], marker_ratio: 0.65, dictionary: "DICT_APRILTAG_36h11", legacy: false, tag_spacing: 0.25 },
+    { kind: "chessboard", squares: [5, 4], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false },
+    { ...DEFAULT_BOARD, inverted: true },
+  ];
+  const script = `
+import base64, json, sys
+sys.path.insert(0, "layers/solver")
+from calibsolver import Board
+from calibsolver.guidance.overlay import draw_board
+pictures = [draw_board(Board.from_record(record), 120) for record in json.loads(sys.argv[1])]
+print(json.dumps([[*reversed(p.shape), base64.b64encode(p.tobytes()).decode()] for p in pictures]))`;
+  const expected = JSON.parse(execFileSync(python, ["-c", script, JSON.stringify(boards)], { maxBuffer: 1 << 26 }));
+  boards.forEach((board, index) => {
+    const [width, height, pixels] = expected[index];
+    const ours = raster(board, 120);
+    assert.deepEqual([ours.width, ours.height], [width, height], board.kind);
+    assert.equal(Buffer.from(pixels, "base64").compare(Buffer.from(ours.data)), 0, board.kind ?? "inverted");
+  });
+});

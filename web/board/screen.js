@@ -1,4 +1,5 @@
 // The board on this screen: at whole device pixels, as large as there is room, and awake.
+import { sizeOf } from "../lib/board.js";
 import { raster } from "../lib/board-drawing.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
@@ -79,15 +80,15 @@ export class BoardScreen {
   /** Draws the board so that a cell's edge falls on a device pixel, and one canvas pixel is one device pixel. */
   draw() {
     const full = this.#isFull();
-    const { squares } = this.#board;
+    const size = sizeOf(this.#board);
     const density = window.devicePixelRatio || 1;
     const whole = this.#filling ? [innerWidth, innerHeight] : [screen.width, screen.height];
     const side = full && this.#coded ? Math.min(MAX_CODE_PX, Math.max(MIN_CODE_PX, CODE_SHARE * Math.min(...whole))) : 0;
     this.#showCode(side, whole[0] > whole[1]);
     const strip = whole[0] > whole[1] ? [side, 0] : [0, side];
     const room = full ? whole.map((length, axis) => length - strip[axis]) : [this.#frame.clientWidth, Infinity];
-    const turned = full && whole[0] < whole[1] !== squares[0] < squares[1];
-    const [columns, rows] = turned ? [...squares].reverse() : squares;
+    const turned = full && whole[0] < whole[1] !== size[0] < size[1];
+    const [columns, rows] = turned ? [...size].reverse() : size;
     const scale = Math.max(8, Math.floor(Math.min(
       (room[0] * density) / (columns + 2 * MARGIN_SQUARES),
       (room[1] * density) / (rows + 2 * MARGIN_SQUARES),

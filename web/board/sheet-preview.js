@@ -1,4 +1,5 @@
 // A printed sheet in small: the board as it lies on the paper.
+import { sizeOf } from "../lib/board.js";
 import { blackRectangles } from "../lib/board-drawing.js";
 import { make } from "../lib/svg.js";
 
@@ -7,7 +8,7 @@ import { make } from "../lib/svg.js";
  * @returns {SVGElement}
  */
 export function sheetPreview(board, [width, height], side) {
-  const [columns, rows] = board.squares;
+  const [columns, rows] = sizeOf(board);
   const [left, top] = [(width - columns * side) / 2, (height - rows * side) / 2];
   const path = blackRectangles(board).map(([x, y, w, h]) => `M${left + x * side} ${top + y * side}h${w * side}v${h * side}h${-w * side}z`).join("");
   return make("svg", { viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" }, [

@@ -1,6 +1,6 @@
-// Black areas of a ChArUco board. Apart from its geometry: only who draws boards needs the tables of the markers.
+// Black areas of a board. Apart from its geometry: only who draws boards needs the tables of the markers.
 import { TABLES } from "./dictionaries.js";
-import { dictionaryOf, isBlack, markers } from "./board.js";
+import { DEFAULT_TAG_SPACING, dictionaryOf, isBlack, markers, sizeOf } from "./board.js";
 
 /**
  * @typedef {import("./board.js").Board} Board
@@ -42,9 +42,47 @@ function unpack(base64) {
 /**
  * The black areas of the board: squares, marker borders, and runs of black cells within markers.
  * @param {Board} board
- * @returns {Rectangle[]} in squares; no two overlap
+ * @returns {Rectangle[]} board units from the upper left corner; no two overlap
  */
 export function blackRectangles(board) {
+  const drawn = board.kind === "aprilgrid" ? tagRectangles(board) : squareRectangles(board);
+  return board.inverted ? complement(drawn, sizeOf(board)) : drawn;
+}
+
+/** Tags of an AprilGrid, and the squares in the gaps between them. @param {Board} board */
+function tagRectangles(board) {
+  const [columns, rows] = board.squares;
+  const spacing = board.tag_spacing ?? DEFAULT_TAG_SPACING;
+  /** @type {Rectangle[]} */
+  const rectangles = [];
+  for (const { id, x, y } of markers(board)) {
+    const [left, top] = [x * (1 + spacing), (rows - 1 - y) * (1 + spacing)];
+    rectangles.push(...markerRectangles(markerBits(board.dictionary, id), left, top, 1));
+    if (x + 1 < columns && y > 0) rectangles.push([left + 1, top + 1, spacing, spacing]);
+  }
+  return rectangles;
+}
+
+/** Areas that rectangles leave free. @param {Rectangle[]} rectangles @param {[number, number]} size @returns {Rectangle[]} */
+function complement(rectangles, [width, height]) {
+  const edges = [...new Set([0, height, ...rectangles.flatMap(([, y, , h]) => [y, y + h])].map((y) => Math.round(1e9 * y) / 1e9))].sort((a, b) => a - b);
+  /** @type {Rectangle[]} */
+  const free = [];
+  for (let index = 0; index + 1 < edges.length; index++) {
+    const [top, bottom] = [edges[index], edges[index + 1]];
+    const middle = (top + bottom) / 2;
+    const across = rectangles.filter(([, y, , h]) => y <= middle && middle < y + h).sort((a, b) => a[0] - b[0]);
+    let left = 0;
+    for (const [x, , w] of [...across, [width, 0, 0]]) {
+      if (x - left > 1e-9) free.push([left, top, x - left, bottom - top]);
+      left = Math.max(left, x + w);
+    }
+  }
+  return free;
+}
+
+/** @param {Board} board */
+function squareRectangles(board) {
   const [columns, rows] = board.squares;
   /** @type {Rectangle[]} */
   const rectangles = [];
@@ -52,19 +90,26 @@ export function blackRectangles(board) {
     for (let x = 0; x < columns; x++) if (isBlack(board, x, y)) rectangles.push([x, y, 1, 1]);
   }
   for (const { id, x, y } of markers(board)) {
-    const bits = markerBits(board.dictionary, id);
-    const cells = bits.length + 2;
-    const cell = board.marker_ratio / cells;
     const margin = (1 - board.marker_ratio) / 2;
-    for (let row = 0; row < cells; row++) {
-      let run = 0;
-      for (let column = 0; column <= cells; column++) {
-        const black = column < cells && !bits[row - 1]?.[column - 1];
-        if (black) run += 1;
-        else if (run > 0) {
-          rectangles.push([x + margin + (column - run) * cell, y + margin + row * cell, run * cell, cell]);
-          run = 0;
-        }
+    rectangles.push(...markerRectangles(markerBits(board.dictionary, id), x + margin, y + margin, board.marker_ratio));
+  }
+  return rectangles;
+}
+
+/** Black areas of one marker. @param {boolean[][]} bits @param {number} left @param {number} top @param {number} side @returns {Rectangle[]} */
+function markerRectangles(bits, left, top, side) {
+  const cells = bits.length + 2;
+  const cell = side / cells;
+  /** @type {Rectangle[]} */
+  const rectangles = [];
+  for (let row = 0; row < cells; row++) {
+    let run = 0;
+    for (let column = 0; column <= cells; column++) {
+      const black = column < cells && !bits[row - 1]?.[column - 1];
+      if (black) run += 1;
+      else if (run > 0) {
+        rectangles.push([left + (column - run) * cell, top + row * cell, run * cell, cell]);
+        run = 0;
       }
     }
   }
@@ -74,14 +119,14 @@ export function blackRectangles(board) {
 /**
  * The board as a grey image.
  * @param {Board} board
- * @param {number} scale pixels per square
+ * @param {number} scale pixels per board unit
  * @param {number} [margin] white border, pixels
  * @returns {{width: number, height: number, data: Uint8Array}} one byte a pixel, 0 or 255
  */
 export function raster(board, scale, margin = 0) {
-  const [columns, rows] = board.squares;
-  const width = Math.round(columns * scale) + 2 * margin;
-  const height = Math.round(rows * scale) + 2 * margin;
+  const [across, down] = sizeOf(board);
+  const width = Math.round(across * scale) + 2 * margin;
+  const height = Math.round(down * scale) + 2 * margin;
   const data = new Uint8Array(width * height).fill(255);
   for (const [x, y, w, h] of blackRectangles(board)) {
     const [left, right] = [x, x + w].map((value) => margin + Math.round(value * scale));

@@ -24,11 +24,12 @@ export function createFinder(cv, board) {
 
 /** @param {any} cv @param {Board} board @returns {Finder} */
 function createAprilgridFinder(cv, board) {
-  const detectors = BORDERS.map((border) => new MarkerDetector(cv, board.dictionary, { border }));
-  let usual = 0; // which of them the board was found with last
+  const [tracking, whole] = [true, false].map((quick) => BORDERS.map((border) => new MarkerDetector(cv, board.dictionary, { border, quick })));
+  let usual = 0; // border that the board was found with last
   return {
-    find(image) {
+    find(image, full) {
       const upright = board.inverted ? negative(image) : image;
+      const detectors = full ? whole : tracking;
       let tags = detectors[usual].find(upright);
       if (tags.length < MIN_TAGS) {
         const others = detectors[1 - usual].find(upright);
@@ -40,7 +41,7 @@ function createAprilgridFinder(cv, board) {
     probe: (_, kind) => ({ kind, markers: 0, corners: 0 }),
     memory: 0,
     delete() {
-      for (const detector of detectors) detector.delete();
+      for (const detector of [...tracking, ...whole]) detector.delete();
     },
   };
 }

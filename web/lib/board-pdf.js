@@ -1,4 +1,5 @@
 // The board as a one-page PDF, vector, at true scale. PDF 1.4 after ISO 32000-1: objects, a content stream, xref.
+import { sizeOf } from "./board.js";
 import { blackRectangles } from "./board-drawing.js";
 
 /** @typedef {import("./board.js").Board} Board */
@@ -26,10 +27,11 @@ const LETTERS = 8; // points
  */
 
 /**
- * Side of a square in whole millimetres, the largest that fits.
+ * Side of a square, or of a tag, in whole millimetres, the largest that fits.
  * @param {Board} board @param {[number, number]} paper mm
  */
-export function squareSide({ squares: [columns, rows] }, [width, height]) {
+export function squareSide(board, [width, height]) {
+  const [columns, rows] = sizeOf(board);
   return Math.floor(Math.min((width - 2 * MARGIN_MM) / columns, (height - 2 * MARGIN_MM - FOOT) / rows));
 }
 
@@ -44,7 +46,7 @@ export function boardPdf(board, paper, foot, letter) {
   const [width, height] = paper;
   const side = squareSide(board, paper);
   if (side < 1) throw new RangeError("the board has too many squares for this paper");
-  const [columns, rows] = board.squares;
+  const [columns, rows] = sizeOf(board);
   const left = (width - columns * side) / 2;
   const top = (height - FOOT - rows * side) / 2;
   /** mm from the top left of the page to PDF's points from the bottom left @param {number[]} rectangle */
