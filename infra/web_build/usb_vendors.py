@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 TABLE = Path(__file__).parents[2] / "layers" / "service" / "calibdb" / "camera_key" / "usb_vendors.txt"
-_VENDOR = re.compile(r"([0-9a-f]{4})  (\S.*)")  # devices and interfaces are indented, classes begin with "C "
-_VERSION = re.compile(r"# Version: (\S+)")
+_VENDOR_LINE = re.compile(r"([0-9a-f]{4})  (\S.*)")  # devices and interfaces are indented, classes begin with "C "
+_VERSION_LINE = re.compile(r"# Version: (\S+)")
 _HEAD = """\
 # USB vendors: id and name, from the USB ID Repository, version {version}, http://www.linux-usb.org/usb-ids.html
 # Copyright (C) Stephen J. Gowdy. Licence: 3-clause BSD (or GPL-2 or later); see NOTICE.
@@ -23,13 +23,13 @@ _HEAD = """\
 def vendors(text: str) -> Iterator[tuple[str, str]]:
     """Yield id and name of every vendor in a `usb.ids` file."""
     for line in text.splitlines():
-        if found := _VENDOR.fullmatch(line.rstrip()):
+        if found := _VENDOR_LINE.fullmatch(line.rstrip()):
             yield found[1], found[2]
 
 
 def table(text: str) -> str:
     """Return the table for a `usb.ids` file; raises ValueError where that names no version or no vendor."""
-    version = _VERSION.search(text)
+    version = _VERSION_LINE.search(text)
     lines = [f"{vendor_id} {name}\n" for vendor_id, name in sorted(vendors(text))]
     if version is None or not lines:
         raise ValueError("this is no usb.ids file: it has no version, or no vendors")

@@ -19,7 +19,7 @@ import { isVirtual } from "../lib/virtual/name.js";
 const MAX_FOUND = 20;
 
 /**
- * Where the visitor came from.
+ * Site that the visitor came from.
  * @param {string | null} returnTo from the page's address @param {readonly string[]} allowed origins that get results
  * @returns {{url: URL, allowed: boolean, host: string, isHere: boolean} | null} isHere: a page of this site
  */
@@ -32,7 +32,7 @@ export function senderOf(returnTo, allowed) {
 export const senderName = ({ host, isHere }) => (isHere ? t("capture.sender_here") : host);
 
 /**
- * What is said of a camera that was asked for.
+ * Sentence about a camera that was asked for.
  * @param {Known | null} known null: not known yet, or nobody can tell
  */
 export function knownText(known) {
@@ -43,7 +43,7 @@ export function knownText(known) {
 }
 
 /**
- * What the database holds of one camera at one size, out of a search's answer.
+ * Facts of one camera at one size, out of a search's answer.
  * @param {{cameras: {camera: string, sizes: readonly CameraSize[]}[]}} answer @param {string} label @param {[number, number] | null} size px
  * @returns {Known}
  */

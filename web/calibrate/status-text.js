@@ -26,7 +26,7 @@ export function instruction(state) {
   return code === "" ? "" : t(`capture.say_${code}`);
 }
 
-/** What has happened; never what to do, which is the instruction. @param {State["ui"]["notice"]} notice */
+/** Sentence about what has happened; never what to do, which is the instruction. @param {State["ui"]["notice"]} notice */
 export const notice = (notice) => (notice && notice.key !== "capture.useless" ? t(notice.key, notice.values) : "");
 
 /** The step of opening that is waited for. @param {State} state */

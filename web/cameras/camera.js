@@ -51,7 +51,7 @@ export function stateText({ reliable, agreeing, required }) {
 /** @param {Mode} mode */
 const isReady = (mode) => Object.values(mode.consensus).some((each) => each.reliable);
 
-/** What is missing, and the button that does it. @param {CameraPage} page @param {Mode | undefined} mode the one of most calibrations */
+/** Missing calibrations, and the button that makes one. @param {CameraPage} page @param {Mode | undefined} mode the one of most calibrations */
 function callToAction({ camera, platform }, mode) {
   const ready = mode !== undefined && isReady(mode);
   const missing = mode ? mode.required - mode.agreeing : 0;

@@ -45,7 +45,7 @@ function keepQuery() {
   if (there.href !== location.href) history.replaceState(history.state, "", there);
 }
 
-/** What to do where nothing was found. */
+/** Next steps where nothing was found. */
 function offer() {
   const nothing = found.length === 0 && next === null;
   offers(() => (nothing ? [el("a", { class: "button primary", id: "calibrate-first", href: "../calibrate/" }, t("cameras.calibrate_yours"))] : []));

@@ -9,7 +9,7 @@ import { lettering } from "./lettering.js";
 addMessages({ board: boardWords });
 
 const MIN_SQUARE_MM = 5; // that printers and cameras still do justice to
-/** Where people print on Letter, after CLDR. */
+/** Regions whose paper is Letter, after CLDR. */
 const LETTER_REGIONS = new Set("BZ CA CL CO CR DO GT HN MX NI PA PH PR SV US VE".split(" "));
 
 /** Papers on which the squares are large enough. @param {Board} board @returns {string[]} names */

@@ -178,7 +178,7 @@ function contributionText({ origin, calibration: { camera, platform, calibration
   return t(`result.help_${["photographs", "video"].includes(platform) ? "photographs" : origin}`, { count: calibrations });
 }
 
-/** What few need: the address, the system, the whole record. @param {Result["calibration"]} calibration @param {string | null} id */
+/** Details that few need: the address, the system, the whole record. @param {Result["calibration"]} calibration @param {string | null} id */
 function details(calibration, id) {
   return el("details", { class: "record" }, el("summary", {}, t("result.as_answered")),
     el("p", { class: "muted" }, `${calibration.camera} · ${calibration.platform}`),

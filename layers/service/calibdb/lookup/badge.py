@@ -16,8 +16,8 @@ from calibdb.schema import ConsensusDocument
 
 Colour = Literal["green", "amber", "grey"]
 _COLOURS: dict[Colour, str] = {"green": "#2a6b2f", "amber": "#8a5a00", "grey": "#5d6468"}
-_SIZE = re.compile(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})\.svg")
-_ID = re.compile(r"\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$", re.IGNORECASE)
+_BADGE_FILE = re.compile(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})\.svg")
+_USB_ID_END = re.compile(r"\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$", re.IGNORECASE)
 _MAX_NAME = 40  # characters of a label that are shown
 _NARROW, _WIDE = frozenset("fijlrt.,:;'|!()[] "), frozenset("mwMW@%ABCDEFGHKNOQRSUVXYZ±×")
 
@@ -36,7 +36,7 @@ NOT_CALIBRATED = Badge("calibDB", "not calibrated", "grey")
 
 def parse_size(text: str) -> tuple[int, int] | None:
     """Return the size in `1280x720.svg`, None where the text is no such name."""
-    found = _SIZE.fullmatch(text)
+    found = _BADGE_FILE.fullmatch(text)
     return (int(found[1]), int(found[2])) if found else None
 
 
@@ -63,7 +63,7 @@ def badge_of(
     """
     if not is_listed(known, min_contributors):
         return NOT_CALIBRATED
-    name = _ID.sub("", camera)
+    name = _USB_ID_END.sub("", camera)
     short = name if len(name) <= _MAX_NAME else name[: _MAX_NAME - 1] + "…"
     left = f"{short} {img_size[0]}×{img_size[1]}"
     here = [found for (size, _), found in group_by_mode(known) if size == img_size]
