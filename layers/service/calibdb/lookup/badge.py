@@ -103,5 +103,7 @@ def _width(words: str) -> int:
 
 
 def _rough(value: float) -> str:
-    """Write a positive length with two digits that count."""
+    """Write a positive length to hundredths, and with a digit that counts where it is less."""
+    if value < 0.01:
+        return f"{value:.1g}"
     return f"{value:.2f}" if value < 0.995 else f"{value:.1f}" if value < 9.95 else f"{value:.0f}"

@@ -20,6 +20,11 @@ def test_badge_of_a_reliable_camera_says_its_typical_error() -> None:
     assert found == Badge("C920 1280×720", "calibrated ± 0.04 px", "green")
 
 
+def test_badge_of_a_tiny_error_does_not_say_nought() -> None:
+    assert badge(consensus(fit(uncertainty=0.0042))).state == "calibrated ± 0.004 px"
+    assert badge(consensus(fit(uncertainty=1.234))).state == "calibrated ± 1.2 px"
+
+
 def test_badge_of_too_few_calibrations_counts_them() -> None:
     found = badge(consensus(reason="too_few", calibrations=2))
     assert (found.state, found.colour) == ("2 of 5 calibrations", "amber")
