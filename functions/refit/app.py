@@ -44,7 +44,7 @@ from calibdb.settings import Thresholds
 from calibdb.store import IndexedVote, StreamMode
 from calibdb.store.calibrations import CountedCalibration
 from calibdb.store.keys import consensus_id
-from calibsolver import Board, CalibrationError, Camera, DeadlineError, View, __version__, consensus, deadline
+from calibsolver import FIT_VERSION, Board, CalibrationError, Camera, DeadlineError, View, consensus, deadline
 from calibsolver.consensus import difference
 from calibsolver.fitting.resection import reprojection_score
 
@@ -168,7 +168,7 @@ def _try_once(
     if not counted:
         return _drop(service, mode, models, stored, edge)
     votes = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
-    pooled = pool_digest(METHOD, [c.id for c in counted], thresholds, __version__)
+    pooled = pool_digest(METHOD, [c.id for c in counted], thresholds, FIT_VERSION)
     basis = input_digest(pooled, [vote.id for vote in votes])
     steps = plan_refit(models, stored, pooled, basis)
     if not compute and any(step.action != "keep" for step in steps):

@@ -196,7 +196,7 @@ def end(
         known = document.estimate.model_copy(update={"fit": fit})
         document = document.model_copy(update={"estimate": known})
     described = report.describe(board.calibration, used, indices, board=board)
-    return session_rules.with_finish(document, now, who, calibsolver.__version__, described, where)
+    return session_rules.with_finish(document, now, who, calibsolver.FIT_VERSION, described, where)
 
 
 def refused_document(

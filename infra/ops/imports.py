@@ -158,7 +158,7 @@ def _document(
             ),
             fits={chosen: FitRecord.model_validate(calibration.record())},
             report=describe(calibration, ours),
-            solver=calibsolver.__version__,
+            solver=calibsolver.FIT_VERSION,
             contributor=f"import-{digest[:12]}",
             time=context.now,
             licence=reported.licence,

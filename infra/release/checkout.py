@@ -9,6 +9,11 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 #: the one place of the version; the OpenAPI document and the packed SDK follow it
 VERSION_FILE = Path("layers/service/calibdb/__init__.py")
+#: modules whose wheels carry it, too; a wheel is built of its own folder alone
+WHEEL_FILES = (
+    Path("clients/python/calibdb_client/__init__.py"),
+    Path("layers/solver/calibsolver/__init__.py"),
+)
 _VERSION = re.compile(r'^__version__ = "(\d+\.\d+\.\d+)"$', re.MULTILINE)
 _MAX_NAMED = 5  # files that a message names
 
@@ -31,8 +36,8 @@ def set_version(fresh: str, root: Path = ROOT) -> None:
         raise CheckoutError(f"{fresh} is no version such as 1.2.3")
     if _parts(fresh) <= _parts(version(root)):
         raise CheckoutError(f"{fresh} is not higher than {version(root)}")
-    path = root / VERSION_FILE
-    path.write_text(_VERSION.sub(f'__version__ = "{fresh}"', path.read_text(encoding="utf-8")), "utf-8")
+    for path in (root / file for file in (VERSION_FILE, *WHEEL_FILES)):
+        path.write_text(_VERSION.sub(f'__version__ = "{fresh}"', path.read_text(encoding="utf-8")), "utf-8")
 
 
 def check_clean(root: Path = ROOT) -> None:

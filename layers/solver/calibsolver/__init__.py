@@ -15,10 +15,12 @@ from .view import View
 if TYPE_CHECKING:
     from . import capture, consensus, fitting, formats, guidance, models, quality, rig
 
-# Of the solver alone: another one has every stored consensus computed anew.
 __version__ = "0.1.0"
+FIT_VERSION = "0.1.0"
+"""Version of what is computed: another one has every stored consensus computed anew."""
 
 __all__ = [
+    "FIT_VERSION",
     "Board",
     "Calibration",
     "CalibrationError",

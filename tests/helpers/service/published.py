@@ -65,7 +65,7 @@ def calibration(
             for i, (ids, points) in enumerate(seen)
         ),
         fits={"rectilinear": schema.FitRecord.model_validate(record)},
-        solver=calibsolver.__version__,
+        solver=calibsolver.FIT_VERSION,
         contributor=hashlib.sha256(f"contributor {n}".encode()).hexdigest(),
         time=begun + n + 60,
     )

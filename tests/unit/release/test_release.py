@@ -9,9 +9,11 @@ from pathlib import Path
 import pytest
 
 import calibdb
+import calibdb_client
+import calibsolver
 from infra.release import changelog, checkout
 from infra.release.changelog import ChangelogError
-from infra.release.checkout import VERSION_FILE, CheckoutError
+from infra.release.checkout import VERSION_FILE, WHEEL_FILES, CheckoutError
 from tests.helpers.data import ROOT
 
 CHANGELOG = """# Changelog
@@ -31,9 +33,9 @@ CHANGELOG = """# Changelog
 @pytest.fixture
 def repository(tmp_path: Path) -> Path:
     """A checkout of version 0.1.0, clean and tagged."""
-    file = tmp_path / VERSION_FILE
-    file.parent.mkdir(parents=True)
-    file.write_text('__version__ = "0.1.0"\n')
+    for file in (tmp_path / each for each in (VERSION_FILE, *WHEEL_FILES)):
+        file.parent.mkdir(parents=True)
+        file.write_text('__version__ = "0.1.0"\nFIT_VERSION = "0.1.0"\n')
     (tmp_path / ".gitignore").write_text(".build/\n")
     for command in (
         ("init", "--quiet"),
@@ -48,11 +50,18 @@ def repository(tmp_path: Path) -> Path:
 
 def test_version_stands_in_one_place() -> None:
     assert checkout.version() == calibdb.__version__
+    assert calibdb_client.__version__ == calibsolver.__version__ == calibdb.__version__
     assert "version" not in tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert "version" not in json.loads((ROOT / "package.json").read_text())
     # The packed SDK is given the release's version.
     assert json.loads((ROOT / "web/sdk/package.json").read_text())["version"] == "0.0.0"
     assert json.loads((ROOT / "web/openapi.json").read_text())["info"]["version"] == calibdb.__version__
+
+
+def test_wheels_take_the_version_of_a_release_and_fits_keep_theirs(repository: Path) -> None:
+    checkout.set_version("0.2.0", repository)
+    for file in (VERSION_FILE, *WHEEL_FILES):
+        assert (repository / file).read_text() == '__version__ = "0.2.0"\nFIT_VERSION = "0.1.0"\n'
 
 
 def test_clean_tagged_checkout_is_released(repository: Path) -> None:
