@@ -1,4 +1,4 @@
-"""Meanings of fields whose models do not say them, by name; `Model.name` where a name has several meanings."""
+"""Meanings of fields whose models do not say them; `Model.name` where a name has several meanings."""
 
 from __future__ import annotations
 
