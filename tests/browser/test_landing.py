@@ -1,4 +1,4 @@
-"""The landing page: a lookup answers with a card, the database is counted, pictures move where that is wanted."""
+"""The landing page: a lookup answers with a card, the database is counted, pictures move where wanted."""
 
 from playwright.sync_api import Page, expect
 
