@@ -1,7 +1,10 @@
 """Live captures on this machine: hands-free by words alone, and what is left when they end early."""
 
+import argparse
+import io
 import os
 import pty
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -23,7 +26,10 @@ from calibdb_client.capture.stillness import Stillness
 from calibdb_client.capture.terminal import Terminal
 from calibdb_client.capture.window import draw
 from calibdb_client.cli import main
+from calibdb_client.cli.capture_options import licence_of
+from calibdb_client.cli.output import Output
 from calibdb_client.detection import Corners
+from calibdb_client.session import consent_of
 from tests.helpers import board_pictures
 from tests.helpers.virtual_person import Listener, VirtualCamera
 
@@ -284,7 +290,26 @@ def test_sources_are_told_apart(tmp_path: Path, capfd: pytest.CaptureFixture[str
         open_source("http://user:secret@127.0.0.1:9/video")
     assert "secret" not in str(refused.value)
     assert main(["calibrate", "http://127.0.0.1:9/video", "--offline"]) == 6
-    assert main(["calibrate", "no such camera", "--offline"]) == 6
+    for name in ("no such camera", "USB2.0 HD UVC WebCam"):
+        assert main(["calibrate", name, "--offline"]) == 6
+    assert main(["calibrate", "absent.mp4", "--offline"]) == 2
     assert main(["calibrate", str(tmp_path / "absent"), "--offline"]) == 2
     assert main(["calibrate", "http://127.0.0.1:9/video", "--licence", "MIT"]) == 2
     assert "CC0-1.0" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(("answer", "expected"), [("y\n", "CC0-1.0"), ("\n", None), ("no\n", None)])
+def test_nobody_agrees_to_the_licence_unasked(
+    answer: str, expected: str | None, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    chosen = argparse.Namespace(licence=None, json=False)
+    monkeypatch.setattr("sys.stdin", io.StringIO(answer))
+    assert licence_of(chosen, Output()) is None, "nobody is there to answer"
+    assert capfd.readouterr().err == ""
+    for stream in (sys.stdin, sys.stderr):
+        monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
+    assert licence_of(chosen, Output()) == expected
+    assert "CC0-1.0" in capfd.readouterr().err
+    assert consent_of(expected) == ({"licence": "CC0-1.0"} if expected else {})
+    with pytest.raises(UsageError):
+        consent_of("MIT")

@@ -75,7 +75,8 @@ def kind_of(given: Sequence[str]) -> Kind:
             return "camera"
         if is_video(first):
             return "video"
-        if not Path(first).exists() and not Path(first).suffix and os.sep not in first and "/" not in first:
+        is_path = Path(first).exists() or "/" in first or os.sep in first or re.search(r"\.\w{2,5}$", first)
+        if not is_path:
             return "camera"  # by its name
     for each in given:
         if not Path(each).exists():

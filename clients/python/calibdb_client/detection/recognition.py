@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import statistics
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +20,7 @@ from ..errors import UsageError
 from ..projection import Array
 from .corners import Corners
 from .detector import Detector, grey_of
-from .markers import Markers, find_markers
+from .markers import Key, Markers, find_markers
 
 MAX_LOOKED_AT = 8
 """Pictures in which one board is looked for."""
@@ -80,12 +80,14 @@ def recognise(pictures: Iterable[Any]) -> Board | None:
         greys.append(_shrunk(grey_of(picture)))
         if len(greys) == MAX_LOOKED_AT:
             break
-    return _with_markers(greys) or _chessboard(greys)
-
-
-def _with_markers(greys: Sequence[Any]) -> Board | None:
-    """Return the board that the markers of most pictures fit."""
     found = [find_markers(grey) for grey in greys]
+    if any(len(each.ids) >= MIN_MARKERS for markers in found for each in markers.values()):
+        return _with_markers(found, greys)  # never as the chessboard that its squares are
+    return _chessboard(greys)
+
+
+def _with_markers(found: Sequence[Mapping[Key, Markers]], greys: Sequence[Any]) -> Board | None:
+    """Return the board that the markers of most pictures fit."""
     families = Counter(
         {key: sum(len(each[key].ids) for each in found if key in each) for key in set().union(*found)}
     )
