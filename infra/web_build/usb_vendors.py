@@ -12,7 +12,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 TABLE = Path(__file__).parents[2] / "layers" / "service" / "calibdb" / "camera_key" / "usb_vendors.txt"
-_VENDOR_LINE = re.compile(r"([0-9a-f]{4})  (\S.*)")  # devices and interfaces are indented, classes begin with "C "
+_VENDOR_LINE = re.compile(
+    r"([0-9a-f]{4})  (\S.*)"
+)  # devices and interfaces are indented, classes begin with "C "
 _VERSION_LINE = re.compile(r"# Version: (\S+)")
 _HEAD = """\
 # USB vendors: id and name, from the USB ID Repository, version {version}, http://www.linux-usb.org/usb-ids.html

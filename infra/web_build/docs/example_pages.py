@@ -15,11 +15,16 @@ _SHARED = ("picture.js", "board.js")
 
 @dataclass(frozen=True)
 class Example:
-    """One example: folder, name, heading, whether the virtual camera can stand in, the lines that matter."""
+    """One example.
+
+    `message`: key of the heading's text. `has_virtual`: whether the virtual camera can stand in. `lines`: those that
+    matter.
+    """
 
     folder: str
     name: str
     heading: str
+    message: str
     has_virtual: bool
     lines: str
     style: str = ""
@@ -35,6 +40,7 @@ ENGINES = (
         "three",
         "three.js",
         "three.js over a calibrated camera",
+        "examples.three",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/three";
 
@@ -47,6 +53,7 @@ mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
         "babylon",
         "Babylon.js",
         "Babylon.js over a calibrated camera",
+        "examples.babylon",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/babylon";
 
@@ -59,6 +66,7 @@ mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a l
         "aframe",
         "A-Frame",
         "A-Frame over a calibrated camera",
+        "examples.aframe",
         has_virtual=True,
         style="vendor/engines/aframe.css",
         lines=f"""{_IMPORT}import {{ registerCalibrated }} from "calibdb/adapters/aframe";
@@ -72,6 +80,7 @@ registerCalibrated(AFRAME);
         "arjs",
         "AR.js",
         "AR.js with your own camera_para.dat",
+        "examples.arjs",
         has_virtual=False,
         lines="""import { lookup } from "calibdb";
 import { cameraParameters } from "calibdb/adapters/artoolkit";
@@ -125,7 +134,7 @@ def _page(web: Path, example: Example) -> str:
         f'<link rel="stylesheet" href="../../docs/docs.css">{style}\n'
         '  <script type="module" src="./main.js"></script>',
         f"""      <div class="opening">
-        <h1 data-t="examples.{example.folder}">{example.heading}</h1>
+        <h1 data-t="{example.message}">{example.heading}</h1>
         <p data-t="{lead}"></p>
       </div>
       <div class="example">
@@ -162,7 +171,7 @@ def _index() -> str:
     cards = []
     for folder, heading, message in (
         ("../ar", "", "examples.ar"),
-        *((one.folder, one.heading, f"examples.{one.folder}") for one in ENGINES),
+        *((one.folder, one.heading, one.message) for one in ENGINES),
     ):
         name = folder.rpartition("/")[2]
         cards.append(
