@@ -200,6 +200,8 @@ def converted(asked: ConvertRequest) -> ExportedFile:
         raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
     except RecursionError:
         raise InvalidError.field("file", "nested too deeply") from None
+    except MemoryError:  # an array that claims a size of its own choice
+        raise InvalidError.field("file", "an array in it is too large") from None
     if found.camera is None:
         raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
     name = asked.camera or found.name or "camera"

@@ -1,8 +1,10 @@
 """Other programs' calibration files in other formats, over HTTP; nothing of them is stored."""
 
 import base64
+import io
 import json
 import time
+import zipfile
 
 import numpy as np
 import pytest
@@ -17,6 +19,20 @@ from tests.helpers.data import data_dir, external_data
 from tests.helpers.service.client import TOKEN, Answer, Client, Truth
 
 NEED_CORNERS = {"corners-vnl"}
+
+
+def huge_array() -> str:
+    """Make an archive of one array that claims eight terabytes."""
+    header = io.BytesIO()
+    claim = {"descr": "<f8", "fortran_order": False, "shape": (10**12,)}
+    np.lib.format.write_array_header_1_0(header, claim)  # type: ignore[arg-type]
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("mtx.npy", header.getvalue() + bytes(800))
+    return base64.b64encode(packed.getvalue()).decode()
+
+
+HUGE_ARRAY = huge_array()
 
 
 def convert(client: Client, file: str, **asked: object) -> Answer:
@@ -85,6 +101,7 @@ def test_what_a_file_does_not_say_is_asked_for(client: Client) -> None:
         ("not base64!", {"encoding": "base64"}),
         (base64.b64encode(b"\x80\x04pickle").decode(), {"encoding": "base64"}),
         (base64.b64encode(b"PK\x03\x04" + bytes(200)).decode(), {"encoding": "base64"}),
+        (HUGE_ARRAY, {"encoding": "base64"}),
         (EXAMPLE_FILE, {"number": 7}),
         (EXAMPLE_FILE, {"img_size": [640, 480]}),
         (EXAMPLE_FILE.replace("952.1", "1e400"), {}),
