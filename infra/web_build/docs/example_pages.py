@@ -17,8 +17,14 @@ _SHARED = ("picture.js", "board.js")
 class Example:
     """One example.
 
-    `message`: key of the heading's text. `has_virtual`: whether the virtual camera can stand in. `lines`: those that
-    matter.
+    Attributes
+    ----------
+    folder, name, heading, message
+        Where it lies, the engine, the heading, and the key of the heading's text.
+    has_virtual
+        Whether the virtual camera can stand in.
+    lines, style
+        The lines that matter, and a style sheet that the engine needs.
     """
 
     folder: str

@@ -12,6 +12,7 @@ from moto import mock_aws
 from calibdb import __version__
 from infra.deploy import aws
 from infra.deploy.site import Upload, uploads
+from infra.local.pages import headers
 from infra.release.changelog import is_released
 from infra.web_build import sdk
 from infra.web_build.sdk import ROOT, sdk_files, sdk_version
@@ -32,6 +33,12 @@ def test_every_module_of_the_version_has_the_hash_that_is_published() -> None:
         name for name in facts["files"] if files[f"sdk/{VERSION}/{name}"] != (WEB / "sdk" / name).read_bytes()
     ]
     assert moved == "request.js", "which says where the API is, from its own folder"
+
+
+def test_versions_are_kept_for_good_and_the_moving_copy_is_asked_for_each_time() -> None:
+    assert "immutable" in headers(f"sdk/{VERSION}/calibdb.js")["cache-control"]
+    for name in ("sdk/calibdb.js", "sdk/integrity.json", "sdk/calibdb.tgz"):
+        assert headers(name)["cache-control"] == "no-cache"
 
 
 def test_import_map_names_all_that_the_package_exports() -> None:
