@@ -50,7 +50,12 @@ test("every text is used, and every text used is there", () => {
   const mentioned = new Set(sources.flatMap((source) => source.match(new RegExp(`(?<=["'\`])(${names.join("|")})\\.[a-z0-9_.]+`, "g")) ?? []));
   // `catalog.part_${code}` uses all that begin like that.
   const begun = [...mentioned].filter((key) => /[._]$/.test(key) && [...all].some((text) => text.startsWith(key)));
-  const unused = [...all].filter((key) => !mentioned.has(key) && !begun.some((start) => key.startsWith(start)));
+  // `catalog.${name}` uses those texts whose names the same file says, `${catalog}.name` that text of any catalog.
+  const built = new Set(sources.flatMap((source) => [...source.matchAll(/["'`](\w+)\.\$?\{/g)].flatMap(([, catalog]) =>
+    [...source.matchAll(/["'`](\w+)["'`]/g)].map(([, key]) => `${catalog}.${key}`))));
+  const suffixes = new Set(sources.flatMap((source) => [...source.matchAll(/\$\{\w+\}\.(\w+)`/g)].map(([, key]) => key)));
+  const unused = [...all].filter((key) => !mentioned.has(key) && !begun.some((start) => key.startsWith(start)) && !built.has(key)
+    && !suffixes.has(key.slice(key.indexOf(".") + 1)));
   assert.deepEqual(unused, []);
   const keys = new Set(sources.flatMap((source) =>
     [...source.matchAll(/(?:\bt\(|data-t(?:-label|-title|-alt|-content)?=)"([a-z0-9_]+\.[a-z0-9_.]+)"/g)].map(([, key]) => key)));
