@@ -201,7 +201,7 @@ def test_a_phone_is_calibrated_with_this_screen(page: Page) -> None:
 def test_the_pages_speak_other_languages(page: Page, language: str) -> None:
     words = {
         "de": ("Kalibriertafel", "Kameras", "Aus Fotos"),
-        "uk": ("Калібрувальна дошка", "Камери", "За фотографіями"),
+        "uk": ("Калібрувальна дошка", "Камери", "Калібрування за фото"),
     }[language]
     for path, heading in zip(("/board/", "/cameras/", "/photos/"), words, strict=True):
         page.goto(f"{path}?lang={language}")
