@@ -61,7 +61,7 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     picture(page, "capture-done")
     assert page.evaluate("document.activeElement.id") == "result-name"
     assert page.evaluate(READ_AS_A_PAGE) == [0, 0, True]
-    expect(page.locator("#summary")).to_contain_text("Practice run")
+    expect(page.locator("#summary")).to_contain_text("practice run")
     expect(page.locator("#done .another")).to_be_hidden()
 
     # It goes on without one of its views, and keeps the others.
