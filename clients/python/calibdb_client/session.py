@@ -16,6 +16,8 @@ Progress = Callable[[int, int], None]
 """Is told how many of how many are done."""
 LICENCE = "CC0-1.0"
 """The licence under which the database gives calibrations away."""
+LICENCE_VERSION = "2026-11-22"
+"""Date of the terms that this version of the client refers to: `/terms/` of the site."""
 _REASONS = {
     "no_information": "it tells nothing new",
     "too_few_points": "too few corners",
@@ -87,7 +89,7 @@ def consent_of(licence: str | None) -> dict[str, str]:
         return {}
     if licence != LICENCE:
         raise UsageError(f"calibrations are given away under {LICENCE}, or not at all, not {licence!r}")
-    return {"licence": LICENCE}
+    return {"licence": LICENCE, "licence_version": LICENCE_VERSION}
 
 
 def submit(

@@ -4,6 +4,7 @@ import argparse
 import io
 import os
 import pty
+import re
 import sys
 import threading
 from collections.abc import Callable
@@ -31,6 +32,7 @@ from calibdb_client.cli.output import Output
 from calibdb_client.detection import Corners
 from calibdb_client.session import consent_of
 from tests.helpers import board_pictures
+from tests.helpers.data import ROOT
 from tests.helpers.virtual_person import Listener, VirtualCamera
 
 PICTURE = np.full((48, 64), 100, dtype=np.uint8)
@@ -310,6 +312,9 @@ def test_nobody_agrees_to_the_licence_unasked(
         monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
     assert licence_of(chosen, Output()) == expected
     assert "CC0-1.0" in capfd.readouterr().err
-    assert consent_of(expected) == ({"licence": "CC0-1.0"} if expected else {})
+    terms = re.search(r'LICENCE_VERSION = "([0-9-]+)"', (ROOT / "web/lib/consent.js").read_text())
+    assert terms, "the client refers to the terms that the pages refer to"
+    agreed = {"licence": "CC0-1.0", "licence_version": terms[1]}
+    assert consent_of(expected) == (agreed if expected else {})
     with pytest.raises(UsageError):
         consent_of("MIT")

@@ -12,14 +12,15 @@ from typing import Any, Literal
 
 from ..errors import UsageError
 from ..key import DEFAULT_MODEL, MODELS
-from ..session import LICENCE
+from ..session import LICENCE, LICENCE_VERSION
 from . import options
 from .board import add_board
 from .output import Output
 
 Kind = Literal["camera", "video", "pictures"]
 
-_QUESTION = f"""The database gives calibrations away under {LICENCE}: to anybody, for any purpose, for good.
+_QUESTION = f"""The database gives calibrations away under {LICENCE}: to anybody, for any purpose, for good
+(terms of {LICENCE_VERSION}, /terms/ of the site).
 Corners and calibration may go into its public dumps if you agree; pictures never leave this machine.
 Agree? [y/N] """
 
