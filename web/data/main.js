@@ -54,7 +54,7 @@ function showStatistics() {
   const newest = history[history.length - 1];
   for (const name of FIGURES) part(name, HTMLElement).textContent = count(newest[name]);
   part("chart", HTMLElement).replaceChildren(...(history.length > 1 ? [chart(history, t("data.chart"), [t("data.cameras"), t("data.known")])] : []));
-  const head = el("tr", {}, ...["date", ...FIGURES].map((name) => el("th", { scope: "col" }, t(`data.${name}`))));
+  const head = el("tr", {}, ...[t("data.date"), ...FIGURES.map((name) => t(`data.${name}`))].map((text) => el("th", { scope: "col" }, text)));
   const rows = [...history].reverse().map((snapshot) => el("tr", {}, el("th", { scope: "row" }, snapshot.date), ...FIGURES.map((name) => el("td", {}, count(snapshot[name])))));
   part("history", HTMLElement).replaceChildren(el("thead", {}, head), el("tbody", {}, ...rows));
   part("wanted-rows", HTMLElement).replaceChildren(...wanted.map(({ key, camera, asked, calibrations }) => el("tr", {},

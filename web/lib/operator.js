@@ -5,16 +5,17 @@ import { OfflineError } from "./network.js";
 import { SettingsError, loadSettings, storedSettings } from "./settings.js";
 
 /** @typedef {{name?: string, contact?: string, imprint?: string}} Operator */
+/** Keys of the words for them. @typedef {{name: string, contact: string, imprint: string}} Words */
 
-/** Shows it on the page, in words of the page's own catalog; and tells it. @param {string} catalog @returns {Promise<Operator>} */
-export async function showOperator(catalog) {
+/** Shows it on the page, in words of the page's own catalog; and tells it. @param {Words} words @returns {Promise<Operator>} */
+export async function showOperator(words) {
   const operator = (await settings())?.operator ?? {};
   if (Object.keys(operator).length === 0) return operator;
   const list = part("operator", HTMLElement);
   const show = () => list.replaceChildren(
-    ...row(t(`${catalog}.name`), operator.name),
-    ...row(t(`${catalog}.contact`), operator.contact && link(operator.contact)),
-    ...row(t(`${catalog}.imprint_name`), ...imprint(operator.imprint ?? "")),
+    ...row(t(words.name), operator.name),
+    ...row(t(words.contact), operator.contact && link(operator.contact)),
+    ...row(t(words.imprint), ...imprint(operator.imprint ?? "")),
   );
   onLanguage(show);
   show();

@@ -40,5 +40,5 @@ part("remove", HTMLButtonElement).addEventListener("click", () => {
   removeReceipts();
   show();
 });
-contact = (await showOperator("privacy")).contact ?? "";
+contact = (await showOperator({ name: "privacy.name", contact: "privacy.contact", imprint: "privacy.imprint_name" })).contact ?? "";
 show();

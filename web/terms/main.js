@@ -4,4 +4,4 @@ import { openPage } from "../lib/page.js";
 import terms from "../messages/terms.js";
 
 openPage({ terms });
-void showOperator("terms");
+void showOperator({ name: "terms.name", contact: "terms.contact", imprint: "terms.imprint_name" });
