@@ -41,7 +41,7 @@ function read() {
 
 /** Whether a token is of this service. @param {unknown} api its address, where it is told */
 function isHere(api) {
-  return typeof api !== "string" || new URL(api, location.href).origin === location.origin;
+  return typeof api !== "string" || (URL.canParse(api, location.href) && new URL(api, location.href).origin === location.origin);
 }
 
 /** Value that the browser keeps; null where it keeps nothing for pages. @template T @param {() => T} use @returns {T | null} */
