@@ -183,8 +183,8 @@ async function look(list) {
     if (signal.aborted) return;
     const values = { count: views, all: pictures.length };
     const isFilm = pictures.every(({ kind }) => kind === "video");
-    const found = pictures.length === 0 ? [] : [t(views ? `photos.found_${isFilm ? "frames" : "photos"}` : "photos.not_found", values)];
-    tell(() => [...found, ...unreadableTexts(unreadable)].join(" "));
+    const found = () => (pictures.length === 0 ? [] : [t(views ? `photos.found_${isFilm ? "frames" : "photos"}` : "photos.not_found", values)]);
+    tell(() => [...found(), ...unreadableTexts(unreadable)].join(" "));
     if (views === 0 && pictures.length) boardForm.open();
   } catch (error) {
     if (!signal.aborted) tell(() => explain(error));
