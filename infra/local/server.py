@@ -85,7 +85,7 @@ class GatewayApp:
         self._site = Starlette(
             routes=[
                 Route("/config.json", lambda _: JSONResponse(settings, headers=_CONFIG)),
-                Route("/shell.json", lambda _: JSONResponse(shell(web), headers=_NO_CACHE)),
+                Route("/shell.json", lambda _: JSONResponse(shell(web, options), headers=_NO_CACHE)),
                 *_root_files(web, settings, options or Options()),
                 Mount("/", Pages(web, options)),
             ]

@@ -38,14 +38,18 @@ class Shell(TypedDict):
     late: list[str]
 
 
-def shell(folder: Path = WEB) -> Shell:
-    """Return the list of the pages' files: path → SHA-256, hexadecimal."""
+def shell(folder: Path = WEB, options: site.Options | None = None) -> Shell:
+    """Return the list of the pages' files: path → SHA-256, hexadecimal.
+
+    `options`: those that the pages are served with.
+    """
     digests = {
         path.relative_to(folder).as_posix(): _hash(path, *_state(path))
         for path in sorted(folder.rglob("*"))
         if path.is_file() and path.suffix in SUFFIXES
     }
-    made = {key: hashlib.sha256(content).hexdigest() for key, content in site.made_files(folder).items()}
+    served = site.made_files(folder, options)
+    made = {key: hashlib.sha256(content).hexdigest() for key, content in served.items()}
     return shell_of(dict(sorted((digests | made).items())))
 
 
