@@ -34,6 +34,7 @@ WEB = ROOT / "web"
 LANGUAGES = ("de", "uk")  # besides English; `web/lib/i18n.js` has them too
 _CACHE = ROOT / ".build" / "site"
 _MAX_CACHED = 8
+_ANY_ORIGIN = "https://origin.invalid"
 _MAX_BUILD_S = 120
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
 # Not pages, though HTML or full of files.
@@ -76,8 +77,8 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
     if not (web / "messages").is_dir():
         return {}
     options = options or Options()
-    told = json.dumps([options.origin, dict(options.contacts)], sort_keys=True)
-    return _made(web, told, _state(web))
+    told = json.dumps([_ANY_ORIGIN, dict(options.contacts)], sort_keys=True)
+    return _at_origin(web, told, _state(web), options.origin)
 
 
 def page_keys(web: Path = WEB) -> list[str]:
@@ -108,6 +109,15 @@ def sources(web: Path = WEB) -> dict[str, str]:
 def generated(web: Path = WEB) -> dict[str, str]:
     """Return all that the generators make."""
     return {key: text for generate in GENERATORS for key, text in generate(web).items()}
+
+
+@lru_cache(maxsize=8)
+def _at_origin(web: Path, told: str, state: str, origin: str) -> Mapping[str, bytes]:
+    """Put the site's own address in: one build serves stacks on any port."""
+    return {
+        key: content.replace(_ANY_ORIGIN.encode(), origin.encode()) if key.endswith(".html") else content
+        for key, content in _made(web, told, state).items()
+    }
 
 
 @lru_cache(maxsize=8)
