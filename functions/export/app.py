@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import binascii
 import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -234,7 +233,7 @@ def content_of(asked: ConvertRequest) -> bytes:
         return asked.file.encode()
     try:
         return base64.b64decode(asked.file, validate=True)
-    except binascii.Error as error:
+    except ValueError as error:  # binascii's is one, and so is what is said of characters beyond ASCII
         raise InvalidError.field("file", f"it is no base64: {error}") from error
 
 

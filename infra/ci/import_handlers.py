@@ -26,6 +26,12 @@ def functions(template: str) -> Iterator[tuple[str, bool]]:
             yield folder[1], "SolverLayer" in block
 
 
+def sources(root: Path) -> str:
+    """Return the template of a checkout with the files that the packaged one includes."""
+    paths = (root / "template.yaml", *sorted((root / "infra").glob("*/*.yaml")))
+    return "\n".join(path.read_text(encoding="utf-8") for path in paths)
+
+
 def problem(root: Path, folder: str, *, solver: bool) -> str | None:
     """Import one handler in a process of its own; return what went wrong, None where nothing did.
 
@@ -40,7 +46,7 @@ def problem(root: Path, folder: str, *, solver: bool) -> str | None:
 
 def main(root: Path) -> int:
     """Import all handlers; return 1 where one cannot be imported, or where there is none."""
-    found = list(functions((root / "template.yaml").read_text(encoding="utf-8")))
+    found = list(functions(sources(root)))
     print(f"{platform.machine()}, Python {platform.python_version()}: {len(found)} handlers")
     failed = 0
     for folder, solver in found:

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from infra.local.intrinsics import parse
+from infra.deploy.package import complete_template
+from infra.local.intrinsics import parse_text
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = """
@@ -67,7 +68,7 @@ class Imported:
 
 def deployed() -> dict[str, tuple[str, ...]]:
     """Each function's folder, and the layers that the template gives it."""
-    document = parse(ROOT / "template.yaml")
+    document = parse_text(complete_template((ROOT / "template.yaml").read_text()))
     resources, common = document["Resources"], document["Globals"]["Function"]["Layers"]
     return {
         Path(r["Properties"]["CodeUri"]).name: tuple(

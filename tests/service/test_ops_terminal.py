@@ -89,7 +89,7 @@ def test_dry_run_changes_nothing(
     contributor, one = (
         told(capsys, "camera", "show", key)["modes"][0]["calibrations"][0][k] for k in ("contributor", "id")
     )
-    assert main(["dump", str(tmp_path / "dump")]) == 0
+    assert main(["dump", "--private", str(tmp_path / "dump")]) == 0
     guess = tmp_path / "camera.yaml"
     guess.write_bytes(formats.write(subject("rectilinear"), "ros").content)
     rows = tmp_path / "rows.csv"

@@ -66,7 +66,7 @@ def history(tmp_path_factory: pytest.TempPathFactory) -> History:
         for _ in range(2):
             assert reindex(context).failed == 0
             anew.append(items(stack))
-        dump(context, folder / "dump")
+        dump(context, folder / "dump", private=True)
         return History(before, anew, answers(stack), folder / "dump")
 
 
@@ -198,7 +198,7 @@ def test_loaded_dump_is_dumped_alike(history: History, tmp_path: Path) -> None:
         context = context_of(stack)
         assert load(context, history.dumped) == (20, 6)
         assert answers(stack) == history.answers
-        dump(context, tmp_path / "again")
+        dump(context, tmp_path / "again", private=True)
     for name in ("calibrations.jsonl", "votes.jsonl"):
         one, other = (list(unnamed(folder / name)) for folder in (history.dumped, tmp_path / "again"))
         assert one == other

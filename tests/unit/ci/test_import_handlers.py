@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from infra.ci.import_handlers import functions, main
+from infra.ci.import_handlers import functions, main, sources
 from tests.helpers.data import ROOT
 
 TEMPLATE = """Resources:
@@ -58,7 +58,7 @@ def test_handler_that_cannot_be_imported_fails(
 
 
 def test_every_function_of_the_template_is_found() -> None:
-    found = dict(functions((ROOT / "template.yaml").read_text()))
+    found = dict(functions(sources(ROOT)))
     assert set(found) == {f"functions/{path.parent.name}" for path in ROOT.glob("functions/*/app.py")}
     assert found["functions/lookup"] is False
     assert found["functions/submit"] is True

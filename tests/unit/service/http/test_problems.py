@@ -2,11 +2,15 @@
 
 import re
 from pathlib import Path
+from typing import get_args
 from urllib.parse import urlsplit
 
 from calibdb import errors
+from calibdb.schema.board import BoardKind
 
 ROOT = Path(__file__).parents[4]
+#: kinds of boards, which code names alike
+BOARDS = get_args(BoardKind)
 PAGE = ROOT / "web" / "docs" / "problems" / "index.html"
 
 
@@ -19,7 +23,8 @@ def kinds() -> dict[str, int | None]:
     for folder in ("functions", "layers/service/calibdb"):
         for path in (ROOT / folder).rglob("*.py"):
             for kind in re.findall(r'\bkind="([a-z-]+)"', path.read_text()):
-                found.setdefault(kind, None)
+                if kind not in BOARDS:
+                    found.setdefault(kind, None)
     return found
 
 
