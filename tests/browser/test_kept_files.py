@@ -111,7 +111,7 @@ def test_pages_are_light(context: BrowserContext, path: str) -> None:
     sizes: dict[str, int] = {}
     for response in responses:
         name = response.url.split("?")[0]
-        if "/vendor/opencv/" in name or "/v1/" in name or not name.startswith("http"):
+        if not response.ok or "/vendor/opencv/" in name or "/v1/" in name or not name.startswith("http"):
             continue
         body = response.body()
         sizes[name] = len(body) if name.endswith(".woff2") else len(gzip.compress(body, 6))

@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { blackRectangles } from "../../web/lib/board-drawing.js";
 import { DEFAULT_BOARD } from "../../web/lib/board.js";
-import { PAPERS, boardPdf, squareSide } from "../../web/lib/board-pdf.js";
+import { boardPdf } from "../../web/lib/board-pdf.js";
+import { PAPERS, squareSide } from "../../web/lib/papers.js";
 
 const FOOT = { bar: "100 mm", lines: ["9 × 6 Felder (28 mm)", "Eben muß sie sein."] };
 const none = () => null;

@@ -1,6 +1,6 @@
 // The board page: full screen, on another device, on paper; any ChArUco board.
-import { PAPERS } from "../lib/board-pdf.js";
-import { boardFile, fileName, papersFor, squareOn } from "../lib/board-print.js";
+import { boardFile } from "../lib/board-print.js";
+import { PAPERS, fileName, papersFor, squareOn } from "../lib/papers.js";
 import { el, part } from "../lib/dom.js";
 import { number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";

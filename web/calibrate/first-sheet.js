@@ -36,10 +36,10 @@ async function showWays({ boardLinks, addresses, paper, codes }, board) {
   for (const link of boardLinks) link.search = boardQuery(board).toString();
   const { host, pathname, search } = boardAddress(board, false);
   for (const place of addresses) place.textContent = host + pathname + search;
-  const [{ drawQr }, print] = await Promise.all([import("../lib/qr.js"), import("../lib/board-print.js")]);
+  const [{ drawQr }, papers] = await Promise.all([import("../lib/qr.js"), import("../lib/papers.js")]);
   for (const code of codes) drawQr(code, boardAddress(board, true).href);
-  const fitting = print.papersFor(board);
-  const usual = print.usualPaper(navigator.languages);
+  const fitting = papers.papersFor(board);
+  const usual = papers.usualPaper(navigator.languages);
   const name = fitting.includes(usual) ? usual : fitting[0];
   paper.hidden = name === undefined;
   if (name === undefined) return;
@@ -48,7 +48,10 @@ async function showWays({ boardLinks, addresses, paper, codes }, board) {
   };
   write();
   onLanguage(write);
-  paper.onclick = () => download(print.boardFile(board, name), print.fileName(name));
+  paper.onclick = async () => {
+    const { boardFile } = await import("../lib/board-print.js");
+    download(boardFile(board, name), papers.fileName(name));
+  };
 }
 
 /** @param {Blob} file @param {string} name */

@@ -9,14 +9,13 @@ import { openPage } from "../lib/page.js";
 import { rankByNovelty } from "../lib/rank.js";
 import { MAX_VIEWS, calibrate } from "../lib/series.js";
 import { load } from "../lib/result/source.js";
-import { ResultView } from "../lib/result/view.js";
+import { LaterResultView } from "../lib/result/later.js";
 import { platformHere } from "../sdk/calibdb.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/import.js";
 import photos from "../messages/photos.js";
-import result from "../messages/result.js";
 import { Converter } from "./converter.js";
 import { MAX_CHARACTERS, sourceOf, unpackCorners } from "./conversion.js";
 import { MalformedError } from "./malformed.js";
@@ -38,7 +37,7 @@ import { card, guessView } from "./views.js";
  * @property {number} count of views in the file
  */
 
-openPage({ import: words, photos, result });
+openPage({ import: words, photos });
 const query = new URLSearchParams(location.search);
 const parts = {
   drop: part("drop", HTMLElement), file: part("file", HTMLInputElement), status: part("status", HTMLElement), problem: part("problem", HTMLElement),
@@ -47,7 +46,7 @@ const parts = {
   focal: part("focal", HTMLInputElement), focalField: part("focal-field", HTMLElement), model: part("model", HTMLSelectElement), start: part("start", HTMLButtonElement),
 };
 const [columns, rows, width, height] = ["columns", "rows", "width", "height"].map((id) => part(id, HTMLInputElement));
-const view = new ResultView(part("result", HTMLElement));
+const view = new LaterResultView(part("result", HTMLElement));
 const tell = liveRegion(parts.status);
 const converter = new Converter(part("converter", HTMLElement), (error) => explain(error));
 /** @type {Measured | null} */
@@ -233,7 +232,7 @@ async function start(without = new Set()) {
     tell(() => t("photos.done", { count: taken.length, all: usable.length }));
     const { calibration, report } = await load(id);
     const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map((index) => usable[numbers.get(index) ?? -1])]));
-    view.show({ calibration, report, origin: "imported", returnTo: query.get("return_to"), returnOrigins, goOn, explain });
+    await view.show({ calibration, report, origin: "imported", returnTo: query.get("return_to"), returnOrigins, goOn, explain });
     document.getElementById("verdict")?.focus();
   } catch (error) {
     if (mine !== turn) return;

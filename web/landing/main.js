@@ -1,5 +1,4 @@
 // Landing page: the pictures, counts of the database, and a lookup of the visitor's own camera.
-import { CameraError, open } from "../lib/camera.js";
 import { DEFAULT_BOARD } from "../lib/board.js";
 import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
@@ -32,10 +31,14 @@ function drawFigure(k1) {
   drawLine(svg, [[320, 186], [320, 214]], "axis");
 }
 
+/** Access to cameras, loaded when somebody asks for theirs. @type {typeof import("../lib/camera.js") | null} */
+let cameras = null;
+
 /** @returns {Promise<() => Node[]>} what came of it */
 async function lookUpMine() {
+  cameras ??= await import("../lib/camera.js");
   const { api, token } = await loadSettings();
-  const camera = await open("", {
+  const camera = await cameras.open("", {
     parameters: new URLSearchParams(), size: [1280, 720], place: document.body, board: DEFAULT_BOARD,
   });
   try {
@@ -51,7 +54,7 @@ async function lookUpMine() {
 /** Here there is no other camera to choose, and no virtual one. @param {unknown} error */
 function errorText(error) {
   const made = el("p", { class: "problem" });
-  if (!(error instanceof CameraError)) made.append(explain(error));
+  if (!cameras || !(error instanceof cameras.CameraError)) made.append(explain(error));
   else {
     const keys = [`landing.fault_${error.code}`, `capture.fault_${error.code}`];
     made.append(t(keys.find(known) ?? "capture.fault_not_opened", { detail: error.detail }));

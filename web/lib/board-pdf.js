@@ -1,16 +1,12 @@
 // The board as a one-page PDF, vector, at true scale. PDF 1.4 after ISO 32000-1: objects, a content stream, xref.
 import { sizeOf } from "./board.js";
 import { blackRectangles } from "./board-drawing.js";
+import { FOOT, MARGIN_MM, squareSide } from "./papers.js";
 
 /** @typedef {import("./board.js").Board} Board */
 
 const POINTS_PER_MM = 72 / 25.4;
 
-/** Landscape paper, mm. @type {Record<string, [number, number]>} */
-export const PAPERS = { A4: [297, 210], A3: [420, 297], Letter: [279.4, 215.9] };
-
-const MARGIN_MM = 12; // mm; what home printers leave free, and the white edge the outer squares need
-const FOOT = 14; // mm below the board for the scale bar and the text
 const LETTERS = 8; // points
 
 /**
@@ -25,15 +21,6 @@ const LETTERS = 8; // points
  * @property {number} depth of the picture below their line, px
  * @property {Uint8Array} bits row by row, each of whole bytes; 1 is paper
  */
-
-/**
- * Side of a square, or of a tag, in whole millimetres, the largest that fits.
- * @param {Board} board @param {[number, number]} paper mm
- */
-export function squareSide(board, [width, height]) {
-  const [columns, rows] = sizeOf(board);
-  return Math.floor(Math.min((width - 2 * MARGIN_MM) / columns, (height - 2 * MARGIN_MM - FOOT) / rows));
-}
 
 /**
  * @param {Board} board

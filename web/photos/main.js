@@ -10,13 +10,12 @@ import { known, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { load } from "../lib/result/source.js";
 import { levelOf } from "../lib/result/numbers.js";
-import { ResultView } from "../lib/result/view.js";
+import { LaterResultView } from "../lib/result/later.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
 import capture from "../messages/capture.js";
 import words from "../messages/photos.js";
-import result from "../messages/result.js";
 import { card } from "./card.js";
 import { BoardForm } from "./board-form.js";
 import { cameraOfNames, shots } from "./files.js";
@@ -36,7 +35,7 @@ import { MAX_VIEWS, calibrate } from "../lib/series.js";
 const ENOUGH_PHOTOS = 10; // that agree: who took as many as the page asks for is asked for no more
 const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
 
-openPage({ photos: words, result, capture });
+openPage({ photos: words, capture });
 const query = new URLSearchParams(location.search);
 const asked = boardFrom(query);
 let { board } = asked;
@@ -49,7 +48,7 @@ const parts = {
   focal: part("focal", HTMLInputElement), model: part("model", HTMLSelectElement), start: part("start", HTMLButtonElement),
   wanted: part("wanted", HTMLElement), problem: part("problem", HTMLElement), clear: part("clear", HTMLButtonElement),
 };
-const view = new ResultView(part("result", HTMLElement));
+const view = new LaterResultView(part("result", HTMLElement));
 const [tell, want] = [liveRegion(parts.status), liveRegion(parts.wanted)];
 const boardForm = new BoardForm(board, (chosen) => changeBoard(chosen), isChosen);
 const question = new BoardQuestion();
@@ -274,7 +273,7 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   const pictureOf = (/** @type {number} */ index) => views[numbers.get(index) ?? -1];
   const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map(pictureOf)]));
   const names = (/** @type {number} */ index) => pictureOf(index)?.name ?? "";
-  view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, goOn, names, explain });
+  await view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, goOn, names, explain });
   document.getElementById("verdict")?.focus();
 }
 
