@@ -13,6 +13,8 @@ AUDIT := .build/audit/bin/pip-audit
 PYTEST := $(PY) -m pytest
 # Tests share nothing and mostly take one core or wait: two at a time take half the time.
 TWO := -n 2 --dist worksteal
+# Browsers wait more than they compute.
+THREE := -n 3 --dist worksteal
 # Whole modules, so that a fixture of a module is made once.
 MODULES := -n 2 --dist loadscope
 # One core for both sides of every ratio: libraries differ in how many they would take.
@@ -63,7 +65,7 @@ service: $(SETUP) ## test HTTP through the local gateway
 
 browser: $(SETUP) ## test the pages in Chromium and Firefox
 	@bash infra/ci/browsers.sh
-	$(PYTEST) $(TWO) tests/browser
+	$(PYTEST) $(THREE) tests/browser
 
 thorough: export THOROUGH := 1
 thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge KILLS=54 CASES=5000 HISTORIES=500

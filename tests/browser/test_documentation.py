@@ -38,7 +38,9 @@ PAGES = ("", "quickstart/", "api/", "reference/", "reference/lookup/", "problems
 @pytest.fixture(scope="module")
 def token(stack: str) -> dict[str, Any]:
     """A token as somebody makes it for pages of their own machine."""
-    return httpx.post(f"{stack}/v1/tokens", json={"origins": ["http://localhost"]}).json()
+    made = httpx.post(f"{stack}/v1/tokens", json={"origins": ["http://localhost"]}, timeout=60)
+    assert made.status_code == 201, made.text
+    return made.json()
 
 
 @pytest.fixture
