@@ -9,7 +9,7 @@ export class LaterResultView {
   #root;
   /** @type {Promise<ResultView> | null} */
   #view = null;
-  /** What was cleared before the modules were there is not shown. */
+  /** Number of the latest result: one that was cleared before the modules were there is not shown. */
   #turn = 0;
 
   /** @param {HTMLElement} root */
