@@ -41,6 +41,7 @@ _PARAMETERS = {
     "OPERATOR_NAME": "OperatorName",
     "OPERATOR_CONTACT": "OperatorContact",
     "IMPRINT": "Imprint",
+    "NEW_TOKENS": "NewTokens",
 }
 # A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
 _THREADS = max(4, 2 * (os.cpu_count() or 1))

@@ -70,8 +70,12 @@ def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 @pytest.fixture
 def api(stack: str) -> Iterator[httpx.Client]:
     """The HTTP API with the development token."""
+    # Tests ask seldom: a server may close a kept connection in the very moment in which it is used again.
     with httpx.Client(
-        base_url=f"{stack}/v1", headers={"authorization": f"Bearer {TOKEN}"}, timeout=60
+        base_url=f"{stack}/v1",
+        headers={"authorization": f"Bearer {TOKEN}"},
+        timeout=60,
+        limits=httpx.Limits(max_keepalive_connections=0),
     ) as client:
         yield client
 
