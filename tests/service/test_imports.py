@@ -4,6 +4,7 @@ A layer here is a folder of links, to what its lock file names and to our own pa
 starts without site-packages.
 """
 
+import functools
 import json
 import re
 import subprocess
@@ -66,6 +67,7 @@ class Imported:
         return {name for name in names if not name.startswith("_sysconfigdata")}
 
 
+@functools.cache
 def deployed() -> dict[str, tuple[str, ...]]:
     """Each function's folder, and the layers that the template gives it."""
     document = parse_text(complete_template((ROOT / "template.yaml").read_text()))
