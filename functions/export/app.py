@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from calibsolver.formats import ExportedFile, ExportSource
 
 COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
-"""What messages of the solver say to those who use the operator's command line."""
+"""Advice in messages of the solver to those who use the operator's command line."""
 AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
 
 

@@ -150,7 +150,7 @@ class GatewayApp:
 
 
 def _root_files(web: Path, settings: Mapping[str, Any], options: Options) -> list[Route]:
-    """Return what a deployment uploads beside the files of the client."""
+    """Make the routes of the files that a deployment uploads beside the client's."""
     address = options.origin
 
     def pages(_: WebRequest) -> WebResponse:

@@ -11,7 +11,7 @@ from infra.web_build.operations import OPERATIONS
 
 TOKEN = "cdb_dev_local"  # noqa: S105 - that of local stacks; pages put the visitor's in its place
 CREDENTIALS = {"apiToken": TOKEN, "sessionId": "SESSION_ID", "managementToken": "MANAGEMENT_TOKEN"}
-"""What stands for a credential in code, by its name in the OpenAPI document."""
+"""Placeholders of credentials in code, by their names in the OpenAPI document."""
 SCENARIO = (
     *("health", "createToken", "showToken", "changeToken", "verifyToken", "rotateToken", "showUsage"),
     *("lookup", "visitLookup", "searchCameras", "showCamera", "showCalibration", "showBadge", "convertFile"),

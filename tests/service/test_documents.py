@@ -133,8 +133,6 @@ def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, langua
 @pytest.mark.parametrize("source", SHELL)
 def test_commands_of_a_document_run_one_after_the_other(site: Site, source: str, tmp_path: Path) -> None:
     assert shutil.which("curl")
-    if not shutil.which("jq"):
-        pytest.skip("jq is not installed")
     found = [block for block in blocks(source) if block.language == "sh" and block.reason is None]
     assert found
     code = CURL + "\n".join(block.code for block in found).replace(SITE, site.url)

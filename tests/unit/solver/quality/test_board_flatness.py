@@ -6,7 +6,7 @@ import pytest
 from calibsolver import View, fit
 from calibsolver.fitting.board_shape import BoardShape, estimate_board_shape
 from calibsolver.quality.board_flatness import MIN_SHAPE_VIEWS, fit_with_board_shape
-from tests.helpers.data import available, corner_views
+from tests.helpers.data import available, corner_views, external_data
 from tests.helpers.solver import hands, peers, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[5]
@@ -83,10 +83,10 @@ def test_shape_moves_points_by_its_parameters() -> None:
     np.testing.assert_allclose(moved, np.stack([0.004 * x, -0.004 * y, 0.08 * x * x], axis=1), atol=1e-12)
 
 
-@pytest.mark.parametrize("name", available(["pv_charuco_1280"]))
-def test_shape_that_makes_pixels_less_square_is_not_used(name: str) -> None:
+@external_data
+def test_shape_that_makes_pixels_less_square_is_not_used() -> None:
     """On these photographs of a webcam a stretch of 0.4 % predicts 1.6 % better, and moves fx by 1 %."""
-    views, size = corner_views(name)
+    views, size = corner_views("pv_charuco_1280")
     found = fit_with_board_shape(views, size)
     assert found.held_out_shaped < 0.99 * found.held_out
     assert not found.used
