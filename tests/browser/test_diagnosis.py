@@ -19,7 +19,7 @@ WATCH = """async (faults) => {
   const { Painter } = await import("/lib/virtual/painter.js");
   const { degrade } = await import("/lib/virtual/degrade.js");
   const { Detector } = await import("/lib/detector.js");
-  const { HEALTHY, diagnose, nextProbe } = await import("/calibrate/diagnosis.js");
+  const { HEALTHY, diagnose, nextProbe } = await import("/lib/capture/diagnosis.js");
   const size = [1280, 720];
   const lens = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
   const detector = await Detector.open(DEFAULT_BOARD);

@@ -8,7 +8,7 @@ from tests.helpers.browser.waiting import hear, listen, requests_within, until, 
 
 ACQUIRE = """async (busy) => {
   const held = window.held = new AbortController();
-  const { acquireLock } = await import("/calibrate/capture-lock.js");
+  const { acquireLock } = await import("/lib/capture/capture-lock.js");
   const isAcquired = acquireLock("a capture", held.signal);
   for (const start = performance.now(); performance.now() - start < busy;);
   return isAcquired;

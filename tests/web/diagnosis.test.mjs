@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { arrows } from "../../web/calibrate/hint-arrows.js";
-import { HEALTHY, PROBES, diagnose, nextProbe } from "../../web/calibrate/diagnosis.js";
+import { HEALTHY, PROBES, diagnose, nextProbe } from "../../web/lib/capture/diagnosis.js";
 import { blackSquares } from "../../web/lib/target-preview.js";
 import { exposure, sharpness, frameMetrics, moire } from "../../web/lib/frame-metrics.js";
 import { Painter } from "../../web/lib/virtual/painter.js";

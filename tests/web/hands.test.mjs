@@ -6,7 +6,7 @@ import { decide, lenience } from "../../web/calibrate/hold.js";
 import { nextPlanned } from "../../web/calibrate/plan.js";
 import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { isEnough } from "../../web/calibrate/state.js";
-import { motion } from "../../web/calibrate/stillness.js";
+import { motion } from "../../web/lib/capture/stillness.js";
 import { Hand } from "../../web/lib/virtual/hand.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { matchPose } from "../../web/lib/virtual/match.js";

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { jaccard } from "../../web/calibrate/jaccard.js";
+import { jaccard } from "../../web/lib/capture/jaccard.js";
 
 const SIZE = [1280, 720];
 const box = (x, y, w, h) => [[x, y], [x + w, y], [x + w, y + h], [x, y + h]];

@@ -5,7 +5,7 @@ import { HOLD_MS, LONG_HOLD_MS, decide, holdProgress, lenience } from "../../web
 import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { visibility } from "../../web/calibrate/overlay-layer.js";
 import { isEnough, isFinishable, offlineGoal } from "../../web/calibrate/state.js";
-import { HEALTHY } from "../../web/calibrate/diagnosis.js";
+import { HEALTHY } from "../../web/lib/capture/diagnosis.js";
 import { asMirrored } from "../../web/calibrate/instruction.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { transformPoint } from "../../web/lib/pose.js";

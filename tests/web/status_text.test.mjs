@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD } from "../../web/lib/board.js";
-import { Announcer } from "../../web/calibrate/announcer.js";
+import { Announcer } from "../../web/lib/capture/announcer.js";
 import { propose } from "../../web/lib/camera.js";
 import { setLanguage } from "../../web/lib/i18n.js";
 import { initial } from "../../web/calibrate/reducer.js";

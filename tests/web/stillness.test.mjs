@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { MOVING, motion, observe } from "../../web/calibrate/stillness.js";
+import { MOVING, motion, observe } from "../../web/lib/capture/stillness.js";
 
 const at = (x) => ({ ids: [0, 1, 2, 3, 4], points: [0, 1, 2, 3, 4].map((i) => [x + 50 * i, 100]) });
 

@@ -2,12 +2,12 @@
 import { facts, lockFocus } from "../lib/camera.js";
 import { DetectorError, grab } from "../lib/detector.js";
 import { Pace, nextFrame } from "../lib/frames.js";
-import { nextProbe } from "./diagnosis.js";
+import { nextProbe } from "../lib/capture/diagnosis.js";
 import { decide, isSettled, lenience } from "./hold.js";
 import { nextPlanned, trusted } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
 import { isEnough, isFinishable, isOfSize, viewCount } from "./state.js";
-import { motion } from "./stillness.js";
+import { motion } from "../lib/capture/stillness.js";
 import { tint } from "./tint.js";
 
 /**

@@ -32,7 +32,7 @@ export class Captures {
   #answered = new Set();
 
   /**
-   * @param {import("./capture-store.js").CaptureStore} captureStore
+   * @param {import("../lib/capture/capture-store.js").CaptureStore} captureStore
    * @param {{address: () => string, onUnsaved: () => void}} page address: of the page that can resume the capture;
    *   onUnsaved: called when there is no room for it
    */

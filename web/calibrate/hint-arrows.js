@@ -1,5 +1,5 @@
 // Arrows that illustrate an instruction, from the board to its target, in pixels of the camera's image.
-import { middle, upright } from "./target.js";
+import { middle, upright } from "../lib/capture/target.js";
 
 /** @typedef {[x1: number, y1: number, x2: number, y2: number]} Arrow */
 

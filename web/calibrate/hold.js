@@ -1,8 +1,8 @@
 // Rules for taking a view by itself: is the board at the target, is it held still there, for how long? Pure.
 import { foreshortening } from "../lib/board-outline.js";
 import { viewCount } from "./state.js";
-import { motion } from "./stillness.js";
-import { difference } from "./target.js";
+import { motion } from "../lib/capture/stillness.js";
+import { difference } from "../lib/capture/target.js";
 
 /** @typedef {import("./state.js").State} State */
 

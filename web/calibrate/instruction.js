@@ -1,6 +1,6 @@
 // Choice of the one instruction that is shown: the largest difference first, and steady enough to be read.
 import { isEnough } from "./state.js";
-import { advice } from "./target.js";
+import { advice } from "../lib/capture/target.js";
 
 /** @typedef {import("./state.js").Instruction} Instruction */
 

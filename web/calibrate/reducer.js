@@ -1,12 +1,12 @@
 // Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
 import { observedOutline } from "../lib/board-outline.js";
-import { HEALTHY, diagnose } from "./diagnosis.js";
+import { HEALTHY, diagnose } from "../lib/capture/diagnosis.js";
 import { HOLD_MS, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
 import { HINTS, SILENT, asMirrored, instruct } from "./instruction.js";
-import { jaccard } from "./jaccard.js";
+import { jaccard } from "../lib/capture/jaccard.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
-import { MOVING, motion, observe } from "./stillness.js";
-import { difference } from "./target.js";
+import { MOVING, motion, observe } from "../lib/capture/stillness.js";
+import { difference } from "../lib/capture/target.js";
 
 /**
  * @typedef {import("./state.js").State} State

@@ -63,8 +63,8 @@
  * @property {number} markers in the last frame
  * @property {[number, number][] | null} outline of the board in the last frame, px
  * @property {number} overlap with the target, Jaccard index
- * @property {import("./stillness.js").Stillness} stillness
- * @property {import("./diagnosis.js").Diagnosis} diagnosis
+ * @property {import("../lib/capture/stillness.js").Stillness} stillness
+ * @property {import("../lib/capture/diagnosis.js").Diagnosis} diagnosis
  *
  * @typedef {object} Ui
  * @property {Choice[]} cameras

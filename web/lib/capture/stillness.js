@@ -6,7 +6,7 @@ const GAP = 150; // ms for which frames may be smeared, or show nothing, before 
 const COMMON = 4; // corners that must be seen in both frames to compare them
 
 /**
- * @typedef {import("../lib/board-outline.js").Corners} Corners
+ * @typedef {import("../board-outline.js").Corners} Corners
  *
  * @typedef {object} Stillness
  * @property {Corners | null} anchor where the hold began

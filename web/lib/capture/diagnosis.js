@@ -1,7 +1,7 @@
 // Diagnosis of a board that is not seen, or not seen well, from frame metrics over time. Pure: the time comes in.
 
 /**
- * @typedef {import("../lib/detector.js").Detection} Detection
+ * @typedef {import("../detector.js").Detection} Detection
  *
  * @typedef {object} Diagnosis
  * @property {string | null} trouble what is said: "dark", "bright", "blurred", "far", "wrong_board", "legacy", "mirrored", "moire", "moving"

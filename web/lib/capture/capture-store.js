@@ -1,7 +1,7 @@
 // Store of unfinished captures on this device (IndexedDB): a reload, a crash or a flat battery loses nothing.
 
 /**
- * @typedef {import("../lib/session.js").SavedCapture} SavedCapture
+ * @typedef {import("../session.js").SavedCapture} SavedCapture
  * @typedef {SavedCapture & {time: number}} Dated ms since 1970, when it was saved
  *
  * @typedef {object} CaptureStore
