@@ -54,7 +54,8 @@ export function frame(document, place) {
 /** @param {Document} document @param {Place} place */
 function head(document, { key, language, translated, origin, preloads }) {
   const viewport = document.querySelector("meta[name=viewport]");
-  if (translated) viewport?.insertAdjacentHTML("afterend", '\n  <script src="/language.js"></script>');
+  const classic = [...translated ? ["language"] : [], ...document.querySelector("script[type=module]") ? ["early-clicks"] : []];
+  viewport?.insertAdjacentHTML("afterend", classic.map((name) => `\n  <script src="/${name}.js"></script>`).join(""));
   for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
   const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
   // Where many scripts are waited for, the font comes after them; a font of the same widths stands in (style.css).

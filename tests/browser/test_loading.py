@@ -1,8 +1,9 @@
 """Messages for files that cannot be loaded."""
 
-from playwright.sync_api import BrowserContext
+from playwright.sync_api import BrowserContext, Page, Route
 
 from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.waiting import until
 
 VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
 
@@ -18,3 +19,38 @@ def test_what_cannot_be_loaded_is_said_in_plain_words(context: BrowserContext) -
     page.goto("/")
     page.locator("#look").click()
     page.locator("#outcome p", has_text="calibDB cannot be reached. Check the connection").wait_for()
+
+
+def test_clicks_that_come_before_the_scripts_count(page: Page) -> None:
+    """On a slow line the buttons are there before what they do."""
+    pages = (
+        # (page, its module, form to send or button to click, what then is there)
+        ("/examples/arjs/", "**/examples/arjs/main.js", "#start", "#problem:not([hidden])"),
+        ("/", "**/landing/main.js", "#look", "#outcome p"),
+        (
+            "/docs/reference/lookup/",
+            "**/docs/*.js",
+            "form[data-operation=lookup] button",
+            ".trial-answer:not(:empty)",
+        ),
+    )
+    page.add_init_script(
+        "navigator.mediaDevices.getUserMedia = async () => { throw new DOMException('', 'NotFoundError'); }"
+    )
+    for address, module, button, there in pages:
+        click_while_held(page, address, module, button)
+        page.locator(there).first.wait_for(state="attached")
+        assert page.url.endswith(address), "its form was sent to nowhere"
+
+
+def click_while_held(page: Page, address: str, module: str, button: str) -> None:
+    """Open a page, click a button while one of its modules is on its way, and let that one come."""
+    held: list[Route] = []
+    clicked = False
+    page.route(module, lambda route: route.continue_() if clicked else held.append(route))
+    page.goto(address, wait_until="commit")
+    page.locator(button).first.evaluate("button => button.click()")
+    until(page, lambda: held)
+    clicked = True
+    for route in held:
+        route.continue_()
