@@ -3,5 +3,6 @@
 from .calibration import RigCalibration, RigUncertainty
 from .fit import fit
 from .guidance import RigTarget, next_moment
+from .held_out import held_out_rms
 
-__all__ = ["RigCalibration", "RigTarget", "RigUncertainty", "fit", "next_moment"]
+__all__ = ["RigCalibration", "RigTarget", "RigUncertainty", "fit", "held_out_rms", "next_moment"]

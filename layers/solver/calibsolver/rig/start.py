@@ -111,7 +111,7 @@ def start(cameras: Sequence[Camera], moments: Sequence[Resected]) -> Start:
         known, new = pair if pair[0] in to_rig else pair[::-1]
         to_rig[new] = _relative_pose(cameras, known, new, moments, turns) @ to_rig[known]
     motions = tuple(to_rig[i] for i in range(len(cameras)))
-    settled = [_settle(cameras, motions, moment, turns) for moment in moments]
+    settled = [settle(cameras, motions, moment, turns) for moment in moments]
     return Start(
         motions,
         tuple(board for board, _, _ in settled),
@@ -221,7 +221,7 @@ def _relative_pose(
     return RigidMotion(r, np.median([each.t for each in agreed], axis=0))
 
 
-def _settle(
+def settle(
     cameras: Sequence[Camera],
     motions: Sequence[RigidMotion],
     moment: Resected,
