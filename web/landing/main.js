@@ -5,7 +5,7 @@ import { explain } from "../lib/faults.js";
 import { drawLine, gridThrough } from "../lib/figure.js";
 import { known, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
-import { lookup } from "../sdk/calibdb.js";
+import { lookup } from "../sdk/lookup.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
 import landing from "../messages/landing.js";

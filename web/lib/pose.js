@@ -1,49 +1,15 @@
 // Rigid motions as rotation vector and translation, board → camera: conversion, interpolation, perturbation.
+import { rotationMatrix, rotationVector } from "../sdk/motion.js";
+
+export { rotationMatrix, rotationVectorOf } from "../sdk/motion.js";
 
 /** @typedef {{rvec: number[], tvec: number[]}} Pose */
-
-/** Rodrigues' formula. @param {number[]} rvec @returns {number[]} row-major 3x3 */
-export function rotationMatrix([x, y, z]) {
-  const angle = Math.hypot(x, y, z);
-  if (angle < 1e-12) return [1, -z, y, z, 1, -x, -y, x, 1];
-  const [a, b, c] = [x / angle, y / angle, z / angle];
-  const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
-  const k = 1 - cos;
-  return [
-    cos + a * a * k, a * b * k - c * sin, a * c * k + b * sin,
-    a * b * k + c * sin, cos + b * b * k, b * c * k - a * sin,
-    a * c * k - b * sin, b * c * k + a * sin, cos + c * c * k,
-  ];
-}
-
-/** Inverse of `rotationMatrix`. @param {number[]} matrix row-major 3x3 rotation @returns {number[]} rotation vector */
-export function rotationVectorOf([a, b, c, d, e, f, g, h, i]) {
-  // Of the four ways to the quaternion the one that divides by the largest (Shepperd 1978).
-  const squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i];
-  const largest = squares.indexOf(Math.max(...squares));
-  const q = [
-    [squares[0], h - f, c - g, d - b],
-    [h - f, squares[1], b + d, c + g],
-    [c - g, b + d, squares[2], f + h],
-    [d - b, c + g, f + h, squares[3]],
-  ][largest];
-  const length = Math.hypot(...q);
-  return rotationVector(q.map((value) => value / length));
-}
 
 /** @param {number[]} rvec @returns {number[]} unit quaternion w x y z */
 function quaternion([x, y, z]) {
   const angle = Math.hypot(x, y, z);
   const scale = angle < 1e-12 ? 0.5 : Math.sin(angle / 2) / angle;
   return [Math.cos(angle / 2), x * scale, y * scale, z * scale];
-}
-
-/** @param {number[]} q unit quaternion @returns {number[]} rotation vector */
-function rotationVector([w, x, y, z]) {
-  const sign = w < 0 ? -1 : 1;
-  const sin = Math.hypot(x, y, z);
-  const scale = sin < 1e-12 ? 2 * sign : (2 * Math.atan2(sin, sign * w)) / sin * sign;
-  return [x * scale, y * scale, z * scale];
 }
 
 /** Quaternion product: first b, then a. @param {number[]} a @param {number[]} b */

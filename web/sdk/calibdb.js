@@ -1,10 +1,10 @@
-// calibDB for web applications: the calibration of the camera that a page has open.
+// calibDB for web applications: the calibration of the camera that a page has open, and of several cameras together.
 //
 //     import { lookup } from "https://<host>/sdk/calibdb.js";
 //     const { calibration, guidanceUrl } = await lookup(track, { token });
 //
-// Modules without dependencies; what is imported from here alone is all that is loaded, but for the rectifier, which
-// `calibration.rectifier()` loads.
+// Modules without dependencies; what is imported from here alone is all that is loaded, but for what works on the GPU, which
+// `calibration.rectifier()` and `rectifyPair()` load.
 
 /**
  * @typedef {import("./key.js").CameraKey} CameraKey
@@ -13,6 +13,11 @@
  * @typedef {import("./pinhole.js").Frustum} Frustum
  * @typedef {import("./lookup.js").Answer} Answer
  * @typedef {import("./lookup.js").Options} Options
+ * @typedef {import("./rig.js").RigData} RigData
+ * @typedef {import("./rig.js").Pose} Pose
+ * @typedef {import("./stereo.js").TwoCameras} TwoCameras
+ * @typedef {import("./pair-rectifier.js").PairRectifier} PairRectifier
+ * @typedef {import("./views.js").View} View
  */
 export { Calibration } from "./calibration.js";
 export { calibrate, returned } from "./guidance.js";
@@ -21,3 +26,4 @@ export { lookup, watch } from "./lookup.js";
 export { projectionMatrix } from "./pinhole.js";
 export { UnknownModelError, lensOf } from "./projection.js";
 export { LookupError } from "./request.js";
+export { Rig, rectifyPair, rig } from "./rig.js";

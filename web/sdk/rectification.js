@@ -1,4 +1,5 @@
 // Rectification: matrices of pinholes that see what a camera sees, and maps between the two pictures.
+import { rotate } from "./motion.js";
 import { focalLengths } from "./pinhole.js";
 import { lensOf } from "./projection.js";
 
@@ -103,11 +104,15 @@ export function widePinhole(calibration, largest = 2) {
  * For every pixel of the straightened picture, where it is in the camera's.
  * @param {Calibration} calibration @param {number[][]} matrix of the straightened picture
  * @param {[number, number]} [size] of the straightened picture, that of the camera's unless told
+ * @param {readonly number[]} [rotation] row-major 3x3, frame of the straightened picture → camera; none unless told
  * @returns {Float32Array} x and y, px, row by row; far outside where the lens sees nothing
  */
-export function rectifyingMap(calibration, [[fx, , cx], [, fy, cy]], size = calibration.img_size) {
+export function rectifyingMap(calibration, [[fx, , cx], [, fy, cy]], size = calibration.img_size, rotation = undefined) {
   const lens = lensOf(calibration);
-  return mapOf(size, (u, v) => lens.project([(u - cx) / fx, (v - cy) / fy, 1]));
+  return mapOf(size, (u, v) => {
+    const ray = [(u - cx) / fx, (v - cy) / fy, 1];
+    return lens.project(rotation ? rotate(rotation, ray) : ray);
+  });
 }
 
 /**
@@ -123,13 +128,13 @@ export function distortingMap(calibration, [[fx, , cx], [, fy, cy]]) {
   });
 }
 
-const NOWHERE = [-1e6, -1e6]; // px, outside of every picture
+export const NOWHERE = -1e6; // px, outside of every picture
 
 /** @param {[number, number]} size @param {(u: number, v: number) => [number, number] | null} place */
 function mapOf([width, height], place) {
   const map = new Float32Array(2 * width * height);
   for (let v = 0, at = 0; v < height; v++) {
-    for (let u = 0; u < width; u++, at += 2) [map[at], map[at + 1]] = place(u, v) ?? NOWHERE;
+    for (let u = 0; u < width; u++, at += 2) [map[at], map[at + 1]] = place(u, v) ?? [NOWHERE, NOWHERE];
   }
   return map;
 }

@@ -10,6 +10,7 @@
 //
 // docs/webxr.md explains it as a proposal; camera.js does the lookup, too.
 import { COEFFICIENTS } from "../sdk/projection.js";
+import { viewAttributes } from "../sdk/views.js";
 
 /**
  * @typedef {object} Intrinsics
@@ -150,22 +151,9 @@ export function matrixOf(p, width, height) {
  */
 function attributesOf(/** @type {any} */ view, /** @type {Intrinsics | null} */ known) {
   const { camera } = view;
-  if (known && (!camera || !known.img_size || sameSize(known.img_size, camera))) return attributes(known);
+  if (known && (!camera || !known.img_size || sameSize(known.img_size, camera))) return viewAttributes(known);
   if (!camera) return UNKNOWN;
   return { ...UNKNOWN, cameraMatrix: Float32Array.from(matrixOf(view.projectionMatrix, camera.width, camera.height)) };
-}
-
-/**
- * Arrays of its own: who writes into them spoils no other view.
- * @param {Intrinsics} intrinsics
- * @returns {Attributes}
- */
-function attributes({ camera_matrix: k, distortion_coefficients, distortion_model }) {
-  return {
-    cameraMatrix: Float32Array.from([0, 1, 2].flatMap((column) => k.map((row) => row[column]))),
-    distortionCoefficients: Float32Array.from(distortion_coefficients),
-    distortionModel: distortion_model,
-  };
 }
 
 /** @param {Intrinsics} intrinsics @returns {Intrinsics} itself; throws a TypeError for what no view could say */

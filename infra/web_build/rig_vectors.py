@@ -1,0 +1,95 @@
+"""Writes tests/web/rigs.json: pairs of cameras of every model, and how the solver rectifies them.
+
+    python -m infra.web_build.rig_vectors
+
+The SDK rectifies pairs itself; its tests compare with these. The first pair is that of OpenCV's samples, fitted
+to its corners.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from calibsolver import Camera, View, rig
+from calibsolver.rig.rectification import rectify
+from calibsolver.rig.start import RigidMotion
+from infra.web_build.vectors import LENSES, SIZE
+
+ROOT = Path(__file__).parents[2]
+RIGS_PATH = ROOT / "tests" / "web" / "rigs.json"
+CORNERS = ROOT / "tests" / "data" / "corners"
+REAL_SIZE = (640, 480)
+# left camera -> right camera: side by side, one above the other, the right one on the left, far turned
+POSES = (
+    (0.01, -0.02, 0.005, -0.12, 0.002, 0.001),
+    (-0.03, 0.02, 0.01, 0.004, -0.2, 0.01),
+    (0.05, 0.1, -0.04, 0.4, -0.03, 0.02),
+    (0.02, -0.6, 0.1, -2.0, 0.1, 0.7),
+)
+"""Poses rvec|tvec of the synthetic pairs."""
+
+
+def pairs() -> list[dict[str, Any]]:
+    """Return one record a pair: both cameras, the pose between them, and their rectification."""
+    models = list(LENSES)
+    cameras = {model: _camera(model, *LENSES[model][0]) for model in models}
+    synthetic = [
+        (cameras[one], cameras[other], POSES[index % len(POSES)])
+        for index, (one, other) in enumerate(product(models, models))
+    ]
+    # beyond what a plane can show: of a wide lens the middle of the picture decides
+    wide = _camera("fisheye", 180.0, [0.0, 0.0, 0.0, 0.0])
+    return [pair_record(*pair) for pair in (_real(), *synthetic, (wide, cameras["rectilinear"], POSES[0]))]
+
+
+def pair_record(left: Camera, right: Camera, pose: Sequence[float]) -> dict[str, Any]:
+    """Rectify a pair; `pose` is rvec|tvec, left camera -> right camera."""
+    found = rectify(left, right, RigidMotion.of_vector(np.asarray(pose)))
+    return {
+        "left": _record(left),
+        "right": _record(right),
+        "pose": {"rvec": list(pose[:3]), "tvec": list(pose[3:])},
+        "R1": found.r1.tolist(),
+        "R2": found.r2.tolist(),
+        "P1": found.p1.tolist(),
+        "P2": found.p2.tolist(),
+        "Q": found.q.tolist(),
+        "isVertical": found.is_vertical,
+    }
+
+
+def _camera(model: str, focal: float, coefficients: Sequence[float]) -> Camera:
+    matrix = np.array([[focal, 0, 650.25], [0, 1.01 * focal, 352.5], [0, 0, 1.0]])
+    return Camera(model=model, matrix=matrix, distortion=np.array(coefficients), img_size=SIZE)
+
+
+def _record(camera: Camera) -> dict[str, Any]:
+    return {
+        "img_size": list(camera.img_size),
+        "camera_matrix": camera.matrix.tolist(),
+        "distortion_coefficients": camera.distortion.tolist(),
+        "distortion_model": camera.model,
+    }
+
+
+def _real() -> tuple[Camera, Camera, list[float]]:
+    """Fit OpenCV's pair: all views of which both cameras have one."""
+    sides = []
+    for name in ("opencv_left", "opencv_right"):
+        data = json.loads((CORNERS / f"{name}.json").read_text())
+        board = np.array([[x, y, 0.0] for x, y in data["board"]])
+        sides.append({view["file"][-6:-4]: View(board, np.array(view["img"])) for view in data["views"]})
+    numbers = sorted(set(sides[0]) & set(sides[1]))
+    moments = [{i: side[number] for i, side in enumerate(sides)} for number in numbers]
+    found = rig.fit(moments, [(REAL_SIZE, "rectilinear")] * 2)
+    return found.cameras[0], found.cameras[1], found.poses[1].tolist()
+
+
+if __name__ == "__main__":
+    RIGS_PATH.write_text(json.dumps(pairs()) + "\n")
