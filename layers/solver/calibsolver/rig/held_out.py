@@ -64,7 +64,7 @@ class _HeldRig(RigProblem):
         return replace(state, rows=state.rows[self.size :], prior_jacobian=state.prior_jacobian[:, :0])
 
     def free(self, da: Array) -> Array:
-        return np.zeros(self.size)
+        return np.zeros((self.size, len(da))) @ da  # no direction is free
 
 
 def _specification(calibration: RigCalibration, position: int) -> Specification:
@@ -77,7 +77,7 @@ def _specification(calibration: RigCalibration, position: int) -> Specification:
 
 
 def _score(rig: RigCalibration, moments: Sequence[Moment]) -> tuple[float, int]:
-    """Summed squared distances, px^2, and number of points of moments, their board poses fitted."""
+    """Sum squared distances, px^2, over moments whose board poses are fitted, and count the points."""
     motions = tuple(RigidMotion.of_vector(pose) for pose in rig.poses)
     alone = {
         i: fit_alone(moments, i, camera, True, None)
