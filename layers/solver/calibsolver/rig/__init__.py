@@ -4,5 +4,14 @@ from .calibration import RigCalibration, RigUncertainty
 from .fit import fit
 from .guidance import RigTarget, next_moment
 from .held_out import held_out_rms
+from .thinning import MAX_ONLINE_POINTS
 
-__all__ = ["RigCalibration", "RigTarget", "RigUncertainty", "fit", "held_out_rms", "next_moment"]
+__all__ = [
+    "MAX_ONLINE_POINTS",
+    "RigCalibration",
+    "RigTarget",
+    "RigUncertainty",
+    "fit",
+    "held_out_rms",
+    "next_moment",
+]

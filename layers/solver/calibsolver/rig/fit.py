@@ -26,6 +26,7 @@ from .calibration import RigCalibration
 from .problem import Member, Moment, RigProblem, pack_moments
 from .single import Single, Specification, fit_alone
 from .start import Resected, RigidMotion, Start
+from .thinning import thin
 
 MIN_RIG_CAMERAS, MAX_RIG_CAMERAS = 2, 8
 MAX_MOMENTS = 1000
@@ -46,6 +47,7 @@ def fit(
     robust: bool = True,
     *,
     starts: Mapping[int, Camera] | None = None,
+    max_points: int | None = None,
 ) -> RigCalibration:
     """Fit a rig of cameras to moments.
 
@@ -61,6 +63,9 @@ def fit(
         squares over all points, and a view that no camera could have seen raises.
     starts
         Cameras that may be near, by position.
+    max_points
+        Points to which views are thinned (`thinning`), where the time is bounded; errors are those of the
+        points left.
 
     Raises
     ------
@@ -70,6 +75,8 @@ def fit(
     """
     moments = [dict(moment) for moment in moments]
     _check(moments, cameras)
+    if max_points is not None:
+        moments = thin(moments, max_points)
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
         alone = [fit_alone(moments, i, each, robust, (starts or {}).get(i)) for i, each in enumerate(cameras)]
         resected = [
