@@ -4,7 +4,7 @@ from .calibration import RigCalibration, RigUncertainty
 from .fit import fit
 from .guidance import RigTarget, next_moment
 from .held_out import held_out_rms
-from .thinning import MAX_ONLINE_POINTS
+from .thinning import MAX_ONLINE_POINTS, thin
 
 __all__ = [
     "MAX_ONLINE_POINTS",
@@ -14,4 +14,5 @@ __all__ = [
     "fit",
     "held_out_rms",
     "next_moment",
+    "thin",
 ]
