@@ -89,10 +89,10 @@ def _score(rig: RigCalibration, moments: Sequence[Moment]) -> tuple[float, int]:
         for m, moment in enumerate(moments)
     ]
     turns = start.symmetries([view for moment in moments for view in moment.values()])
-    settled = [start.settle(rig.cameras, motions, moment, turns) for moment in seen if moment.poses]
+    settled = start.settle(rig.cameras, motions, [moment for moment in seen if moment.poses], turns)
     if not settled:
         return 0.0, 0
-    boards, views = [board for board, _, _ in settled], [moment for _, moment, _ in settled]
+    boards, views = [each.board for each in settled], [each.views for each in settled]
     lengths = [
         max((len(moment[i]) for moment in views if i in moment), default=0) for i in range(len(motions))
     ]

@@ -8,7 +8,9 @@ import numpy as np
 from .. import models
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..fitting import fit as single
+from ..fitting.approximation import Approximation, approximate
+from ..fitting.calibration import Calibration
+from ..fitting.fit import fit
 from ..fitting.resection import resect
 from ..fitting.validation import MIN_POINTS, check
 from ..view import View
@@ -40,7 +42,11 @@ def fit_alone(
         if isinstance(given, Camera):
             return _resect(given, numbers, views, robust)
         size, model = given
-        found = single.fit(views, size, model, robust, start=near)
+        found: Calibration | Approximation
+        if robust:
+            found = approximate(views, size, model, start=near)
+        else:
+            found = fit(views, size, model, robust=False, start=near)
     except CalibrationError as error:
         raise CalibrationError(error.code, f"camera {position}: {error.message}") from error
     poses = {

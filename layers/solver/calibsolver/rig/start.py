@@ -90,6 +90,15 @@ class Resected:
     poses: Mapping[int, RigidMotion]
 
 
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """A moment: motion board -> camera 0, views turned back, and the positions of those that were turned."""
+
+    board: RigidMotion
+    views: Moment
+    turned: tuple[int, ...]
+
+
 def start(cameras: Sequence[Camera], moments: Sequence[Resected]) -> Start:
     """Find the relative poses of `cameras`, which are nearly known, from moments.
 
@@ -111,12 +120,12 @@ def start(cameras: Sequence[Camera], moments: Sequence[Resected]) -> Start:
         known, new = pair if pair[0] in to_rig else pair[::-1]
         to_rig[new] = _relative_pose(cameras, known, new, moments, turns) @ to_rig[known]
     motions = tuple(to_rig[i] for i in range(len(cameras)))
-    settled = [settle(cameras, motions, moment, turns) for moment in moments]
+    settled = settle(cameras, motions, moments, turns)
     return Start(
         motions,
-        tuple(board for board, _, _ in settled),
-        tuple(views for _, views, _ in settled),
-        tuple((m, position) for m, (_, _, turned) in enumerate(settled) for position in turned),
+        tuple(each.board for each in settled),
+        tuple(each.views for each in settled),
+        tuple((m, position) for m, each in enumerate(settled) for position in each.turned),
     )
 
 
@@ -224,35 +233,54 @@ def _relative_pose(
 def settle(
     cameras: Sequence[Camera],
     motions: Sequence[RigidMotion],
-    moment: Resected,
+    moments: Sequence[Resected],
     turns: Sequence[RigidMotion],
-) -> tuple[RigidMotion, Moment, tuple[int, ...]]:
-    """Board pose of a moment in camera 0's frame, its views turned back, and which of them were turned.
+) -> list[Settled]:
+    """Find where the board is in each moment, and which views number it from another side.
 
     The view with which most of the others agree says where the board is. The fewest turns are believed; of
     two views either of which may be turned, the one that shows the board upright is as it should be.
     """
-    packed = {i: _Seen.of(cameras[i], [view], turns) for i, view in moment.views.items()}
-    best: tuple[tuple[float, ...], RigidMotion, dict[int, int]] | None = None
-    for reference, pose in moment.poses.items():
-        board = motions[reference].inverse() @ pose
-        cost, labels = 0.0, {}
-        for position, seen in packed.items():
-            width = cameras[position].img_size[0]
-            errors, turn = seen.errors([motions[position] @ board])
-            cost += min(float(errors[0]) / width, MAX_START_ERROR_WIDTHS)
-            if errors[0] < MAX_START_ERROR_WIDTHS * width:
-                labels[position] = int(turn[0])
-        turned = sum(turn > 0 for turn in labels.values())
-        upright = pose.r[0, 0] + pose.r[1, 1]
-        rank = (-len(labels), turned, -round(upright) if turned else 0, cost, reference)
-        if best is None or rank < best[0]:
-            best = rank, board, labels
-    if best is None:
-        raise CalibrationError("degenerate", "a moment has no view of which the pose is known")
-    _, board, labels = best
-    views = {
-        position: turn_back(view, turns[labels[position]]) if labels.get(position) else view
-        for position, view in moment.views.items()
-    }
-    return board, views, tuple(position for position, turn in labels.items() if turn)
+    best: list[tuple[tuple[float, ...], RigidMotion, dict[int, int]] | None] = [None] * len(moments)
+    for reference in range(len(cameras)):
+        with_pose = [m for m, moment in enumerate(moments) if reference in moment.poses]
+        back = motions[reference].inverse()
+        boards = {m: back @ moments[m].poses[reference] for m in with_pose}
+        costs, labels = dict.fromkeys(with_pose, 0.0), {m: dict[int, int]() for m in with_pose}
+        for position, camera in enumerate(cameras):
+            shared = [m for m in with_pose if position in moments[m].views]
+            if not shared:
+                continue
+            seen = _Seen.of(camera, [moments[m].views[position] for m in shared], turns)
+            errors, turned = seen.errors([motions[position] @ boards[m] for m in shared])
+            for m, error, turn in zip(
+                shared, (errors / camera.img_size[0]).tolist(), turned.tolist(), strict=True
+            ):
+                costs[m] += min(error, MAX_START_ERROR_WIDTHS)
+                if error < MAX_START_ERROR_WIDTHS:
+                    labels[m][position] = turn
+        for m in with_pose:
+            turned_count = sum(turn > 0 for turn in labels[m].values())
+            pose = moments[m].poses[reference]
+            upright = pose.r[0, 0] + pose.r[1, 1]
+            rank = (
+                -len(labels[m]),
+                turned_count,
+                -round(upright) if turned_count else 0,
+                costs[m],
+                reference,
+            )
+            known = best[m]
+            if known is None or rank < known[0]:
+                best[m] = rank, boards[m], labels[m]
+    settled = []
+    for moment, found in zip(moments, best, strict=True):
+        if found is None:
+            raise CalibrationError("degenerate", "a moment has no view of which the pose is known")
+        _, board, turned_by = found
+        views = {
+            position: turn_back(view, turns[turned_by[position]]) if turned_by.get(position) else view
+            for position, view in moment.views.items()
+        }
+        settled.append(Settled(board, views, tuple(i for i, turn in turned_by.items() if turn)))
+    return settled

@@ -1,0 +1,67 @@
+"""Approximate fit of one camera: robust, and near enough to the optimum for a joint fit to go on from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import models
+from ..arrays import Array, frozen
+from ..camera import Camera
+from ..view import View
+from . import outliers, plausibility, validation
+from .levenberg_marquardt import Problem, robust_sigma
+from .multistart import MultiStart
+from .validation import check, degenerate_views, pack
+
+
+@dataclass(frozen=True, eq=False)
+class Approximation:
+    """Camera near the optimum.
+
+    Attributes
+    ----------
+    camera
+        Model, intrinsics, image size.
+    poses
+        (v, 6) rvec|tvec, board -> camera; NaN of degenerate views.
+    noise
+        px, standard deviation of one coordinate of a corner, from the median residual.
+    cut_views
+        Reasons why views (by number) are left out: ``degenerate``, ``mirrored``, ``outlier``.
+    """
+
+    camera: Camera
+    poses: Array
+    noise: float
+    cut_views: Mapping[int, str]
+
+
+def approximate(
+    views: Sequence[View],
+    img_size: tuple[int, int],
+    model: str = "rectilinear",
+    *,
+    start: Camera | None = None,
+) -> Approximation:
+    """Fit a camera model to near the optimum; arguments and errors are those of `fit`, robust."""
+    given = pack(views, img_size)
+    degenerate, mirrored = degenerate_views(given), validation.mirrored_views(given)
+    if degenerate.all():
+        check(views, img_size)  # raises
+    kept = np.flatnonzero(~degenerate)
+    obs, order = given.subset(kept).sort_canonically()
+    problem = Problem(models.get(model), obs, img_size)
+    mask = obs.mask & ~mirrored[kept][order.views][:, None]
+    with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
+        state = MultiStart(problem, mask, start).run()
+        good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, img_size)
+        plausibility.check_result(problem, state, good, robust=True)
+    poses = np.full((len(views), 6), np.nan)
+    poses[kept] = order.back(state.poses.vectors())
+    left = order.back(np.asarray(good.any(axis=1)))
+    reasons = {int(i): "degenerate" for i in np.flatnonzero(degenerate)}
+    reasons |= {int(i): "mirrored" if mirrored[i] else "outlier" for i in kept[~left]}
+    return Approximation(
+        Camera.from_intrinsics(model, state.k, img_size), frozen(poses), robust_sigma(state, good), reasons
+    )
