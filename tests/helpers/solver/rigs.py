@@ -1,4 +1,4 @@
-"""Synthetic rigs: cameras of known intrinsics and poses, and moments that they see."""
+"""Rigs: synthetic ones, cameras of known intrinsics and poses, and the real pair of OpenCV's samples."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,8 +7,13 @@ import numpy as np
 
 from calibsolver import Board, Camera, View, rotation
 from calibsolver.arrays import Array
-from calibsolver.rig.start import RigidMotion
+from calibsolver.rig.start import RigidMotion, symmetries, turn_back
+from tests.helpers.data import corner_set
 
+REAL_SIZE = (640, 480)
+"""Image size of the cameras of OpenCV's stereo sample, px."""
+REVERSED = (8, 1)
+"""Moment and position of the view there whose corners are numbered from the other end: right09."""
 MIN_SEEN = 12
 """Corners of a view, at least."""
 
@@ -114,3 +119,24 @@ def transfer_error(
             if inside.sum() >= 3:
                 squares.append(((seen[0] - seen[1])[inside] ** 2).sum(axis=1))
     return float(np.sqrt(np.concatenate(squares).mean()))
+
+
+def real_pairs() -> list[dict[int, View]]:
+    """Moments of the stereo pair that OpenCV's samples show; pair 09 is numbered from both ends."""
+    sides = [
+        {view["file"][-6:-4]: View(view["obj"], view["img"]) for view in corner_set(name)["views"]}
+        for name in ("opencv_left", "opencv_right")
+    ]
+    numbers = sorted(set(sides[0]) & set(sides[1]))
+    return [{i: side[number] for i, side in enumerate(sides)} for number in numbers]
+
+
+def mended_pairs() -> list[dict[int, View]]:
+    """Pairs whose reversed view is turned back, points in one order on both sides, as OpenCV wants them."""
+    moments = real_pairs()
+    m, position = REVERSED
+    moments[m][position] = turn_back(moments[m][position], symmetries([moments[m][0]])[1])
+    for i, view in moments[m].items():
+        order = np.lexsort(np.round(view.object_points).T)
+        moments[m][i] = View(view.object_points[order], view.image_points[order])
+    return moments

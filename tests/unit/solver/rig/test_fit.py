@@ -19,16 +19,6 @@ BOARD = Board((9, 6))
 SIZE = (640, 480)
 
 
-def real_pairs() -> list[dict[int, View]]:
-    """Moments of the stereo pair that OpenCV's samples show; pair 09 is numbered from both ends."""
-    sides = [
-        {view["file"][-6:-4]: View(view["obj"], view["img"]) for view in corner_set(name)["views"]}
-        for name in ("opencv_left", "opencv_right")
-    ]
-    numbers = sorted(set(sides[0]) & set(sides[1]))
-    return [{i: side[number] for i, side in enumerate(sides)} for number in numbers]
-
-
 def opencv(moments: list[dict[int, View]]) -> tuple[float, Any, Any]:
     """Rms px, rotation (3, 3) and translation (3,) of cv2.stereoCalibrate, everything free."""
     points = [moment[0].object_points.astype(np.float32) for moment in moments]
@@ -42,21 +32,13 @@ def opencv(moments: list[dict[int, View]]) -> tuple[float, Any, Any]:
 
 class TestRealPair:
     def test_agrees_with_opencv_once_the_reversed_view_is_turned_back(self) -> None:
-        moments = real_pairs()
+        moments = rigs.real_pairs()
         assert len(moments) == 13
         found = rig.fit(moments, [(SIZE, "rectilinear")] * 2)
         assert [m for m, _ in found.turned] == [8], "pair 09"
         assert found.set_aside == {}
         assert found.rms <= 0.271
-        (m, position), turns = found.turned[0], symmetries([moments[8][0]])
-        mended = [dict(moment) for moment in moments]
-        mended[m][position] = turn_back(mended[m][position], turns[1])
-        # OpenCV takes the points of one side for both: the other side in the same order
-        order = np.lexsort(np.round(mended[m][position].object_points).T)
-        other = np.lexsort(np.round(mended[m][1 - position].object_points).T)
-        for i, rank in ((position, order), (1 - position, other)):
-            view = mended[m][i]
-            mended[m][i] = View(view.object_points[rank], view.image_points[rank])
+        mended = rigs.mended_pairs()
         rms, r, t = opencv(mended)
         assert found.rms == pytest.approx(rms, abs=2e-4)
         assert np.linalg.norm(found.poses[1, 3:]) == pytest.approx(np.linalg.norm(t), abs=0.005)
@@ -66,7 +48,7 @@ class TestRealPair:
         assert as_opencv.rms == pytest.approx(rms, abs=5e-6)
 
     def test_intrinsics_that_are_held_stay_and_have_no_variance(self) -> None:
-        moments = real_pairs()
+        moments = rigs.real_pairs()
         held = [fit([moment[i] for moment in moments], SIZE).camera for i in (0, 1)]
         found = rig.fit(moments, held)
         for i in (0, 1):
@@ -148,7 +130,7 @@ class TestRefusals:
         ],
     )
     def test_says_what_is_wrong(self, change: Any, code: str, words: str) -> None:
-        moments, cameras = change(real_pairs(), [(SIZE, "rectilinear")] * 2)
+        moments, cameras = change(rigs.real_pairs(), [(SIZE, "rectilinear")] * 2)
         with pytest.raises(CalibrationError, match=words) as refused:
             rig.fit(moments, cameras)
         assert refused.value.code == code

@@ -6,8 +6,6 @@ import pytest
 from calibsolver import Board, rig
 from tests.helpers.solver import rigs, synthetic
 
-from .test_fit import SIZE, real_pairs
-
 BOARD = Board((9, 6))
 
 
@@ -22,8 +20,8 @@ def test_error_on_moments_left_out_is_the_noise_of_corners() -> None:
 
 def test_real_pair_predicts_moments_it_never_saw() -> None:
     """Pair 09 is numbered from both ends, in the part that is left out as well as in training."""
-    moments = real_pairs()
-    found = rig.fit(moments, [(SIZE, "rectilinear")] * 2)
+    moments = rigs.real_pairs()
+    found = rig.fit(moments, [(rigs.REAL_SIZE, "rectilinear")] * 2)
     left_out = rig.held_out_rms(moments, found)
     assert left_out is not None
     assert found.rms < left_out < 1.1 * found.rms
