@@ -6,6 +6,9 @@ PY := .venv/bin/python
 export PYTHONPATH := layers/service:layers/solver:.
 # As the functions are given it: of small matrices a second thread waits for the first.
 export OPENBLAS_NUM_THREADS ?= 1
+# Each module is compiled once, whatever the environment says: the tests start Python a hundred times.
+export PYTHONPYCACHEPREFIX ?= $(CURDIR)/.build/pycache
+unexport PYTHONDONTWRITEBYTECODE
 
 # What the commands need, made once and again when its lock file changes; Python's and npm's packages at the same time
 SETUP := .setup

@@ -9,6 +9,7 @@ import re
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +46,8 @@ def complete_template(source: str) -> str:
     whole = source.replace("\nOutputs:\n", f"\n{fragments}\nOutputs:\n")
     dashboard = textwrap.indent(DASHBOARD.read_text(encoding="utf-8"), " " * 8)
     whole = re.sub(r"DashboardBody: !Sub '.*'\n", lambda _: f"DashboardBody: !Sub |\n{dashboard}", whole)
-    return re.sub(r"FunctionCode: (infra/edge/\S+\.js)\n", _inline_function, whole)
+    inline = partial(_inline_function, pages=json.dumps(_pages()))
+    return re.sub(r"FunctionCode: (infra/edge/\S+\.js)\n", inline, whole)
 
 
 def package_template(complete: str, release: str = UNRELEASED) -> str:
@@ -116,11 +118,11 @@ def _references(value: Any) -> Iterator[str]:
             yield from _references(inner)
 
 
-def _inline_function(match: re.Match[str]) -> str:
+def _inline_function(match: re.Match[str], pages: str) -> str:
     code = (
         (ROOT / match[1])
         .read_text(encoding="utf-8")
-        .replace("PAGES = []", f"PAGES = {json.dumps(_pages())}")
+        .replace("PAGES = []", f"PAGES = {pages}")
         .replace(
             "NOT_FOUND = ''", f"NOT_FOUND = {json.dumps(NOT_FOUND.read_text('utf-8'), ensure_ascii=False)}"
         )

@@ -1,17 +1,28 @@
 """SAM's transform: the resources that CloudFormation would make of the template."""
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
-from cfnlint.decode.cfn_yaml import loads
-from samtranslator.translator.transform import transform
 
 from infra.deploy import package
 
 ROOT = Path(__file__).parents[2]
-COMPLETE = package.complete_template((ROOT / "template.yaml").read_text())
+
+
+@cache
+def complete() -> str:
+    """Text of the template with everything that packaging puts into it."""
+    return package.complete_template((ROOT / "template.yaml").read_text())
+
+
+@cache
+def resources() -> dict[str, Any]:
+    """Resources of the complete template; nobody may change them."""
+    found: dict[str, Any] = parsed(complete())["Resources"]
+    return found
 
 
 class ManagedPolicies:
@@ -24,12 +35,16 @@ class ManagedPolicies:
 
 
 def parsed(text: str) -> dict[str, Any]:
+    from cfnlint.decode.cfn_yaml import loads  # takes seconds, which most workers can spare
+
     found: dict[str, Any] = json.loads(json.dumps(loads(text)))
     return found
 
 
 def as_created(source: dict[str, Any], parameters: dict[str, str] | None = None) -> dict[str, Any]:
     """Code and layers stand in a bucket, as `sam package` leaves them."""
+    from samtranslator.translator.transform import transform
+
     packaged = json.loads(json.dumps(source))
     for resource in packaged["Resources"].values():
         properties = resource.get("Properties", {})

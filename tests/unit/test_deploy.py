@@ -11,7 +11,6 @@ from typing import Any
 
 import boto3
 import pytest
-from cfnlint.decode.cfn_yaml import loads
 from moto import mock_aws
 
 from calibdb.access.tokens import SessionIds, Ticket
@@ -19,7 +18,7 @@ from infra.deploy import aws, layers, package, rehearsal, steps
 from infra.deploy.__main__ import main
 from infra.deploy.site import FOREVER, Upload, uploads
 from infra.local.pages import media_type
-from tests.helpers.sam import COMPLETE
+from tests.helpers.sam import complete, parsed
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = {"api": "/v1", "token": "cdb_page_secret"}
@@ -234,7 +233,7 @@ def test_wrong_parameter_is_refused_before_the_first_step(
 
 
 def test_packaged_template_names_existing_paths() -> None:
-    text = package.package_template(COMPLETE)
+    text = package.package_template(complete())
     places = re.findall(r"(?:CodeUri|ContentUri|DefinitionUri): (\S+)", text)
     assert len(places) == 18
     for place in places:
@@ -243,8 +242,8 @@ def test_packaged_template_names_existing_paths() -> None:
 
 
 def test_rehearsal_leaves_out_its_listed_resources_alone() -> None:
-    left = loads(rehearsal.remove_unsupported(COMPLETE))["Resources"]
-    assert set(loads(COMPLETE)["Resources"]) - set(left) == set(rehearsal.UNSUPPORTED)
+    left = parsed(rehearsal.remove_unsupported(complete()))["Resources"]
+    assert set(parsed(complete())["Resources"]) - set(left) == set(rehearsal.UNSUPPORTED)
 
 
 def test_oversized_layers_are_named() -> None:

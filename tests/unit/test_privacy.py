@@ -9,11 +9,10 @@ from calibdb.access.tokens import SessionIds, Ticket
 from calibdb.schema import CalibrationDocument, SessionDocument, VoteDocument
 from calibdb.schema.session import Track
 from tests.helpers.data import ROOT
-from tests.helpers.sam import COMPLETE, parsed
+from tests.helpers.sam import resources
 
 NOTICE = (ROOT / "web/privacy/index.html").read_text("utf-8")
 TERMS = (ROOT / "web/terms/index.html").read_text("utf-8")
-RESOURCES = parsed(COMPLETE)["Resources"]
 SCRIPTS = {
     path: path.read_text("utf-8")
     for path in (ROOT / "web").rglob("*.js")
@@ -60,25 +59,26 @@ def test_every_key_in_the_browsers_storage_is_named() -> None:
 
 
 def test_times_are_those_of_the_template() -> None:
-    logs = [r["Properties"] for r in RESOURCES.values() if r["Type"] == "AWS::Logs::LogGroup"]
+    logs = [r["Properties"] for r in resources().values() if r["Type"] == "AWS::Logs::LogGroup"]
     assert {log["RetentionInDays"] for log in logs} == {30}
     assert row("logs") == "30 days"
-    rules = {r["Id"]: r for r in RESOURCES["KeypointBucket"]["Properties"]["LifecycleConfiguration"]["Rules"]}
+    lifecycle = resources()["KeypointBucket"]["Properties"]["LifecycleConfiguration"]
+    rules = {r["Id"]: r for r in lifecycle["Rules"]}
     sessions = rules["ForgetSessions"]
     assert (sessions["ExpirationInDays"], sessions["NoncurrentVersionExpiration"]["NoncurrentDays"]) == (2, 1)
     assert row("capture") == "2 days; deleted versions another day"
-    recovery = RESOURCES["Table"]["Properties"]["PointInTimeRecoverySpecification"]
+    recovery = resources()["Table"]["Properties"]["PointInTimeRecoverySpecification"]
     assert recovery == {"PointInTimeRecoveryEnabled": True}  # 35 days unless told otherwise
     assert "a backup of 35 days" in NOTICE
 
 
 def test_no_log_holds_an_address() -> None:
-    text = RESOURCES["HttpApi"]["Properties"]["AccessLogSettings"]["Format"]
+    text = resources()["HttpApi"]["Properties"]["AccessLogSettings"]["Format"]
     assert set(re.findall(r"\$context\.([\w.]+)", text)) == {
         *("requestTime", "requestId", "routeKey", "status", "responseLength", "responseLatency"),
         *("integrationLatency", "error.responseType"),
     }
-    assert "Logging" not in RESOURCES["Distribution"]["Properties"]["DistributionConfig"]
+    assert "Logging" not in resources()["Distribution"]["Properties"]["DistributionConfig"]
 
 
 def test_pages_agree_on_the_text_of_the_licence() -> None:

@@ -9,14 +9,13 @@ from pathlib import Path
 
 import pytest
 import yaml
-from cfnlint.decode.cfn_yaml import loads
 
 from calibdb.access import token_cache
 from calibdb.store import clients
 from infra.deploy import package
 from infra.local import pages
 from infra.local.gateway import INTEGRATION_TIMEOUT
-from tests.helpers.sam import COMPLETE, as_created
+from tests.helpers.sam import as_created, complete, parsed
 from tests.helpers.service.iam import statements
 
 ROOT = Path(__file__).parents[2]
@@ -24,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def source() -> dict:
-    return json.loads(json.dumps(loads(COMPLETE)))
+    return parsed(complete())
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +51,7 @@ def routes(template: dict) -> list[dict]:
 
 
 def test_clean_after_packaging_and_the_transform(tmp_path: Path) -> None:
-    deployed = as_created(json.loads(json.dumps(loads(package.package_template(COMPLETE)))))
+    deployed = as_created(parsed(package.package_template(complete())))
     del deployed["Parameters"]["Rollout"]  # the transform itself puts its value where it stands
     written = tmp_path / "template.yaml"
     written.write_text(yaml.safe_dump(deployed, sort_keys=False))
@@ -214,7 +213,7 @@ def test_access_logs_hold_neither_addresses_nor_credentials(source: dict) -> Non
 
 
 def test_dashboard_shows_published_metrics_only() -> None:
-    deployed = json.loads(json.dumps(loads(package.package_template(COMPLETE))))
+    deployed = parsed(package.package_template(complete()))
     body = json.loads(deployed["Resources"]["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])
     shown = set()
     for widget in body["widgets"]:

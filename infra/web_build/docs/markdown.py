@@ -10,6 +10,7 @@ import html
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 from markdown_it import MarkdownIt
@@ -121,6 +122,7 @@ def code_block(text: str, language: str) -> str:
     return f'<div class="block"{kind}><pre tabindex="0"><code>{inner}</code></pre></div>\n'
 
 
+@cache
 def _parser() -> MarkdownIt:
     # Comments mark the parts that benches write; they alone of HTML are let through, to be dropped.
     return MarkdownIt("commonmark", {"html": True}).enable("table")

@@ -8,10 +8,8 @@ import pytest
 
 from calibdb.http import application
 from tests.helpers.data import ROOT
-from tests.helpers.sam import COMPLETE, parsed
+from tests.helpers.sam import complete, parsed, resources
 
-RESOURCES = parsed(COMPLETE)["Resources"]
-DISTRIBUTION = RESOURCES["Distribution"]["Properties"]["DistributionConfig"]
 # Headers that CloudFront refuses among the custom ones: those of CORS, and those with members of their own.
 SECURITY = {
     "content-security-policy",
@@ -23,9 +21,14 @@ SECURITY = {
 }
 
 
+def distribution() -> dict[str, Any]:
+    found: dict[str, Any] = resources()["Distribution"]["Properties"]["DistributionConfig"]
+    return found
+
+
 def run(function: str, *requests: dict[str, Any]) -> list[Any]:
     """Answers of an edge function to viewer requests."""
-    code = RESOURCES[function]["Properties"]["FunctionCode"]
+    code = resources()[function]["Properties"]["FunctionCode"]
     events = [{"request": {"method": "GET", "headers": {}, "querystring": {}, **r}} for r in requests]
     script = f"{code}\nconsole.log(JSON.stringify({json.dumps(events)}.map(handler)))"
     done = subprocess.run(["node", "-e", script], capture_output=True, check=True, text=True)
@@ -36,7 +39,7 @@ def run(function: str, *requests: dict[str, Any]) -> list[Any]:
 def test_no_custom_header_is_one_that_cloudfront_refuses() -> None:
     policies = [
         r["Properties"]["ResponseHeadersPolicyConfig"]
-        for r in RESOURCES.values()
+        for r in resources().values()
         if r["Type"] == "AWS::CloudFront::ResponseHeadersPolicy"
     ]
     assert len(policies) >= 3
@@ -45,7 +48,7 @@ def test_no_custom_header_is_one_that_cloudfront_refuses() -> None:
             name = item["Header"].lower()
             assert not name.startswith("access-control-"), item
             assert name not in SECURITY, item
-    shared = RESOURCES["SharedHeaders"]["Properties"]["ResponseHeadersPolicyConfig"]["CorsConfig"]
+    shared = resources()["SharedHeaders"]["Properties"]["ResponseHeadersPolicyConfig"]["CorsConfig"]
     assert shared["AccessControlAllowOrigins"] == {"Items": ["*"]}
     assert shared["AccessControlAllowCredentials"] is False
     assert shared["OriginOverride"] is True
@@ -95,23 +98,24 @@ def test_unknown_page_is_a_404_of_the_site_and_no_page_replaces_the_apis_errors(
     page, script = run("WebIndex", {"uri": "/calibrate/index.html"}, {"uri": "/nowhere.js"})
     assert (page["uri"], script["uri"]) == ("/calibrate/index.html", "/nowhere.js")
     # CloudFront developer guide, "Quotas on CloudFront Functions".
-    assert len(RESOURCES["WebIndex"]["Properties"]["FunctionCode"].encode()) < 10_000
-    statement = RESOURCES["WebBucketPolicy"]["Properties"]["PolicyDocument"]["Statement"][1]
+    assert len(resources()["WebIndex"]["Properties"]["FunctionCode"].encode()) < 10_000
+    statement = resources()["WebBucketPolicy"]["Properties"]["PolicyDocument"]["Statement"][1]
     # Without the right to list, S3 answers 403 in XML for a file that is missing.
     assert set(statement["Action"]) == {"s3:GetObject", "s3:ListBucket"}
     assert {"Fn::GetAtt": ["WebBucket", "Arn"]} in statement["Resource"]
-    for error in DISTRIBUTION["CustomErrorResponses"]:
+    for error in distribution()["CustomErrorResponses"]:
         assert not error.keys() & {"ResponsePagePath", "ResponseCode"}
 
 
 def test_no_error_answer_is_kept_at_the_edge() -> None:
-    kept = {error["ErrorCode"]: error["ErrorCachingMinTTL"] for error in DISTRIBUTION["CustomErrorResponses"]}
+    errors = distribution()["CustomErrorResponses"]
+    kept = {error["ErrorCode"]: error["ErrorCachingMinTTL"] for error in errors}
     # What is missing is no error: ten seconds, so that a camera that became known is found.
     assert kept == {404: 10, 500: 0, 502: 0, 503: 0, 504: 0}
 
 
 def test_answers_to_known_cameras_are_the_same_for_all_callers() -> None:
-    (behaviour,) = (b for b in DISTRIBUTION["CacheBehaviors"] if b["PathPattern"] == "/known/*")
+    (behaviour,) = (b for b in distribution()["CacheBehaviors"] if b["PathPattern"] == "/known/*")
     assert (behaviour["TargetOriginId"], behaviour["Compress"]) == ("web", True)
     assert behaviour["CachePolicyId"] == {"Ref": "AnswerCaching"}
     assert behaviour["ResponseHeadersPolicyId"] == {"Ref": "SharedHeaders"}
@@ -119,7 +123,7 @@ def test_answers_to_known_cameras_are_the_same_for_all_callers() -> None:
 
 
 def test_badges_are_the_same_for_all_and_take_nothing_of_the_caller_along() -> None:
-    (behaviour,) = (b for b in DISTRIBUTION["CacheBehaviors"] if b["PathPattern"] == "/badge/*")
+    (behaviour,) = (b for b in distribution()["CacheBehaviors"] if b["PathPattern"] == "/badge/*")
     assert (behaviour["TargetOriginId"], behaviour["CachePolicyId"]) == ("api", {"Ref": "AnswerCaching"})
     assert not {"AllowedMethods", "OriginRequestPolicyId"} & behaviour.keys()
 
@@ -138,10 +142,10 @@ def test_preflights_are_answered_at_the_edge_as_by_code() -> None:
     assert headers == {name.lower(): value for name, value in application.PREFLIGHT.items()}
     assert plain["method"] == "OPTIONS"
     assert get["uri"] == "/v1/lookup"
-    cors = RESOURCES["HttpApi"]["Properties"]["CorsConfiguration"]
+    cors = resources()["HttpApi"]["Properties"]["CorsConfiguration"]
     assert headers["access-control-allow-methods"].split(",") == cors["AllowMethods"]
     assert headers["access-control-allow-headers"].split(",") == cors["AllowHeaders"]
-    for behaviour in DISTRIBUTION["CacheBehaviors"]:
+    for behaviour in distribution()["CacheBehaviors"]:
         if behaviour["PathPattern"].startswith("/v1/"):
             (associated,) = behaviour["FunctionAssociations"]
             assert associated["FunctionARN"] == {"Fn::GetAtt": ["Preflight", "FunctionARN"]}
@@ -151,7 +155,7 @@ def test_preflights_are_answered_at_the_edge_as_by_code() -> None:
 def test_names_of_cloudfront_are_free_in_a_second_region() -> None:
     """They are global to the account, whatever the stack's region."""
     named = []
-    for name, resource in RESOURCES.items():
+    for name, resource in resources().items():
         if resource["Type"].startswith("AWS::CloudFront::"):
             properties = resource["Properties"]
             for place in (properties, *(v for v in properties.values() if isinstance(v, dict))):
@@ -163,33 +167,33 @@ def test_names_of_cloudfront_are_free_in_a_second_region() -> None:
 
 def test_access_log_lines_are_json_whatever_an_error_says() -> None:
     """A message may hold quotes; types, statuses, ids and numbers do not."""
-    log = RESOURCES["HttpApi"]["Properties"]["AccessLogSettings"]["Format"]
+    log = resources()["HttpApi"]["Properties"]["AccessLogSettings"]["Format"]
     values = json.loads(log).values()
     assert not [v for v in values if "message" in v.lower()]
 
 
 def test_cloudfront_sends_the_secret_of_a_named_version() -> None:
-    (api,) = (o for o in DISTRIBUTION["Origins"] if o["Id"] == "api")
+    (api,) = (o for o in distribution()["Origins"] if o["Id"] == "api")
     (header,) = api["OriginCustomHeaders"]
     assert header["HeaderValue"]["Fn::Sub"].endswith("EDGE_SECRET:${EdgeSecretVersion}}}")
 
 
 def test_own_domain_gets_records_in_its_zone() -> None:
-    records = RESOURCES["DomainRecords"]
+    records = resources()["DomainRecords"]
     assert records["Condition"] == "OwnZone"
     target = {"DNSName": {"Fn::GetAtt": ["Distribution", "DomainName"]}, "HostedZoneId": "Z2FDTNDATAQYW2"}
     sets = records["Properties"]["RecordSets"]
     assert [r["Type"] for r in sets] == ["A", "AAAA"]
     assert [r["AliasTarget"] for r in sets] == [target, target]
-    outputs = parsed(COMPLETE)["Outputs"]
+    outputs = parsed(complete())["Outputs"]
     assert outputs["DistributionDomain"]["Value"] == {"Fn::GetAtt": ["Distribution", "DomainName"]}
 
 
 def test_budget_waits_for_its_topics_policy() -> None:
-    assert RESOURCES["Budget"]["DependsOn"] == "AlarmTopicPolicy"
+    assert resources()["Budget"]["DependsOn"] == "AlarmTopicPolicy"
 
 
 @pytest.mark.parametrize("metric", ["DeniedReads", "UnknownEdges"])
 def test_every_counted_fault_has_an_alarm(metric: str) -> None:
-    alarms = [r["Properties"] for r in RESOURCES.values() if r["Type"] == "AWS::CloudWatch::Alarm"]
+    alarms = [r["Properties"] for r in resources().values() if r["Type"] == "AWS::CloudWatch::Alarm"]
     assert [a["Threshold"] > 0 for a in alarms if a.get("MetricName") == metric] == [True]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from infra.deploy import package
-from tests.helpers.sam import COMPLETE, ROOT, as_created, parsed, versions
+from tests.helpers.sam import ROOT, as_created, complete, parsed, versions
 
 API = {
     f"{name}Function"
@@ -28,8 +28,8 @@ def code(tmp_path: Path) -> tuple[Path, ...]:
 
 def published(code: tuple[Path, ...], **parameters: str) -> dict[str, str]:
     """The versions that a deployment of this build with these parameters publishes."""
-    release = package.release_digest(COMPLETE, parameters, code)
-    return versions(as_created(parsed(package.package_template(COMPLETE, release)), parameters))
+    release = package.release_digest(complete(), parameters, code)
+    return versions(as_created(parsed(package.package_template(complete(), release)), parameters))
 
 
 def edit(path: Path) -> None:
@@ -71,17 +71,17 @@ def test_a_parameter_that_functions_use_publishes_a_version_of_each(code: tuple[
 
 
 def test_compiled_leftovers_of_functions_are_no_release(code: tuple[Path, ...]) -> None:
-    before = package.release_digest(COMPLETE, {}, code)
+    before = package.release_digest(complete(), {}, code)
     (code[1] / "lookup/__pycache__").mkdir()
     (code[1] / "lookup/__pycache__/app.cpython-311.pyc").write_bytes(b"x")
-    assert package.release_digest(COMPLETE, {}, code) == before
+    assert package.release_digest(complete(), {}, code) == before
     (code[0] / "service/__pycache__").mkdir()  # compiled modules of a layer are uploaded
     (code[0] / "service/__pycache__/x.cpython-313.pyc").write_bytes(b"x")
-    assert package.release_digest(COMPLETE, {}, code) != before
+    assert package.release_digest(complete(), {}, code) != before
 
 
 def test_every_function_carries_its_release() -> None:
-    document = parsed(package.package_template(COMPLETE, "0123456789abcdef"))
+    document = parsed(package.package_template(complete(), "0123456789abcdef"))
     variables = document["Globals"]["Function"]["Environment"]["Variables"]
     assert variables["RELEASE"] == "0123456789abcdef"
     created = as_created(document)["Resources"]
@@ -96,7 +96,7 @@ def test_every_function_carries_its_release() -> None:
 
 
 def test_calls_move_to_a_release_gradually_and_back_on_an_alarm() -> None:
-    created = as_created(parsed(COMPLETE))["Resources"]
+    created = as_created(parsed(complete()))["Resources"]
     aliases = {n: r for n, r in created.items() if r["Type"] == "AWS::Lambda::Alias"}
     assert {alias["Properties"]["FunctionName"]["Ref"] for alias in aliases.values()} == API
     assert all("CodeDeployLambdaAliasUpdate" in alias["UpdatePolicy"] for alias in aliases.values())
@@ -111,7 +111,7 @@ def test_calls_move_to_a_release_gradually_and_back_on_an_alarm() -> None:
     assert "HttpApi" not in alarm
     watched = {m["MetricStat"]["Metric"]["Dimensions"][0]["Value"]["Ref"] for m in metrics(created)}
     assert watched == API
-    at_once = as_created(parsed(COMPLETE), {"Rollout": "AllAtOnce"})["Resources"]
+    at_once = as_created(parsed(complete()), {"Rollout": "AllAtOnce"})["Resources"]
     assert "AllAtOnce" in json.dumps(at_once["LookupFunctionDeploymentGroup"])
 
 
@@ -120,11 +120,11 @@ def metrics(created: dict) -> list[dict]:
 
 
 def test_fragments_and_bodies_stand_in_the_complete_template() -> None:
-    resources = parsed(COMPLETE)["Resources"]
-    assert {"PageHeaders", "SharedHeaders", "ServerErrorAlarm", "Budget"} <= set(resources)
+    found = parsed(complete())["Resources"]
+    assert {"PageHeaders", "SharedHeaders", "ServerErrorAlarm", "Budget"} <= set(found)
     for name in ("WebIndex", "Preflight"):
-        code = resources[name]["Properties"]["FunctionCode"]
+        code = found[name]["Properties"]["FunctionCode"]
         assert "function handler(event)" in code
         assert len(code.encode()) < 10_240  # CloudFront takes no more
-    assert '"/calibrate/"' in resources["WebIndex"]["Properties"]["FunctionCode"]
-    assert len(json.loads(resources["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])["widgets"]) > 5
+    assert '"/calibrate/"' in found["WebIndex"]["Properties"]["FunctionCode"]
+    assert len(json.loads(found["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])["widgets"]) > 5
