@@ -59,8 +59,9 @@ function head(document, { key, language, translated, origin, preloads }) {
   for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
   const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
   // Where many scripts are waited for, the font comes after them; a font of the same widths stands in (style.css).
+  const alphabets = language === "uk" ? ["latin", "cyrillic"] : ["latin"];
   const fonts = preloads.length < MANY_SCRIPTS
-    ? ['<link rel="preload" href="/vendor/font/geologica-latin.woff2" as="font" type="font/woff2" crossorigin>'] : [];
+    ? alphabets.map((name) => `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`) : [];
   const scripts = document.querySelector("header.masthead") ? ['<script type="module" src="/lib/header.js"></script>'] : [];
   const lines = [...fonts, ...preloads.map((path) => `<link rel="modulepreload" href="${path}">`), ...scripts, ...addresses(key, language, translated, origin)];
   const social = [

@@ -222,7 +222,7 @@ def test_the_board_alone(page: Page) -> None:
     picture(page, "shot-board-filling", SIZES)
     page.goto("/board/?squares=12x12")
     page.locator("#columns").fill("40")
-    page.locator("#form-problem:not(:empty)").wait_for()
+    page.locator("#board-problem:not(:empty)").wait_for()
     picture(page, "shot-board-impossible", SIZES, full=True)
 
 

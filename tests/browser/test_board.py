@@ -107,8 +107,7 @@ def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
     assert len(addresses) >= 4, addresses
     assert all(there.endswith(f"/board/?{board}") for there in addresses)
     page.goto(f"/board/?{board}")
-    description = page.locator("#description").text_content() or ""
-    assert "8 × 11 squares, DICT_5X5_100, markers 0.75" in description
+    expect(page.locator("#description")).to_have_text("8 × 11 ChArUco, DICT_5X5_100, markers 0.75")
     expect(page.locator("#columns")).to_have_value("8")
     page.goto("/calibrate/?squares=12x12")
     expect(page.locator("#problem")).to_contain_text("the board needs 72")
@@ -124,7 +123,7 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
     page.locator("#dictionary").select_option("DICT_6X6_250")
     page.locator("#ratio").fill("0.7")
     page.locator("#legacy").check()
-    page.locator("#description", has_text="7 × 5 squares, DICT_6X6_250, markers 0.70").wait_for()
+    page.locator("#description", has_text="7 × 5 ChArUco, DICT_6X6_250, markers 0.70").wait_for()
     asked = "squares=7x5&marker_ratio=0.7&dictionary=DICT_6X6_250&legacy=true"
     assert address(page).endswith(f"/board/?{asked}")
     for where in ("calibrate", "photos"):
@@ -132,11 +131,28 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
         assert hrefs, where
         assert all(href.endswith(f"/{where}/?{asked}") for href in hrefs), where
     page.locator("#columns").fill("2")
-    page.locator("#form-problem", has_text="3 to 50").wait_for()
+    page.locator("#board-problem", has_text="3 to 50").wait_for()
     expect(page.locator("#description"), "what cannot be changes nothing").to_contain_text("7 × 5")
     page.locator("#reset").click()
     page.locator("#description", has_text="9 × 6").wait_for()
     assert address(page).endswith("/board/")
+
+
+def test_a_board_of_another_kind_stays_of_its_kind(page: Page) -> None:
+    asked = "kind=aprilgrid&squares=5x4&dictionary=DICT_APRILTAG_36h11&tag_spacing=0.25"
+    page.goto(f"/board/?{asked}")
+    expect(page.locator("#description")).to_have_text("5 × 4 AprilGrid, DICT_APRILTAG_36h11, gaps 0.25")
+    expect(page.locator("#ratio")).to_be_hidden()
+    page.locator("#columns").fill("6")
+    assert address(page).endswith(f"/board/?{asked.replace('5x4', '6x4')}")
+    with page.expect_download() as download:
+        page.locator("#papers a", has_text="A4").click()
+    assert b"AprilGrid" in Path(download.value.path()).read_bytes()
+    page.locator("#board-kind").select_option("chessboard")
+    assert address(page).endswith("/board/?kind=chessboard&squares=6x4")
+    expect(page.locator("#use")).to_have_attribute(
+        "href", re.compile(r"/calibrate/\?kind=chessboard&squares=6x4$")
+    )
 
 
 def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Page) -> None:

@@ -1,13 +1,14 @@
-// The board page: full screen, on another device, on paper; any ChArUco board.
+// The board page: full screen, on another device, on paper; boards of any kind.
 import { boardFile } from "../lib/board-print.js";
 import { PAPERS, fileName, papersFor, squareOn } from "../lib/papers.js";
 import { el, part } from "../lib/dom.js";
-import { number, onLanguage, t } from "../lib/i18n.js";
+import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/board.js";
-import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery } from "../lib/board.js";
-import { reason, showProblem } from "../lib/board-problem.js";
+import { DEFAULT_BOARD, boardFrom, boardQuery } from "../lib/board.js";
+import { BoardForm, boardWords } from "../lib/board-form.js";
+import { showProblem } from "../lib/board-problem.js";
 import { drawQr } from "../lib/qr.js";
 import { sheetPreview } from "./sheet-preview.js";
 import { BoardScreen } from "./screen.js";
@@ -18,8 +19,6 @@ const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
 
 const query = new URLSearchParams(location.search);
 let { board, problem } = boardFrom(query);
-/** @type {import("../lib/board.js").Problem | null} what is wrong with what the form says now */
-let wrong = null;
 openPage({ board: words });
 
 const tell = liveRegion(part("status", HTMLElement));
@@ -29,11 +28,7 @@ const shown = {
 const screenOf = new BoardScreen(shown, board, () => {
   tell(() => t("board.may_dim"));
 });
-const fields = {
-  columns: part("columns", HTMLInputElement), rows: part("rows", HTMLInputElement), ratio: part("ratio", HTMLInputElement),
-  dictionary: part("dictionary", HTMLSelectElement), legacy: part("legacy", HTMLInputElement),
-};
-const [notice, formProblem] = [part("problem", HTMLElement), part("form-problem", HTMLElement)];
+const notice = part("problem", HTMLElement);
 /** @type {string[]} addresses of the files offered now */
 let files = [];
 
@@ -43,15 +38,6 @@ function address(page, more = {}) {
   there.search = new URLSearchParams([...boardQuery(board), ...Object.entries(more)]).toString();
   there.hash = "";
   return there.href;
-}
-
-function showFields() {
-  const { squares: [columns, rows], marker_ratio, dictionary, legacy } = board;
-  fields.columns.value = String(columns);
-  fields.rows.value = String(rows);
-  fields.ratio.value = String(marker_ratio);
-  fields.dictionary.value = dictionary;
-  fields.legacy.checked = legacy;
 }
 
 function showPapers() {
@@ -67,62 +53,40 @@ function showPapers() {
 }
 
 function show() {
-  const { squares: [columns, rows], marker_ratio, dictionary, legacy } = board;
   screenOf.show(board);
   showPapers();
   drawQr(part("qr", SVGElement), address("./", { fill: "1" }));
   // What a phone needs to know: this board, and that its own screen does not show it.
   for (const id of ["qr-phone", "code-qr"]) drawQr(part(id, SVGElement), address("../calibrate/", { facing: "environment" }));
   for (const place of document.querySelectorAll(".only-here")) place.toggleAttribute("hidden", !LOOPBACK.test(location.hostname));
-  part("description", HTMLElement).textContent = t("board.what", {
-    columns, rows, dictionary, ratio: number(marker_ratio, 2), layout: t(legacy ? "board.layout_legacy" : "board.layout_new"),
-  });
+  part("description", HTMLElement).textContent = boardWords(board);
   for (const page of ["../calibrate/", "../photos/"]) {
     const there = address(page);
     for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll(`a[href*="${page.slice(2)}"]`))) link.href = there;
   }
 }
 
-function complain() {
-  formProblem.textContent = wrong ? t("board.still_last", { reason: reason(wrong) }) : "";
-}
-
-function change() {
-  const asked = new URLSearchParams({
-    squares: `${fields.columns.value}x${fields.rows.value}`, marker_ratio: fields.ratio.value, dictionary: fields.dictionary.value,
-    legacy: String(fields.legacy.checked),
-  });
-  const found = boardFrom(asked);
-  wrong = found.problem;
-  complain();
-  if (found.problem) return;
-  board = found.board;
+/** @param {Board} chosen */
+function change(chosen) {
+  board = chosen;
   notice.hidden = true;
   history.replaceState(null, "", address("./"));
   show();
 }
 
-fields.dictionary.append(...DICTIONARIES.map((name) => new Option(name, name)));
+const form = new BoardForm(board, { onChoice: change, event: "input", problemText: (reason) => t("board.still_last", { reason }) });
 showProblem(notice, problem);
-showFields();
 show();
-onLanguage(() => {
-  show();
-  complain();
-});
+onLanguage(show);
 for (const [id, code] of /** @type {const} */ ([["full-screen", false], ["full-screen-code", true]])) {
   part(id, HTMLButtonElement).addEventListener("click", (event) => {
     event.stopPropagation(); // or this very click would close it again
     screenOf.enter({ code });
   });
 }
-part("form", HTMLFormElement).addEventListener("input", change);
-part("form", HTMLFormElement).addEventListener("submit", (event) => event.preventDefault());
-part("form", HTMLFormElement).addEventListener("reset", (event) => {
-  event.preventDefault();
-  board = DEFAULT_BOARD;
-  showFields();
-  change();
+part("reset", HTMLButtonElement).addEventListener("click", () => {
+  form.show(DEFAULT_BOARD);
+  change(DEFAULT_BOARD);
 });
 // Another device is sent here to show it: without a touch there is no full screen, but the window there is.
 if (query.has("fill")) screenOf.fill(true);

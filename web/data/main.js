@@ -59,7 +59,6 @@ function showStatistics() {
   part("history", HTMLElement).replaceChildren(el("thead", {}, head), el("tbody", {}, ...rows));
   part("wanted-rows", HTMLElement).replaceChildren(...wanted.map(({ key, camera, asked, calibrations }) => el("tr", {},
     el("th", { scope: "row" }, key ? el("a", { href: `../cameras/?key=${encodeURIComponent(key)}` }, camera) : camera), el("td", {}, count(asked)), el("td", {}, count(calibrations)))));
-  reveal("figures", true);
   reveal("chart-table", true);
   reveal("wanted-table", wanted.length > 0);
   reveal("nothing-wanted", wanted.length === 0);
@@ -80,7 +79,11 @@ function showDump() {
 
 show();
 onLanguage(show);
-statistics = await fetchObject("statistics.json");
-if (statistics) dump = await fetchObject("latest.json");
-status = statistics ? "data.as_of" : "data.none_yet";
-show();
+try {
+  statistics = await fetchObject("statistics.json");
+  if (statistics) dump = await fetchObject("latest.json");
+  status = statistics ? "data.as_of" : "data.none_yet";
+  show();
+} finally {
+  part("content", HTMLElement).classList.remove("waiting");
+}

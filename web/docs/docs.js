@@ -26,7 +26,6 @@ function offerTokens() {
   if (!(select instanceof HTMLSelectElement) || tokens.length === 0) return;
   select.replaceChildren(...tokens.map(({ id, name }) => new Option(name || id, id)));
   select.value = chosenToken()?.id ?? "";
-  select.hidden = false;
   select.addEventListener("change", () => {
     chooseToken(select.value);
     fillIn();

@@ -8,6 +8,9 @@ import { DEFAULT_TAG_SPACING, dictionaryOf, isBlack, markers, sizeOf } from "./b
  * @typedef {[x: number, y: number, width: number, height: number]} Rectangle
  */
 
+/** Width of the black frame of a tag, cells: as Kalibr prints AprilGrids; of other markers it is one. */
+const TAG_BORDER = 2;
+
 /**
  * The bits of one marker without its border.
  * @param {string} dictionary
@@ -57,7 +60,7 @@ function tagRectangles(board) {
   const rectangles = [];
   for (const { id, x, y } of markers(board)) {
     const [left, top] = [x * (1 + spacing), (rows - 1 - y) * (1 + spacing)];
-    rectangles.push(...markerRectangles(markerBits(board.dictionary, id), left, top, 1));
+    rectangles.push(...markerRectangles(markerBits(board.dictionary, id), left, top, 1, TAG_BORDER));
     if (x + 1 < columns && y > 0) rectangles.push([left + 1, top + 1, spacing, spacing]);
   }
   return rectangles;
@@ -96,16 +99,20 @@ function squareRectangles(board) {
   return rectangles;
 }
 
-/** Black areas of one marker. @param {boolean[][]} bits @param {number} left @param {number} top @param {number} side @returns {Rectangle[]} */
-function markerRectangles(bits, left, top, side) {
-  const cells = bits.length + 2;
+/**
+ * Black areas of one marker.
+ * @param {boolean[][]} bits @param {number} left @param {number} top @param {number} side @param {number} [border] cells
+ * @returns {Rectangle[]}
+ */
+function markerRectangles(bits, left, top, side, border = 1) {
+  const cells = bits.length + 2 * border;
   const cell = side / cells;
   /** @type {Rectangle[]} */
   const rectangles = [];
   for (let row = 0; row < cells; row++) {
     let run = 0;
     for (let column = 0; column <= cells; column++) {
-      const black = column < cells && !bits[row - 1]?.[column - 1];
+      const black = column < cells && !bits[row - border]?.[column - border];
       if (black) run += 1;
       else if (run > 0) {
         rectangles.push([left + (column - run) * cell, top + row * cell, run * cell, cell]);
@@ -120,14 +127,15 @@ function markerRectangles(bits, left, top, side) {
  * The board as a grey image.
  * @param {Board} board
  * @param {number} scale pixels per board unit
- * @param {number} [margin] white border, pixels
+ * @param {number} [margin] border, pixels: white, of an inverted board black
  * @returns {{width: number, height: number, data: Uint8Array}} one byte a pixel, 0 or 255
  */
 export function raster(board, scale, margin = 0) {
   const [across, down] = sizeOf(board);
   const width = Math.round(across * scale) + 2 * margin;
   const height = Math.round(down * scale) + 2 * margin;
-  const data = new Uint8Array(width * height).fill(255);
+  const data = new Uint8Array(width * height).fill(board.inverted ? 0 : 255);
+  for (let row = margin; board.inverted && row < height - margin; row++) data.fill(255, row * width + margin, (row + 1) * width - margin);
   for (const [x, y, w, h] of blackRectangles(board)) {
     const [left, right] = [x, x + w].map((value) => margin + Math.round(value * scale));
     const [top, bottom] = [y, y + h].map((value) => margin + Math.round(value * scale));

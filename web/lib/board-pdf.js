@@ -8,6 +8,7 @@ import { FOOT, MARGIN_MM, squareSide } from "./papers.js";
 const POINTS_PER_MM = 72 / 25.4;
 
 const LETTERS = 8; // points
+const INVERTED_EDGE_MM = 5; // of black around a board that is white on black
 
 /**
  * @typedef {object} Foot what is written below the board, in the language of whoever prints it
@@ -54,6 +55,7 @@ export function boardPdf(board, paper, foot, letter) {
   const below = top + rows * side + MARGIN_MM / 2;
   const content = [
     "0 g",
+    ...(board.inverted ? edge(left, top, columns * side, rows * side).map(path) : []),
     // One path, one fill: viewers that smooth edges leave no hairlines between touching rectangles.
     ...blackRectangles(board).map(([x, y, w, h]) => path([left + x * side, top + y * side, w * side, h * side])),
     "f",
@@ -74,6 +76,15 @@ export function boardPdf(board, paper, foot, letter) {
     ...pictures.map((picture) => `<< /Type /XObject /Subtype /Image /ImageMask true /BitsPerComponent 1 /Width ${picture.width} ` +
       `/Height ${picture.height} /Length ${picture.bits.length} >>\nstream\n${characters(picture.bits)}\nendstream`),
   ]);
+}
+
+/** What lies around a rectangle, mm. @param {number} x @param {number} y @param {number} width @param {number} height */
+function edge(x, y, width, height) {
+  const wide = INVERTED_EDGE_MM;
+  return [
+    [x - wide, y - wide, width + 2 * wide, wide], [x - wide, y + height, width + 2 * wide, wide],
+    [x - wide, y, wide, height], [x + width, y, wide, height],
+  ];
 }
 
 /** A character a byte. @param {Uint8Array} bytes */

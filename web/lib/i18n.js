@@ -123,7 +123,7 @@ export function translate(root) {
   root.ownerDocument.documentElement.lang = language();
   for (const element of [root, ...root.querySelectorAll("[data-t], [data-t-label], [data-t-title], [data-t-alt], [data-t-content]")]) {
     const { t: text, tLabel, tTitle, tAlt, tContent } = /** @type {HTMLElement} */ (element).dataset ?? {};
-    if (text) write(element, t(text));
+    if (text && known(text)) write(element, t(text)); // of a catalog that follows, the page has the text already
     if (tLabel) element.setAttribute("aria-label", t(tLabel));
     if (tTitle) element.setAttribute("title", t(tTitle));
     if (tAlt) element.setAttribute("alt", t(tAlt));

@@ -17,7 +17,7 @@ import { liveRegion } from "../lib/live-region.js";
 import capture from "../messages/capture.js";
 import words from "../messages/photos.js";
 import { card } from "./card.js";
-import { BoardForm } from "./board-form.js";
+import { WhichBoard } from "./which-board.js";
 import { cameraOfNames, shots } from "./files.js";
 import { groups } from "./group.js";
 import { BoardQuestion, recogniseIn } from "./recognition.js";
@@ -50,7 +50,7 @@ const parts = {
 };
 const view = new LaterResultView(part("result", HTMLElement));
 const [tell, want] = [liveRegion(parts.status), liveRegion(parts.wanted)];
-const boardForm = new BoardForm(board, (chosen) => changeBoard(chosen), isChosen);
+const whichBoard = new WhichBoard(board, (chosen) => changeBoard(chosen), isChosen);
 const question = new BoardQuestion();
 /** @type {File[]} all that were chosen; they stay when the board changes */
 let files = [];
@@ -184,7 +184,7 @@ async function look(list) {
     const isFilm = pictures.every(({ kind }) => kind === "video");
     const found = () => (pictures.length === 0 ? [] : [t(views ? `photos.found_${isFilm ? "frames" : "photos"}` : "photos.not_found", values)]);
     tell(() => [...found(), ...unreadableTexts(unreadable)].join(" "));
-    if (views === 0 && pictures.length) boardForm.open();
+    if (views === 0 && pictures.length) whichBoard.open();
   } catch (error) {
     if (!signal.aborted) tell(() => explain(error));
   } finally {
@@ -207,11 +207,11 @@ async function recognise(finder, list, signal) {
   const isRight = await question.ask(found, signal);
   if (signal.aborted) return true;
   if (isRight) {
-    boardForm.show(found.board);
+    whichBoard.show(found.board);
     changeBoard(found.board);
   } else {
     tell(() => t("photos.which_board_then"));
-    boardForm.open();
+    whichBoard.open();
   }
   return true;
 }
@@ -338,7 +338,7 @@ parts.clear.addEventListener("click", () => {
   discard();
   [files, pictures] = [[], []];
   origins.clear();
-  if (isSameBoard(board, DEFAULT_BOARD)) boardForm.show(board, isChosen = false);
+  if (isSameBoard(board, DEFAULT_BOARD)) whichBoard.show(board, isChosen = false);
   parts.progress.hidden = true;
   tell();
   showSeries();

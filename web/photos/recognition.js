@@ -3,7 +3,7 @@ import { isTelling, recognise } from "../lib/board-recognition.js";
 import { el, part } from "../lib/dom.js";
 import { liveRegion } from "../lib/live-region.js";
 import { t } from "../lib/i18n.js";
-import { boardWords } from "./board-form.js";
+import { boardWords } from "../lib/board-form.js";
 import { thumbnail } from "./card.js";
 import { UnreadableError, shots } from "./files.js";
 

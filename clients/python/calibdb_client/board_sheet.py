@@ -16,6 +16,7 @@ PAPERS_MM = {"a4": (297.0, 210.0), "a3": (420.0, 297.0), "letter": (279.4, 215.9
 MARGIN_MM = 10.0
 MAX_PNG_PX = 8192
 _POINTS_PER_MM = 72 / 25.4
+_TAG_BORDER = 2  # cells of black frame, as Kalibr prints AprilGrids; of other markers it is one
 Rectangle = tuple[float, float, float, float]
 
 
@@ -105,8 +106,9 @@ def _tags(board: Board) -> Iterator[Rectangle]:
 
 def _marker(board: Board, identifier: int, left: float, top: float, side: float) -> Iterator[Rectangle]:
     dictionary = board.markers()
-    cells = dictionary.markerSize + 2
-    picture = opencv().aruco.generateImageMarker(dictionary, identifier, cells, borderBits=1)
+    border = _TAG_BORDER if board.kind == "aprilgrid" else 1
+    cells = dictionary.markerSize + 2 * border
+    picture = opencv().aruco.generateImageMarker(dictionary, identifier, cells, borderBits=border)
     cell = side / cells
     for row, line in enumerate(picture < 128):
         yield from _runs(line.tolist(), left, top + row * cell, cell)

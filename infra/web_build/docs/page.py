@@ -97,7 +97,8 @@ def page(
 
 def _token_choice(developers: str) -> str:
     return f"""<p class="your-token"><label for="token" data-t="docs.token">Token in the examples</label>
-<select id="token" hidden></select> <a href="{developers}" data-t="docs.make_token">Make a token</a></p>
+<select id="token"><option>cdb_…</option></select>
+<a href="{developers}" data-t="docs.make_token">Make a token</a></p>
 """
 
 

@@ -93,11 +93,13 @@ def test_half_turns_of_a_chessboard_do_not_change_the_camera() -> None:
 
 
 def test_drawn_aprilgrid_is_found_where_its_corners_are() -> None:
-    """OpenCV's detector names a tag's corners clockwise from its upper left."""
+    """Tags have a frame of two cells, as Kalibr's; OpenCV names corners clockwise from the upper left."""
     side = 80
     picture = cv2.copyMakeBorder(draw_board(APRILGRID, side), 60, 60, 60, 60, cv2.BORDER_CONSTANT, value=255)
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36H11)
-    corners, ids, _ = cv2.aruco.ArucoDetector(dictionary).detectMarkers(picture)
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.markerBorderBits = 2
+    corners, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(picture)
     assert sorted(ids.ravel().tolist()) == list(range(30))
     for tag, found in zip(ids.ravel(), corners, strict=True):
         expected = (

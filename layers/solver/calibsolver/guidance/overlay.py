@@ -20,6 +20,8 @@ The smaller one serves where the board reaches the end of the model's domain, an
 OFF_BOARD = 1e4
 """Texture coordinate of pixels without a board: outside it, and within the range of fixed-point maps."""
 MIN_TEXTURE_PX_PER_SQUARE = 32
+TAG_BORDER = 2
+"""Width of the black frame of an AprilGrid's tag, cells: as Kalibr prints it; of other markers it is one."""
 JPEG_QUALITIES = (45, 30, 15)
 MAX_PICTURE_PX = 12_000_000
 """Pixels of a picture; a larger one is drawn smaller, in the same shape, and its reader scales it up."""
@@ -112,8 +114,8 @@ def texture_px_per_square(board: Board) -> int:
     """Texture pixels per square, or side of a tag: at least one per cell of a marker."""
     if board.kind == "chessboard":
         return MIN_TEXTURE_PX_PER_SQUARE
-    ratio = board.marker_ratio if board.kind == "charuco" else 1.0
-    return max(MIN_TEXTURE_PX_PER_SQUARE, math.ceil((board.marker_size + 2) / ratio))
+    ratio, border = (board.marker_ratio, 1) if board.kind == "charuco" else (1.0, TAG_BORDER)
+    return max(MIN_TEXTURE_PX_PER_SQUARE, math.ceil((board.marker_size + 2 * border) / ratio))
 
 
 def texture_coordinates(
@@ -213,7 +215,9 @@ def _draw_aprilgrid(board: Board, square: int) -> Picture:
         for column in range(columns):
             x = round(column * (1 + board.tag_spacing) * square)
             y = round((rows - 1 - row) * (1 + board.tag_spacing) * square)
-            tag = cv2.aruco.generateImageMarker(dictionary, row * columns + column, square)
+            tag = cv2.aruco.generateImageMarker(
+                dictionary, row * columns + column, square, borderBits=TAG_BORDER
+            )
             picture[y : y + square, x : x + square] = tag[: h - y, : w - x]
             if row and column + 1 < columns:
                 picture[y + square : y + square + gap, x + square : x + square + gap] = 0

@@ -1,19 +1,30 @@
-// Form "Which board?" within the page: presets, and every parameter. The files stay while the board changes.
-import { DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } from "../lib/board.js";
-import { PRESETS } from "../lib/board-presets.js";
-import { reason } from "../lib/board-problem.js";
-import { part } from "../lib/dom.js";
-import { number, onLanguage, sized, t } from "../lib/i18n.js";
+// Form in which a board is described: presets, and every parameter of its kind.
+import { DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } from "./board.js";
+import { PRESETS } from "./board-presets.js";
+import { reason } from "./board-problem.js";
+import { part } from "./dom.js";
+import { addMessages, number, onLanguage, sized, t } from "./i18n.js";
+import boards from "../messages/boards.js";
 
-/** @typedef {import("../lib/board.js").SentBoard} SentBoard */
+/**
+ * @typedef {import("./board.js").SentBoard} SentBoard
+ *
+ * @typedef {object} Use what a page makes of the form
+ * @property {(board: SentBoard) => void} onChoice called when somebody has chosen another
+ * @property {(reason: string) => string} problemText words for a board that cannot be
+ * @property {"input" | "change"} [event] when a field counts: with every key, or when it is left
+ * @property {() => void} [onArrange] called when the board, or the language, is another one
+ */
+
+addMessages({ boards });
 
 const OTHER = "other";
 
 /** A board in a few words: "ChArUco, 9 × 6 squares, DICT_4X4_50". @param {SentBoard} board */
 export function boardWords(board) {
   const { squares, dictionary, marker_ratio: ratio, tag_spacing: spacing = DEFAULT_TAG_SPACING } = board;
-  const words = t(`photos.board_${kindOf(board)}`, { size: sized(squares), dictionary, ratio: number(ratio, 2), spacing: number(spacing, 2) });
-  return [words, ...(board.legacy ? [t("photos.board_legacy")] : []), ...(board.inverted ? [t("photos.board_inverted")] : [])].join(", ");
+  const words = t(`boards.words_${kindOf(board)}`, { size: sized(squares), dictionary, ratio: number(ratio, 2), spacing: number(spacing, 2) });
+  return [words, ...(board.legacy ? [t("boards.words_legacy")] : []), ...(board.inverted ? [t("boards.words_inverted")] : [])].join(", ");
 }
 
 export class BoardForm {
@@ -22,19 +33,17 @@ export class BoardForm {
     rows: part("rows", HTMLInputElement), dictionary: part("dictionary", HTMLSelectElement), ratio: part("ratio", HTMLInputElement),
     spacing: part("spacing", HTMLInputElement), legacy: part("legacy", HTMLInputElement), inverted: part("inverted", HTMLInputElement),
   };
-  #details = part("which-board", HTMLDetailsElement);
   #problem = part("board-problem", HTMLElement);
   #board;
-  #isChosen = false;
-  /** @type {import("../lib/board.js").Problem | null} */
+  #use;
+  /** @type {import("./board.js").Problem | null} */
   #wrong = null;
 
-  /**
-   * @param {SentBoard} board @param {(board: SentBoard) => void} onChoice called when somebody has chosen another
-   * @param {boolean} isChosen whether somebody has said that it is this one; else it is recognised
-   */
-  constructor(board, onChoice, isChosen) {
+  /** @param {SentBoard} board @param {Use} use */
+  constructor(board, use) {
     this.#board = board;
+    this.#use = use;
+    const { onChoice, event = "change" } = use;
     const { preset, dictionary } = this.#fields;
     preset.append(...PRESETS.map(({ id, name }) => new Option(name, id)), new Option("", OTHER));
     dictionary.append(...DICTIONARIES.map((name) => new Option(name, name)));
@@ -44,13 +53,12 @@ export class BoardForm {
       this.show(chosen.board);
       onChoice(chosen.board);
     });
-    part("board-form", HTMLFormElement).addEventListener("change", ({ target }) => {
+    part("board-form", HTMLFormElement).addEventListener(event, ({ target }) => {
       if (target === preset) return;
       const asked = this.#asked();
       this.#say(asked.problem);
       if (asked.problem) return;
       this.#board = asked.board;
-      this.#isChosen = true;
       this.#arrange();
       onChoice(asked.board);
     });
@@ -59,13 +67,12 @@ export class BoardForm {
       if (!this.#wrong) onChoice(this.#board);
     });
     onLanguage(() => this.#arrange());
-    this.show(board, isChosen);
+    this.show(board);
   }
 
-  /** @param {SentBoard} board @param {boolean} [isChosen] */
-  show(board, isChosen = true) {
+  /** @param {SentBoard} board */
+  show(board) {
     this.#board = board;
-    this.#isChosen = isChosen;
     const { kind, columns, rows, dictionary, ratio, spacing, legacy, inverted } = this.#fields;
     kind.value = kindOf(board);
     [columns.value, rows.value] = board.squares.map(String);
@@ -78,13 +85,8 @@ export class BoardForm {
     this.#arrange();
   }
 
-  open() {
-    this.#details.open = true;
+  focus() {
     this.#fields.preset.focus();
-  }
-
-  close() {
-    this.#details.open = false;
   }
 
   /** Board of the fields. */
@@ -108,15 +110,15 @@ export class BoardForm {
       field.hidden = !(field.dataset.kinds ?? "").split(" ").includes(kind);
     }
     const { preset } = this.#fields;
-    preset.options[preset.options.length - 1].textContent = t("photos.preset_other");
+    preset.options[preset.options.length - 1].textContent = t("boards.preset_other");
     preset.value = PRESETS.find(({ board }) => isSameBoard(board, this.#board))?.id ?? OTHER;
-    part("board", HTMLElement).textContent = this.#isChosen ? boardWords(this.#board) : t("photos.automatic");
+    this.#use.onArrange?.();
     this.#say(this.#wrong);
   }
 
   /** @param {import("../lib/board.js").Problem | null} problem */
   #say(problem) {
     this.#wrong = problem;
-    this.#problem.textContent = problem ? t("photos.board_impossible", { reason: reason(problem) }) : "";
+    this.#problem.textContent = problem ? this.#use.problemText(reason(problem)) : "";
   }
 }

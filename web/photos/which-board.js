@@ -1,0 +1,52 @@
+// The form of the board within the page: the files stay while the board changes.
+import { BoardForm, boardWords } from "../lib/board-form.js";
+import { part } from "../lib/dom.js";
+import { t } from "../lib/i18n.js";
+
+/** @typedef {import("../lib/board.js").SentBoard} SentBoard */
+
+export class WhichBoard {
+  #details = part("which-board", HTMLDetailsElement);
+  /** @type {SentBoard} */
+  #board;
+  /** @type {boolean} */
+  #isChosen;
+  #form;
+
+  /**
+   * @param {SentBoard} board @param {(board: SentBoard) => void} onChoice called when somebody has chosen another
+   * @param {boolean} isChosen whether somebody has said that it is this one; else it is recognised
+   */
+  constructor(board, onChoice, isChosen) {
+    [this.#board, this.#isChosen] = [board, isChosen];
+    this.#form = new BoardForm(board, {
+      onChoice: (chosen) => {
+        this.#take(chosen, true);
+        onChoice(chosen);
+      },
+      onArrange: () => this.#say(),
+      problemText: (reason) => t("photos.board_impossible", { reason }),
+    });
+  }
+
+  /** @param {SentBoard} board @param {boolean} [isChosen] */
+  show(board, isChosen = true) {
+    this.#take(board, isChosen);
+    this.#form.show(board);
+  }
+
+  open() {
+    this.#details.open = true;
+    this.#form.focus();
+  }
+
+  /** @param {SentBoard} board @param {boolean} isChosen */
+  #take(board, isChosen) {
+    [this.#board, this.#isChosen] = [board, isChosen];
+    this.#say();
+  }
+
+  #say() {
+    part("board", HTMLElement).textContent = this.#isChosen ? boardWords(this.#board) : t("photos.automatic");
+  }
+}
