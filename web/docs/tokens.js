@@ -12,7 +12,7 @@ export const NO_TOKEN = "cdb_…";
 /** The tokens, newest first as /developers/ keeps them; on the visitor's own machine also that of development. @returns {KeptToken[]} */
 export function keptTokens() {
   const local = ["127.0.0.1", "localhost", "[::1]"].includes(location.hostname);
-  return [...read(), ...(local ? [{ id: "development", token: DEVELOPMENT_TOKEN, name: "development token of this machine" }] : [])];
+  return [...read(), ...(local ? [{ id: "development", token: DEVELOPMENT_TOKEN, name: "development token" }] : [])];
 }
 
 /** The token that examples use. @returns {KeptToken | null} */

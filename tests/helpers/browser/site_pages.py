@@ -1,0 +1,179 @@
+"""Every page of the site as most people see it, and what may be wrong with how it looks."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from typing import Any
+
+from playwright.sync_api import Page, Route, ViewportSize
+from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
+
+from .pictures import SETTLED
+from .specimens import answer, camera, cameras, result
+
+PAGES = {
+    "landing": "",
+    "calibrate": "calibrate/",
+    "sent": "calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=1280x720"
+    "&return_to=https://app.example/",
+    "photos": "photos/",
+    "import": "import/",
+    "cameras": "cameras/",
+    "camera": "cameras/?key=c2.specimen",
+    "result": "result/?id=x",
+    "board": "board/",
+    "ar": "ar/",
+    "examples": "examples/",
+    "example": "examples/three/",
+    "developers": "developers/",
+    "data": "data/",
+    "privacy": "privacy/",
+    "terms": "terms/",
+    "status": "status/",
+    "docs": "docs/",
+    "reference": "docs/api/",
+    "problems": "docs/problems/",
+    "missing": "nothing-here/",
+}
+#: their content comes from the service, from the visitor's device, or is long
+FILLED_IN = ("landing", "sent", "data", "status", "reference")
+SIZES: dict[int, ViewportSize] = {
+    width: {"width": width, "height": height}
+    for width, height in ((320, 640), (390, 844), (768, 1024), (1440, 900), (2560, 1440))
+}
+#: a shift that people notice, after web.dev
+MAX_SHIFT = 0.02
+_WAIT_S = 15.0
+
+# Nothing is answered before the page was drawn once: what comes of an answer moves what is seen.
+_LATE_ANSWERS = """
+  const drawn = new Promise((done) => {
+    new PerformanceObserver((list, observer) => {
+      observer.disconnect();
+      requestAnimationFrame(() => requestAnimationFrame(done));
+    }).observe({ type: "paint", buffered: true });
+  });
+  const send = window.fetch;
+  window.fetch = async (...request) => {
+    await drawn;
+    return send(...request);
+  };
+"""
+_WATCH = """
+  window.shifts = [];
+  const name = (node) =>
+    node?.nodeType === 1 ? `${node.nodeName}#${node.id}.${node.className}` : node?.nodeName;
+  window.shifting = new PerformanceObserver((list) => {
+    for (const { value, hadRecentInput, sources } of list.getEntries()) {
+      if (!hadRecentInput) window.shifts.push([value, sources.map(({ node }) => name(node))]);
+    }
+  });
+  window.shifting.observe({ type: "layout-shift", buffered: true });
+"""
+# Text that is wider than its element, hangs out of the page, or is cut; of selects the text shown.
+_AMISS = """() => {
+  const width = document.documentElement.clientWidth;
+  const faults = document.documentElement.scrollWidth > width ? ["the page scrolls sideways"] : [];
+  const pen = document.createElement("canvas").getContext("2d");
+  const room = (each, style) =>
+    each.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight) + 1;
+  const words = (each) => (each.textContent ?? "").trim().slice(0, 40);
+  const skipped = ".unseen, .skip, pre, svg, .wide, .scroll, .stage > :not(.sheet)";
+  for (const each of document.querySelectorAll("body *")) {
+    if (!each.checkVisibility({ visibilityProperty: true }) || each.closest(skipped)) continue;
+    const style = getComputedStyle(each);
+    const box = each.getBoundingClientRect();
+    const name = `${each.nodeName}#${each.id}.${each.className}`;
+    if (box.width && (box.right > width + 1 || box.left < -1)) faults.push(`${name} leaves the page`);
+    const shown = each.matches("select") ? each.selectedOptions[0]?.textContent.trim()
+      : each.matches("input[placeholder]") ? each.placeholder : "";
+    if (shown) {
+      pen.font = style.font;
+      if (pen.measureText(shown).width > room(each, style)) faults.push(`${name} cuts "${shown}"`);
+    }
+    const texts = "h1,h2,h3,p,li,td,th,dt,dd,a,button,summary,label,span,strong,code,figcaption";
+    if (!each.matches(texts)) continue;
+    if (style.display !== "inline" && each.scrollWidth > each.clientWidth + 1) {
+      faults.push(`${name} is too narrow for "${words(each)}"`);
+    }
+    if (style.overflowY === "hidden" && each.scrollHeight > each.clientHeight + 2) {
+      faults.push(`${name} cuts "${words(each)}"`);
+    }
+  }
+  const actions = document.querySelectorAll("main :is(a[href]:not([href^='#']), button, input, select)");
+  if (![...actions].some((each) => each.checkVisibility({ visibilityProperty: true }))) {
+    faults.push("there is nothing to do next");
+  }
+  return faults;
+}"""
+
+
+def statistics() -> dict[str, Any]:
+    """Figures of a database that is some weeks old."""
+    history = [
+        {"date": f"2026-{month:02}-02", "cameras": 40 * month, "known": 9 * month}
+        | {"calibrations": 190 * month, "contributors": 77 * month}
+        for month in range(1, 8)
+    ]
+    wanted = [
+        {
+            "key": f"c4.{n}",
+            "camera": f"Webcam {n} (046d:08{n:02})",
+            "asked": 90 - 3 * n,
+            "calibrations": n % 4,
+        }
+        for n in range(12)
+    ]
+    return {"created": 1_782_000_000, "history": history, "wanted": wanted, "bundle": None}
+
+
+def dump() -> dict[str, Any]:
+    """List of the files of a dump."""
+    counts = {"calibrations": 1330, "votes": 12, "cameras": 280, "contributors": 539}
+    files = [
+        {"name": f"{name}-2026-07-02.jsonl.gz", "count": 640, "size": 5_400_000, "sha256": "0f" * 32}
+        for name in ("calibrations-1", "calibrations-2", "votes")
+    ]
+    return {"created": 1_782_000_000, "counts": counts, "files": files}
+
+
+def prepare(page: Page) -> None:
+    """Let a page be answered by specimens, after it was drawn once, and watch what moves."""
+
+    def refuse(route: Route) -> None:
+        route.abort()
+
+    answer(page, "**/v1/cameras?*", cameras)
+    answer(page, "**/v1/cameras/*", camera)
+    answer(page, "**/v1/calibrations/x", result)
+    answer(page, "**/dumps/statistics.json", statistics)
+    answer(page, "**/dumps/latest.json", dump)
+    page.route("**/opencv*", refuse)  # 12 MB that show nothing
+    page.add_init_script(_LATE_ANSWERS)
+    page.add_init_script(_WATCH)
+
+
+def visit(page: Page, name: str, language: str) -> None:
+    """Open a page in a language, and wait until all that it asks for is there."""
+    page.goto(f"/{'' if language == 'en' else f'{language}/'}{PAGES[name]}")
+    with suppress(PlaywrightTimeoutError):  # a page may ask again and again
+        page.wait_for_load_state("networkidle", timeout=1000 * _WAIT_S)
+    page.evaluate(SETTLED)
+
+
+def shifts(page: Page) -> list[tuple[float, list[str]]]:
+    """List how far parts of the page have moved, and which, since it was opened."""
+    found: list[tuple[float, list[str]]] = page.evaluate("window.shifts")
+    return found
+
+
+def faults(page: Page, width: int, seconds: float = 5.0) -> list[str]:
+    """List what is wrong with the page in a window of that width, once it has come to rest."""
+    page.set_viewport_size(SIZES[width])
+    end = time.monotonic() + seconds
+    while True:
+        page.evaluate(SETTLED)
+        found: list[str] = page.evaluate(_AMISS)
+        if not found or time.monotonic() > end:
+            return found
