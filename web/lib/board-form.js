@@ -9,7 +9,7 @@ import boards from "../messages/boards.js";
 /**
  * @typedef {import("./board.js").SentBoard} SentBoard
  *
- * @typedef {object} Use what a page makes of the form
+ * @typedef {object} Use the form within a page
  * @property {(board: SentBoard) => void} onChoice called when somebody has chosen another
  * @property {(reason: string) => string} problemText words for a board that cannot be
  * @property {"input" | "change"} [event] when a field counts: with every key, or when it is left

@@ -78,7 +78,7 @@ export function boardPdf(board, paper, foot, letter) {
   ]);
 }
 
-/** What lies around a rectangle, mm. @param {number} x @param {number} y @param {number} width @param {number} height */
+/** Frame around a rectangle, four rectangles, mm. @param {number} x @param {number} y @param {number} width @param {number} height */
 function edge(x, y, width, height) {
   const wide = INVERTED_EDGE_MM;
   return [
