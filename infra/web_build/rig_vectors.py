@@ -2,8 +2,8 @@
 
     python -m infra.web_build.rig_vectors
 
-The SDK rectifies pairs itself; its tests compare with these. The first pair is that of OpenCV's samples, fitted
-to its corners.
+The SDK rectifies pairs itself; its tests compare with these. The first pair is that of OpenCV's samples,
+fitted to its corners.
 """
 
 from __future__ import annotations

@@ -1,0 +1,94 @@
+"""Rectified pairs of the SDK: what is drawn on the GPU is what OpenCV makes of the solver's rectification."""
+
+import base64
+import json
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from playwright.sync_api import Page
+
+from calibsolver import Camera
+from calibsolver.rig.rectification import rectify
+from calibsolver.rig.start import RigidMotion
+from infra.web_build.rig_vectors import RIGS_PATH
+from tests.helpers.browser.photographs import textured_board
+
+from .test_rectifier import decoded
+
+SIZE = (1280, 720)
+HALF = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])  # px of a picture to those of its half
+MIXED = ("fisheye", "rational")
+DRAWN = """async ([{ left, right, pose }, png, packing]) => {
+  const { Rig, rectifyPair } = await import("/sdk/calibdb.js");
+  const blob = new Blob([Uint8Array.from(atob(png), (each) => each.charCodeAt(0))], { type: "image/png" });
+  const [width, height] = left.img_size;
+  const part = (x, y) => createImageBitmap(blob, x, y, width, height);
+  const whole = await createImageBitmap(blob);
+  const still = { position: 0, rvec: [0, 0, 0], tvec: [0, 0, 0] };
+  const rig = new Rig({ calibrations: [left, right], extrinsics: [still, { position: 1, ...pose }] });
+  const sources = packing ? [whole, whole] : [await part(0, 0), await part(width, 0)];
+  const pair = await rectifyPair(...sources, rig, { packing, scale: 0.5 });
+  const shown = [pair.left, pair.right].map((drawn) => {
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [drawn.width, drawn.height];
+    canvas.getContext("2d").drawImage(drawn, 0, 0);
+    return { png: canvas.toDataURL("image/png") };
+  });
+  const [eye] = pair.views();
+  const found = { shown, matrix: pair.camera_matrix, point: pair.point([350, 150], 6), eye: eye.eye };
+  const video = document.createElement("video");
+  found.early = pair.draw(video, video);
+  pair.dispose();
+  return found;
+}"""
+
+
+def camera(record: dict[str, Any]) -> Camera:
+    matrix, distortion = np.array(record["camera_matrix"]), np.array(record["distortion_coefficients"])
+    w, h = record["img_size"]
+    return Camera(model=record["distortion_model"], matrix=matrix, distortion=distortion, img_size=(w, h))
+
+
+def expected(
+    one: Camera, r: npt.NDArray[np.float64], k: npt.NDArray[np.float64], picture: npt.NDArray[np.uint8]
+) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:
+    """Rectified picture of matrix `k` by cv2.remap, and where the camera's picture is in it."""
+    u, v = np.meshgrid(np.arange(SIZE[0] / 2), np.arange(SIZE[1] / 2))
+    rays = np.stack([u.ravel(), v.ravel(), np.ones(u.size)], axis=1) @ np.linalg.inv(k).T @ r
+    q = np.nan_to_num(one.project(rays), nan=-1e6).astype(np.float32).reshape(*u.shape, 2)
+    x, y = np.ascontiguousarray(q[..., 0]), np.ascontiguousarray(q[..., 1])
+    inside = (x > 1) & (y > 1) & (x < SIZE[0] - 2) & (y < SIZE[1] - 2)
+    return np.asarray(cv2.remap(picture, x, y, cv2.INTER_LINEAR), dtype=np.uint8), inside
+
+
+def test_a_pair_of_two_models_is_drawn_as_opencv_would(page: Page) -> None:
+    pairs = json.loads(RIGS_PATH.read_text())
+    (pair,) = [
+        each for each in pairs if tuple(each[side]["distortion_model"] for side in ("left", "right")) == MIXED
+    ]
+    left, right = camera(pair["left"]), camera(pair["right"])
+    motion = RigidMotion.of_vector(np.array([*pair["pose"]["rvec"], *pair["pose"]["tvec"]]))
+    found = rectify(left, right, motion)
+    k = HALF @ found.p1[:, :3]
+    # So soft that OpenCV's fractions, whole 1/32 px, do not show.
+    both = np.asarray(cv2.GaussianBlur(textured_board((2 * SIZE[0], SIZE[1])), (0, 0), 3.0), dtype=np.uint8)
+    png = base64.b64encode(cv2.imencode(".png", both)[1].tobytes()).decode()
+    page.goto("/board/")
+    for packing in (None, "beside"):
+        made = page.evaluate(DRAWN, [pair, png, packing])
+        sides = (
+            (left, found.r1, both[:, : SIZE[0]]),
+            (right, found.r2, both[:, SIZE[0] :]),
+        )
+        for shown, (one, r, picture) in zip(made["shown"], sides, strict=True):
+            ours = decoded(shown)[..., 0].astype(int)
+            theirs, inside = expected(one, r, k, np.ascontiguousarray(picture))
+            assert inside.mean() > 0.4
+            assert np.abs(ours - theirs)[inside].max() <= 1, packing
+        assert np.abs(np.array(made["matrix"]) - k).max() < 1e-6
+        x = found.q @ (700.5, 300.5, 12, 1)
+        assert np.abs(np.array(made["point"]) - found.r1.T @ (x[:3] / x[3])).max() < 1e-6
+        assert made["eye"] == "left"
+        assert made["early"] is False, "a video that shows nothing yet"
