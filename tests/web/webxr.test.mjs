@@ -203,6 +203,25 @@ test("a second call changes the provider and wraps nothing twice", async () => {
   assert.equal(calls.length, 1);
 });
 
+test("two eyes are two cameras, and a view without an eye is the left one's", async () => {
+  const { global, session, calls } = running({ holds: ({ img_size: [width] }) => width === 640 });
+  session.seen = [{ eye: "left" }, { eye: "right" }, { eye: "none" }];
+  look(global, session);
+  calls[0].resolve({ left: PLAIN, right: FISHEYE });
+  await settled();
+  assert.deepEqual(views(global, session).map((view) => view.distortionModel), ["rectilinear", "fisheye", "rectilinear"]);
+  const errors = [];
+  for (const answer of [{ left: PLAIN, right: null }, { left: PLAIN, right: { ...FISHEYE, img_size: [1280, 960] } }]) {
+    extend(async () => answer, { global, holds: ({ img_size: [width] }) => width === 640, onError: (error) => errors.push(error) });
+    const next = new global.XRSession();
+    next.seen = session.seen;
+    look(global, next);
+    await settled();
+    assert.deepEqual(views(global, next).map((view) => view.distortionModel), ["rectilinear", null, "rectilinear"]);
+  }
+  assert.deepEqual(errors, []);
+});
+
 test("the formula of raw camera access takes projection matrices back", () => {
   for (const [f, c, size] of [[500, [325, 238], [640, 480]], [1432.5, [961.25, 520.75], [1920, 1080]], [480, [200, 700], [720, 1280]]]) {
     const pinhole = { img_size: size, camera_matrix: [[f, 0, c[0]], [0, 1.01 * f, c[1]], [0, 0, 1]] };

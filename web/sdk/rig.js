@@ -23,7 +23,8 @@ import { createViews } from "./views.js";
  * @property {number[]} std six standard deviations: of rvec, radians, and of tvec, the rig's unit
  *
  * @typedef {object} RigData as the service answers it, and as its file `json` holds it
- * @property {(string | null)[]} cameras ids of the cameras' own calibrations, by position
+ * @property {string} rig_id
+ * @property {string[]} cameras ids of the cameras' own calibrations, by position
  * @property {CalibrationData[]} calibrations as they were fitted together, by position
  * @property {Extrinsics[]} extrinsics by position; the first is 0
  * @property {"metres" | "squares"} unit of translations: squares of the board, where nobody measured them
@@ -31,7 +32,7 @@ import { createViews } from "./views.js";
  * @property {number | null} held_out_rms px, of moments that took no part in the fit
  * @property {{rotation_deg: number, translation_percent: number, rms: number}} uncertainty expected turn of the camera that is known
  *   worst; expected shift in per cent of its distance from camera 0; rms error, px, of one camera's points in another
- * @property {any} verdict on the capture, as a calibration's
+ * @property {"good" | "fair" | "poor"} verdict on the predicted error
  *
  * @typedef {object} Pose from a camera of a rig to another: x → R x + t, both frames x right, y down, z forward
  * @property {number[]} rvec rotation vector, radians

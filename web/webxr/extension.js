@@ -8,7 +8,7 @@
 //     view.distortionModel; // "rectilinear", …, or null
 //     session.updateRenderState({ distortionModel: "fisheye" }); // from a later frame on
 //
-// docs/webxr.md explains it as a proposal; camera.js does the lookup, too.
+// docs/webxr.md explains it as a proposal; camera.js does the lookup, too, and rig.js shows two cameras to two eyes.
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { viewAttributes } from "../sdk/views.js";
 
@@ -26,8 +26,11 @@ import { viewAttributes } from "../sdk/views.js";
  *
  * @typedef {[number, number]} Size width, height, px
  *
- * @typedef {(session: object, model: string, size: Size | null) => Promise<Intrinsics | null>} Provider asked for the calibration of a
- *   session's camera, null where none is known; `size`: of the picture that raw camera access gives, where it does
+ * @typedef {{left: Intrinsics | null, right: Intrinsics | null}} Eyes of two cameras; a view without an eye is the left one's
+ *
+ * @typedef {(session: object, model: string, size: Size | null) => Promise<Intrinsics | Eyes | null>} Provider asked for the calibration
+ *   of a session's camera, or of both its cameras, null where none is known; `size`: of the picture that raw camera access gives, where
+ *   it does
  *
  * @typedef {object} Options
  * @property {any} [global] where the WebXR classes are
@@ -40,11 +43,13 @@ import { viewAttributes } from "../sdk/views.js";
  * @property {Size | null} size
  * @property {number} asked how often
  * @property {boolean} failed the last time
- * @property {Intrinsics | null} known
+ * @property {Eyes} known
  */
 
 /** @type {Attributes} */
 const UNKNOWN = { cameraMatrix: null, distortionCoefficients: null, distortionModel: null };
+/** @type {Eyes} */
+const NEITHER = { left: null, right: null };
 
 /**
  * Adds the attributes to XRView, and `distortionModel` to XRRenderState. A second call changes the provider.
@@ -68,7 +73,7 @@ export function extend(provider, { global = globalThis, model = "rectilinear", h
     const found = states.get(session);
     if (found) return found;
     /** @type {State} */
-    const state = { model: first, size: null, asked: 0, failed: false, known: null };
+    const state = { model: first, size: null, asked: 0, failed: false, known: NEITHER };
     states.set(session, state);
     running.add(session);
     session.addEventListener("end", () => running.delete(session));
@@ -82,7 +87,7 @@ export function extend(provider, { global = globalThis, model = "rectilinear", h
     try {
       const known = await provider(session, state.model, state.size);
       if (late()) return;
-      state.known = known && usable(known);
+      state.known = eyesOf(known);
       state.failed = false;
     } catch (error) {
       if (late()) return;
@@ -101,8 +106,10 @@ export function extend(provider, { global = globalThis, model = "rectilinear", h
     if (turned) state.size = [camera.width, camera.height];
     if (turned || state.asked === 0) void ask(this.session);
     // As it is in this frame: a view does not change its camera while it is drawn.
-    const known = state.known && holds(state.known) ? state.known : null;
-    for (const view of pose.views) views.set(view, attributesOf(view, known));
+    for (const view of pose.views) {
+      const known = view.eye === "right" ? state.known.right : state.known.left;
+      views.set(view, attributesOf(view, known && holds(known) ? known : null));
+    }
     return pose;
   });
   for (const name of /** @type {(keyof Attributes)[]} */ (Object.keys(UNKNOWN))) {
@@ -154,6 +161,13 @@ function attributesOf(/** @type {any} */ view, /** @type {Intrinsics | null} */ 
   if (known && (!camera || !known.img_size || sameSize(known.img_size, camera))) return viewAttributes(known);
   if (!camera) return UNKNOWN;
   return { ...UNKNOWN, cameraMatrix: Float32Array.from(matrixOf(view.projectionMatrix, camera.width, camera.height)) };
+}
+
+/** @param {Intrinsics | Eyes | null} known @returns {Eyes} throws a TypeError for what no view could say */
+function eyesOf(known) {
+  if (!known) return NEITHER;
+  if (!("left" in known)) return { left: usable(known), right: known };
+  return { left: known.left && usable(known.left), right: known.right && usable(known.right) };
 }
 
 /** @param {Intrinsics} intrinsics @returns {Intrinsics} itself; throws a TypeError for what no view could say */

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     )
     from .key import CameraKey
     from .recording import Recording
+    from .rig import Rig
     from .session import CaptureResult
 
 __version__ = "0.1.0"
@@ -63,6 +64,7 @@ _MODULES = {
     "ProblemError": "errors",
     "QuotaError": "errors",
     "Recording": "recording",
+    "Rig": "rig",
     "ServiceUnavailableError": "errors",
     "UsageError": "errors",
     "open_camera": "camera",
@@ -90,6 +92,7 @@ __all__ = [
     "ProblemError",
     "QuotaError",
     "Recording",
+    "Rig",
     "ServiceUnavailableError",
     "UsageError",
     "offline",

@@ -22,6 +22,7 @@ from .errors import CalibDBError
 from .export_query import export_query
 from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
 from .recording import Recording, ignore
+from .rig import Rig
 from .session import CaptureResult, Progress
 from .wire import Failure, Reply, Request, checked, pause
 
@@ -111,6 +112,14 @@ class AsyncClient:
     ) -> ExportedFile:
         """Read a calibration as another tool's file, as `Client.export` does."""
         return await self._run(flows.export(identifier, export_query(format, crop, resize, rotate, mirror)))
+
+    async def rig(self, identifier: str) -> Rig:
+        """Read a rig by its id, as `Client.rig` does."""
+        return Rig(await self._run(flows.rig(identifier)))
+
+    async def rig_file(self, identifier: str, format: str) -> ExportedFile:  # noqa: A002 - the contract's name
+        """Read a rig as another tool's file, as `Client.rig_file` does."""
+        return await self._run(flows.rig_file(identifier, format))
 
     async def cameras(self, query: str = "", limit: int = 50) -> list[Mapping[str, Any]]:
         """Search the database, as `Client.cameras` does."""

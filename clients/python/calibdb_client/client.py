@@ -21,6 +21,7 @@ from .errors import CalibDBError
 from .export_query import export_query
 from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
 from .recording import Recording, ignore
+from .rig import Rig
 from .session import CaptureResult, Progress
 from .wire import Failure, Reply, Request, checked, pause
 
@@ -142,6 +143,14 @@ class Client:
             Whether left and right are swapped at last.
         """
         return self._run(flows.export(identifier, export_query(format, crop, resize, rotate, mirror)))
+
+    def rig(self, identifier: str) -> Rig:
+        """Read a rig, cameras that were calibrated together, by its id. Raises NotFoundError for none."""
+        return self._rig(self._run(flows.rig(identifier)))
+
+    def rig_file(self, identifier: str, format: str) -> ExportedFile:  # noqa: A002 - the contract's name
+        """Read a rig as another tool's file (docs/formats.md); several files are one ZIP archive."""
+        return self._run(flows.rig_file(identifier, format))
 
     def cameras(self, query: str = "", limit: int = 50) -> list[Mapping[str, Any]]:
         """Search the database for cameras whose names contain words that begin with those of `query`."""
@@ -265,6 +274,9 @@ class Client:
 
     def _calibration(self, record: Mapping[str, Any]) -> Calibration:
         return Calibration(record, self.export)
+
+    def _rig(self, record: Mapping[str, Any]) -> Rig:
+        return Rig(record, self.rig_file, self.export)
 
     def _run(self, flow: flows.Flow[flows.T]) -> flows.T:
         """Drive a conversation to its end."""

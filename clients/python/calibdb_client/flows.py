@@ -86,7 +86,23 @@ def calibration(identifier: str) -> Flow[Mapping[str, Any]]:
 
 def export(identifier: str, query: Mapping[str, str]) -> Flow[ExportedFile]:
     """Read a calibration as another tool's file."""
-    reply = yield Request("GET", f"v1/calibrations/{_segment(identifier)}", query=query, accept="*/*")
+    return (yield from _file(f"v1/calibrations/{_segment(identifier)}", query))
+
+
+def rig(identifier: str) -> Flow[Mapping[str, Any]]:
+    """Read the result of a rig."""
+    reply = yield Request("GET", f"v1/rigs/{_segment(identifier)}/result")
+    return reply.json
+
+
+def rig_file(identifier: str, name: str) -> Flow[ExportedFile]:
+    """Read a rig as another tool's file, or a ZIP archive of several."""
+    return (yield from _file(f"v1/rigs/{_segment(identifier)}/result", {"format": name}))
+
+
+def _file(path: str, query: Mapping[str, str]) -> Flow[ExportedFile]:
+    """Read a file, with what its headers say of it."""
+    reply = yield Request("GET", path, query=query, accept="*/*")
     headers = reply.headers
     return ExportedFile(
         content=reply.body,
@@ -137,7 +153,7 @@ def _is_record(said: Mapping[str, Any]) -> bool:
 def _segment(text: str) -> str:
     """Return an id as one segment of a path. Raises UsageError for text that is none."""
     if not text or not all(c.isascii() and (c.isalnum() or c in "-_.~") for c in text) or set(text) == {"."}:
-        raise UsageError(f"{text!r} is no id of a calibration or camera")
+        raise UsageError(f"{text!r} is no id of a calibration, camera or rig")
     return text
 
 

@@ -1,0 +1,169 @@
+"""A rig as the service answers it: cameras calibrated together, and where they are to each other."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .answer import ExportedFile
+from .calibration import Calibration, Exporter
+from .errors import UsageError
+from .files import write_whole
+from .projection import Array
+
+RigExporter = Callable[[str, str], ExportedFile]
+"""Fetches the file of a rig's id in a format."""
+
+_NATIVE = "json"
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """Two to eight cameras that do not move against each other.
+
+    Attributes
+    ----------
+    record
+        All that the service answered, under its names (docs/api.md).
+
+    Raises UsageError for a record that is no rig.
+    """
+
+    record: Mapping[str, Any]
+    _exporter: RigExporter | None = field(default=None, repr=False)
+    _camera_exporter: Exporter | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        try:
+            poses = [np.array([*each["rvec"], *each["tvec"]], dtype=np.float64) for each in self._extrinsics]
+            whole = len(self.record["calibrations"]) == len(poses) >= 2
+            whole = whole and all(pose.shape == (6,) and bool(np.isfinite(pose).all()) for pose in poses)
+            whole = whole and isinstance(self.record["unit"], str)
+        except (KeyError, TypeError, ValueError):
+            whole = False
+        if not whole:
+            raise UsageError("this is no rig: calibrations and extrinsics of two or more cameras are needed")
+
+    def __repr__(self) -> str:
+        return f"Rig({self.id!r}, {len(self.calibrations)} cameras, {self.unit}, {self.verdict})"
+
+    @classmethod
+    def load(cls, path: str | Path) -> Rig:
+        """Read a JSON file that `save` wrote. Raises UsageError for any other file."""
+        try:
+            record = json.loads(Path(path).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise UsageError(f"{path} cannot be read as a rig: {error}") from None
+        if not isinstance(record, dict):
+            raise UsageError(f"{path} is no rig")
+        return cls(record)
+
+    @cached_property
+    def calibrations(self) -> tuple[Calibration, ...]:
+        """Cameras as they were fitted together, by position."""
+        return tuple(Calibration(record, self._camera_exporter) for record in self.record["calibrations"])
+
+    @property
+    def id(self) -> str | None:
+        """Id at the service."""
+        return self.record.get("rig_id")
+
+    @property
+    def unit(self) -> str:
+        """Unit of translations: ``metres``, or ``squares`` of the board if nobody measured them."""
+        return str(self.record["unit"])
+
+    @property
+    def uncertainty(self) -> dict[str, float]:
+        """Predicted error, as `rotation_deg`, `translation_percent` and `rms` px of one camera in another."""
+        return dict(self.record.get("uncertainty") or {})
+
+    @property
+    def rms(self) -> float:
+        """px, over all points of the capture."""
+        return float(self.record["rms"])
+
+    @property
+    def verdict(self) -> str:
+        """``good``, ``fair`` or ``poor``, by the predicted error."""
+        return str(self.record.get("verdict", ""))
+
+    def pose(self, position: int, origin: int = 0) -> Array:
+        """Return the motion (4, 4), x -> R x + t, from the camera at `origin` to the one at `position`.
+
+        Both frames are x right, y down, z forward. Raises UsageError for a position that the rig lacks.
+        """
+        there: Array = self._from_first(position) @ np.linalg.inv(self._from_first(origin))
+        return there
+
+    def std(self, position: int) -> Array:
+        """Return the standard deviations (6,) of rvec, radians, and tvec of `pose(position)`."""
+        return np.array(self._of(position).get("std", [np.nan] * 6), dtype=np.float64)
+
+    def to_metres(self, square_size: float) -> Rig:
+        """Return this rig in metres; one in squares needs the side of a square, metres."""
+        if self.unit == "metres":
+            return self
+        if not square_size > 0:
+            raise UsageError(f"the side of a square is above 0 metres, not {square_size}")
+        extrinsics = []
+        for each in self._extrinsics:
+            std = self.std(each["position"])
+            std[3:] *= square_size
+            tvec = [value * square_size for value in each["tvec"]]
+            extrinsics.append({**each, "tvec": tvec, "std": std.tolist()})
+        return replace(
+            self, record={**self.record, "extrinsics": extrinsics, "unit": "metres"}, _exporter=None
+        )
+
+    def save(self, path: str | Path, format: str = _NATIVE) -> ExportedFile:  # noqa: A002 - the contract's name
+        """Write a file of one of the service's formats (docs/formats.md), and return it.
+
+        The service writes other formats than its own. The file is there as a whole or not at all.
+        """
+        file = self.export(format)
+        write_whole(Path(path), file.content)
+        return file
+
+    def export(self, format: str = _NATIVE) -> ExportedFile:  # noqa: A002
+        """Return the file in one of the service's formats. Raises UsageError if nothing here can write it."""
+        if format == _NATIVE:
+            content = json.dumps(dict(self.record), indent=2, ensure_ascii=False) + "\n"
+            return ExportedFile(content.encode(), "rig.json", "application/json")
+        if self.id and self._exporter:
+            return self._exporter(self.id, format)
+        raise UsageError(f"the service holds no such rig, so only 'json' can be written, not {format!r}")
+
+    @property
+    def _extrinsics(self) -> list[Mapping[str, Any]]:
+        return list(self.record["extrinsics"])
+
+    def _of(self, position: int) -> Mapping[str, Any]:
+        found = [each for each in self._extrinsics if each.get("position") == position]
+        if not found:
+            raise UsageError(
+                f"this rig has cameras 0 to {len(self.calibrations) - 1}, and no camera {position}"
+            )
+        return found[0]
+
+    def _from_first(self, position: int) -> Array:
+        known = self._of(position)
+        motion = np.eye(4)
+        motion[:3, :3] = _rotation(np.array(known["rvec"], dtype=np.float64))
+        motion[:3, 3] = known["tvec"]
+        return motion
+
+
+def _rotation(rvec: Array) -> Array:
+    """Rotation matrix (3, 3) of a rotation vector (3,), Rodrigues' formula."""
+    angle = float(np.linalg.norm(rvec))
+    x, y, z = rvec / angle if angle > 0 else rvec
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    rotation: Array = np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * (k @ k)
+    return rotation

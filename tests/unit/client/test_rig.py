@@ -1,0 +1,112 @@
+"""Rigs of the Python client: poses against OpenCV, units, files, and what is refused; both twins."""
+
+import asyncio
+import json
+from pathlib import Path
+from typing import Any
+
+import cv2
+import httpx
+import numpy as np
+import pytest
+
+from calibdb_client import AsyncClient, Client, NotFoundError, Rig, UsageError
+from tests.unit.client.test_calibration import RECORD
+
+SITE = "https://calibdb.test"
+TOKEN = "cdb_a_secret"
+RIG = "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d"
+POSES = ((0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.02, -0.6, 0.1, -2.0, 0.1, 0.7), (0.3, -1.2, 2.4, 1.0, 2.0, -3.0))
+RESULT: dict[str, Any] = {
+    "rig_id": RIG,
+    "cameras": ["a", "b", "c"],
+    "calibrations": [RECORD] * 3,
+    "extrinsics": [
+        {"position": i, "rvec": pose[:3], "tvec": pose[3:], "std": [0.001] * 3 + [0.02] * 3}
+        for i, pose in enumerate(POSES)
+    ],
+    "unit": "squares",
+    "rms": 0.27,
+    "held_out_rms": 0.3,
+    "uncertainty": {"rotation_deg": 0.05, "translation_percent": 0.2, "rms": 0.25},
+    "verdict": "good",
+}
+
+
+def answer(request: httpx.Request) -> httpx.Response:
+    if request.url.path != f"/v1/rigs/{RIG}/result":
+        return httpx.Response(404, json={"detail": "There is no such rig.", "status": 404})
+    assert request.headers["authorization"] == f"Bearer {TOKEN}"
+    if request.url.params.get("format") != "kalibr":
+        return httpx.Response(200, json=RESULT)
+    headers = {"content-disposition": 'attachment; filename="camchain.yaml"', "x-conversion-error": "0.25"}
+    return httpx.Response(200, content=b"cam0:\n", headers=headers)
+
+
+def read(twin: bool, identifier: str, name: str = "kalibr") -> tuple[Rig, Any]:
+    """Read a rig, and its file, with the client or with its twin."""
+    transport = httpx.MockTransport(answer)
+    if not twin:
+        with Client(SITE, TOKEN, transport=transport, cache=False) as client:
+            return client.rig(identifier), client.rig_file(identifier, name)
+
+    async def ask() -> tuple[Rig, Any]:
+        async with AsyncClient(SITE, TOKEN, transport=transport, cache=False) as client:
+            return await client.rig(identifier), await client.rig_file(identifier, name)
+
+    return asyncio.run(ask())
+
+
+@pytest.mark.parametrize("twin", [False, True])
+def test_both_clients_read_a_rig_and_its_files(twin: bool) -> None:
+    rig, file = read(twin, RIG)
+    assert (rig.id, rig.unit, rig.verdict, rig.rms) == (RIG, "squares", "good", 0.27)
+    assert rig.uncertainty["rms"] == 0.25
+    assert [each.camera for each in rig.calibrations] == [RECORD["camera"]] * 3
+    assert np.isfinite(rig.calibrations[1].project([[0.0, 0, 1]])).all()
+    assert (file.filename, file.content, file.error) == ("camchain.yaml", b"cam0:\n", 0.25)
+    with pytest.raises(NotFoundError, match="no such rig"):
+        read(twin, "0" * 32)
+    with pytest.raises(UsageError, match="no id"):
+        read(twin, "../tokens")
+
+
+def test_poses_are_opencvs() -> None:
+    rig = Rig(RESULT)
+    for position, pose in enumerate(POSES):
+        assert rig.pose(position)[:3, :3] == pytest.approx(cv2.Rodrigues(np.array(pose[:3]))[0], abs=1e-12)
+        assert rig.pose(position)[:, 3].tolist() == [*pose[3:], 1]
+    first, second = (np.array(POSES[position]) for position in (1, 2))
+    step = rig.pose(2, origin=1)
+    rvec = cv2.Rodrigues(np.ascontiguousarray(step[:3, :3]))[0].ravel()
+    r, t = cv2.composeRT(first[:3], first[3:], rvec, np.ascontiguousarray(step[:3, 3]))[:2]
+    assert cv2.Rodrigues(r)[0] == pytest.approx(cv2.Rodrigues(second[:3])[0], abs=1e-12)
+    assert t.ravel() == pytest.approx(second[3:])
+    with pytest.raises(UsageError, match="cameras 0 to 2, and no camera 3"):
+        rig.pose(3)
+
+
+def test_a_rig_in_squares_becomes_one_in_metres() -> None:
+    rig = Rig(RESULT)
+    metres = rig.to_metres(0.03)
+    assert (metres.unit, rig.unit) == ("metres", "squares")
+    assert metres.pose(1)[:3, 3] == pytest.approx(np.array(POSES[1][3:]) * 0.03)
+    assert metres.std(1) == pytest.approx([0.001] * 3 + [0.0006] * 3)
+    assert metres.to_metres(5) is metres
+    with pytest.raises(UsageError, match="above 0 metres"):
+        rig.to_metres(0)
+
+
+def test_files_are_written_and_read_again(tmp_path: Path) -> None:
+    rig, _ = read(False, RIG)
+    rig.save(tmp_path / "rig.json")
+    again = Rig.load(tmp_path / "rig.json")
+    assert again.pose(1) == pytest.approx(rig.pose(1))
+    with pytest.raises(UsageError, match="only 'json' can be written"):
+        again.save(tmp_path / "camchain.yaml", format="kalibr")
+    (tmp_path / "list.json").write_text("[]")
+    for name, content in (("none.json", "{}"), ("half.json", json.dumps({**RESULT, "calibrations": []}))):
+        (tmp_path / name).write_text(content)
+    for name in ("list.json", "none.json", "half.json", "nowhere.json"):
+        with pytest.raises(UsageError):
+            Rig.load(tmp_path / name)
