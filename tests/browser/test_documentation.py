@@ -15,6 +15,7 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, BrowserContext, Page, Playwright, Route, expect
 
 from infra.web_build.openapi import EXAMPLES_PATH
+from infra.web_build.rig_vectors import RIGS_PATH
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.truth import Truth
@@ -31,7 +32,24 @@ PRELUDE = {
     "lookup": 'import { lookup } from "calibdb";',
     "token": 'const token = "cdb_dev_local";',
     "track": 'const track = { camera: "A", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };',
+    "id": 'const id = "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d";',
+    "stereo": 'const stereo = await (await import("/sdk/rig.js")).rig("a", { token: "cdb_dev_local" });',
+    "leftVideo": "const leftVideo = new OffscreenCanvas(640, 480);",
+    "rightVideo": "const rightVideo = leftVideo;",
+    "pair": "const pair = await (await import('/sdk/rig.js')).rectifyPair(leftVideo, rightVideo, stereo);",
 }
+#: what a name of `PRELUDE` takes for granted itself
+TAKEN = {"rightVideo": ("leftVideo",), "pair": ("stereo", "leftVideo", "rightVideo")}
+#: two cameras of 640 x 480 px
+CAMERAS = """
+  const devices = [1, 2].map((each) => ({ kind: "videoinput", deviceId: `${each}`, label: `C ${each}` }));
+  navigator.mediaDevices.enumerateDevices = async () => devices;
+  navigator.mediaDevices.getUserMedia = async () => {
+    const canvas = Object.assign(document.createElement("canvas"), { width: 640, height: 480 });
+    canvas.getContext("2d").fillRect(0, 0, 640, 480);
+    return canvas.captureStream(30);
+  };
+"""
 PAGES = ("", "quickstart/", "api/", "reference/", "reference/lookup/", "problems/", "accuracy/")
 
 
@@ -93,12 +111,14 @@ def samples(source: str) -> list[str]:
     found = []
     for block in blocks(source):
         if block.language == "js" and block.reason is None:
-            needed = [
-                line
-                for name, line in PRELUDE.items()
+            names = {
+                name
+                for name in PRELUDE
                 if re.search(rf"\b{name}\b", block.code)
                 and not re.search(rf"(import \{{ |const ){name}\b", block.code)
-            ]
+            }
+            names |= {each for name in names for each in TAKEN.get(name, ())}
+            needed = [line for name, line in PRELUDE.items() if name in names]
             found.append("\n".join([*needed, block.code, "globalThis.done = true;"]))
     return found
 
@@ -109,18 +129,35 @@ def test_javascript_of_quickstart_and_manual_runs(context: BrowserContext, stack
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.route("**/v1/lookup", lambda route: route.fulfill(json=KNOWN))
     page.route("**/known/**", lambda route: route.fulfill(status=404))
+    page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=rig_result()))
+    page.add_init_script(CAMERAS)
     page.route("**/cameras.json", lambda route: route.fulfill(json=BUNDLE))
     names = ("calibdb", "calibdb/bundle", "calibdb/adapters/three")
     imports = {name: f"/sdk/{name.partition('/')[2] or name}.js" for name in names}
     map_ = f'<script type="importmap">{json.dumps({"imports": imports})}</script>'
-    found = [*samples("docs/quickstart.md"), *samples("web/sdk/README.md")]
-    assert len(found) >= 3
+    sources = ("docs/quickstart.md", "docs/two-cameras.md", "web/sdk/README.md")
+    found = [code for source in sources for code in samples(source)]
+    assert len(found) >= 9
     for index, code in enumerate(found):
         html = f'<!doctype html>{map_}<script type="module">{code.replace(SITE, stack)}</script>'
         page.route(f"**/sample-{index}", partial(send, html))
         page.goto(f"/sample-{index}")
         page.wait_for_function("globalThis.done", timeout=10_000)
     assert errors == []
+
+
+def rig_result() -> dict[str, Any]:
+    """Answer of the service to the pair of OpenCV's samples."""
+    pair = json.loads(RIGS_PATH.read_text())[0]
+    still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
+    return {
+        "rig_id": "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d",
+        "calibrations": [pair["left"], pair["right"]],
+        "extrinsics": [still, {"position": 1, **pair["pose"], "std": [0.001] * 6}],
+        "unit": "metres",
+        "uncertainty": {"rotation_deg": 0.05, "translation_percent": 0.2, "rms": 0.25},
+        "verdict": "good",
+    }
 
 
 def send(html: str, route: Route) -> None:

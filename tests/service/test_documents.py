@@ -32,6 +32,7 @@ ELSEWHERE = {
     ("docs/webxr.md", "html"): "tests/browser/test_webxr_explainer.py",
     ("docs/quickstart.md", "html"): "tests/browser/test_documentation.py",
     ("docs/quickstart.md", "js"): "tests/browser/test_documentation.py",
+    ("docs/two-cameras.md", "js"): "tests/browser/test_documentation.py",
     ("web/sdk/README.md", "html"): "tests/browser/test_sdk.py",
     ("web/sdk/README.md", "js"): "tests/browser/test_documentation.py",
     ("web/sdk/README.md", "sh"): "tests/browser/test_sdk.py",

@@ -78,7 +78,7 @@ test("packed, it installs into an empty project, with types", { timeout: 60_000 
     writeFileSync(join(folder, "page.ts"), `import { Rectifier } from "calibdb/rectifier"; import { Calibration } from "calibdb";
       export const show = async (calibration: Calibration) => document.body.append((await calibration.rectifier({ balance: 1 })).canvas, (await calibration.distorter()).canvas);
       export const unseen = (calibration: Calibration) => new Rectifier(calibration, { canvas: new OffscreenCanvas(1, 1) }).canvas.transferToImageBitmap();`);
-    writeFileSync(join(folder, "pair.ts"), `import { rectifyPair, rig, type PairRectifier, type Pose, type View } from "calibdb"; import { rectify } from "calibdb/pair-rectifier";
+    writeFileSync(join(folder, "pair.ts"), `import { rectifyPair, rig, type PairRectifier, type Pose, type View } from "calibdb"; import { rectify } from "calibdb/stereo";
       export const show = async (left: HTMLVideoElement, right: HTMLVideoElement, frame: VideoFrame) => {
         const known = await rig("id", { token: "t" });
         const pair: PairRectifier = await rectifyPair(left, right, known, { scale: 0.5, positions: [1, 2] });

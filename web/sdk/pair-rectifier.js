@@ -5,8 +5,6 @@ import { rectifiedMotions, rectify } from "./stereo.js";
 import { createViews } from "./views.js";
 import { Warp, createCanvas } from "./warp.js";
 
-export { RectificationError, rectify } from "./stereo.js";
-
 /**
  * @typedef {import("./warp.js").AnyCanvas} AnyCanvas
  * @typedef {TexImageSource} Source a video, a canvas, an image, a VideoFrame

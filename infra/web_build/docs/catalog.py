@@ -56,6 +56,13 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
             uses_service=True,
         ),
         Entry(
+            "docs/two-cameras.md",
+            "two-cameras",
+            "Two cameras",
+            "A stereo pair from its capture to depth in metres, in a page and in other tools.",
+            uses_service=True,
+        ),
+        Entry(
             "docs/python.md",
             "python",
             "Python client",
