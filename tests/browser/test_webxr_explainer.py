@@ -1,5 +1,6 @@
 """The samples of docs/webxr.md, run as they stand there."""
 
+import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
+from infra.web_build.rig_vectors import RIGS_PATH
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.webxr import LABEL, SHARED, calibrated, script
 
@@ -82,7 +84,58 @@ def test_three_lines_of_a_page(page: Page, known: dict[str, Any], elsewhere: str
 def test_none_is_left_out() -> None:
     named = re.findall(r'sample\((".*?"|\'.*?\')\)', Path(__file__).read_text())
     run = {sample(name[1:-1]) for name in named}
-    assert len(run) == len(SAMPLES) == 8
+    assert len(run) == len(SAMPLES) == 9
+
+
+def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
+    pair = json.loads(RIGS_PATH.read_text())[0]
+    still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
+    result = {
+        "calibrations": [pair["left"], pair["right"]],
+        "extrinsics": [still, {"position": 1, **pair["pose"], "std": [0.001] * 6}],
+        "unit": "squares",
+    }
+    page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=result))
+    page.goto("/board/")
+    body = f"""
+      const [leftVideo, rightVideo] = [(await webcam([640, 480])).video, (await webcam([640, 480])).video];
+      {sample("useRig")}
+      const session = await navigator.xr.requestSession("immersive-ar");
+      await layered(session, 800, 300);
+      const space = await session.requestReferenceSpace("local");
+      const shown = () => document.querySelectorAll("div > div > canvas").length;
+      const found = await new Promise((done) => {{
+        const next = (now, frame) => {{
+          const {{ views }} = frame.getViewerPose(space);
+          const layer = session.renderState.baseLayer;
+          if (!views[1].distortionModel) return session.requestAnimationFrame(next);
+          const seen = views.map((view) => ({{
+            ...look(view), eye: view.eye, p: [...view.projectionMatrix], m: [...view.transform.matrix],
+            viewport: [layer.getViewport(view)].map((each) => [each.x, each.width])[0],
+          }}));
+          done({{ seen, shown: shown(), stage: [innerWidth, innerHeight] }});
+        }};
+        session.requestAnimationFrame(next);
+      }});
+      await session.end();
+      return {{ ...found, left: shown() }};
+    """
+    found = page.evaluate(script(body.replace(SERVICE, stack)))
+    left, right = found["seen"]
+    assert [left["eye"], right["eye"]] == ["left", "right"]
+    for view, side in ((left, "left"), (right, "right")):
+        assert view["matrix"][0] == np.float32(pair[side]["camera_matrix"][0][0])
+    assert [left["viewport"], right["viewport"]] == [[0, 400], [400, 400]]
+    assert (found["shown"], found["left"]) == (2, 0)
+    # Both look along the same axis, and the right one is one baseline to the right, in metres.
+    one, other = (np.reshape(view["m"], (4, 4)).T for view in (left, right))
+    assert np.abs(one[:3, :3] - other[:3, :3]).max() < 1e-6
+    step = one[:3, :3].T @ (other[:3, 3] - one[:3, 3])
+    assert step == pytest.approx([0.03 * np.linalg.norm(pair["pose"]["tvec"]), 0, 0], abs=1e-6)
+    # The picture covers its half of the window, so its focal length is scaled by the larger ratio.
+    width, height = found["stage"]
+    scale = max(width / 2 / 640, height / 480)
+    assert left["p"][0] == pytest.approx(2 * pair["P1"][0][0] * scale / (width / 2), rel=1e-6)
 
 
 def test_the_picture_straightened(page: Page, known: dict[str, Any]) -> None:

@@ -1,4 +1,5 @@
-// A webcam as a WebXR device: its video behind the layer, its intrinsics in the projection, its pose that of the tracker.
+// A webcam as a WebXR device: its video behind the layer, its intrinsics in the projection, its pose that of the tracker. Two
+// cameras of a rig are two eyes, side by side.
 import { projectionMatrix } from "../sdk/pinhole.js";
 import { XRDevice } from "../vendor/webxr/polyfill.js";
 import { Stage } from "./stage.js";
@@ -11,9 +12,15 @@ import { Stage } from "./stage.js";
  * @property {() => Pinhole | null} pinhole what is known of the camera; null: nothing
  * @property {() => Float32Array | null} [pose] camera → world, column-major, the camera looking along −z; null: at the origin
  * @property {() => Straight | null} [straight] what straightens the picture, and is shown in its place; null: nothing yet
+ * @property {Eyes} [eyes] two cameras in the place of the video's, in immersive sessions
  * @property {HTMLElement} [place] where immersive sessions are shown: the page's body unless told
  *
  * @typedef {Pinhole & {canvas: HTMLCanvasElement | OffscreenCanvas, draw: (video: HTMLVideoElement) => void}} Straight a Rectifier
+ *
+ * @typedef {object} Eyes
+ * @property {HTMLElement} element with the pictures of both, each in its half
+ * @property {() => void} draw
+ * @property {(options: import("../sdk/views.js").ViewOptions) => import("../sdk/views.js").View[]} views
  *
  * @typedef {object} Session
  * @property {boolean} immersive
@@ -36,6 +43,8 @@ export class WebcamDevice extends XRDevice {
   #last = 0;
   /** By the eye that the polyfill asks for. @type {Record<string, Float32Array>} */
   #projections = { none: IDENTITY, left: IDENTITY, right: IDENTITY };
+  /** World → eye, of two eyes. @type {Record<string, Float32Array>} */
+  #inverses = {};
 
   /** @param {Setup} setup */
   constructor(setup) {
@@ -67,6 +76,11 @@ export class WebcamDevice extends XRDevice {
     // The way out that browsers give, too: the page's own buttons are covered.
     addEventListener("keydown", ({ key }) => key === "Escape" && this.endSession(id), { signal: over.signal });
     return id;
+  }
+
+  /** Number of views of an immersive session. */
+  get count() {
+    return this.#setup.eyes ? 2 : 1;
   }
 
   /** @param {number} id @returns {string[]} what the session was given */
@@ -121,6 +135,8 @@ export class WebcamDevice extends XRDevice {
     if (!session?.layer) return;
     const { drawingBufferWidth: width, drawingBufferHeight: height } = session.layer.context;
     const viewport = session.stage?.size ?? [width, height];
+    const { eyes } = this.#setup;
+    if (session.stage && eyes) return this.#look(session.stage, eyes, { near, far, viewport: [viewport[0] / 2, viewport[1]] });
     const pinhole = session.stage ? this.#shown(session.stage) : inline(viewport, angle ?? Math.PI / 2);
     const matrix = Float32Array.from(projectionMatrix(pinhole, { near, far, viewport, fit: "cover" }));
     for (const eye of session.immersive ? ["left", "right"] : ["none"]) this.#projections[eye] = matrix;
@@ -145,8 +161,13 @@ export class WebcamDevice extends XRDevice {
    * @param {{x: number, y: number, width: number, height: number}} target
    */
   getViewport(id, eye, layer, target) {
-    if (eye === "right") return false; // a camera has one
     const { drawingBufferWidth: width, drawingBufferHeight: height } = layer.context;
+    if (this.#sessions.get(id)?.immersive && this.#setup.eyes) {
+      const half = width >> 1;
+      Object.assign(target, { x: eye === "right" ? half : 0, y: 0, width: half, height });
+      return true;
+    }
+    if (eye === "right") return false; // a camera has one
     Object.assign(target, { x: 0, y: 0, width, height });
     return true;
   }
@@ -160,8 +181,9 @@ export class WebcamDevice extends XRDevice {
     return this.#setup.pose?.() ?? IDENTITY;
   }
 
-  getBaseViewMatrix() {
-    return inverse(this.getBasePoseMatrix());
+  /** @param {string} eye */
+  getBaseViewMatrix(eye) {
+    return this.#inverses[eye] ?? inverse(this.getBasePoseMatrix());
   }
 
   getInputSources() {
@@ -173,6 +195,19 @@ export class WebcamDevice extends XRDevice {
   }
 
   onWindowResize() {}
+
+  /**
+   * Shows both cameras, and sees as they do.
+   * @param {Stage} stage @param {Eyes} eyes @param {import("../sdk/views.js").ViewOptions} frustum of each half
+   */
+  #look(stage, eyes, frustum) {
+    stage.cover(eyes.element);
+    eyes.draw();
+    for (const { eye, projectionMatrix: matrix, transform } of eyes.views({ ...frustum, fit: "cover", pose: this.getBasePoseMatrix() })) {
+      this.#projections[eye] = matrix;
+      this.#inverses[eye] = transform.inverse.matrix;
+    }
+  }
 
   /**
    * Pinhole of the picture behind the layer, which is drawn to match it.

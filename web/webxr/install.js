@@ -43,7 +43,7 @@ class Webcams extends classes.XRSystem {
     const session = await super.requestSession(mode, init);
     const { id, viewSpaces } = session[SESSION];
     // The polyfill gives everything immersive two eyes; a phone in augmented reality has one, and so has a webcam.
-    if (mode !== "inline") viewSpaces.length = 1;
+    if (mode !== "inline") viewSpaces.length = this.#device.count;
     const enabledFeatures = this.#device.featuresOf(id);
     Object.assign(session, { enabledFeatures });
     const root = init?.domOverlay?.root;

@@ -10,7 +10,7 @@ export class Stage {
   #video;
   #layer;
   #homes;
-  /** @type {HTMLCanvasElement | undefined} */
+  /** @type {HTMLElement | undefined} */
   #cover;
 
   /**
@@ -36,12 +36,12 @@ export class Stage {
 
   /**
    * Shows another picture in the video's place.
-   * @param {HTMLCanvasElement | OffscreenCanvas} [canvas] undefined: the video's again
+   * @param {HTMLElement | OffscreenCanvas} [picture] undefined: the video's again
    */
-  cover(canvas) {
-    if (canvas === this.#cover) return;
+  cover(picture) {
+    if (picture === this.#cover) return;
     this.#cover?.remove();
-    this.#cover = canvas instanceof HTMLCanvasElement ? canvas : undefined;
+    this.#cover = picture instanceof HTMLElement ? picture : undefined;
     if (!this.#cover) return;
     Object.assign(this.#cover.style, PICTURE);
     this.#element.insertBefore(this.#cover, this.#layer);
