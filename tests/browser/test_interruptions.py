@@ -204,7 +204,11 @@ def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> Non
     assert first != address(page) == second
 
 
-def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(context: BrowserContext) -> None:
+@pytest.mark.parametrize("lens", ["chosen", "detected"])
+def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
+    context: BrowserContext, lens: str
+) -> None:
+    """Somebody who chose a type is asked; where it is detected, the suggested one is taken by itself."""
     page = context.new_page()
     begun = sessions(page)
 
@@ -213,12 +217,16 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(contex
         route.fulfill(response=answer, json=answer.json() | {"suggested_model": "rational"})
 
     page.route("**/v1/session/views", suggest)
-    page.goto(ENDLESS)
-    wait_for_views(page, 2)
-    page.locator("#model", has_text="Start again with lens type “Wide-angle (up to 120°)”").click()
+    if lens == "chosen":
+        page.goto(f"{ENDLESS}&distortion_model=rectilinear")
+        wait_for_views(page, 2)
+        page.locator("#model", has_text="Start again with lens type “Wide-angle (up to 120°)”").click()
+    else:
+        page.goto(ENDLESS)
     until(page, lambda: len(begun) == 2)
     page.locator("#controls:not([hidden])").wait_for()
-    assert views(page) >= 1, "views that say nothing new are not taken twice"
+    until(page, lambda: views(page) >= 1)
+    expect(page.locator("#lens")).to_have_value("rational")
     expect(page.locator("#model")).to_be_hidden()
     models = [json.loads(request.post_data or "")["distortion_model"] for request in begun]
     assert models == ["rectilinear", "rational"]

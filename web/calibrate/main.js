@@ -2,7 +2,7 @@
 import { boardFrom } from "../lib/board.js";
 import { CameraError, cameras, facts, open, play } from "../lib/camera.js";
 import { Detector, DetectorError } from "../lib/detector.js";
-import { language, onLanguage } from "../lib/i18n.js";
+import { language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { isVirtual } from "../lib/virtual/camera.js";
@@ -14,10 +14,12 @@ import { CaptureLoop } from "./capture-loop.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
 import { Captures, captureKey } from "./captures.js";
 import { connectControls } from "./controls.js";
+import { giveFeedback } from "./event-feedback.js";
 import { failureOf } from "./failure.js";
 import { Feedback } from "../lib/capture/feedback.js";
 import { showFirstSheet } from "./first-sheet.js";
 import { RESUME, captureQuery, resumeAt, showCaptureAddress, showResultAddress } from "./history.js";
+import { isLensDetected, offerLensTypes } from "./lens-choice.js";
 import { loadPlan } from "./plan.js";
 import { parseTargetError, parseWanted } from "./query.js";
 import { initial, reduce } from "./reducer.js";
@@ -26,7 +28,6 @@ import { findParts } from "./parts.js";
 import { showPracticeEnd } from "./practice.js";
 import { render } from "./render.js";
 import { Sizes } from "./sizes.js";
-import * as statusText from "./status-text.js";
 
 /**
  * @typedef {import("./state.js").State} State
@@ -63,6 +64,7 @@ let size = state.wanted.img_size ?? Sizes.USUAL;
 /** @param {import("./state.js").Event} event */
 function dispatch(event) {
   state = reduce(state, event);
+  if (isLensDetected(state)) return void changeModel();
   // Before the page shows the result sheet, which takes the focus: the outcome needs the camera's last frame.
   if (state.phase === "done" && shown?.phase !== "done") {
     outcome?.show(state);
@@ -72,21 +74,8 @@ function dispatch(event) {
   else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
   if (shown?.ui.picture && shown.ui.picture !== state.ui.picture) URL.revokeObjectURL(shown.ui.picture);
-  giveFeedback(event);
+  giveFeedback(event, state, shown, { feedback, announcer });
   shown = state;
-}
-
-/** Sounds, vibration, speech and the live region. @param {import("./state.js").Event} event */
-function giveFeedback(event) {
-  if (state.phase === "done" && shown?.phase !== "done") feedback.give("done");
-  else if (event.type === "stored" || (event.type === "answer" && event.answer.accepted)) feedback.give("taken");
-  else if (event.type === "answer") feedback.give("refused");
-  if (state.phase !== "capturing") return;
-  const hint = statusText.instruction(state);
-  const { mismatchWarning, remedy, statusLine, notice } = statusText;
-  const news = [mismatchWarning(state), statusLine(state), notice(state.ui.notice)];
-  announcer.say([hint, remedy(state)].filter(Boolean).join(". "), ...news);
-  feedback.say(hint, language(), performance.now());
 }
 
 const page = { parts, state: () => state, dispatch, fail, openDetector };
@@ -268,19 +257,20 @@ async function end(key) {
 async function changeModel() {
   const model = state.capture.session?.suggested_model;
   if (!model) return;
+  const { automatic } = state.wanted;
   capture.cancel();
   dispatch({ type: "model", model });
-  parameters.set("distortion_model", model);
-  await continueWithout([]);
+  parameters.set("distortion_model", parts.lens.value = model);
+  await continueWithout([], automatic ? plainNotice("capture.lens_detected", { model: t(`capture.lens_${model}`) }) : undefined);
 }
 
-/** Starts again with the same views, but for some. @param {number[]} indices */
-async function continueWithout(indices) {
+/** Starts again with the same views, but for some. @param {number[]} indices @param {Notice} [notice] */
+async function continueWithout(indices, notice) {
   const { key } = state.capture;
   if (!session || !key) return;
   capture.cancel();
   await captures.move(session, requestFor(key), indices);
-  await capture(chosen);
+  await capture(chosen, { notice });
 }
 
 function stop() {
@@ -332,6 +322,7 @@ connectControls(parts, {
   again: () => capture(chosen), escape: () => state.phase === "opening" && restart(), wantBoard: () => dispatch({ type: "want-board" }),
   leavePractice: () => (parameters.delete("virtual"), restart()),
 });
+offerLensTypes(parts.lens, parameters, (choice) => dispatch({ type: "model", ...choice }));
 feedback.bind(parts.senses);
 onLanguage(() => {
   if (parameters.has("lang")) parameters.set("lang", language());

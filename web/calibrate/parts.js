@@ -27,7 +27,7 @@ export function findParts() {
       sound: part("sound", HTMLInputElement), vibration: part("vibration", HTMLInputElement),
       voice: part("voice", HTMLInputElement),
     },
-    resolution: part("resolution", HTMLSelectElement), resolutions: html("resolutions"), practice: html("practice"),
+    resolution: part("resolution", HTMLSelectElement), resolutions: html("resolutions"), lens: part("lens", HTMLSelectElement), practice: html("practice"),
     practiceKept: html("practice-kept"), practiceKeptText: html("practice-kept-text"), goOnReally: part("go-on-really", HTMLButtonElement),
     backWithout: part("back-without", HTMLAnchorElement),
     models: [part("model", HTMLButtonElement), part("model-done", HTMLButtonElement)],

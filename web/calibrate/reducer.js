@@ -84,7 +84,10 @@ export function reduce(state, event) {
     case "request":
       return change(state, { capture: { request: event.request } });
     case "model":
-      return { ...state, wanted: { ...state.wanted, distortion_model: event.model } };
+      return {
+        ...state, phase: state.phase === "welcome" ? "welcome" : "opening",
+        wanted: { ...state.wanted, distortion_model: event.model, automatic: event.automatic ?? false },
+      };
     case "opened-offline":
       return openOffline(state, event);
     case "session":

@@ -19,6 +19,7 @@
  * @property {string | null} camera
  * @property {[number, number] | null} img_size
  * @property {"rectilinear" | "fisheye" | "rational" | "omnidirectional"} distortion_model
+ * @property {boolean} [automatic] another model is taken as soon as the service suggests it
  *
  * @typedef {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>, hint?: string}} Notice
  *   key: of a message; hint: the instruction that would help
@@ -90,7 +91,7 @@
  *   | {type: "opened", key: CameraKey, request?: Capture["request"], mirrored: boolean, cropped: boolean}
  *   | {type: "session", session: SessionState, stored?: number, time: number}
  *   | {type: "request", request: Capture["request"]}
- *   | {type: "model", model: Wanted["distortion_model"]}
+ *   | {type: "model", model: Wanted["distortion_model"], automatic?: boolean}
  *   | {type: "opened-offline", stored: number, time: number}
  *   | {type: "pose", pose: Pose, picture: string | null, time: number}
  *   | {type: "frame", detection: Detection, time: number}

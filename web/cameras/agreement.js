@@ -73,7 +73,7 @@ function mark(x, y, { id, time, fx, in_group: agrees }) {
   const date = new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));
   const text = t("cameras.dot", { date, fx: number(fx, 1) });
   return make("a", { href: `../result/?${new URLSearchParams({ id })}`, tabindex: -1, "aria-label": text }, [
-    make("title", {}, [text]), make("circle", { cx: short(x), cy: short(y), r: 14, class: "touch" }),
+    make("title", {}, [text]), make("circle", { cx: short(x), cy: short(y), r: 16, class: "touch" }),
     agrees ? make("circle", { cx: short(x), cy: short(y), r: 3.4, class: "agrees" })
       : make("path", { d: `M${short(x - 4)} ${short(y - 4)}l8 8m0-8l-8 8`, class: "cut" }),
   ]);

@@ -205,6 +205,8 @@ export default {
   board_facts: "{columns} × {rows} Felder, {dictionary}, Marker {ratio} eines Feldes",
   accuracy: "Genauigkeit bisher",
   raw: "JSON im Original",
+  lens_auto: "Automatisch erkennen",
+  lens_detected: "Das Objektiv ist vom Typ „{model}“. Die bisherigen Ansichten bleiben.",
   lens_rectilinear: "Normal",
   lens_rational: "Weitwinkel (bis 120°)",
   lens_fisheye: "Fischauge",

@@ -202,6 +202,8 @@ export default {
   board_facts: "{columns} × {rows} squares, {dictionary}, markers {ratio} of a square",
   accuracy: "Accuracy so far",
   raw: "Raw JSON",
+  lens_auto: "Detect automatically",
+  lens_detected: "The lens is of type “{model}”. The views so far are kept.",
   lens_rectilinear: "Normal",
   lens_rational: "Wide-angle (up to 120°)",
   lens_fisheye: "Fisheye",

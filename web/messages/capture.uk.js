@@ -210,6 +210,8 @@ export default {
   board_facts: "{columns} × {rows} клітинок, {dictionary}, маркери {ratio} клітинки",
   accuracy: "Досягнута точність",
   raw: "JSON без змін",
+  lens_auto: "Визначити автоматично",
+  lens_detected: "Тип об’єктива: «{model}». Зроблені знімки збережено.",
   lens_rectilinear: "Звичайний",
   lens_rational: "Ширококутний (до 120°)",
   lens_fisheye: "«Риб’яче око»",

@@ -32,7 +32,7 @@ export default {
   de: {
     title: "Nutzungsbedingungen · calibDB",
     description: "Was Sie mit calibDB und seinen Daten tun dürfen, was aus Ihren Messungen wird, und was niemand verspricht.",
-    heading: "Nutzungsbedingungen",
+    heading: "Nutzungs\u00adbedingungen",
     lead: "Fassung vom 22. November 2026.",
     two_ways: "Wenn Sie eine Kamera kalibrieren, wählen Sie, was aus Ihren Messungen wird: den Positionen der Tafelecken, dem Namen und den Einstellungen der Kamera, und was daraus berechnet wird.",
     ticked: "<0>Mit Häkchen</0> geben Sie sie unter <1>CC0 1.0</1> für die Allgemeinheit frei, soweit sie überhaupt geschützt sind: Jeder darf sie zu jedem Zweck kopieren, ändern und verwenden, ohne zu fragen und ohne Sie zu nennen. Sie kommen in den wöchentlichen Download. Sie bestätigen, dass Sie die Messungen selbst gemacht haben oder weitergeben dürfen.",
