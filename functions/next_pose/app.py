@@ -9,10 +9,12 @@ from starlette.responses import Response
 
 from calibdb.errors import ConflictError
 from calibdb.http import application
-from calibdb.rules import session_rules
+from calibdb.rules import rig_rules, session_rules
 from calibdb.schema import Pose, SessionDocument
-from calibsolver import Board, CalibrationError, Camera, DeadlineError, deadline, guidance
-from calibsolver.capture import Capture, exclusions
+from calibdb.schema.membership import RigMembership
+from calibdb.store import running_rigs
+from calibsolver import FIT_VERSION, Board, CalibrationError, Camera, DeadlineError, deadline, guidance
+from calibsolver.capture import stored
 from calibsolver.guidance import overlay
 
 Format = Literal["jpeg", "png"]
@@ -39,6 +41,9 @@ def show(call: application.Call) -> Response:
 
     try:
         with deadline.limit(call.seconds_left):
+            running = call.service.store.sessions.get(sid)
+            if running.rig is not None:
+                return in_rig(call, running, running.rig, media_type)
             document = call.service.store.sessions.update(sid, call.service.now, change)
     except CalibrationError as error:
         raise ConflictError(f"No target can be chosen: {error.message}; undo one.") from error
@@ -46,39 +51,61 @@ def show(call: application.Call) -> Response:
         raise call.out_of_time(
             ConflictError("The views take longer to compute than a request may; undo one.", kind="too-slow")
         ) from error
+    return respond(document.next_index, *drawn(document), media_type)
+
+
+def respond(
+    index: int, board: Board, camera: Camera, target: guidance.TargetPose, media_type: str
+) -> Response:
+    """Answer with a target as numbers, or as a picture of it."""
     headers = {"Vary": "Accept, Authorization"}
     if media_type == "application/json":
-        _, _, target = drawn(document)
-        pose = Pose.model_validate({**target.to_dict(), "index": document.next_index})
+        pose = Pose.model_validate({**target.to_dict(), "index": index})
         return application.json_response(pose, headers=headers)
-    return Response(draw(document, FORMATS[media_type]), headers=headers, media_type=media_type)
+    picture = overlay.render(board, camera, target, FORMATS[media_type])
+    return Response(picture, headers=headers, media_type=media_type)
+
+
+def in_rig(
+    call: application.Call, document: SessionDocument, place: RigMembership, media_type: str
+) -> Response:
+    """Answer with the target of the session's rig, as this camera is to see it."""
+    # Here and not above: other sessions need not wait for it.
+    from calibsolver.rig import estimate
+
+    session_rules.require_open(document)
+    rig, _ = running_rigs.load(call.service.store, place.id, FIT_VERSION)
+    rig_rules.require_open(rig.document)
+    found = running_rigs.computed(call.service.store, rig, FIT_VERSION, estimate)
+    seen = found.target.cameras if found.target else ()
+    view = next((one for one in seen if one.position == place.position), None)
+    if view is None or found.target is None:
+        raise ConflictError(
+            "This camera is not to see the board now: the target is for others.",
+            kind="not-in-view",
+        )
+    fit = found.fit.cameras[place.position] if found.fit else document.estimate.fit
+    rules, _, _ = stored.parse(document.model_dump())
+    camera = Camera.from_record(fit.model_dump()) if fit else rules.camera(None)
+    values = {**view.model_dump(), "purpose": found.target.purpose, "gain": 0.0}
+    target = guidance.TargetPose.from_dict(values)
+    return respond(document.next_index, rules.board, camera, target, media_type)
 
 
 def choose(document: SessionDocument) -> SessionDocument:
     """Return the document with the target open that helps most, unlike those that the user did not want."""
-    record = document.model_dump()
-    rules = Capture.from_record(record)
-    views, excluded = rules.board.views(record["views"]), exclusions(record["views"])
-    skipped = tuple(guidance.TargetPose.from_dict(target) for target in document.skipped)
-    unreached = tuple(guidance.TargetPose.from_dict(target) for target in document.unreached)
+    rules, views, excluded = stored.parse(document.model_dump())
+    skipped, unreached = map(stored.parse_targets, (document.skipped, document.unreached))
     target = rules.next_target(views, rules.estimate(views, excluded), skipped, unreached)
     return session_rules.with_target(document, target.to_record())
 
 
-def draw(document: SessionDocument, image_format: Format) -> bytes:
-    """Return the picture of the open target, through the session's current camera."""
-    board, camera, target = drawn(document)
-    return overlay.render(board, camera, target, image_format)
-
-
 def drawn(document: SessionDocument) -> tuple[Board, Camera, guidance.TargetPose]:
     """Return the board, the session's current camera, and the open target as this camera sees it."""
-    record = document.model_dump()
-    rules = Capture.from_record(record)
+    rules, every, excluded = stored.parse(document.model_dump())
     fit = document.estimate.fit
     camera = Camera.from_record(fit.model_dump()) if fit else rules.camera(None)
-    excluded = exclusions(record["views"])
-    views = [view for i, view in enumerate(rules.board.views(record["views"])) if i not in excluded]
+    views = [view for i, view in enumerate(every) if i not in excluded]
     target = guidance.TargetPose.from_dict(document.target or {})
     return rules.board, camera, rules.redraw(target, views, camera)
 

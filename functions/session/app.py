@@ -1,16 +1,25 @@
-"""Session: starts one guided capture, shows its state, or forgets it."""
+"""Session: starts one guided capture, alone or as a camera of a rig, shows its state, or forgets it.
+
+A rig's document names the session before the session exists: whoever starts it again after a crash finds its
+place kept.
+"""
 
 from __future__ import annotations
 
 from starlette.responses import Response
 
 from calibdb.camera_key import camera_key
-from calibdb.errors import ConflictError, NotFoundError
+from calibdb.errors import ConflictError, InvalidError, NotFoundError, TooManyError
 from calibdb.http import application, metrics
-from calibdb.rules import session_rules
+from calibdb.rules import rig_rules, session_rules
+from calibdb.rules.seed import find_seed as find_reliable_seed
 from calibdb.rules.session_state import state
-from calibdb.schema import FitRecord, SessionDocument, SessionRequest
-from calibdb.store import Store
+from calibdb.schema import FitRecord, RigDocument, SessionDocument, SessionRequest
+from calibdb.schema.membership import RigJoin, RigMembership
+from calibdb.schema.rig_documents import MemberDocument
+from calibdb.store import Store, running_rigs
+from calibdb.store.rig_codes import GUESS_WINDOW_S, MAX_GUESSES
+from calibdb.store.rigs import is_rig_id
 
 
 def start(call: application.Call) -> Response:
@@ -21,16 +30,22 @@ def start(call: application.Call) -> Response:
     now = call.service.now
     store = call.service.store
     who = call.service.contributor(call.address, ticket.token)
+    rig = where = None
+    if request.rig is not None:
+        rig = place(call, sid, request, request.rig, who)
+        where = call.service.source(call.address)
 
     def begin(version: int) -> SessionDocument:
         if version > 1:  # started anew, it can be published anew: a capture as any other
             call.service.charge(call.service.token_of(ticket), "sessions", call.address)
-        return session_rules.begin(request, sid, version, now, find_seed(store, request), who)
+        return session_rules.begin(request, sid, version, now, find_seed(store, request), who, rig, where)
 
     document, made = store.sessions.start(sid, now, begin)
-    if not session_rules.is_same_start(
-        document, session_rules.begin(request, sid, document.first_version, now)
-    ):
+    asked = session_rules.begin(request, sid, document.first_version, now, rig=rig)
+    # The session that made a rig was started without one, and is started again without one.
+    if request.rig is None and document.rig is not None and document.rig.position == 0:
+        asked = asked.model_copy(update={"rig": document.rig})
+    if not session_rules.is_same_start(document, asked):
         raise ConflictError(
             "A session with other content is running under this session id; forget it first.",
             kind="other-content",
@@ -44,7 +59,56 @@ def find_seed(store: Store, request: SessionRequest) -> FitRecord | None:
     """Find an initial camera: what others measured of this camera, or the operator's guess, or None."""
     key = camera_key(request.camera, request.platform)
     place = (request.img_size, request.zoom, request.distortion_model)
-    return session_rules.find_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)
+    return find_reliable_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)
+
+
+def place(
+    call: application.Call, sid: str, request: SessionRequest, wanted: RigJoin, who: str
+) -> RigMembership:
+    """Find or take the session's place in the rig that it wants; raises InvalidError, TooManyError."""
+    store, now = call.service.store, call.service.now
+    running = store.sessions.find(sid)
+    if running is not None:
+        known = running.rig
+        if known and wanted.position in (None, known.position) and wanted.id in (None, known.id):
+            return known  # the code may be used up by now
+        raise ConflictError(
+            "A session with other content is running under this session id; forget it first.",
+            kind="other-content",
+        )
+    rig = named_rig(call, wanted)
+    member = MemberDocument(session=sid, contributor=who, joined=now)
+
+    def change(document: RigDocument) -> tuple[RigDocument | None, RigMembership]:
+        gone = running_rigs.abandoned(store, document, now - rig_rules.ABANDONED_S)
+        return rig_rules.join(document, wanted, request.board, member, gone)
+
+    try:
+        return store.rigs.update(rig, now, change)
+    except NotFoundError as error:  # finished long ago, or forgotten
+        field = InvalidError.field("rig.id", "there is no running rig with this id")
+        raise (rig_rules.wrong_code() if wanted.code is not None else field) from error
+
+
+def named_rig(call: application.Call, wanted: RigJoin) -> str:
+    """Return the id of the rig that a code or an id names; wrong codes are counted."""
+    if wanted.code is None:
+        if not is_rig_id(wanted.id or ""):
+            raise InvalidError.field("rig.id", "there is no running rig with this id")
+        return wanted.id or ""
+    codes, now = call.service.store.rig_codes, call.service.now
+    where = call.service.source(call.address)
+    if not codes.count_guess(where, now):
+        raise TooManyError(
+            GUESS_WINDOW_S - now % GUESS_WINDOW_S,
+            f"More than {MAX_GUESSES} wrong join codes came from here; retry after the time in Retry-After.",
+        )
+    secret = call.service.settings.contributor_secret
+    found = codes.find(rig_rules.code_digest(secret, wanted.code), now)
+    if found is None:
+        raise rig_rules.wrong_code()
+    codes.uncount_guess(where, now)
+    return found
 
 
 def show(call: application.Call) -> Response:

@@ -10,43 +10,35 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from pydantic import JsonValue
 from starlette.responses import Response
 
 import calibsolver
 from calibdb.access.tokens import contributor, source
 from calibdb.errors import ConflictError, InvalidError
 from calibdb.http import application, metrics
-from calibdb.rules import session_rules
+from calibdb.rules import rig_rules, session_rules
 from calibdb.rules.session_state import state, view_answer
-from calibdb.schema import (
-    DISTORTION_MODELS,
-    EstimateDocument,
-    FitRecord,
-    RefitRequest,
-    SessionDocument,
-    ViewRequest,
-)
-from calibdb.schema.session import Advice, Hint, Refusal, SetAside
+from calibdb.schema import SessionDocument, ViewDocument, ViewRequest
+from calibdb.schema.session import Hint, Refusal
+from calibdb.store import Store, endings
 from calibsolver import CalibrationError, Camera, DeadlineError, View, deadline, guidance
-from calibsolver.capture import Capture, Estimate, Exclusion, ViewDecision, exclusions
-from calibsolver.quality import report
-from calibsolver.quality.board_flatness import shaped_fit
+from calibsolver.capture import Capture, Estimate, Exclusion, ViewDecision, stored
 
 
 def submit(call: application.Call) -> Response:
     """Answer whether the view became part of the session, and the session's state."""
     ticket = call.session(charge="views")
-    view = call.json(ViewRequest)
+    request = call.json(ViewRequest)
     service = call.service
     secret = service.settings.contributor_secret
     who = contributor(secret, call.address, ticket.token)
     where = source(secret, call.address)
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, tuple[SessionDocument, Judged]]:
-        if session_rules.is_idempotent_replay(document, view):
+        view = rig_rules.sent_view(document, request)
+        if is_replay(service.store, document, view):
             return None, (document, Judged())
         session_rules.validate_view(document, view)
         begun = service.clock()
@@ -59,8 +51,18 @@ def submit(call: application.Call) -> Response:
     with in_time(call):
         document, judged = service.store.sessions.update(ticket.sid, service.now, change)
     if document.finish is not None:
-        publish(call, document)
+        endings.publish(service.store, document)
     return application.json_response(view_answer(document, judged.reason, judged.hint))
+
+
+def is_replay(store: Store, document: SessionDocument, view: ViewDocument) -> bool:
+    """Tell whether the session has the view; False when it may be added."""
+    if document.rig is None:
+        return session_rules.is_idempotent_replay(document, view)
+    if rig_rules.is_replay(document, view):
+        return True
+    rig_rules.require_moment(store.rigs.find(document.rig.id), document, view)
+    return False
 
 
 def remove(call: application.Call) -> Response:
@@ -69,16 +71,17 @@ def remove(call: application.Call) -> Response:
     index = call.index("index")
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
+        if document.rig is not None:
+            raise rig_rules.in_rig()
         left = session_rules.without_view(document, index)
         if left is None:
             return None, document
-        rules, views, excluded = solver_values(document.model_copy(update={"views": left}))
+        rules, views, excluded = stored.parse(document.model_copy(update={"views": left}).model_dump())
         estimate = rules.reconcile(views, excluded)
-        target = rules.next_target(views, estimate, unreached=targets(document.unreached)).to_record()
-        now = call.service.now
-        changed = session_rules.with_views(
-            document, left, to_estimate_document(estimate, now), view_statuses(estimate), target
-        )
+        unreached = stored.parse_targets(document.unreached)
+        target = rules.next_target(views, estimate, unreached=unreached).to_record()
+        known = session_rules.estimate_document(stored.estimate_record(estimate), call.service.now)
+        changed = session_rules.with_views(document, left, known, stored.view_statuses(estimate), target)
         return changed, changed
 
     with in_time(call):
@@ -117,19 +120,19 @@ def finish(call: application.Call) -> Response:
     def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
         if document.finish is not None:
             return None, document
+        if document.rig is not None:
+            raise rig_rules.in_rig()
         session_rules.require_finishable(document)
-        rules, views, excluded = solver_values(document)
-        known = rules.estimate(views, excluded).with_cause(views)
-        estimate = replace(known, progress=1.0, converged=True)
-        changed = session_rules.with_estimate(
-            document, to_estimate_document(estimate, service.now), view_statuses(estimate)
-        )
-        ended = end(changed, estimate, views, service.now, who, where)
+        outcome = stored.finish(document.model_dump())
+        known = session_rules.estimate_document(outcome["estimate"], service.now)
+        changed = session_rules.with_estimate(document, known, outcome["statuses"])
+        version, described = calibsolver.FIT_VERSION, outcome["report"]
+        ended = session_rules.with_finish(changed, service.now, who, version, described, where)
         return ended, ended
 
     with in_time(call):
         document = service.store.sessions.update(ticket.sid, service.now, change)
-    publish(call, document)
+    endings.publish(service.store, document)
     return application.json_response(state(document))
 
 
@@ -142,10 +145,10 @@ class Judged:
     hint: Hint | None = None
 
 
-def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, where: str) -> Judged:
+def judge(document: SessionDocument, view: ViewDocument, now: int, who: str, where: str) -> Judged:
     """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
-    rules, views, excluded = solver_values(document)
-    target = None if document.capture == "recorded" else open_target(document, rules, views, excluded)
+    rules, views, excluded = stored.parse(document.model_dump())
+    target = None if rules.recorded else open_target(document, rules, views, excluded)
     seen = rules.board.view(view.ids, view.points)
     quarantined = rules.board.views([known.model_dump() for known in document.doubted])
     decision = rules.judge(views, target, seen, excluded, quarantined)
@@ -157,12 +160,11 @@ def judge(document: SessionDocument, view: ViewRequest, now: int, who: str, wher
         return Judged(refused_document(document, view, decision), decision.reason, hint)
     everything = [*views, seen]
     following = None
-    if not estimate.converged and document.capture == "live":
-        unreached = targets((*document.unreached, *document.skipped))
+    if not (estimate.converged or rules.recorded):
+        unreached = stored.parse_targets((*document.unreached, *document.skipped))
         following = rules.next_target(everything, estimate, unreached=unreached).to_record()
-    changed = session_rules.with_view(
-        document, view, to_estimate_document(estimate, now), view_statuses(estimate), following
-    )
+    known = session_rules.estimate_document(stored.estimate_record(estimate), now)
+    changed = session_rules.with_view(document, view, known, stored.view_statuses(estimate), following)
     if estimate.converged:
         changed = end(changed, estimate, everything, now, who, where)
     return Judged(changed)
@@ -185,22 +187,16 @@ def end(
     document: SessionDocument, estimate: Estimate, views: Sequence[View], now: int, who: str, where: str
 ) -> SessionDocument:
     """Return the document of a session that ends with this estimate of its views."""
-    if estimate.calibration is None:
-        return document
     indices = [known.index for known in document.views if known.set_aside is None]
-    used = [one for i, one in enumerate(views) if i not in estimate.excluded]
-    board = shaped_fit(estimate.calibration, used)
-    if board.used and board.shape is not None:
-        used = [board.shape.apply(view) for view in used]
-        fit = FitRecord.model_validate(board.calibration.record())
-        known = document.estimate.model_copy(update={"fit": fit})
-        document = document.model_copy(update={"estimate": known})
-    described = report.describe(board.calibration, used, indices, board=board)
-    return session_rules.with_finish(document, now, who, calibsolver.FIT_VERSION, described, where)
+    outcome = stored.end(estimate, views, indices)
+    if outcome is None:
+        return document
+    ended = session_rules.with_fit(document, outcome.fit)
+    return session_rules.with_finish(ended, now, who, calibsolver.FIT_VERSION, outcome.report, where)
 
 
 def refused_document(
-    document: SessionDocument, view: ViewRequest, decision: ViewDecision
+    document: SessionDocument, view: ViewDocument, decision: ViewDecision
 ) -> SessionDocument | None:
     """Return the document to store after a refusal; None where nothing changes."""
     if decision.quarantine:
@@ -216,55 +212,6 @@ def measure(begun: float, ended: float, judged: Judged) -> None:
     elif judged.document is not None and judged.document.finish is not None:
         counted |= {"Calibrations": 1, "ViewsPerSession": len(judged.document.views)}
     metrics.count(ended, reason=judged.reason, **counted)
-
-
-def publish(call: application.Call, document: SessionDocument) -> None:
-    """Make the calibration findable, and have every model's consensus computed."""
-    store = call.service.store
-    calibration = session_rules.to_calibration(document)
-    store.calibrations.publish(calibration)
-    store.refit.later(
-        RefitRequest(
-            camera=calibration.camera_key,
-            img_size=calibration.img_size,
-            zoom=calibration.zoom,
-            models=DISTORTION_MODELS,
-        )
-    )
-
-
-def solver_values(document: SessionDocument) -> tuple[Capture, list[View], dict[int, Exclusion]]:
-    """Convert a session to the solver's values: its rules, its views, and those of them that are excluded."""
-    record = document.model_dump()
-    rules = Capture.from_record(record)
-    return rules, rules.board.views(record["views"]), exclusions(record["views"])
-
-
-def targets(stored: Sequence[dict[str, JsonValue]]) -> tuple[guidance.TargetPose, ...]:
-    """Return stored targets as the solver knows them."""
-    return tuple(guidance.TargetPose.from_dict(target) for target in stored)
-
-
-def view_statuses(estimate: Estimate) -> list[session_rules.ViewStatus]:
-    """List each view's error, and why it is set aside if it is."""
-    reasons = [estimate.excluded.get(i) for i in range(len(estimate.view_errors))]
-    stored = [SetAside(reason=r.reason, detail=r.detail) if r else None for r in reasons]
-    return list(zip(estimate.view_errors, stored, strict=True))
-
-
-def to_estimate_document(estimate: Estimate, now: int) -> EstimateDocument:
-    """Return the estimate as it is stored."""
-    fit = estimate.calibration
-    uncertainty = estimate.uncertainty
-    return EstimateDocument(
-        fit=fit.record() if fit else None,
-        uncertainty={"rms": uncertainty.rms, "max": uncertainty.max} if uncertainty else None,
-        progress=estimate.progress,
-        converged=estimate.converged,
-        advice=tuple(Advice(code=advice.code, text=advice.text) for advice in estimate.advice),
-        suggested_model=estimate.suggested_model,
-        time=now,
-    )
 
 
 handler = application.handler(

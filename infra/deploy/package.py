@@ -25,7 +25,7 @@ FRAGMENTS = (
     *(ROOT / "infra" / "edge" / name for name in ("headers.yaml", "caching.yaml", "distribution.yaml")),
     *(
         ROOT / "infra" / "deploy" / name
-        for name in ("alarms.yaml", "canary.yaml", "monitoring.yaml", "replication.yaml")
+        for name in ("alarms.yaml", "canary.yaml", "monitoring.yaml", "policies.yaml", "replication.yaml")
     ),
 )
 UNRELEASED = "source"  # the release of a template that nobody packaged

@@ -45,6 +45,7 @@ UNUSED = (
 ELSEWHERE = {
     "submit": ("consensus", "formats", "guidance.overlay", "image_transform"),
     "next_pose": ("consensus", "formats", "image_transform", "quality.report"),
+    "rig": ("consensus", "guidance.overlay"),
     "checks": ("capture.rules", "formats", "guidance", "image_transform", "quality"),
     "refit": ("capture", "formats", "guidance", "image_transform", "quality"),
 }

@@ -60,7 +60,7 @@ def test_clean_after_packaging_and_the_transform(tmp_path: Path) -> None:
 
 def test_role_holds_its_shared_policies_within_the_iam_limit(transformed: dict) -> None:
     roles = {n: r["Properties"] for n, r in transformed["Resources"].items() if r["Type"] == "AWS::IAM::Role"}
-    arns = roles["SubmitFunctionRole"]["ManagedPolicyArns"]
+    arns = roles["RigFunctionRole"]["ManagedPolicyArns"]
     assert {"Ref": "SessionStoragePolicy"} in arns
     assert max(len(role.get("ManagedPolicyArns", ())) for role in roles.values()) == len(arns) <= 10
 
@@ -146,7 +146,9 @@ def test_logs_sessions_and_items_expire(source: dict) -> None:
     (sessions,) = (rule for rule in rules if rule.get("Prefix") == "sessions/")
     assert (sessions["Status"], sessions["ExpirationInDays"]) == ("Enabled", 2)
     expiring = {rule.get("Prefix") for rule in rules if "ExpirationInDays" in rule}
-    assert expiring == {"sessions/", "dumps/"}, "what was given stays; of a dump only its draft lies here"
+    assert expiring == {"sessions/", "rigs/", "dumps/"}, (
+        "what was given stays; of a dump only its draft lies here"
+    )
     site = resources["WebBucket"]["Properties"]["LifecycleConfiguration"]["Rules"]
     (dumps,) = (rule for rule in site if "ExpirationInDays" in rule)
     assert (dumps["Prefix"], dumps["ExpirationInDays"]) == ("dumps/2", 35), (

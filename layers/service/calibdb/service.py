@@ -22,6 +22,7 @@ from calibdb.access.tokens import (
     network,
     parse,
     parse_management,
+    source,
 )
 from calibdb.errors import ForbiddenError, TooManyError
 from calibdb.lookup.misses import MissCounter
@@ -144,6 +145,10 @@ class Service:
     def contributor(self, address: str, token_id: str) -> str:
         """Contributor of a request, as a keyed hash."""
         return contributor(self.settings.contributor_secret, address, token_id)
+
+    def source(self, address: str) -> str:
+        """Source of a request, whatever its token, as a keyed hash."""
+        return source(self.settings.contributor_secret, address)
 
     def count_lookup(self, token: ApiToken, address: str) -> tuple[RateLimit, ...]:
         """Count a read with an API token, in memory, and return what is left; raises TooManyError."""

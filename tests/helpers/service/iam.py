@@ -13,8 +13,9 @@ from typing import Any
 import pytest
 from botocore.client import BaseClient
 
+from infra.deploy.package import complete_template
 from infra.local.functions import Function
-from infra.local.intrinsics import ACCOUNT, REGION, Resolver, parse
+from infra.local.intrinsics import ACCOUNT, REGION, Resolver, parse_text
 
 ROOT = Path(__file__).parents[3]
 _running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)
@@ -106,7 +107,7 @@ def statements(document: Mapping[str, Any], properties: Mapping[str, Any]) -> It
 
 
 def template() -> tuple[Mapping[str, Any], Resolver]:
-    document = parse(ROOT / "template.yaml")
+    document = parse_text(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")))
     defaults = {n: p.get("Default", "") for n, p in document["Parameters"].items()}
     return document, Resolver(defaults, document["Resources"])
 

@@ -16,7 +16,7 @@ from starlette.requests import Request
 
 from calibdb.access.plans import Kind
 from calibdb.access.rate_limits import RateLimit, rate_limit_headers
-from calibdb.access.tokens import ApiToken, Ticket
+from calibdb.access.tokens import ApiToken, Ticket, parse
 from calibdb.errors import (
     MAX_FIELD_ERRORS,
     CalibdbError,
@@ -145,6 +145,10 @@ class Call:
         if charge is not None:
             self._tell(self.service.charge(token, charge, self.address))
         return ticket
+
+    def is_session(self) -> bool:
+        """Tell whether a session id was sent as bearer, not an API token; raises UnauthenticatedError."""
+        return parse(self._bearer()) is None
 
     def api_token(self, credential: str | None = None, charge: Kind = "lookups") -> ApiToken:
         """Return the API token sent as bearer, or else `credential`, the call counted as one of `charge`.

@@ -24,15 +24,14 @@ from calibdb.rules.corners import corner_errors
 from calibdb.rules.quality_gates import TARGET_ERROR_PER_WIDTH
 from calibdb.schema import (
     CalibrationDocument,
-    ConsensusDocument,
     EstimateDocument,
     Finish,
     FitRecord,
     SessionDocument,
     SessionRequest,
     ViewDocument,
-    ViewRequest,
 )
+from calibdb.schema.membership import RigMembership
 from calibdb.schema.session import SetAside
 
 MAX_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
@@ -40,7 +39,7 @@ MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends by itself lon
 MIN_RECORDED_VIEWS = 4  # that agree, to end a recorded session with: fewer can agree by chance
 MAX_SKIPPED_TARGETS = 8  # targets remembered as unwanted
 MAX_QUARANTINED_VIEWS = 4  # refused views kept in quarantine
-ViewStatus = tuple[float | None, SetAside | None]  # of a view: its error in px, and why it is set aside
+ViewStatus = tuple[float | None, Mapping[str, str] | None]  # error in px; reason and detail if set aside
 
 
 def begin(
@@ -50,10 +49,13 @@ def begin(
     now: int,
     seed: FitRecord | None = None,
     contributor: str | None = None,
+    rig: RigMembership | None = None,
+    source: str | None = None,
 ) -> SessionDocument:
     """Make the document of a session that starts, with any person's name removed from the label.
 
-    `seed`: an initial camera, which others measured. `contributor`: the keyed hash of who starts the session.
+    `seed`: an initial camera, which others measured. `contributor`: the keyed hash of who starts the session;
+    `source`, of a session in a `rig`: that of where they are.
     """
     target = request.target_error
     return SessionDocument(
@@ -61,6 +63,8 @@ def begin(
         first_version=first_version,
         started=now,
         contributor=contributor,
+        source=source,
+        rig=rig,
         camera_key=camera_key(request.camera, request.platform),
         camera=public_label(request.camera),
         platform=public_platform(request.platform),
@@ -77,42 +81,27 @@ def begin(
     )
 
 
-def find_seed(
-    known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
-) -> FitRecord | None:
-    """Find the reliable consensus of this camera at this size, zoom and model.
-
-    A capture starts from this initial camera, which is no part of its result and need not be right. What is
-    not reliable starts nothing: it may be one person's, of another camera.
-    """
-    for consensus in known:
-        same = (consensus.img_size, consensus.zoom, consensus.distortion_model) == (img_size, zoom, model)
-        if same and consensus.reliable and consensus.calibration is not None:
-            return FitRecord.model_validate(consensus.calibration.model_dump())
-    return None
-
-
 def is_same_start(running: SessionDocument, asked: SessionDocument) -> bool:
     """Tell whether `asked` would have started the session that is running."""
     names = (
         *("camera", "platform", "img_size", "zoom", "distortion_model", "board", "guidance", "target_error"),
-        *("track", "capture", "licence", "licence_version"),
+        *("track", "capture", "rig", "licence", "licence_version"),
     )
     return all(getattr(running, name) == getattr(asked, name) for name in names)
 
 
-def is_idempotent_replay(document: SessionDocument, view: ViewRequest) -> bool:
+def is_idempotent_replay(document: SessionDocument, view: ViewDocument) -> bool:
     """Tell whether `view` replays one that was accepted before; False when its index is open.
 
     Raises ConflictError when the index carries another view, was undone, or is not open (yet).
     """
     for known in document.views:
         if known.index == view.index:
-            if _view_fingerprint(known) == _view_fingerprint(view):
+            if view_fingerprint(known) == view_fingerprint(view):
                 return True
             raise ConflictError("Another view was accepted under this index.", kind="other-content")
     if document.finish is not None:
-        raise _already_converged()
+        raise already_converged()
     if view.index != document.next_index:
         raise ConflictError(
             f"This index is not open; send the view with index {document.next_index}.", kind="index-not-open"
@@ -120,7 +109,7 @@ def is_idempotent_replay(document: SessionDocument, view: ViewRequest) -> bool:
     return False
 
 
-def validate_view(document: SessionDocument, view: ViewRequest) -> None:
+def validate_view(document: SessionDocument, view: ViewDocument) -> None:
     """Validate `view` against board and image (InvalidError) and the session's capacity (ConflictError)."""
     wrong = corner_errors(document.board, document.img_size, view.ids, view.points)
     if wrong:
@@ -129,7 +118,8 @@ def validate_view(document: SessionDocument, view: ViewRequest) -> None:
         raise ConflictError(
             f"The session is full: it holds at most {MAX_POINTS} points.", kind="session-full"
         )
-    if document.capture == "recorded" and len(document.views) >= MAX_RECORDED_VIEWS:
+    recorded = document.capture == "recorded" or document.rig is not None
+    if recorded and len(document.views) >= MAX_RECORDED_VIEWS:
         raise ConflictError(
             f"The session is full: it holds at most {MAX_RECORDED_VIEWS} views; finish it.",
             kind="session-full",
@@ -138,7 +128,7 @@ def validate_view(document: SessionDocument, view: ViewRequest) -> None:
 
 def with_view(
     document: SessionDocument,
-    view: ViewRequest,
+    view: ViewDocument,
     estimate: EstimateDocument,
     statuses: Sequence[ViewStatus],
     target: Mapping[str, JsonValue] | None,
@@ -152,11 +142,11 @@ def with_view(
         # A suggestion is made once: it is dear to compute, and one more view hardly takes it back.
         "suggested_model": estimate.suggested_model or document.estimate.suggested_model,
     }
-    views = (*document.views, ViewDocument(index=view.index, ids=view.ids, points=view.points))
+    views = (*document.views, view)
     unreached = (*document.unreached, *document.skipped)
     return document.model_copy(
         update={
-            "next_index": view.index + 1,
+            "next_index": max(document.next_index, view.index + 1),
             "views": _with_statuses(views, statuses),
             "estimate": estimate.model_copy(update=update),
             "target": None if target is None else dict(target),
@@ -167,16 +157,15 @@ def with_view(
     )
 
 
-def with_quarantined(document: SessionDocument, view: ViewRequest) -> SessionDocument | None:
+def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
     """Keep a refused view in quarantine; None when it is there already.
 
     Nobody sees it, and it never becomes part of the result. When more views like it come, the accepted ones
     were wrong.
     """
-    quarantined = ViewDocument(index=view.index, ids=view.ids, points=view.points)
-    if any(_view_fingerprint(known) == _view_fingerprint(view) for known in document.doubted):
+    if any(view_fingerprint(known) == view_fingerprint(view) for known in document.doubted):
         return None
-    return document.model_copy(update={"doubted": (*document.doubted, quarantined)[-MAX_QUARANTINED_VIEWS:]})
+    return document.model_copy(update={"doubted": (*document.doubted, view)[-MAX_QUARANTINED_VIEWS:]})
 
 
 def without_view(document: SessionDocument, index: int) -> tuple[ViewDocument, ...] | None:
@@ -185,7 +174,7 @@ def without_view(document: SessionDocument, index: int) -> tuple[ViewDocument, .
     Raises ConflictError on a converged session, NotFoundError for an index that no view ever had.
     """
     if document.finish is not None:
-        raise _already_converged()
+        raise already_converged()
     if index >= document.next_index:
         raise NotFoundError("No view was accepted under this index.", kind="no-view")
     left = tuple(view for view in document.views if view.index != index)
@@ -197,14 +186,14 @@ def with_views(
     views: tuple[ViewDocument, ...],
     estimate: EstimateDocument,
     statuses: Sequence[ViewStatus],
-    target: Mapping[str, JsonValue],
+    target: Mapping[str, JsonValue] | None,
 ) -> SessionDocument:
     """Replace the views of the document; progress is what these are worth."""
     return document.model_copy(
         update={
             "views": _with_statuses(views, statuses),
             "estimate": estimate,
-            "target": dict(target),
+            "target": None if target is None else dict(target),
             "skipped": (),
         }
     )
@@ -222,6 +211,19 @@ def with_estimate(
             "estimate": estimate.model_copy(update=kept),
         }
     )
+
+
+def estimate_document(record: Mapping[str, JsonValue], now: int) -> EstimateDocument:
+    """Return the estimate that the solver recorded, as it is stored."""
+    return EstimateDocument.model_validate({**record, "time": now})
+
+
+def with_fit(document: SessionDocument, record: Mapping[str, JsonValue] | None) -> SessionDocument:
+    """Replace the fit of the document's estimate; None: it stays."""
+    if record is None:
+        return document
+    fitted = document.estimate.model_copy(update={"fit": FitRecord.model_validate(record)})
+    return document.model_copy(update={"estimate": fitted})
 
 
 def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> SessionDocument:
@@ -243,7 +245,7 @@ def without_target(document: SessionDocument) -> SessionDocument:
 def require_open(document: SessionDocument) -> None:
     """Raise ConflictError when the session has converged."""
     if document.finish is not None:
-        raise _already_converged()
+        raise already_converged()
 
 
 def require_finishable(document: SessionDocument) -> None:
@@ -306,6 +308,7 @@ def to_calibration(document: SessionDocument) -> CalibrationDocument:
         target_error=document.target_error,
         track=document.track,
         capture=document.capture,
+        rig=document.rig,
         **document.consent,
         views=tuple(view for view in document.views if view.set_aside is None),
         set_aside=tuple(view for view in document.views if view.set_aside is not None),
@@ -322,15 +325,16 @@ def _with_statuses(
     views: tuple[ViewDocument, ...], statuses: Sequence[ViewStatus]
 ) -> tuple[ViewDocument, ...]:
     return tuple(
-        v.model_copy(update={"rms": rms, "set_aside": aside})
+        v.model_copy(update={"rms": rms, "set_aside": aside and SetAside.model_validate(aside)})
         for v, (rms, aside) in zip(views, statuses, strict=True)
     )
 
 
-def _view_fingerprint(view: ViewDocument | ViewRequest) -> dict[int, tuple[float, float]]:
+def view_fingerprint(view: ViewDocument) -> dict[int, tuple[float, float]]:
     """Return the corners by id, the same in whichever order they were sent."""
     return dict(zip(view.ids, view.points, strict=True))
 
 
-def _already_converged() -> ConflictError:
+def already_converged() -> ConflictError:
+    """Return the error of a session that has ended."""
     return ConflictError("The session has converged and accepts no more changes.", kind="converged")

@@ -42,6 +42,7 @@ def _members(document: SessionDocument) -> dict[str, Any]:
         "guidance": document.guidance,
         "target_error": document.target_error,
         "capture": document.capture,
+        "rig": document.rig,
         **document.consent,
         "views": tuple(
             ViewState(index=v.index, points=len(v.ids), rms=v.rms, set_aside=v.set_aside)

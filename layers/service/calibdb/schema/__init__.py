@@ -49,6 +49,13 @@ from calibdb.schema.managed_token import (
 from calibdb.schema.prior import PriorDocument
 from calibdb.schema.problem import FieldProblem, LookupProblem, Problem
 from calibdb.schema.refit import BackfillAnswer, BackfillBatch, RefitAnswer, RefitRequest, Sighting
+from calibdb.schema.rig import MomentRequest, RigOpened, RigRequest, RigResult, RigState
+from calibdb.schema.rig_documents import (
+    RigCalibrationDocument,
+    RigDocument,
+    RigEstimateDocument,
+    RigFinish,
+)
 from calibdb.schema.session import (
     Health,
     Pose,
@@ -99,6 +106,7 @@ __all__ = [
     "LookupRequest",
     "ManagedToken",
     "Miss",
+    "MomentRequest",
     "NoCalibration",
     "Pose",
     "PriorDocument",
@@ -106,6 +114,14 @@ __all__ = [
     "RefitAnswer",
     "RefitRequest",
     "ReportedCalibration",
+    "RigCalibrationDocument",
+    "RigDocument",
+    "RigEstimateDocument",
+    "RigFinish",
+    "RigOpened",
+    "RigRequest",
+    "RigResult",
+    "RigState",
     "RotationRequest",
     "SessionDocument",
     "SessionOpened",

@@ -125,6 +125,11 @@ class Board(Strict):
         """Number of corners that are measured."""
         return _corner_count(self.kind, self.squares)
 
+    @property
+    def is_half_turn_symmetric(self) -> bool:
+        """Whether it looks the same after half a turn: then it cannot link cameras."""
+        return self.kind == "chessboard" and sum(self.squares) % 2 == 0
+
 
 def _corner_count(kind: str, squares: tuple[int, int]) -> int:
     columns, rows = squares

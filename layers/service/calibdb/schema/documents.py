@@ -11,6 +11,7 @@ from calibdb.schema.calibration import Calibration, FitRecord, Uncertainty
 from calibdb.schema.fields import CaptureKind, DistortionModel, Guidance, ImgSize, Members, Open, Pixel
 from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import Reason
+from calibdb.schema.membership import RigMembership, is_none
 from calibdb.schema.session import Advice, SetAside, Track
 
 
@@ -22,6 +23,9 @@ class ViewDocument(Open):
     points: tuple[Pixel, ...]
     rms: float | None = None
     set_aside: SetAside | None = None
+    moment: str | None = Field(
+        None, exclude_if=is_none
+    )  # of a rig: the pose of the board that cameras shared
 
 
 class EstimateDocument(Open):
@@ -62,6 +66,7 @@ class CaptureDocument(Open, Licensed):
     target_error: float
     track: Track
     capture: CaptureKind = "live"
+    rig: RigMembership | None = Field(None, exclude_if=is_none)
 
 
 class SessionDocument(CaptureDocument):
@@ -71,6 +76,7 @@ class SessionDocument(CaptureDocument):
     first_version: int = 1  # differs between a session and the one started anew under its id
     started: int  # unix seconds
     contributor: str | None = None  # who started it, for one who wants to be forgotten; of old none
+    source: str | None = None  # where they are, hashed; of a session in a rig, which others end
     next_index: int = 0
     views: tuple[ViewDocument, ...] = ()
     target: Members | None = None

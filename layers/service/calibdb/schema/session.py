@@ -23,6 +23,7 @@ from calibdb.schema.fields import (
     Zoom,
 )
 from calibdb.schema.licence import Licence, LicenceVersion, Licensed
+from calibdb.schema.membership import MomentId, RigJoin, RigMembership
 from calibdb.schema.seen import Seen
 
 Fact = Annotated[str, Field(max_length=64)]
@@ -96,12 +97,20 @@ class SessionRequest(Strict, Licensed):
         "program found). Every view that agrees with the others is accepted, whatever it adds, and "
         "`POST /v1/session/finish` ends the session.",
     )
+    rig: RigJoin | None = Field(
+        None, description="The rig that this camera joins; then the rig ends the session."
+    )
 
 
 class ViewRequest(Seen):
     """One captured frame: the board corners seen, and the pose that it answers."""
 
-    index: Index
+    index: Index | None = Field(
+        None, description="Index of the pose that it answers; needed unless it has a `moment`."
+    )
+    moment: MomentId | None = Field(
+        None, description="The moment that it shows: required of a session that is in a rig, and of no other."
+    )
 
 
 class SetAside(Open):
@@ -159,6 +168,7 @@ class SessionState(Open):
     guidance: Guidance
     target_error: float
     capture: CaptureKind = "live"
+    rig: RigMembership | None = Field(None, description="The rig that the session is in; null: none.")
     licence: Licence | None = Field(None, description="As the session was started.")
     licence_version: LicenceVersion | None = None
     views: tuple[ViewState, ...]

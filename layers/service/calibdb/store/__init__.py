@@ -13,6 +13,8 @@ from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
+from calibdb.store.rig_codes import RigCodes
+from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
 from calibdb.store.store import Store
 from calibdb.store.table import Condition, Table
@@ -36,6 +38,8 @@ __all__ = [
     "Proofs",
     "Quotas",
     "Refit",
+    "RigCodes",
+    "Rigs",
     "Sessions",
     "Store",
     "StreamMode",

@@ -20,6 +20,8 @@ from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
+from calibdb.store.rig_codes import RigCodes
+from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
 from calibdb.store.table import Table
 from calibdb.store.tokens import Tokens
@@ -33,6 +35,8 @@ class Store:
     tokens: Tokens
     quotas: Quotas
     sessions: Sessions
+    rigs: Rigs
+    rig_codes: RigCodes
     calibrations: Calibrations
     cameras: Cameras
     consensuses: Consensuses
@@ -56,6 +60,8 @@ class Store:
             tokens=Tokens(table, objects),
             quotas=Quotas(table),
             sessions=Sessions(table, objects),
+            rigs=Rigs(table, objects),
+            rig_codes=RigCodes(table),
             calibrations=Calibrations(table, objects),
             cameras=Cameras(table),
             consensuses=Consensuses(table),

@@ -97,8 +97,8 @@ class Capture:
         ----------
         record
             `board` (see `Board.from_record`), `img_size`, `distortion_model`, `guidance`, `target_error`,
-            `capture` (``live`` or ``recorded``; missing: live), and `prior`, the seed as a calibration record
-            (see `Camera.from_record`), None or missing.
+            `capture` (``live`` or ``recorded``; missing: live), `rig` (None or missing: none; a rig ends its
+            captures), and `prior`, the seed as a calibration record (see `Camera.from_record`), or None.
         """
         w, h = record["img_size"]
         seed = record.get("prior")
@@ -109,7 +109,7 @@ class Capture:
             guidance=record["guidance"],
             target_error=record["target_error"],
             seed=Camera.from_record(seed) if seed is not None else None,
-            recorded=record.get("capture") == "recorded",
+            recorded=record.get("capture") == "recorded" or record.get("rig") is not None,
         )
 
     def without_seed(self) -> "Capture":

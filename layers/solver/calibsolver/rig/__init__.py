@@ -1,6 +1,7 @@
 """Rigs: cameras that do not move against each other, fitted together from boards that several of them saw."""
 
 from .calibration import RigCalibration, RigUncertainty
+from .estimate import estimate
 from .fit import fit
 from .guidance import RigTarget, next_moment
 from .held_out import held_out_rms
@@ -11,6 +12,7 @@ __all__ = [
     "RigCalibration",
     "RigTarget",
     "RigUncertainty",
+    "estimate",
     "fit",
     "held_out_rms",
     "next_moment",

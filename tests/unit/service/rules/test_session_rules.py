@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.rules import session_rules
-from calibdb.schema import EstimateDocument, SessionDocument, SessionRequest, ViewDocument, ViewRequest
+from calibdb.schema import EstimateDocument, SessionDocument, SessionRequest, ViewDocument
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"
@@ -14,8 +14,8 @@ REQUEST = SessionRequest(camera="Sam’s iPhone Camera", platform="iPhone", img_
 DOCUMENT = session_rules.begin(REQUEST, SID, 1, NOW)
 
 
-def view(index: int, points: tuple[tuple[float, float], ...] = ((1.0, 2.0), (3.0, 4.0))) -> ViewRequest:
-    return ViewRequest(index=index, ids=tuple(range(len(points))), points=points)
+def view(index: int, points: tuple[tuple[float, float], ...] = ((1.0, 2.0), (3.0, 4.0))) -> ViewDocument:
+    return ViewDocument(index=index, ids=tuple(range(len(points))), points=points)
 
 
 def accept(document: SessionDocument, index: int, progress: float) -> SessionDocument:
@@ -78,10 +78,10 @@ def test_indices_go_up_by_one_and_are_not_used_again() -> None:
 def test_a_repeat_may_name_the_corners_in_another_order() -> None:
     points = ((1.0, 2.0), (3.0, 4.0), (5.0, 6.0))
     document = session_rules.with_view(DOCUMENT, view(0, points), EstimateDocument(), [(None, None)], None)
-    sent = ViewRequest(index=0, ids=(2, 0, 1), points=(points[2], points[0], points[1]))
+    sent = ViewDocument(index=0, ids=(2, 0, 1), points=(points[2], points[0], points[1]))
     assert session_rules.is_idempotent_replay(document, sent) is True
     with pytest.raises(ConflictError):
-        session_rules.is_idempotent_replay(document, ViewRequest(index=0, ids=(2, 0, 1), points=points))
+        session_rules.is_idempotent_replay(document, ViewDocument(index=0, ids=(2, 0, 1), points=points))
     with pytest.raises(ConflictError):
         session_rules.is_idempotent_replay(document, view(0, points[:2]))
 
@@ -128,7 +128,7 @@ def test_stored_view_equals_the_request(points: list[tuple[float, float]]) -> No
     read = SessionDocument.model_validate_json(document.model_dump_json())
     assert read == document
     assert (
-        session_rules.is_idempotent_replay(read, ViewRequest.model_validate_json(sent.model_dump_json()))
+        session_rules.is_idempotent_replay(read, ViewDocument.model_validate_json(sent.model_dump_json()))
         is True
     )
 

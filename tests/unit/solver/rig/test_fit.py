@@ -11,8 +11,7 @@ from calibsolver.fitting.normal_equations import Poses
 from calibsolver.models import get
 from calibsolver.rig import transfer
 from calibsolver.rig.problem import Member, RigProblem, pack_moments
-from calibsolver.rig.start import RigidMotion, symmetries, turn_back
-from tests.helpers.data import corner_set
+from calibsolver.rig.start import RigidMotion
 from tests.helpers.solver import rigs, synthetic
 
 BOARD = Board((9, 6))

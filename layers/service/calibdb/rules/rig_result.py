@@ -1,0 +1,136 @@
+"""Result of a finished rig, and its state from then on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from calibdb.errors import ConflictError
+from calibdb.rules.rig_rules import MIN_AGREEING_VIEWS
+from calibdb.rules.rig_state import Rig, named, state, unit
+from calibdb.schema import (
+    Calibration,
+    RigCalibrationDocument,
+    RigDocument,
+    RigEstimateDocument,
+    RigResult,
+)
+from calibdb.schema.rig import Extrinsics, MomentPose, Motion, RigVerdict, RigVerdictReason
+from calibdb.schema.rig_documents import EndingDocument, RigFit
+
+MAX_FAIR_RATIO = 3.0
+"""Predicted error of the rig / the one aimed at, up to which the rig is fair."""
+MAX_HELD_OUT_RATIO = 2.0
+"""Error of moments left out of the fit / that of the moments in it, up to which the rig is good."""
+MAX_SET_ASIDE_SHARE = 0.25
+"""Views set aside / all views, up to which the rig is good."""
+
+
+def require_finishable(rig: Rig, estimate: RigEstimateDocument) -> RigFit:
+    """Return the fit of a rig that can end; raises ConflictError naming the cameras that lack something."""
+    if estimate.unlinked:
+        lost = named(estimate.unlinked)
+        raise ConflictError(
+            f"{lost} shared no moment with the others: hold the board where both see it.", kind="unlinked"
+        )
+    fit = estimate.fit
+    few = [i for i, n in enumerate(rig.agreeing(fit)) if n < MIN_AGREEING_VIEWS]
+    few += [i for i, s in enumerate(rig.sessions) if i not in few and (s is None or s.estimate.fit is None)]
+    if few:
+        raise ConflictError(
+            f"{named(sorted(few))} fewer than {MIN_AGREEING_VIEWS} views that agree. Capture more moments.",
+            kind="too-few-views",
+        )
+    if fit is None:
+        raise ConflictError(
+            f"The cameras cannot be fitted together: {estimate.problem}. Capture more moments.",
+            kind="too-few-views",
+        )
+    return fit
+
+
+def finished(
+    rig: Rig,
+    estimate: RigEstimateDocument,
+    fit: RigFit,
+    endings: Sequence[EndingDocument],
+    solver: str,
+    now: int,
+) -> RigCalibrationDocument:
+    """Make the document of a rig that ends now."""
+    running = state(rig, estimate)
+    update = {
+        "status": "finished",
+        "cameras": tuple(c.model_copy(update={"status": "finished"}) for c in running.cameras),
+        "progress": 1.0,
+        "target": None,
+        "result": _result(rig, fit, endings, now),
+    }
+    return RigCalibrationDocument(
+        id=rig.document.rig,
+        time=now,
+        solver=solver,
+        contributors=tuple(m.contributor if m else "" for m in rig.document.members),
+        state=running.model_copy(update=update),
+    )
+
+
+def _result(rig: Rig, fit: RigFit, endings: Sequence[EndingDocument], now: int) -> RigResult:
+    scale = rig.document.square_size or 1.0
+    ids = tuple(ending.finish.calibration_id for ending in endings)
+    return RigResult(
+        rig_id=rig.document.rig,
+        cameras=ids,
+        calibrations=tuple(
+            Calibration.of(
+                record,
+                id=ids[position],
+                camera=session.camera,
+                platform=session.platform,
+                zoom=session.zoom,
+                calibration_time=now,
+            )
+            for (position, session), record in zip(rig.present, fit.cameras, strict=True)
+        ),
+        extrinsics=tuple(_extrinsics(rig.document, fit)),
+        unit=unit(rig.document),
+        rms=fit.rms,
+        held_out_rms=fit.held_out_rms,
+        uncertainty=fit.uncertainty,
+        verdict=_verdict(rig, fit),
+        board_poses=tuple(
+            MomentPose(moment=one.moment, rvec=one.pose[:3], tvec=_times(one.pose[3:], scale))
+            for one in fit.board_poses
+        ),
+    )
+
+
+def _extrinsics(document: RigDocument, fit: RigFit) -> list[Extrinsics]:
+    scale = document.square_size or 1.0
+    return [
+        Extrinsics(position=i, rvec=pose[:3], tvec=_times(pose[3:], scale), std=_scaled(std, scale))
+        for i, (pose, std) in enumerate(zip(fit.poses, fit.std, strict=True))
+    ]
+
+
+def _times(t: tuple[float, float, float], scale: float) -> tuple[float, float, float]:
+    return t[0] * scale, t[1] * scale, t[2] * scale
+
+
+def _scaled(motion: Motion, scale: float) -> Motion:
+    return (*motion[:3], *_times(motion[3:], scale))
+
+
+def _verdict(rig: Rig, fit: RigFit) -> RigVerdict:
+    """Judge a rig by the error that is expected of it, and by what contradicts it."""
+    reasons: list[RigVerdictReason] = []
+    if fit.uncertainty.rms > rig.target_error:
+        reasons.append("uncertain")
+    if fit.held_out_rms is not None and fit.held_out_rms > MAX_HELD_OUT_RATIO * fit.rms:
+        reasons.append("held_out")
+    views = sum(len(seen) for _, seen in rig.moments())
+    if len(fit.set_aside) > MAX_SET_ASIDE_SHARE * views:
+        reasons.append("set_aside")
+    if not reasons:
+        return RigVerdict(level="good")
+    poor = fit.uncertainty.rms > MAX_FAIR_RATIO * rig.target_error
+    return RigVerdict(level="poor" if poor else "fair", reasons=tuple(reasons))

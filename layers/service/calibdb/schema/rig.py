@@ -1,0 +1,196 @@
+"""Rigs: what is asked about cameras that do not move against each other, and what is answered."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, get_args
+
+from pydantic import Field
+
+from calibdb.schema.board import Board
+from calibdb.schema.calibration import Calibration
+from calibdb.schema.fields import DistortionModel, ImgSize, Open, Pixel, Row, Strict, Whole
+from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId
+from calibdb.schema.session import HintCode
+
+RigUnit = Literal["squares", "metres"]
+RigVerdictReason = Literal["uncertain", "held_out", "set_aside"]
+RigFormat = Literal["json", "opencv_stereo", "ros", "kalibr", "colmap", "mrcal", "gltf"]
+RIG_FORMATS: tuple[str, ...] = get_args(RigFormat)
+SetAsideReason = Literal["outlier", "mirrored", "degenerate", "contradicts"]
+Motion = Annotated[
+    tuple[float, float, float, float, float, float],
+    Field(description="Rotation vector, rad, and translation."),
+]
+
+
+class RigRequest(Strict):
+    """Makes a rig whose first camera is that of the session."""
+
+    cameras: Annotated[int, Field(strict=True, ge=MIN_RIG_CAMERAS, le=MAX_RIG_CAMERAS), Whole] = Field(
+        description="Number of cameras."
+    )
+    square_size: float | None = Field(
+        None,
+        ge=1e-4,
+        le=10,
+        description="Side of a square (of an AprilGrid: of a tag), metres; without, lengths are in squares.",
+    )
+
+
+class RigOpened(Open):
+    """A rig, and the code by which other cameras join it."""
+
+    rig_id: str
+    join_code: str = Field(description="Six characters, without those that look alike.")
+    expires_at: int = Field(description="Unix time at which the code expires, seconds.")
+
+
+class MomentRequest(Strict):
+    """Opens a moment: from now on cameras may send their views of it."""
+
+    moment: MomentId
+
+
+class RigCamera(Open):
+    """One camera of the rig."""
+
+    position: int
+    camera: str | None = Field(description="Label of the camera; null as long as nobody has joined.")
+    img_size: ImgSize | None
+    distortion_model: DistortionModel | None
+    status: Literal["waiting", "capturing", "finished"]
+    views: int = Field(description="Views of moments that count.")
+
+
+class MomentSetAside(Open):
+    """View of a moment that takes no part in the fit."""
+
+    position: int
+    reason: SetAsideReason
+    detail: str
+
+
+class LatestMoment(Open):
+    """The moment that was opened last."""
+
+    id: str
+    positions: tuple[int, ...] = Field(description="Positions of the cameras that have sent a view of it.")
+
+
+class RigMoment(LatestMoment):
+    """One moment, and what of it is set aside."""
+
+    set_aside: tuple[MomentSetAside, ...] = ()
+
+
+class RigUncertainty(Open):
+    """Predicted error of the rig."""
+
+    rotation_deg: float = Field(description="Expected turn of the camera that is known worst, degrees.")
+    translation_percent: float = Field(
+        description="Expected shift of the camera that is known worst / its distance from camera 0, per cent."
+    )
+    rms: float = Field(
+        description="Distance between points of one camera, at working distance, and where the rig projects "
+        "them in another, px rms."
+    )
+
+
+class RigTargetView(Open):
+    """The target as one camera would see it; pixels of its `img_size`, distortion included."""
+
+    position: int
+    rvec: Row
+    tvec: Row = Field(description="Translation, squares.")
+    ids: tuple[int, ...]
+    corners: tuple[Pixel, ...]
+    outline: tuple[Pixel, ...]
+    hint: str
+    hint_code: HintCode
+
+
+class RigTarget(Open):
+    """Target pose of the board, as each camera would see it."""
+
+    purpose: str
+    hint: str
+    hint_code: HintCode
+    cameras: tuple[RigTargetView, ...] = Field(description="Cameras that are absent would not see it.")
+
+
+class RigAdvice(Open):
+    """Something that those who capture should know of the rig."""
+
+    code: Literal[
+        "waiting", "unlinked", "no_fit", "contradicts", "set_aside", "turned", "too_few_views", "converged"
+    ]
+    text: str
+    positions: tuple[int, ...] = ()
+
+
+class Extrinsics(Open):
+    """Pose of one camera: x -> R x + t from camera 0 to it."""
+
+    position: int
+    rvec: Row
+    tvec: Row
+    std: Motion = Field(description="Standard deviations of rvec (rad) and tvec.")
+
+
+class MomentPose(Open):
+    """Pose of the board in one moment, board -> camera 0."""
+
+    moment: str
+    rvec: Row
+    tvec: Row
+
+
+class RigVerdict(Open):
+    """Verdict about a finished rig."""
+
+    level: Literal["good", "fair", "poor"]
+    reasons: tuple[RigVerdictReason, ...] = Field(
+        (),
+        description="`uncertain`: the predicted error is larger than the one aimed at; `held_out`: moments "
+        "left out of the fit contradict it; `set_aside`: many views were left out.",
+    )
+
+
+class RigResult(Open):
+    """Cameras of a rig, and where they are."""
+
+    rig_id: str
+    cameras: tuple[str, ...] = Field(description="Ids of the cameras' own calibrations, by position.")
+    calibrations: tuple[Calibration, ...] = Field(description="The cameras as they were fitted together.")
+    extrinsics: tuple[Extrinsics, ...]
+    unit: RigUnit = Field(description="Unit of tvec.")
+    rms: float = Field(description="rms over all measurements but those of views set aside, px")
+    held_out_rms: float | None = Field(
+        None, description="rms px of moments under a rig that was fitted without them; null: too few moments."
+    )
+    uncertainty: RigUncertainty
+    verdict: RigVerdict
+    board_poses: tuple[MomentPose, ...] = Field((), description="Boards of the moments that count.")
+
+
+class RigState(Open):
+    """Progress of the rig."""
+
+    rig_id: str
+    status: Literal["capturing", "finished"]
+    board: Board
+    square_size: float | None
+    unit: RigUnit
+    cameras: tuple[RigCamera, ...]
+    moment: LatestMoment | None
+    moments: tuple[RigMoment, ...]
+    uncertainty: RigUncertainty | None
+    target_error: float = Field(description="px; the `uncertainty.rms` at which the rig has converged.")
+    progress: float = Field(ge=0, le=1)
+    unlinked: tuple[int, ...] = Field(
+        description="Positions of the cameras that share no moment with camera 0, not even by way of others."
+    )
+    rms: float | None
+    target: RigTarget | None
+    advice: tuple[RigAdvice, ...]
+    result: RigResult | None

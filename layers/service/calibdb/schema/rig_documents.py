@@ -1,0 +1,140 @@
+"""Stored documents of rigs."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from calibdb.schema.board import Board
+from calibdb.schema.calibration import FitRecord
+from calibdb.schema.documents import EstimateDocument, Finish
+from calibdb.schema.fields import Open
+from calibdb.schema.rig import Motion, RigState, RigTarget, RigUncertainty, SetAsideReason
+from calibdb.schema.session import SetAside
+
+
+class MemberDocument(Open):
+    """Session of one camera."""
+
+    session: str
+    contributor: str
+    joined: int  # unix seconds
+
+
+class MomentDocument(Open):
+    """A moment that was opened; an undone one is never opened again."""
+
+    id: str
+    opened: int  # unix seconds
+    undone: bool = False
+
+
+class SkipsDocument(Open):
+    """Targets that were not wanted, and the views (their digest) after which they were shown."""
+
+    basis: str
+    poses: tuple[Motion, ...] = ()
+    missed: int = 0  # of those that have no pose, since the rig is not known yet
+
+
+class CodeDocument(Open):
+    """Keyed hash of a join code."""
+
+    digest: str
+    until: int  # unix seconds
+
+
+class EndingDocument(Open):
+    """End of one camera's session, fixed when the rig ends: publishing it follows from this alone."""
+
+    session: str
+    estimate: EstimateDocument
+    finish: Finish
+    views: tuple[tuple[int, float | None, SetAside | None], ...]  # index, px rms, why it is set aside
+
+
+class RigCalibrationDocument(Open):
+    """All of a finished rig: `rig_calibrations/<id>.json`. Never overwritten."""
+
+    layout: Literal[1] = 1
+    id: str
+    time: int = Field(description="Unix time, seconds.")
+    solver: str
+    contributors: tuple[str, ...]  # by position
+    state: RigState
+
+
+class RigFinish(Open):
+    """Outcome fixed when the rig was finished."""
+
+    calibration: RigCalibrationDocument
+    endings: tuple[EndingDocument, ...]
+
+
+class RigDocument(Open):
+    """All of a running rig but its views, which its sessions have: `rigs/<id>/<version>.json`."""
+
+    layout: Literal[1] = 1
+    rig: str
+    started: int  # unix seconds
+    board: Board
+    square_size: float | None = None
+    members: tuple[MemberDocument | None, ...]  # by position
+    moments: tuple[MomentDocument, ...] = ()
+    skips: SkipsDocument | None = None
+    codes: tuple[CodeDocument, ...] = ()  # oldest first
+    finish: RigFinish | None = None
+
+    @property
+    def leader(self) -> str:
+        """Session of camera 0."""
+        first = self.members[0]
+        return first.session if first else ""
+
+
+class ViewSetAside(Open):
+    """View that the joint fit leaves out."""
+
+    moment: str
+    position: int
+    reason: SetAsideReason
+
+
+class TurnedView(Open):
+    """View whose corners were numbered from another side of the board."""
+
+    moment: str
+    position: int
+
+
+class BoardPose(Open):
+    """Pose of the board in a moment, board -> camera 0."""
+
+    moment: str
+    pose: Motion
+
+
+class RigFit(Open):
+    """Joint fit of all cameras, lengths in squares."""
+
+    cameras: tuple[FitRecord, ...]
+    poses: tuple[Motion, ...]  # camera 0 -> camera i
+    std: tuple[Motion, ...]
+    rms: float
+    uncertainty: RigUncertainty
+    held_out_rms: float | None = None
+    set_aside: tuple[ViewSetAside, ...] = ()
+    turned: tuple[TurnedView, ...] = ()
+    board_poses: tuple[BoardPose, ...] = ()
+
+
+class RigEstimateDocument(Open):
+    """Fit and target computed from some views: `rigs/<id>/state/<digest>.json`."""
+
+    layout: Literal[1] = 1
+    fit: RigFit | None = None
+    problem: str | None = None  # why there is no fit
+    unlinked: tuple[int, ...] = ()
+    target: RigTarget | None = None
+    target_pose: Motion | None = None  # board -> camera 0

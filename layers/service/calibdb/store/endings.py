@@ -1,0 +1,50 @@
+"""Endings: what follows from the document of a session, or of a rig, once it says that it has ended.
+
+Each step is idempotent: whoever asks again completes what a crash left undone.
+"""
+
+from __future__ import annotations
+
+from calibdb.errors import NotFoundError
+from calibdb.rules import rig_rules, session_rules
+from calibdb.schema import DISTORTION_MODELS, RefitRequest, RigDocument, SessionDocument
+from calibdb.schema.rig_documents import EndingDocument
+from calibdb.store.store import Store
+
+
+def publish(store: Store, document: SessionDocument) -> None:
+    """Make the calibration of a session findable, and have every model's consensus computed."""
+    calibration = session_rules.to_calibration(document)
+    store.calibrations.publish(calibration)
+    store.refit.later(
+        RefitRequest(
+            camera=calibration.camera_key,
+            img_size=calibration.img_size,
+            zoom=calibration.zoom,
+            models=DISTORTION_MODELS,
+        )
+    )
+
+
+def publish_rig(store: Store, document: RigDocument, now: int) -> None:
+    """Store the result of a finished rig, then end and publish the sessions of its cameras."""
+    if document.finish is None:
+        raise ValueError("the rig is not finished")
+    store.rigs.publish(document.finish.calibration)
+    for ending in document.finish.endings:
+        session = _end(store, ending, now)
+        if session is not None and session.finish is not None:
+            publish(store, session)
+
+
+def _end(store: Store, ending: EndingDocument, now: int) -> SessionDocument | None:
+    """End a session of a rig; None where it was forgotten meanwhile."""
+
+    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
+        ended = rig_rules.end_session(document, ending)
+        return ended, ended or document
+
+    try:
+        return store.sessions.update(ending.session, now, change)
+    except NotFoundError:
+        return None

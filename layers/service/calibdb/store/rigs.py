@@ -1,0 +1,82 @@
+"""Rigs: running ones under optimistic concurrency (`Versions`), what was computed of them, and finished ones.
+
+`rigs/<id>/<version>.json` is a running rig, `rigs/<id>/state/<digest>.json` fit and target that follow from
+the views of that digest, `rig_calibrations/<id>.json` a finished rig, for good.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+
+from calibdb.schema import RigCalibrationDocument, RigDocument, RigEstimateDocument
+from calibdb.store.objects import Objects
+from calibdb.store.table import Table, Value
+from calibdb.store.versions import Kind, Versions
+
+RIG_CALIBRATIONS_PREFIX = "rig_calibrations/"
+_RIG_ID = re.compile(r"[0-9a-f]{32}")
+_KIND = Kind(
+    RigDocument,
+    prefix="rigs/",
+    partition="RIG#",
+    noun="rig",
+    missing="There is no rig with this id.",
+    missing_kind="no-rig",
+)
+
+
+class Rigs(Versions[RigDocument]):
+    """Rigs under their ids."""
+
+    def __init__(self, table: Table, objects: Objects) -> None:
+        super().__init__(table, objects, _KIND)
+
+    def facts(self, document: RigDocument) -> Mapping[str, Value]:
+        """Sessions by position, so that whoever asks whether anything changed reads no object."""
+        return {"sessions": [member.session if member else "" for member in document.members]}
+
+    def forget(self, name: str, now: int) -> bool:
+        """Forget a running rig and what was computed of it; False when there was nothing to forget."""
+        there = super().forget(name, now)
+        self._objects.delete(list(self._objects.names(_states(name))))
+        return there
+
+    def estimate(self, rig_id: str, digest: str) -> RigEstimateDocument | None:
+        """Return what was computed from the views of this digest, None where nothing was yet."""
+        content = self._objects.get(f"{_states(rig_id)}{digest}.json")
+        return None if content is None else RigEstimateDocument.model_validate_json(content)
+
+    def keep_estimate(self, rig_id: str, digest: str, estimate: RigEstimateDocument) -> None:
+        """Keep what was computed; of two who computed it at once, the first counts."""
+        self._objects.create(f"{_states(rig_id)}{digest}.json", estimate.model_dump_json().encode())
+
+    def publish(self, document: RigCalibrationDocument) -> None:
+        """Store a finished rig; done twice, it is done once."""
+        self._objects.create(rig_calibration_object(document.id), document.model_dump_json().encode())
+
+    def calibration(self, rig_id: str) -> RigCalibrationDocument | None:
+        """Return a finished rig, None when there is none of this id."""
+        content = self._objects.get(rig_calibration_object(rig_id)) if is_rig_id(rig_id) else None
+        return None if content is None else RigCalibrationDocument.model_validate_json(content)
+
+    def calibrations(self) -> Iterator[RigCalibrationDocument]:
+        """Yield every finished rig. For operators."""
+        for name in self._objects.names(RIG_CALIBRATIONS_PREFIX):
+            content = self._objects.get(name)
+            if content is not None:
+                yield RigCalibrationDocument.model_validate_json(content)
+
+
+def is_rig_id(text: str) -> bool:
+    """Tell whether a text may be the id of a rig."""
+    return _RIG_ID.fullmatch(text) is not None
+
+
+def rig_calibration_object(rig_id: str) -> str:
+    """Return the object's name of a finished rig."""
+    return f"{RIG_CALIBRATIONS_PREFIX}{rig_id}.json"
+
+
+def _states(rig_id: str) -> str:
+    return f"{_KIND.prefix}{rig_id}/state/"

@@ -1,0 +1,242 @@
+"""Running documents: immutable objects `<prefix><name>/<version>.json`, and an item that names the latest.
+
+Changes follow optimistic concurrency. A change writes its object first and then moves the index to it, on the
+condition that the index still names the version that the change was made from. A crash leaves an orphaned
+object, never a pointer to nothing. Of two changes at once, one is stored and the other is made anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from pydantic import BaseModel
+
+from calibdb.errors import ConflictError, NotFoundError, UnavailableError
+from calibdb.store.objects import Objects
+from calibdb.store.table import IF_NOT_EXISTS, Condition, Item, Table, Value
+
+LIFETIME_S = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
+_ATTEMPTS = 5  # of a change that others keep overtaking
+_MAX_ORPHANS = 16  # versions written and never pointed to, one after the other
+_SK = "META"
+
+Document = TypeVar("Document", bound=BaseModel)
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True)
+class Head:
+    """Index entry: the latest version, whether the document was forgotten, and what else the item holds."""
+
+    version: int
+    forgotten: bool
+    facts: Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Kind(Generic[Document]):
+    """What a kind of documents is called.
+
+    Attributes
+    ----------
+    model
+        Model of the documents.
+    prefix, partition
+        What the names of their objects, and the partitions of their items, begin with.
+    noun
+        The word for one, in messages.
+    missing, missing_kind
+        The problem where there is none.
+    """
+
+    model: type[Document]
+    prefix: str
+    partition: str
+    noun: str
+    missing: str
+    missing_kind: str
+
+
+class Versions(Generic[Document]):
+    """Documents of one kind under their names."""
+
+    def __init__(self, table: Table, objects: Objects, kind: Kind[Document]) -> None:
+        self._table = table
+        self._objects = objects
+        self._kind = kind
+
+    def facts(self, document: Document) -> Mapping[str, Value]:  # noqa: ARG002
+        """Attributes of the item beside the version, which follow from the document."""
+        return {}
+
+    def find(self, name: str) -> Document | None:
+        """Return the document as it stands, None when there was none or it was forgotten."""
+        found = self.find_version(name)
+        return found[0] if found else None
+
+    def get(self, name: str) -> Document:
+        """Return the document as it stands; raises NotFoundError."""
+        return self.get_version(name)[0]
+
+    def get_version(self, name: str) -> tuple[Document, int]:
+        """Return the document as it stands and its version; raises NotFoundError."""
+        found = self.find_version(name)
+        if found is None:
+            raise self._not_found()
+        return found
+
+    def head(self, name: str) -> Head | None:
+        """Return the index entry, None when the document never was."""
+        item = self._table.get(self._pk(name), _SK)
+        if item is None:
+            return None
+        return Head(int(str(item["version"])), "forgotten" in item, item)
+
+    def start(self, name: str, now: int, make: Callable[[int], Document]) -> tuple[Document, bool]:
+        """Return the running document and False; or store `make(first version)`, and return it and True."""
+        for _ in range(_ATTEMPTS):
+            head = self.head(name)
+            if head is not None and not head.forgotten:
+                found = self.find_version(name)
+                if found is not None:
+                    return found[0], False
+                continue  # forgotten in between
+            # One started again under its name goes on counting, so that whoever still works on the forgotten
+            # one finds the index moved.
+            base = head.version if head else 0
+            document = make(base + 1)
+            if self._write(name, base, document, now):
+                return document, True
+        raise self._too_much_contention()
+
+    def update(
+        self, name: str, now: int, change: Callable[[Document], tuple[Document | None, Result]]
+    ) -> Result:
+        """Apply `change` to the document and return its answer; raises NotFoundError.
+
+        `change` returns the new document, or None to leave it as it is, and an answer. It may be called
+        again, with what another request made of the document meanwhile; what it raises leaves everything as
+        it is.
+        """
+        for _ in range(_ATTEMPTS):
+            document, version = self.get_version(name)
+            changed, answer = change(document)
+            if changed is None or self._write(name, version, changed, now):
+                return answer
+        raise self._too_much_contention()
+
+    def forget(self, name: str, now: int) -> bool:
+        """Forget the document; False when there was nothing to forget."""
+        for _ in range(_ATTEMPTS):
+            head = self.head(name)
+            if head is None or head.forgotten:
+                return head is not None
+            tombstone = {**self._item(name, head.version + 1, now), "forgotten": 1}
+            if self._table.put(tombstone, _if_version(head.version)):
+                self._objects.delete([self._object(name, v) for v in range(1, head.version + 1)])
+                return True
+        raise self._too_much_contention()
+
+    def all(self) -> Iterator[Document]:
+        """Yield every document that is not forgotten, as it stands. For operators.
+
+        Where the index says nothing of one, its highest version counts: whoever writes one in vain takes it
+        away again.
+        """
+        for name, version in self._versions().items():
+            head = self.head(name)
+            if head is None:
+                head = Head(version, forgotten=False, facts={})
+            content = None if head.forgotten else self._objects.get(self._object(name, head.version))
+            if content is not None:
+                yield self._parse(content)
+
+    def index(self, now: int) -> int:
+        """Let the index name every document in the bucket that it does not know; return how many those were.
+
+        For operators, who lost the index.
+        """
+        added = 0
+        for name, version in self._versions().items():
+            if self.head(name) is not None:
+                continue
+            content = self._objects.get(self._object(name, version))
+            if content is not None:
+                facts = self.facts(self._parse(content))
+                added += self._table.put({**self._item(name, version, now), **facts}, IF_NOT_EXISTS)
+        return added
+
+    def purge(self, name: str) -> int:
+        """Remove all that is stored of the document, for good; return how many objects those were."""
+        names = list(self._objects.names(f"{self._kind.prefix}{name}/"))
+        removed = self._objects.purge_all_versions(names)
+        self._table.delete(self._pk(name), _SK)
+        return removed
+
+    def find_version(self, name: str) -> tuple[Document, int] | None:
+        """Return the document as it stands and its version; None as `find`."""
+        for _ in range(_ATTEMPTS):
+            head = self.head(name)
+            if head is None or head.forgotten:
+                return None
+            content = self._objects.get(self._object(name, head.version))
+            if content is not None:
+                return self._parse(content), head.version
+            # The index never points to nothing: it was forgotten between the two reads.
+        raise UnavailableError(f"The {self._kind.noun} could not be read.")
+
+    def _versions(self) -> dict[str, int]:
+        highest: dict[str, int] = {}
+        for path in self._objects.names(self._kind.prefix):
+            name, _, file = path.removeprefix(self._kind.prefix).partition("/")
+            version = file.removesuffix(".json")
+            if version.isdecimal():
+                highest[name] = max(highest.get(name, 0), int(version))
+        return highest
+
+    def _write(self, name: str, base: int, document: Document, now: int) -> bool:
+        content = document.model_dump_json().encode()
+        # A taken name is the orphan of a crash, or of someone who is about to overtake us. It cannot be told
+        # which, and need not: versions may have gaps, and the index decides.
+        for version in range(base + 1, base + 1 + _MAX_ORPHANS):
+            if self._objects.create(self._object(name, version), content):
+                break
+        else:
+            raise UnavailableError(f"The {self._kind.noun} could not be written.")
+        item = {**self._item(name, version, now), **self.facts(document)}
+        if self._table.put(item, _if_version(base) if base else IF_NOT_EXISTS):
+            return True
+        # A write that was retried because its answer got lost finds itself done: nobody else has this
+        # version.
+        head = self.head(name)
+        if head is not None and (head.version, head.forgotten) == (version, False):
+            return True
+        # Ours counts for nothing: it must not be taken for the document's state when the index is made anew.
+        self._objects.delete([self._object(name, version)])
+        return False
+
+    def _parse(self, content: bytes) -> Document:
+        return self._kind.model.model_validate_json(content)
+
+    def _object(self, name: str, version: int) -> str:
+        return f"{self._kind.prefix}{name}/{version}.json"
+
+    def _pk(self, name: str) -> str:
+        return f"{self._kind.partition}{name}"
+
+    def _item(self, name: str, version: int, now: int) -> Item:
+        return {"pk": self._pk(name), "sk": _SK, "version": version, "ttl": now + LIFETIME_S}
+
+    def _not_found(self) -> NotFoundError:
+        return NotFoundError(self._kind.missing, kind=self._kind.missing_kind)
+
+    def _too_much_contention(self) -> ConflictError:
+        return ConflictError(
+            f"Other requests keep changing this {self._kind.noun}; send this one again.", kind="overtaken"
+        )
+
+
+def _if_version(version: int) -> Condition:
+    return Condition("#version = :version", {"version": version}, {"version": "version"})

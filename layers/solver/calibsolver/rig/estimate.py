@@ -1,0 +1,207 @@
+"""Estimate of a running rig in plain values: the fit to its moments, and where to hold the board next."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .. import deadline, models, rotation
+from ..arrays import Array
+from ..board import Board
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..fitting.uncertainty import projection_jacobian_rotation_free, variance
+from ..guidance.hints import Hint, Placement, largest_difference
+from ..guidance.target import TargetPose
+from .calibration import RigCalibration
+from .fit import fit
+from .guidance import RigTarget, next_moment, unlinked
+from .held_out import held_out_rms
+from .problem import Moment
+from .start import RigidMotion
+from .thinning import MAX_ONLINE_POINTS, thin
+
+GRID = (20, 15)
+"""Pixels (columns, rows) at which the error of one camera is predicted."""
+MAX_HELD_OUT_S = 1.0
+MAX_HELD_OUT_POINTS = 4_000
+"""Time for the cross-validation of a rig that ends, and points to which it is thinned for it."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Rig:
+    """The cameras that are there, and what they saw; positions are those of the whole rig."""
+
+    board: Board
+    positions: Sequence[int]
+    count: int
+    cameras: Sequence[tuple[tuple[int, int], str]]
+    starts: Mapping[int, Camera]
+    names: Sequence[str]
+    moments: Sequence[Moment]
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> "_Rig":
+        board = Board.from_record(record["board"])
+        given = record["cameras"]
+        positions = [i for i, camera in enumerate(given) if camera is not None]
+        number = {position: n for n, position in enumerate(positions)}
+        there = [given[position] for position in positions]
+        return cls(
+            board,
+            positions,
+            len(given),
+            [(tuple(camera["img_size"]), camera["distortion_model"]) for camera in there],
+            {n: Camera.from_record(camera["start"]) for n, camera in enumerate(there) if camera["start"]},
+            [moment["id"] for moment in record["moments"]],
+            [
+                {number[p]: board.view(seen["ids"], seen["points"]) for p, seen in moment["views"].items()}
+                for moment in record["moments"]
+            ],
+        )
+
+
+def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any]:
+    """Fit a rig to its moments, and choose the next one, or with `final` cross-validate the fit.
+
+    Parameters
+    ----------
+    record
+        `board`; `cameras`: by position `img_size`, `distortion_model` and `start` (a calibration record that
+        may be near, or None), or None where no camera is there yet; `moments`: `id` and `views`, position ->
+        `ids`, `points`; `skipped`: poses (6,) not wanted; `missed`: targets without a pose given up.
+
+    Returns
+    -------
+    dict
+        `fit`, None where there is none, and `problem` why; `unlinked`: positions that share no moment with
+        camera 0; `target` and `target_pose`, board -> camera 0. Lengths are in board units.
+    """
+    rig = _Rig.from_record(record)
+    lost = {rig.positions[n] for n in unlinked(len(rig.positions), rig.moments)}
+    lost |= set(range(rig.count)) - set(rig.positions)
+    found, problem = None, None
+    if not lost and rig.moments:
+        try:
+            found = fit(rig.moments, rig.cameras, starts=rig.starts, max_points=MAX_ONLINE_POINTS)
+        except CalibrationError as error:
+            problem = error.message
+        if found is not None and not np.isfinite(found.covariance).all():
+            found, problem = None, "the views leave it undetermined"
+    if final:
+        fitted = None
+        if found is not None:
+            fitted = {**_fit_record(rig, found), "held_out_rms": _held_out(rig, found)}
+        return {"fit": fitted, "problem": problem, "unlinked": sorted(lost)}
+    skipped = [np.asarray(pose, dtype=np.float64) for pose in record["skipped"]]
+    try:
+        target = next_moment(rig.board, rig.cameras, rig.moments, found, skipped, record["missed"])
+    except CalibrationError:  # a capture goes on without a target
+        target = RigTarget(None, {}, "")
+    return {
+        "fit": _fit_record(rig, found) if found is not None else None,
+        "problem": problem,
+        "unlinked": sorted(lost),
+        "target": _target_record(rig, target, found),
+        "target_pose": None if target.pose is None else target.pose.tolist(),
+    }
+
+
+def _held_out(rig: _Rig, found: RigCalibration) -> float | None:
+    """Cross-validate the rig; None where that is not possible, or takes too long."""
+    moments = thin(rig.moments, MAX_HELD_OUT_POINTS)
+    return deadline.compute_within(MAX_HELD_OUT_S, lambda: held_out_rms(moments, found), None)
+
+
+def _fit_record(rig: _Rig, found: RigCalibration) -> dict[str, Any]:
+    u = found.uncertainty
+    deviations = [np.sqrt(np.maximum(np.diagonal(found.pose_covariance(i)), 0)) for i in range(rig.count)]
+    return {
+        "cameras": [_camera_record(rig, found, i) for i in range(rig.count)],
+        "poses": found.poses.tolist(),
+        "std": [np.zeros(6).tolist(), *(deviation.tolist() for deviation in deviations[1:])],
+        "rms": found.rms,
+        "uncertainty": {
+            "rotation_deg": u.rotation_deg,
+            "translation_percent": u.translation_percent,
+            "rms": u.rms,
+        },
+        "set_aside": [
+            {"moment": rig.names[m], "position": i, "reason": reason}
+            for (m, i), reason in sorted(found.set_aside.items())
+        ],
+        "board_poses": [
+            {"moment": name, "pose": pose.tolist()}
+            for name, pose in zip(rig.names, found.board_poses, strict=True)
+            if np.isfinite(pose).all()
+        ],
+        "turned": [{"moment": rig.names[m], "position": i} for m, i in found.turned],
+    }
+
+
+def _camera_record(rig: _Rig, found: RigCalibration, position: int) -> dict[str, Any]:
+    """Return one camera of the rig as a calibration record."""
+    camera = found.cameras[position]
+    first = sum(len(other.intrinsics) for other in found.cameras[:position])
+    part = slice(first, first + len(camera.intrinsics))
+    d = projection_jacobian_rotation_free(models.get(camera.model), camera.intrinsics, camera.img_size, GRID)
+    square = variance(d, found.covariance[part, part])
+    square = np.maximum(square[np.isfinite(square)], 0)
+    if not square.size:
+        square = np.array([float(max(camera.img_size)) ** 2])
+    counted = [
+        (error, len(rig.moments[m][i]))
+        for (m, i), error in found.view_errors.items()
+        if i == position and (m, i) not in found.set_aside and np.isfinite(error)
+    ]
+    points = sum(n for _, n in counted)
+    return {
+        "img_size": list(camera.img_size),
+        "camera_matrix": camera.matrix.tolist(),
+        "distortion_coefficients": camera.distortion.tolist(),
+        "distortion_model": camera.model,
+        "avg_reprojection_error": float(np.sqrt(sum(e**2 * n for e, n in counted) / max(points, 1))),
+        "uncertainty": {"rms": float(np.sqrt(square.mean())), "max": float(np.sqrt(square.max()))},
+        "systematic": found.inflation,
+    }
+
+
+def _target_record(rig: _Rig, target: RigTarget, found: RigCalibration | None) -> dict[str, Any] | None:
+    if not target.views:
+        return None
+    hints = {n: _hint(rig, view, n, found) for n, view in target.views.items()}
+    first = hints[min(hints)]
+    return {
+        "purpose": target.purpose,
+        "hint": first.text,
+        "hint_code": first.code,
+        "cameras": [
+            {
+                "position": rig.positions[n],
+                "rvec": view.rvec.tolist(),
+                "tvec": view.tvec.tolist(),
+                "ids": list(view.ids),
+                "corners": view.corners.tolist(),
+                "outline": view.outline.tolist(),
+                "hint": hints[n].text,
+                "hint_code": hints[n].code,
+            }
+            for n, view in sorted(target.views.items())
+        ],
+    }
+
+
+def _hint(rig: _Rig, target: TargetPose, number: int, found: RigCalibration | None) -> Hint:
+    """Hint how to move the board from its last pose, as one camera sees it."""
+    known = [] if found is None else [pose for pose in found.board_poses if np.isfinite(pose).all()]
+    if found is None or not known:
+        return Hint.of(target.hint_code)
+    camera = found.cameras[number]
+    last = RigidMotion.of_vector(found.poses[number]) @ RigidMotion.of_vector(known[-1])
+    r: Array = rotation.matrix(target.rvec)
+    return largest_difference(
+        Placement.of(rig.board, camera, last.r, last.t),
+        Placement.of(rig.board, camera, r, target.tvec),
+        camera.img_size[0],
+    )
