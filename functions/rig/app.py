@@ -36,7 +36,7 @@ from calibsolver.capture import stored
 from calibsolver.rig import estimate, formats
 
 SOLVER = calibsolver.FIT_VERSION
-FORMATS = {name: name for name in RIG_FORMATS} | {"opencv_stereo": "opencv-yaml"}
+RIG_WRITERS = {name: name for name in RIG_FORMATS} | {"opencv_stereo": "opencv-yaml"}
 
 
 def create(call: application.Call) -> Response:
@@ -215,7 +215,7 @@ def result(call: application.Call) -> Response:
         token = call.service.token_of(ticket)
     else:
         token = call.api_token()
-    if name not in FORMATS:
+    if name not in RIG_WRITERS:
         raise InvalidError.field("format", f"must be one of {', '.join(RIG_FORMATS)}")
     known, _ = state_of(call, call.path("id"), running=False)
     found = known.result
@@ -234,7 +234,7 @@ def result(call: application.Call) -> Response:
     )
     try:
         with in_time(call):
-            written = formats.write(source, FORMATS[name])
+            written = formats.write(source, RIG_WRITERS[name])
     except CalibrationError as error:
         raise InvalidError.field("format", error.message) from error
     headers = {

@@ -33,7 +33,7 @@ _REASONS: Mapping[str, SetAsideReason] = {
     "disagrees": "contradicts",
     "degenerate": "degenerate",
 }
-_DETAILS: Mapping[SetAsideReason, str] = {
+_SET_ASIDE_DETAILS: Mapping[SetAsideReason, str] = {
     "outlier": "Its corners cannot be explained.",
     "mirrored": "The picture is mirrored.",
     "degenerate": "Its corners lie on a line.",
@@ -204,7 +204,9 @@ def _moment(name: str, seen: Mapping[int, ViewDocument], fit: RigFit | None) -> 
     reasons = {p: _REASONS[v.set_aside.reason] for p, v in seen.items() if v.set_aside is not None}
     if fit is not None:
         reasons |= {one.position: one.reason for one in fit.set_aside if one.moment == name}
-    aside = [MomentSetAside(position=p, reason=r, detail=_DETAILS[r]) for p, r in sorted(reasons.items())]
+    aside = [
+        MomentSetAside(position=p, reason=r, detail=_SET_ASIDE_DETAILS[r]) for p, r in sorted(reasons.items())
+    ]
     return RigMoment(id=name, positions=tuple(sorted(seen)), set_aside=tuple(aside))
 
 

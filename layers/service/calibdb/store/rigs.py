@@ -16,7 +16,7 @@ from calibdb.store.versions import Kind, Versions
 
 RIG_CALIBRATIONS_PREFIX = "rig_calibrations/"
 _RIG_ID = re.compile(r"[0-9a-f]{32}")
-_KIND = Kind(
+_RIGS = Kind(
     RigDocument,
     prefix="rigs/",
     partition="RIG#",
@@ -30,7 +30,7 @@ class Rigs(Versions[RigDocument]):
     """Rigs under their ids."""
 
     def __init__(self, table: Table, objects: Objects) -> None:
-        super().__init__(table, objects, _KIND)
+        super().__init__(table, objects, _RIGS)
 
     def facts(self, document: RigDocument) -> Mapping[str, Value]:
         """Sessions by position, so that whoever asks whether anything changed reads no object."""
@@ -43,12 +43,12 @@ class Rigs(Versions[RigDocument]):
         return there
 
     def estimate(self, rig_id: str, digest: str) -> RigEstimateDocument | None:
-        """Return what was computed from the views of this digest, None where nothing was yet."""
+        """Return the fit and target computed from the views of this digest, None where there is none yet."""
         content = self._objects.get(f"{_states(rig_id)}{digest}.json")
         return None if content is None else RigEstimateDocument.model_validate_json(content)
 
     def keep_estimate(self, rig_id: str, digest: str, estimate: RigEstimateDocument) -> None:
-        """Keep what was computed; of two who computed it at once, the first counts."""
+        """Keep a fit and target; of two who computed it at once, the first counts."""
         self._objects.create(f"{_states(rig_id)}{digest}.json", estimate.model_dump_json().encode())
 
     def publish(self, document: RigCalibrationDocument) -> None:
@@ -79,4 +79,4 @@ def rig_calibration_object(rig_id: str) -> str:
 
 
 def _states(rig_id: str) -> str:
-    return f"{_KIND.prefix}{rig_id}/state/"
+    return f"{_RIGS.prefix}{rig_id}/state/"

@@ -7,7 +7,7 @@ from calibdb.store.objects import Objects
 from calibdb.store.table import Table
 from calibdb.store.versions import Kind, Versions
 
-_KIND = Kind(
+_SESSIONS = Kind(
     SessionDocument,
     prefix="sessions/",
     partition="SESSION#",
@@ -21,4 +21,4 @@ class Sessions(Versions[SessionDocument]):
     """Sessions under their names."""
 
     def __init__(self, table: Table, objects: Objects) -> None:
-        super().__init__(table, objects, _KIND)
+        super().__init__(table, objects, _SESSIONS)

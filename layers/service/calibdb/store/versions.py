@@ -37,7 +37,7 @@ class Head:
 
 @dataclass(frozen=True)
 class Kind(Generic[Document]):
-    """What a kind of documents is called.
+    """Names of a kind of documents.
 
     Attributes
     ----------

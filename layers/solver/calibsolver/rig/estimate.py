@@ -22,7 +22,7 @@ from .problem import Moment
 from .start import RigidMotion
 from .thinning import MAX_ONLINE_POINTS, thin
 
-GRID = (20, 15)
+UNCERTAINTY_GRID = (20, 15)
 """Pixels (columns, rows) at which the error of one camera is predicted."""
 MAX_HELD_OUT_S = 1.0
 MAX_HELD_OUT_POINTS = 4_000
@@ -145,7 +145,9 @@ def _camera_record(rig: _Rig, found: RigCalibration, position: int) -> dict[str,
     camera = found.cameras[position]
     first = sum(len(other.intrinsics) for other in found.cameras[:position])
     part = slice(first, first + len(camera.intrinsics))
-    d = projection_jacobian_rotation_free(models.get(camera.model), camera.intrinsics, camera.img_size, GRID)
+    d = projection_jacobian_rotation_free(
+        models.get(camera.model), camera.intrinsics, camera.img_size, UNCERTAINTY_GRID
+    )
     square = variance(d, found.covariance[part, part])
     square = np.maximum(square[np.isfinite(square)], 0)
     if not square.size:
