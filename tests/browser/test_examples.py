@@ -1,5 +1,6 @@
 """The examples of other engines: what they draw lies on the camera's picture, under the site's own policy."""
 
+import re
 from typing import Any
 
 import cv2
@@ -148,10 +149,28 @@ def test_the_board_moves_and_the_scene_with_it_and_leaves_it_without_the_calibra
     expect(page.locator(".source summary")).to_have_text(["three/main.js", "picture.js", "board.js"])
 
 
+def test_depth_of_a_rectified_pair_is_the_boards(page: Page) -> None:
+    page.goto("/examples/stereo/")
+    depth = page.locator("#depth")
+    expect(depth).to_contain_text("squares away")
+    for column, row in ((346, 240), (250, 200), (400, 300)):
+        page.locator("#row").fill(str(row))
+        page.locator("#column").fill(str(column))
+        expect(depth).to_contain_text("squares away")
+        disparity, measured, truth = map(float, re.findall(r"\d+\.\d+", depth.inner_text()))
+        assert abs(measured / truth - 1) < 1 / disparity, "within a pixel of disparity"
+    page.locator("#column").fill("600")
+    page.locator("#row").fill("20")
+    expect(depth).to_contain_text("Nothing here stands out")
+    picture(page, "example-stereo", full=True)
+    page.locator("#rectified").click()
+    expect(depth).to_contain_text("as the cameras deliver them")
+
+
 def test_examples_have_a_page_of_all_and_say_nothing_of_a_camera_they_lack(page: Page) -> None:
     page.add_init_script(f"navigator.mediaDevices.getUserMedia = async () => {{ {NO_CAMERA} }}")
     page.goto("/examples/")
-    expect(page.locator(".gallery a")).to_have_count(5)
+    expect(page.locator(".gallery a")).to_have_count(6)
     page.locator(".gallery a", has_text="AR.js").click()
     expect(page.locator("#virtually")).to_have_count(0)
     page.locator("#start").click()

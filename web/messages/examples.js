@@ -15,6 +15,15 @@ export default {
     babylon: "Babylon.js over a calibrated camera",
     aframe: "A-Frame over a calibrated camera",
     arjs: "AR.js with your own camera_para.dat",
+    stereo: "Depth from a rectified pair",
+    stereo_lead: "Two simulated cameras with different lenses look at the board, one turned towards the other. Rectified, a point lies in the same row of both pictures, and the difference of its columns tells how far away it is. Choose a point in the left picture.",
+    pair: "The pictures of two cameras side by side, with lines through the same rows",
+    column: "Column",
+    row: "Row",
+    rectified: "Rectify the pair",
+    depth: "Disparity {disparity} px: {depth} squares away. In truth: {truth}.",
+    no_match: "Nothing here stands out from its row. Choose a point with some detail.",
+    not_rectified: "The pictures as the cameras deliver them: the same point lies in other rows.",
     lead:
       "A box stands on the board, drawn over the straightened picture of your camera. The adapter gives the engine's "
         + "camera the focal length and centre of yours, whatever the layout. Switch the calibration off to see the difference.",
@@ -47,6 +56,15 @@ export default {
     babylon: "Babylon.js über einer kalibrierten Kamera",
     aframe: "A-Frame über einer kalibrierten Kamera",
     arjs: "AR.js mit einer eigenen camera_para.dat",
+    stereo: "Tiefe aus einem rektifizierten Bildpaar",
+    stereo_lead: "Zwei simulierte Kameras mit verschiedenen Objektiven sehen die Tafel, die eine ist zur anderen gedreht. Rektifiziert liegt ein Punkt in beiden Bildern in derselben Zeile, und der Unterschied der Spalten sagt, wie weit er entfernt ist. Wählen Sie einen Punkt im linken Bild.",
+    pair: "Die Bilder zweier Kameras nebeneinander, mit Linien durch dieselben Zeilen",
+    column: "Spalte",
+    row: "Zeile",
+    rectified: "Bildpaar rektifizieren",
+    depth: "Disparität {disparity} px: {depth} Quadrate entfernt. In Wahrheit: {truth}.",
+    no_match: "Hier hebt sich nichts von seiner Zeile ab. Wählen Sie einen Punkt mit mehr Details.",
+    not_rectified: "Die Bilder, wie die Kameras sie liefern: Derselbe Punkt liegt in verschiedenen Zeilen.",
     lead:
       "Auf der Tafel steht ein Kasten, gezeichnet über das entzerrte Bild Ihrer Kamera. Der Adapter gibt der Kamera "
         + "der Szene Brennweite und Bildmitte der echten, unabhängig vom Layout. Schalten Sie die Kalibrierung aus, um den Unterschied zu sehen.",
@@ -79,6 +97,15 @@ export default {
     babylon: "Babylon.js поверх каліброваної камери",
     aframe: "A-Frame поверх каліброваної камери",
     arjs: "AR.js із власним camera_para.dat",
+    stereo: "Глибина з ректифікованої пари",
+    stereo_lead: "Дві змодельовані камери з різними об’єктивами дивляться на дошку, одна повернута до іншої. Після ректифікації точка лежить в одному рядку обох зображень, а різниця стовпців показує відстань до неї. Виберіть точку на лівому зображенні.",
+    pair: "Зображення двох камер поруч, з лініями через однакові рядки",
+    column: "Стовпець",
+    row: "Рядок",
+    rectified: "Ректифікувати пару",
+    depth: "Диспаратність {disparity} px: відстань {depth} клітинок. Насправді: {truth}.",
+    no_match: "Тут ніщо не вирізняється у своєму рядку. Виберіть точку з деталями.",
+    not_rectified: "Зображення такі, як їх дають камери: та сама точка лежить у різних рядках.",
     lead:
       "На дошці стоїть коробка, намальована поверх випрямленого зображення вашої камери. Адаптер дає камері сцени "
         + "фокусну відстань і центр справжньої, хоч би яким був макет. Вимкніть калібрування, щоб побачити різницю.",

@@ -25,6 +25,12 @@ class Example:
         Whether the virtual camera can stand in.
     lines, style
         The lines that matter, and a style sheet that the engine needs.
+    demo
+        What the page shows; unless given, a camera's picture with a scene over it.
+    sources
+        Scripts that the page shows, below the folder of examples.
+    lead
+        Key of the text below the heading.
     """
 
     folder: str
@@ -34,6 +40,9 @@ class Example:
     has_virtual: bool
     lines: str
     style: str = ""
+    demo: str = ""
+    sources: tuple[str, ...] = _SHARED
+    lead: str = "examples.lead"
 
 
 _LOOKUP_LINES = """const { calibration } = await lookup(track, { token, exact: true });
@@ -41,6 +50,20 @@ const rectifier = await calibration.rectifier();   // straightens the picture, o
 stage.prepend(rectifier.canvas);                   // object-fit: cover; once a frame: rectifier.draw(video)
 """
 _IMPORT = 'import { lookup } from "calibdb";\n'
+_PAIR = """<div class="stage pair" id="stage" role="img" data-t-label="examples.pair" aria-label="Pair">
+          <div><canvas id="left"></canvas><canvas id="right"></canvas></div>
+          <canvas id="overlay"></canvas>
+        </div>
+        <p class="depth" id="depth" aria-live="polite"></p>
+        <div class="sliders">
+          <label><span data-t="examples.column">Column</span>
+            <input id="column" type="range" min="60" max="600" value="346"></label>
+          <label><span data-t="examples.row">Row</span>
+            <input id="row" type="range" min="20" max="460" value="240"></label>
+        </div>
+        <p><label class="choice"><input id="rectified" type="checkbox" checked>
+          <span data-t="examples.rectified">Rectify the pair</span></label></p>
+        <div id="virtual" aria-hidden="true"></div>"""
 ENGINES = (
     Example(
         "three",
@@ -88,6 +111,7 @@ registerCalibrated(AFRAME);
         "AR.js with your own camera_para.dat",
         "examples.arjs",
         has_virtual=False,
+        lead="examples.arjs_lead",
         lines="""import { lookup } from "calibdb";
 import { cameraParameters } from "calibdb/adapters/artoolkit";
 import { applyCalibration } from "calibdb/adapters/three";
@@ -100,6 +124,23 @@ const context = new THREEx.ArToolkitContext(parameters);
 const viewport = [canvas.clientWidth, canvas.clientHeight];
 context.init(() => applyCalibration(camera, calibration, { viewport }));
 // in A-Frame: <a-scene arjs="cameraParametersUrl: …">, with the address that was given""",
+    ),
+    Example(
+        "stereo",
+        "Stereo",
+        "Depth from a rectified pair",
+        "examples.stereo",
+        has_virtual=True,
+        lines="""import { rectifyPair, rig } from "calibdb";
+
+const stereo = await rig(id, { token });           // of the page /rig/?id=…
+const pair = await rectifyPair(leftVideo, rightVideo, stereo);
+stage.append(pair.left, pair.right);               // once a frame: pair.draw()
+const disparity = disparityOf(left, right, [u, v]); // a patch, compared along its row
+pair.depth(disparity);                             // focal * baseline / disparity""",
+        demo=_PAIR,
+        sources=("stereo/matching.js", "stereo/pair.js", "board.js"),
+        lead="examples.stereo_lead",
     ),
 )
 _ARJS = """<div id="ready" hidden>
@@ -118,42 +159,27 @@ def example_pages(web: Path) -> Mapping[str, str]:
 
 
 def _page(web: Path, example: Example) -> str:
-    lead = "examples.lead" if example.has_virtual else "examples.arjs_lead"
-    virtually = (
-        '\n          <a class="button" id="virtually" href="?virtual=1" '
-        'data-t="examples.virtual">Try the simulated camera</a>'
-        if example.has_virtual
-        else ""
-    )
     others = " · ".join(
         f'<a href="../{one.folder}/">{one.name}</a>' for one in ENGINES if one.folder != example.folder
     )
     style = f'\n  <link rel="stylesheet" href="../../{example.style}">' if example.style else ""
     sources = "".join(
         f'<details><summary><code>{name}</code></summary><div lang="en">{_source(web, name)}</div></details>'
-        for name in (f"{example.folder}/main.js", *_SHARED)
+        for name in (f"{example.folder}/main.js", *example.sources)
     )
     return _document(
         example.name,
-        lead,
+        example.lead,
         "../../",
         f'<link rel="stylesheet" href="../../docs/docs.css">{style}\n'
         '  <script type="module" src="./main.js"></script>',
         f"""      <div class="opening">
         <h1 data-t="{example.message}">{example.heading}</h1>
-        <p data-t="{lead}"></p>
+        <p data-t="{example.lead}"></p>
       </div>
       <div class="example">
         <p class="problem" id="problem" role="alert" hidden></p>
-        <div class="actions" id="begin">
-          <button class="primary" id="start" type="button"
-            data-t="examples.start">Open the camera</button>{virtually}
-        </div>
-        <div class="stage" id="stage" role="img"
-          data-t-label="examples.scene" aria-label="Scene" hidden></div>
-        <p id="choice" hidden><label class="choice"><input id="calibrated" type="checkbox" checked>
-          <span data-t="examples.calibrated">Use the calibration</span></label></p>
-        <div id="virtual" aria-hidden="true"></div>
+        {example.demo or _camera_demo(example)}
         {"" if example.has_virtual else _ARJS}
         <section>
           <h2 data-t="examples.code">What the page does</h2>
@@ -167,6 +193,25 @@ def _page(web: Path, example: Example) -> str:
         <p><a href="../" data-t="examples.all">All examples</a> · {others}</p>
       </div>""",
     )
+
+
+def _camera_demo(example: Example) -> str:
+    """Write a camera's picture with a scene over it."""
+    virtually = (
+        '\n          <a class="button" id="virtually" href="?virtual=1" '
+        'data-t="examples.virtual">Try the simulated camera</a>'
+        if example.has_virtual
+        else ""
+    )
+    return f"""<div class="actions" id="begin">
+          <button class="primary" id="start" type="button"
+            data-t="examples.start">Open the camera</button>{virtually}
+        </div>
+        <div class="stage" id="stage" role="img"
+          data-t-label="examples.scene" aria-label="Scene" hidden></div>
+        <p id="choice" hidden><label class="choice"><input id="calibrated" type="checkbox" checked>
+          <span data-t="examples.calibrated">Use the calibration</span></label></p>
+        <div id="virtual" aria-hidden="true"></div>"""
 
 
 def _source(web: Path, name: str) -> str:
