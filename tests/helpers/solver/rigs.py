@@ -16,6 +16,8 @@ REVERSED = (8, 1)
 """Moment and position of the view there whose corners are numbered from the other end: right09."""
 MIN_SEEN = 12
 """Corners of a view, at least."""
+MAX_DRAWS = 2000
+"""Boards that are held at random for one moment, at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +31,11 @@ class Rig:
         """Views of a board at `pose`, board -> camera 0, of the cameras that see enough of it."""
         moment = {}
         for i, (camera, motion) in enumerate(zip(self.cameras, self.motions, strict=True)):
-            seen = project(camera, (motion @ pose)(board.points))
+            there = motion @ pose
+            p = there(board.points)
+            if there.r[:, 2] @ p.mean(axis=0) <= 0:
+                continue  # from behind
+            seen = project(camera, p)
             w, h = camera.img_size
             inside = ((seen > 2) & (seen < (w - 3, h - 3))).all(axis=1)
             if inside.sum() >= MIN_SEEN:
@@ -39,7 +45,7 @@ class Rig:
 
 
 def project(camera: Camera, points: Array) -> Array:
-    """Pixels (n, 2) of points (n, 3); -1 where the board is not in front or faces away."""
+    """Pixels (n, 2) of points (n, 3); -1 where they are not in front."""
     return np.nan_to_num(camera.project(points), nan=-1.0, posinf=-1.0, neginf=-1.0)
 
 
@@ -73,7 +79,7 @@ def moments(
     """Moments of boards held at random before each camera in turn, seen by `shared` cameras at least."""
     found: list[dict[int, View]] = []
     middle = board.points.mean(axis=0)
-    while len(found) < count:
+    for _ in range(MAX_DRAWS * count):
         which = len(found) % len(rig.cameras)
         camera = rig.cameras[which]
         w, h = camera.img_size
@@ -86,7 +92,9 @@ def moments(
         moment = rig.see(board, rig.motions[which].inverse() @ before, noise, rng)
         if len(moment) >= shared:
             found.append(moment)
-    return found
+        if len(found) == count:
+            return found
+    raise ValueError("the cameras look in different directions")
 
 
 def transfer_error(
@@ -119,6 +127,24 @@ def transfer_error(
             if inside.sum() >= 3:
                 squares.append(((seen[0] - seen[1])[inside] ** 2).sum(axis=1))
     return float(np.sqrt(np.concatenate(squares).mean()))
+
+
+def late_moment(
+    rig: Rig, board: Board, shift: float, noise: float, rng: np.random.Generator
+) -> dict[int, View]:
+    """Views of cameras 0 and 1, the board moved by `shift` board units between them."""
+    camera, middle = rig.cameras[0], board.points.mean(axis=0)
+    for _ in range(MAX_DRAWS):
+        r = rotation.matrix(rng.uniform(-0.5, 0.5, 3))
+        depth = rng.uniform(0.9, 1.6) * board.size[0] * camera.focal[0] / camera.img_size[0]
+        place = np.array([rng.uniform(-0.3, 0.3), rng.uniform(-0.2, 0.2), 1.0]) * depth - r @ middle
+        direction = rng.normal(size=3)
+        moved = place + shift * direction / np.linalg.norm(direction)
+        first = rig.see(board, RigidMotion(r, place), noise, rng)
+        second = rig.see(board, RigidMotion(r, moved), noise, rng)
+        if 0 in first and 1 in second:
+            return {0: first[0], 1: second[1]}
+    raise ValueError("the cameras look in different directions")
 
 
 def real_pairs() -> list[dict[int, View]]:

@@ -23,6 +23,7 @@ from ..rotation import vector
 from . import start as rig_start
 from . import transfer
 from .calibration import RigCalibration
+from .contradictions import is_contradictory, unlinked, without_contradicting_view
 from .problem import Member, Moment, RigProblem, pack_moments
 from .single import Single, Specification, fit_alone
 from .start import Resected, RigidMotion, Start
@@ -36,6 +37,8 @@ MIN_OUTLIER_WIDTHS = 0.003
 """Distance / image width below which a single point of a good view is no outlier."""
 MAX_TAIL_RMS_RATIO = 1.1
 """Rms of least squares over all but gross outliers / rms of the inliers, up to which all of them count."""
+MIN_MOMENTS_PER_LATE_VIEW = 4
+"""Moments for each view that is set aside although no residual of its own stands out."""
 MAX_NOISE_RATIO = 4.0
 """Noise of the noisiest camera / that of the quietest, beyond which it is taken for no larger."""
 
@@ -119,14 +122,24 @@ class _Fit:
     robust: bool
 
     @cached_property
+    def noises(self) -> Array:
+        """Noise (c,) of one coordinate of a corner of each camera, px."""
+        found = np.maximum([each.noise for each in self.alone], 1e-12)
+        out: Array = np.minimum(found, MAX_NOISE_RATIO * found.min())
+        return out
+
+    @cached_property
+    def noise(self) -> float:
+        """Noise of the rig as its cameras alone have it, px."""
+        return float(np.exp(np.log(self.noises).mean()))
+
+    @cached_property
     def problem(self) -> RigProblem:
         """Cameras and observations of the moments that have a pose."""
         count = len(self.alone)
         lengths = [max(len(m[i]) for m in self.began.moments if i in m) for i in range(count)]
         starts = np.cumsum([0, *lengths]).tolist()
-        noises = np.maximum([each.noise for each in self.alone], 1e-12)
-        noises = np.minimum(noises, MAX_NOISE_RATIO * noises.min())
-        common = float(np.exp(np.log(noises).mean())) if self.robust else 1.0
+        noises, common = self.noises, self.noise if self.robust else 1.0
         members = tuple(
             Member(
                 models.get(each.camera.model),
@@ -161,52 +174,62 @@ class _Fit:
         if not self.robust:
             return self._result(problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask)
         state = problem.solve(state, outliers.unit_weights(self.mask), TOWARDS_OPTIMUM)
-        inliers = self._inliers(state, self.mask, outliers.GROSS_OUTLIER_SIGMAS)
-        state, good = self._reject_outliers(state, inliers)
-        if good.any() and not np.array_equal(inliers, good):
-            tails = problem.solve(state, outliers.unit_weights(inliers), Options())
-            ratio = np.mean(tails.square[inliers]) / np.mean(state.square[good])
-            if ratio < MAX_TAIL_RMS_RATIO**2:
-                state, good = tails, inliers
+        state, good = self._least_squares(state, self.mask)
+        among = self.mask
+        for _ in range(len(self.linked) // MIN_MOMENTS_PER_LATE_VIEW):
+            if not is_contradictory(problem, state, good, self.noise):
+                break
+            found = without_contradicting_view(problem, state, among)
+            if found is None:
+                break
+            among = found[1]
+            state, good = self._least_squares(*found)
         return self._result(state, good)
 
-    def _inliers(self, state: State, among: Mask, sigmas: float) -> Mask:
-        """Inlier mask (m, n): a view most of whose points lie beyond so many `sigmas` is left out whole.
+    def _least_squares(self, state: State, among: Mask) -> tuple[State, Mask]:
+        """Fit to points `among` (m, n) but for outliers; state, and the points that took part."""
+        inliers = self._inliers(state, among, among, outliers.GROSS_OUTLIER_SIGMAS)
+        state, good = self._reject_outliers(state, among, inliers)
+        if good.any() and not np.array_equal(inliers, good):
+            tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())
+            ratio = np.mean(tails.square[inliers]) / np.mean(state.square[good])
+            if ratio < MAX_TAIL_RMS_RATIO**2:
+                return tails, inliers
+        return state, good
 
+    def _inliers(self, state: State, mask: Mask, among: Mask, sigmas: float) -> Mask:
+        """Inlier mask (m, n) of the points of `mask`; the noise is that of those `among` them.
+
+        A view most of whose points lie beyond so many `sigmas` is left out whole.
         Of the others single points are left out only from MIN_OUTLIER_WIDTHS on: what a detector finds has
         tails, and they hardly move a rig.
         """
-        near = outliers.near_points(state, self.mask, among, sigmas, self.problem.width)
-        if near is self.mask:
+        near = outliers.near_points(state, mask, among, sigmas, self.problem.width)
+        if near is mask:
             return near
-        good = near | (self.mask & (state.square < (MIN_OUTLIER_WIDTHS * self.problem.width) ** 2))
+        good = near | (mask & (state.square < (MIN_OUTLIER_WIDTHS * self.problem.width) ** 2))
         for member in self.problem.members:
             kept = near[:, member.slots].sum(axis=1)
-            there = self.mask[:, member.slots].sum(axis=1)
+            there = mask[:, member.slots].sum(axis=1)
             good[:, member.slots] &= (kept >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there))[
                 :, None
             ]
         return good
 
-    def _reject_outliers(self, state: State, inliers: Mask) -> tuple[State, Mask]:
-        """Fit by least squares and reject outliers in turn, from the mask `inliers` (m, n) on."""
+    def _reject_outliers(self, state: State, mask: Mask, inliers: Mask) -> tuple[State, Mask]:
+        """Fit to points of `mask` (m, n) and reject outliers in turn, from those of `inliers` on."""
         good = inliers
         for _ in range(MAX_REJECTIONS):
             self._check_links(good)
             state = self.problem.solve(state, outliers.unit_weights(good), Options())
-            previous, good = good, self._inliers(state, good, outliers.OUTLIER_SIGMAS)
+            previous, good = good, self._inliers(state, mask, good, outliers.OUTLIER_SIGMAS)
             if np.array_equal(previous, good):
                 return state, good
         return state, previous
 
     def _check_links(self, good: Mask) -> None:
         """Raise CalibrationError where what is left does not link the cameras."""
-        seen = np.stack([good[:, member.slots].any(axis=1) for member in self.problem.members], axis=1)
-        reached = {0}
-        for _ in seen.T:
-            linked = seen[seen[:, sorted(reached)].any(axis=1)].any(axis=0)
-            reached |= set(np.flatnonzero(linked).tolist())
-        lost = [i for i in range(seen.shape[1]) if i not in reached]
+        lost = unlinked(self.problem, good)
         if lost:
             raise CalibrationError(
                 "unlinked", f"what camera {lost[0]} saw contradicts the others: too few moments are left"

@@ -105,6 +105,18 @@ class TestSyntheticRigs:
         assert set(found.set_aside.values()) == {"contradicts"}
         assert error < 0.6
 
+    @pytest.mark.parametrize("count", [4, 6])
+    def test_sets_a_late_view_aside_to_which_the_fit_could_bend(self, count: int) -> None:
+        """One picture is 200 ms old while a hand moves squares of 3 cm at 5 cm/s."""
+        for seed in range(5):
+            rng = np.random.default_rng(seed)
+            truth = rigs.side_by_side(synthetic.rectilinear_cameras(2), rng.uniform(1, 4))
+            moments = rigs.moments(truth, BOARD, count, 0.2, rng)
+            late = rigs.late_moment(truth, BOARD, 0.2 * 5 / 3, 0.2, rng)
+            found, error = fitted(truth, [*moments, late])
+            assert {m for m, _ in found.set_aside} == {count}
+            assert error < 3 * found.uncertainty.rms
+
     def test_sets_another_boards_view_aside(self) -> None:
         truth = rigs.side_by_side(synthetic.rectilinear_cameras(3), 1.0)
         rng = np.random.default_rng(5)

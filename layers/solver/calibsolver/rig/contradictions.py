@@ -1,0 +1,78 @@
+"""Views that contradict a rig although a joint fit hides it: found by leaving them out one at a time.
+
+A board that moved between the pictures of two cameras makes a moment whose views are right by themselves
+and wrong together. With few moments and everything free the fit bends to it, and no residual stands out. But
+then the rig has far more noise than its cameras have alone, and without that view it has not.
+"""
+
+import numpy as np
+
+from ..arrays import Mask
+from ..fitting import outliers
+from ..fitting.levenberg_marquardt import NOISE_FLOOR, State
+from ..fitting.multistart import TOWARDS_OPTIMUM
+from .problem import RigProblem
+
+MAX_JOINT_NOISE_RATIO = 1.5
+"""Noise of the rig / noise of its cameras alone from which a view is looked for that contradicts it."""
+MIN_NOISE_DROP = 0.6
+"""Noise of the rig without a view / with it, below which the view is set aside: it explains most of it."""
+MAX_CANDIDATES = 12
+"""Views that are left out in turn, those with the largest errors first."""
+
+
+def is_contradictory(problem: RigProblem, state: State, good: Mask, noise: float) -> bool:
+    """Tell whether points `good` (m, n) are noisier in the rig than in its cameras alone (`noise`, px)."""
+    joint = float(np.sqrt(np.mean(state.square[good]) / 2))
+    return joint > MAX_JOINT_NOISE_RATIO * max(noise, NOISE_FLOOR * problem.width)
+
+
+def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -> tuple[State, Mask] | None:
+    """Leave out the view that explains most of the noise of points `among` (m, n); None where none does.
+
+    Returns the state near the optimum without it, and the points that are left.
+    """
+    noise = float(np.sqrt(np.mean(state.square[among])))
+    found: list[tuple[float, State, Mask]] = []
+    for row, slots in _candidates(problem, state, among):
+        left = among.copy()
+        left[row, slots] = False
+        if not is_linked(problem, left):
+            continue
+        moved = problem.solve(state, outliers.unit_weights(left), TOWARDS_OPTIMUM)
+        if moved.is_finite:
+            found.append((float(np.sqrt(np.mean(moved.square[left]))), moved, left))
+    if not found:
+        return None
+    least, moved, left = min(found, key=lambda each: each[0])
+    return (moved, left) if least < MIN_NOISE_DROP * noise else None
+
+
+def is_linked(problem: RigProblem, good: Mask) -> bool:
+    """Tell whether points `good` (m, n) link every camera to camera 0."""
+    return not unlinked(problem, good)
+
+
+def unlinked(problem: RigProblem, good: Mask) -> list[int]:
+    """Positions that no chain of moments leads to from camera 0, of points `good` (m, n)."""
+    seen = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
+    reached = {0}
+    for _ in seen.T:
+        linked = seen[seen[:, sorted(reached)].any(axis=1)].any(axis=0)
+        reached |= set(np.flatnonzero(linked).tolist())
+    return [i for i in range(seen.shape[1]) if i not in reached]
+
+
+def _candidates(problem: RigProblem, state: State, among: Mask) -> list[tuple[int, slice]]:
+    """List views (row, slots) of moments that several cameras share, those with the largest errors first."""
+    errors = []
+    for row in range(len(among)):
+        views = [member.slots for member in problem.members if among[row, member.slots].any()]
+        if len(views) > 1:
+            # of two views either may be the late one: which of them is left out is all the same
+            errors += [
+                (float(np.mean(state.square[row, slots][among[row, slots]])), row, slots)
+                for slots in views[len(views) == 2 :]
+            ]
+    errors.sort(key=lambda each: -each[0])
+    return [(row, slots) for _, row, slots in errors[:MAX_CANDIDATES]]
