@@ -59,5 +59,5 @@ def image_error_metric(d: Array) -> Array:
 
 def variance(d: Array, covariance: Array) -> Array:
     """Predicted square error (n,) px^2, both axes added, of `d` (n, 2, p) under a covariance (p, p)."""
-    v: Array = np.einsum("nap,pq,naq->n", d, covariance, d)
+    v: Array = ((d @ covariance) * d).sum(axis=(1, 2))
     return v
