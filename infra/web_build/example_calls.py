@@ -16,9 +16,11 @@ SCENARIO = (
     *("health", "createToken", "showToken", "changeToken", "verifyToken", "rotateToken", "showUsage"),
     *("lookup", "visitLookup", "searchCameras", "showCamera", "showCalibration", "showBadge", "convertFile"),
     *("openSession", "startSession", "showPose", "submitView", "showSession", "undoView", "checkCalibration"),
-    *("forgetSession", "finishSession", "revokeToken"),
+    *("forgetSession", "finishSession"),
+    *("createRig", "openMoment", "showRig", "undoMoment", "forgetRig", "finishRig", "showRigResult"),
+    "revokeToken",
 )
-"""Names of all operations. `finishSession` wants a recorded session of its own."""
+"""Names of all operations. `recorded_examples.prepare_call` makes what some of them want."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,8 @@ def learn(values: dict[str, str], name: str, answer: Any) -> None:
             values["SESSION_ID"] = answer["session_id"]
         case "lookup":
             values["CALIBRATION_ID"] = answer["id"]
+        case "createRig":
+            values["RIG_ID"] = answer["rig_id"]
         case "searchCameras":
             values["CAMERA_KEY"] = answer["cameras"][0]["key"]
 

@@ -1,6 +1,6 @@
 """Group, description and example of every call, by the names in `infra.web_build.operations`.
 
-Examples are requests as somebody sends them. `SESSION_ID`, `MANAGEMENT_TOKEN`, `CALIBRATION_ID` and
+Examples are requests as somebody sends them. `SESSION_ID`, `MANAGEMENT_TOKEN`, `CALIBRATION_ID`, `RIG_ID` and
 `CAMERA_KEY` stand for what an earlier call answered.
 `infra.web_build.recorded_examples` sends them and records the answers.
 """
@@ -14,6 +14,7 @@ from typing import Any
 TAGS = {
     "Lookup": "Find the calibration of a camera.",
     "Capture": "Calibrate a camera, view by view. The guidance page makes these calls; any client can.",
+    "Rigs": "Calibrate cameras that do not move against each other together, each from a client of its own.",
     "Database": "Search cameras, read stored calibrations, write them as another tool's file.",
     "Tokens": "Make and manage API tokens. Nobody has to be asked for one.",
     "Service": "Whether the service is there.",
@@ -206,6 +207,52 @@ TEXTS: dict[str, OperationText] = {
         "Tokens",
         "Answers with the limits of an API token's plan, and with its use in this hour by all and "
         "from your address. It counts as a lookup.",
+    ),
+    "createRig": OperationText(
+        "Rigs",
+        "Makes a rig of two to eight cameras. The session, which has no views yet, is camera 0 and leads. "
+        "Other cameras join with `POST /v1/session` and `rig: {code, position?}`, from any device. The code "
+        "is good for 15 minutes and until all cameras are there; the same request again answers the same "
+        "rig and a fresh code. The board must not look the same after half a turn. With `square_size` "
+        "lengths are in metres.",
+        {"cameras": 2, "square_size": 0.03},
+    ),
+    "openMoment": OperationText(
+        "Rigs",
+        "Opens a moment: one pose of the board, held still, under an id that the leader makes. Each camera "
+        "then sends its view of it with `POST /v1/session/views` and `moment`, at once or later. A rig has "
+        "at most 100 moments.",
+        {"moment": "m1"},
+        path={"id": "RIG_ID"},
+    ),
+    "showRig": OperationText(
+        "Rigs",
+        "Answers with the state of a rig: who is there, which moments were answered and what of them is set "
+        "aside, how large the error is expected to be, and where to hold the board next, as each camera "
+        "sees it. Clients ask once a second with `If-None-Match`: 304 costs nothing of the plan.",
+        path={"id": "RIG_ID"},
+    ),
+    "undoMoment": OperationText(
+        "Rigs",
+        "Undoes a moment. Its views are forgotten in all cameras, and late ones are refused.",
+        path={"id": "RIG_ID", "moment": "m1"},
+    ),
+    "forgetRig": OperationText(
+        "Rigs",
+        "Forgets a running rig with the sessions of its cameras. A finished rig stays.",
+        path={"id": "RIG_ID"},
+    ),
+    "finishRig": OperationText(
+        "Rigs",
+        "Ends a rig whose cameras are all linked and have four views that agree. Each camera's session is "
+        "published as a calibration of its own; the rig keeps where they are.",
+        path={"id": "RIG_ID"},
+    ),
+    "showRigResult": OperationText(
+        "Rigs",
+        "Answers with the cameras as they were fitted together and the pose of each, from camera 0. "
+        "`format` chooses files of OpenCV (`opencv_stereo`), ROS, Kalibr, COLMAP, mrcal or glTF.",
+        path={"id": "RIG_ID"},
     ),
     "health": OperationText("Service", "Answers 200 where the service is up. It needs no credential."),
 }

@@ -7,6 +7,7 @@ from calibdb.schema.cameras import CamerasRequest
 from calibdb.schema.fields import MAX_INDEX
 from infra.web_build.operation import JPEG, JSON, PNG, PROBLEM, SVG, Content, Operation
 from infra.web_build.parameters import SWITCH, path, query, query_of
+from infra.web_build.rig_operations import RIG_OPERATIONS
 
 _TEXTS = ("application/yaml", "application/xml", "text/plain")
 _FILES = (*_TEXTS, "application/octet-stream", "model/gltf+json")
@@ -296,6 +297,7 @@ OPERATIONS = (
             path("file", {"type": "string"}, "Width, x, height and `.svg`, as in `1280x720.svg`."),
         ),
     ),
+    *RIG_OPERATIONS,
     *_TOKENS,
     Operation(
         "get",

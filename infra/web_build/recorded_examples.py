@@ -68,6 +68,38 @@ def record(stack: LocalStack, seed: int) -> str:
     return session
 
 
+def prepare_call(stack: LocalStack, name: str, values: dict[str, str]) -> None:
+    """Make what the example of a call wants: a recorded session, one without views, or a whole rig."""
+    match name:
+        case "finishSession":
+            values["SESSION_ID"] = record(stack, CALIBRATIONS)
+        case "createRig":
+            values["SESSION_ID"] = start(stack, {})
+        case "finishRig":
+            values["SESSION_ID"], values["RIG_ID"] = capture_rig(stack)
+
+
+def start(stack: LocalStack, options: dict[str, Any]) -> str:
+    """Start a session; return its id."""
+    session: str = json.loads(send(stack, "POST", "/v1/auth", DEVELOPMENT_TOKEN))["session_id"]
+    send(stack, "POST", "/v1/session", session, {**TEXTS["startSession"].body, **options})
+    return session
+
+
+def capture_rig(stack: LocalStack) -> tuple[str, str]:
+    """Capture moments with two cameras; return the session of the first and the id of the rig."""
+    leader = start(stack, {})
+    made = json.loads(send(stack, "POST", "/v1/rigs", leader, TEXTS["createRig"].body))
+    rig = f"/v1/rigs/{made['rig_id']}"
+    sessions = leader, start(stack, {"rig": {"code": made["join_code"]}})
+    for number, views in enumerate(zip(_views(1), _views(2, (-2.0, 0.0, 0.0)), strict=True)):
+        send(stack, "POST", f"{rig}/moments", leader, {"moment": f"m{number}"})
+        for session, (ids, points) in zip(sessions, views, strict=True):
+            view = {"ids": ids, "points": points, "moment": f"m{number}"}
+            send(stack, "POST", "/v1/session/views", session, view)
+    return leader, made["rig_id"]
+
+
 def send(stack: LocalStack, method: str, path: str, credential: str | None, body: Any = None) -> bytes:
     """Send a request that must succeed; return the body."""
     headers = {"authorization": f"Bearer {credential}"} if credential else {}
@@ -79,13 +111,18 @@ def send(stack: LocalStack, method: str, path: str, credential: str | None, body
     return answer.body
 
 
-def _views(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
-    """Yield ids and pixels of the default board in the poses of the fixed plan, with noise."""
+def _views(
+    seed: int, shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> Iterator[tuple[list[int], list[list[float]]]]:
+    """Yield ids and pixels of the default board in the poses of the fixed plan, with noise.
+
+    `shift`: translation from the first camera to the one that sees them, squares.
+    """
     random = np.random.default_rng(seed)
     board = Board()
     for pose in list(FixedPlan(board, IMG_SIZE).poses)[:_VIEWS]:
         pixels = _TRUTH.project(
-            board.points @ rotations.matrix(np.asarray(pose.rvec)).T + np.asarray(pose.tvec)
+            board.points @ rotations.matrix(np.asarray(pose.rvec)).T + np.asarray(pose.tvec) + shift
         )
         pixels = pixels + random.normal(scale=_CORNER_NOISE_PX, size=pixels.shape)
         inside = [
@@ -101,8 +138,7 @@ def examples() -> dict[str, Any]:
     with LocalStack(environment={"NEW_TOKENS": "100"}) as stack:
         prepare(stack)
         for call in calls():
-            if call.name == "finishSession":
-                values["SESSION_ID"] = record(stack, CALIBRATIONS)
+            prepare_call(stack, call.name, values)
             path = fill_in(call.path + (f"?{urlencode(call.query)}" if call.query else ""), values)
             body = send(stack, call.method, path, fill_in(call.credential or "", values) or None, call.body)
             answers[call.name] = json.loads(body) if body.startswith((b"{", b"[")) else None

@@ -19,7 +19,7 @@ from infra.web_build.docs.samples import samples
 from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
 from infra.web_build.operations import OPERATIONS
-from infra.web_build.recorded_examples import CALIBRATIONS, prepare, record
+from infra.web_build.recorded_examples import prepare, prepare_call
 from tests.helpers.board_pictures import write
 from tests.helpers.documents import CODE, SITE, Block, blocks, sources
 
@@ -117,8 +117,7 @@ def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, langua
     values: dict[str, str] = {}
     with runner(language) as run_sample:
         for call in calls():
-            if call.name == "finishSession":
-                values["SESSION_ID"] = record(site.stack, CALIBRATIONS)
+            prepare_call(site.stack, call.name, values)
             code = fill_in(samples(call)[language], values).replace(SITE, site.url)
             status, body = run_sample(code)
             assert status in (None, expected[call.name]), (call.name, body)

@@ -6,7 +6,7 @@ const LANGUAGE = "calibdb.docs.language";
 const TIMEOUT_MS = 30_000;
 const SHOWN_HEADERS = ["ratelimit", "retry-after", "location", "x-conversion-error"];
 
-/** Values that answers gave to later requests. @type {{session?: string, id?: string, key?: string}} */
+/** Values that answers gave to later requests. @type {{session?: string, id?: string, key?: string, rig?: string}} */
 const learnt = {};
 
 rememberLanguage();
@@ -47,7 +47,8 @@ function fillCredentials() {
     if (field instanceof HTMLInputElement && value && !field.dataset.typed) field.value = value;
     for (const name of /** @type {const} */ (["id", "key"])) {
       const place = form.elements.namedItem(`path-${name}`);
-      if (place instanceof HTMLInputElement && learnt[name] && !place.value) place.value = learnt[name];
+      const value = name === "id" && form.dataset.path?.startsWith("/v1/rigs/") ? learnt.rig : learnt[name];
+      if (place instanceof HTMLInputElement && value && !place.value) place.value = value;
     }
   }
 }
@@ -111,9 +112,10 @@ function readable(body) {
 
 /** @param {string} operation @param {string} body */
 function learn(operation, body) {
-  if (!["openSession", "lookup", "visitLookup", "searchCameras", "startSession", "finishSession"].includes(operation)) return;
+  if (!["openSession", "lookup", "visitLookup", "searchCameras", "startSession", "finishSession", "createRig"].includes(operation)) return;
   const answer = JSON.parse(body);
   learnt.session = answer.session_id ?? learnt.session;
+  learnt.rig = answer.rig_id ?? learnt.rig;
   learnt.id = answer.id ?? answer.calibration_id ?? learnt.id;
   learnt.key = answer.cameras?.[0]?.key ?? learnt.key;
   fillCredentials();

@@ -98,7 +98,8 @@ def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
 
 def _row(folder: str, name: str, section: Section) -> list[str]:
     anchor = f"#{section.anchor}" if section.anchor else ""
-    text = re.sub(r"\s+", " ", " ".join(section.text)).strip()
+    said = [part for part in section.text if re.search("[A-Za-z]", part)]  # nobody searches a cell of digits
+    text = re.sub(r"\s+", " ", " ".join(said)).strip()
     return [f"{folder}/{anchor}", name, section.title, text]
 
 

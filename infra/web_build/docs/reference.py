@@ -214,7 +214,8 @@ def _upper_first(text: str) -> str:
 
 def _template(path: str) -> str:
     """Return a path with names in braces again, where an example stands."""
-    names = {"CALIBRATION_ID": "{id}", "CAMERA_KEY": "{key}", "/views/0": "/views/{index}"}
+    names = {"CALIBRATION_ID": "{id}", "RIG_ID": "{id}", "CAMERA_KEY": "{key}"}
+    names |= {"/views/0": "/views/{index}", "/moments/m1": "/moments/{moment}"}
     for example, name in (names | {f"/{_PATH_VALUES['file']}": "/{file}"}).items():
         path = path.replace(example, name)
     return path

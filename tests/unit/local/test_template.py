@@ -46,7 +46,8 @@ def test_the_deployments_template_is_understood() -> None:
     assert RouteSpec("DELETE", "/v1/session/views/{index}", "SubmitFunction") in template.routes
     assert [table.ttl_attribute for table in template.tables] == ["ttl"]
     keypoints = next(bucket for bucket in template.buckets if "keypoint" in bucket.name)
-    assert set(keypoints.expirations) == {Expiration("sessions/", 2.0), Expiration("dumps/", 7.0)}
+    kept_days = {"sessions/": 2.0, "rigs/": 2.0, "dumps/": 7.0}
+    assert set(keypoints.expirations) == {Expiration(prefix, days) for prefix, days in kept_days.items()}
     assert template.cors is not None
     assert template.cors.max_age == 86400
     assert [layer.name for layer in template.layers] == ["service", "solver"]
