@@ -1,30 +1,24 @@
 // Rules for taking a view by itself: is the board at the target, is it held still there, for how long? Pure.
 import { foreshortening } from "../lib/board-outline.js";
 import { viewCount } from "./state.js";
+import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, lenienceAfter } from "../lib/capture/at-target.js";
 import { motion } from "../lib/capture/stillness.js";
-import { difference } from "../lib/capture/target.js";
 
 /** @typedef {import("./state.js").State} State */
 
-export const HOLD_MS = 700; // still at the target
-export const LONG_HOLD_MS = 1_500; // still anywhere else: the service judges whether the view helps all the same
-const MIN_OVERLAP = 0.6; // Jaccard index with the target that counts as there,
-const MAX_DIFFERENCE = 0.08; // if the board is also tilted as the target is
+export { HOLD_MS, LONG_HOLD_MS };
 const MIN_FORESHORTENING = 0.08; // from which a pose other than the target may be worth sending
 const MIN_HOLD_FRAMES = 3; // a video that delivers nothing new is not a steady hand
-const MIN_DISPLACEMENT_PX = 8; // at 1280 px image width, from the hold that was sent last
 const STUCK_MS = 15_000; // without coming nearer to the target, then another kind of pose is requested
 const MAX_TARGET_MS = 45_000; // after which one is requested in any case
 const READ_REFUSAL_MS = 3_000; // after a refusal at the target: time to read the reason
 const READ_USELESS_MS = 1_000; // after a refusal that nothing can be done about
 const SETTLED_MS = 300; // of holding still before the camera's focus is locked: less than a view takes
 const MIN_VISIBLE_SHARE = 0.6; // of the board's corners from which the lens is taken to be focused on it
-const LENIENT_AFTER_MS = 3_000; // in which a steady hand would have been still: then less is asked of it,
-const MAX_LENIENCE = 4; // at most so many times the motion of a steady hand
 
 /** Whether the board is at the target, and tilted as the target is. @param {State} state */
-export function isThere({ capture: { aim }, detector: { overlap, outline } }) {
-  return overlap > MIN_OVERLAP && outline !== null && (aim === null || difference(outline, aim) < MAX_DIFFERENCE);
+export function isThere({ capture: { aim }, detector }) {
+  return isAtTarget(detector, aim);
 }
 
 /**
@@ -50,7 +44,7 @@ export function holdProgress(state) {
  * @param {State} state @param {number} time ms
  */
 export function lenience({ capture: { posedAt } }, time) {
-  return Math.min(MAX_LENIENCE, Math.max(1, (time - posedAt) / LENIENT_AFTER_MS));
+  return lenienceAfter(time - posedAt);
 }
 
 /** Whether the board is held before the camera and is in focus, so that the focus may be locked. @param {State} state */

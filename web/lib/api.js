@@ -60,15 +60,17 @@ export class Api {
 
   /**
    * @param {string} method @param {string} path "/session" @param {string} credential
-   * @param {{body?: object, accept?: string, brief?: boolean}} [options] brief: a timeout of two seconds, not a minute
-   * @returns {Promise<Response>} one that is ok; rejects with ApiError or OfflineError
+   * @param {{body?: object, accept?: string, brief?: boolean, etag?: string}} [options] brief: a timeout of two seconds, not a minute;
+   *   etag: of the answer that is there already
+   * @returns {Promise<Response>} one that is ok, or 304 for an answer that is there already; rejects with ApiError or OfflineError
    *
    * All calls are safe to repeat: the service answers the same view again in the same way.
    */
-  async send(method, path, credential, { body, accept = "application/json", brief = false } = {}) {
+  async send(method, path, credential, { body, accept = "application/json", brief = false, etag = "" } = {}) {
     /** @type {HeadersInit} */
     const headers = { authorization: `Bearer ${credential}`, accept };
     if (body) headers["content-type"] = "application/json";
+    if (etag) headers["if-none-match"] = etag;
     const { signal, timeout } = this.#transport;
     const request = { method, headers, body: body && JSON.stringify(body), signal, timeout };
     const delays = brief ? RETRY_DELAYS_S.slice(0, BRIEF_RETRIES) : RETRY_DELAYS_S;
@@ -91,7 +93,7 @@ export class Api {
       signal?.throwIfAborted();
     });
     if (outcome instanceof OfflineError) throw outcome;
-    if (outcome.ok) return outcome;
+    if (outcome.ok || outcome.status === 304) return outcome;
     throw new ApiError(outcome.status, await problem(outcome));
   }
 

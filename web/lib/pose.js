@@ -57,6 +57,18 @@ export function transformPoint({ rvec, tvec }, [x, y, z]) {
   return [0, 1, 2].map((row) => r[3 * row] * x + r[3 * row + 1] * y + r[3 * row + 2] * z + tvec[row]);
 }
 
+/** Motion that makes first the second motion, then the first. @param {Pose} a @param {Pose} b @returns {Pose} */
+export function composePoses(a, b) {
+  return { rvec: rotationVector(times(quaternion(a.rvec), quaternion(b.rvec))), tvec: transformPoint(a, b.tvec) };
+}
+
+/** Motion back. @param {Pose} pose @returns {Pose} */
+export function invertPose({ rvec, tvec }) {
+  const back = rvec.map((value) => -value);
+  const turned = transformPoint({ rvec: back, tvec: [0, 0, 0] }, tvec);
+  return { rvec: back, tvec: turned.map((value) => -value) };
+}
+
 /** A small seeded generator (mulberry32): the same seed, the same hand. @param {number} seed @returns {() => number} */
 export function seededRandom(seed) {
   let state = seed >>> 0;

@@ -2,28 +2,31 @@
 
 /**
  * @typedef {import("../session.js").SavedCapture} SavedCapture
- * @typedef {SavedCapture & {time: number}} Dated ms since 1970, when it was saved
- *
+ */
+/**
+ * @template {{about: string}} [Capture=SavedCapture] about: its key
  * @typedef {object} CaptureStore
- * @property {(about: string) => Promise<SavedCapture | null>} load
- * @property {(except?: Set<string>) => Promise<SavedCapture | null>} last the one that was saved last; except: keys to leave out
- * @property {(capture: SavedCapture) => Promise<boolean>} save false: the storage is full or refused
+ * @property {(about: string) => Promise<Capture | null>} load
+ * @property {(except?: Set<string>) => Promise<Capture | null>} last the one that was saved last; except: keys to leave out
+ * @property {(capture: Capture) => Promise<boolean>} save false: the storage is full or refused
  * @property {(about: string) => Promise<void>} remove
  */
 
-const DATABASE = "calibdb";
+const CAMERAS = "calibdb"; // database of the captures of one camera
 const OBJECT_STORE = "captures";
 const MAX_AGE_MS = 24 * 3600 * 1000; // nobody resumes yesterday's capture
 
 /**
+ * @template {{about: string}} [Capture=SavedCapture]
  * @param {IDBFactory | undefined} factory @param {() => number} now ms
- * @returns {CaptureStore} an empty one where the browser refuses
+ * @param {string} name of the database: each kind of captures has its own
+ * @returns {CaptureStore<Capture>} an empty one where the browser refuses
  */
-export function openCaptureStore(factory = globalThis.indexedDB, now = Date.now) {
+export function openCaptureStore(factory = globalThis.indexedDB, now = Date.now, name = CAMERAS) {
   /** @type {Promise<IDBDatabase | null> | null} */
   let opening = null;
-  const database = () => (opening ??= open(factory).catch(handleRefusal));
-  /** @type {CaptureStore} */
+  const database = () => (opening ??= open(factory, name).catch(handleRefusal));
+  /** @type {CaptureStore<Capture>} */
   const captureStore = {
     async load(about) {
       const store = (await database())?.transaction(OBJECT_STORE).objectStore(OBJECT_STORE);
@@ -32,7 +35,7 @@ export function openCaptureStore(factory = globalThis.indexedDB, now = Date.now)
     },
     async last(except = new Set()) {
       const store = (await database())?.transaction(OBJECT_STORE).objectStore(OBJECT_STORE);
-      const all = /** @type {Dated[]} */ ((store && (await result(store.getAll()).catch(handleRefusal))) ?? []);
+      const all = /** @type {(Capture & {time: number})[]} */ ((store && (await result(store.getAll()).catch(handleRefusal))) ?? []);
       const fresh = all.filter(({ time }) => now() - time < MAX_AGE_MS).sort((a, b) => b.time - a.time);
       for (const { about, time } of all) if (now() - time >= MAX_AGE_MS) await captureStore.remove(about);
       return fresh.find(({ about }) => !except.has(about)) ?? null;
@@ -57,10 +60,10 @@ export function openCaptureStore(factory = globalThis.indexedDB, now = Date.now)
   return captureStore;
 }
 
-/** @param {IDBFactory | undefined} factory @returns {Promise<IDBDatabase | null>} */
-async function open(factory) {
+/** @param {IDBFactory | undefined} factory @param {string} name @returns {Promise<IDBDatabase | null>} */
+async function open(factory, name) {
   if (!factory) return null;
-  const request = factory.open(DATABASE, 1);
+  const request = factory.open(name, 1);
   request.onupgradeneeded = () => request.result.createObjectStore(OBJECT_STORE, { keyPath: "about" });
   return result(request);
 }
