@@ -1,4 +1,5 @@
-// Haptic and audible feedback when a view is taken: both hands hold the board, and the eyes may be on it.
+// Haptic and audible feedback when the board is to be held still and when a view is taken: both hands hold the board, and the
+// eyes may be on it.
 
 /** @typedef {"sound" | "vibration" | "voice"} Sense */
 
@@ -6,7 +7,7 @@
 const AT_FIRST = { sound: true, vibration: true, voice: false };
 const KEPT = "calibdb.senses";
 const SPEECH_PAUSE_MS = 1_800; // ms between two spoken hints: a person must be able to follow
-const NOTES = { taken: [1046.5, 1568], refused: [311.1], done: [784, 1046.5, 1568] }; // Hz
+const NOTES = { hold: [659.3], taken: [1046.5, 1568], refused: [311.1], done: [784, 1046.5, 1568] }; // Hz
 const NOTE = 0.09; // s
 const LOUDNESS = 0.12; // of full scale
 
@@ -56,7 +57,7 @@ export class Feedback {
     // Browsers let no page sound or shake that nobody has touched yet.
     if (!navigator.userActivation?.hasBeenActive) return;
     if (this.#senses.sound && Feedback.offers("sound")) this.#play(NOTES[sign]);
-    if (this.#senses.vibration && Feedback.offers("vibration")) navigator.vibrate(sign === "refused" ? [30, 60, 30] : 60);
+    if (this.#senses.vibration && Feedback.offers("vibration")) navigator.vibrate(sign === "refused" ? [30, 60, 30] : sign === "hold" ? 25 : 60);
   }
 
   /** Says a hint, unless it has just been said or another one still is. @param {string} text @param {string} language @param {number} time ms */

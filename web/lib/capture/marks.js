@@ -1,0 +1,51 @@
+// Marks on a camera's picture: the target with its preview, the corners that were detected. Elements are reused: making a
+// hundred for each frame would cost more than detecting the board.
+import { blackSquares } from "../target-preview.js";
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/**
+ * @param {{target: SVGElement, targetBack: SVGElement, targetCorner: SVGElement, ghost: SVGElement}} parts
+ * @param {import("../board.js").Board} board
+ * @param {{ids: number[], corners: number[][], outline: number[][]} | null} pose px; null: no target
+ */
+export function drawTarget({ target, targetBack, targetCorner, ghost }, board, pose) {
+  const outline = polygon(pose?.outline ?? []);
+  target.setAttribute("points", outline);
+  targetBack.setAttribute("points", outline);
+  ghost.setAttribute("d", pose ? blackSquares(board, pose).map((square) => `M${polygon(square)}Z`).join("") : "");
+  // A dot shows which way up: at the board's first corner, where the printed board has marker 0.
+  const [x, y] = pose?.outline[0] ?? [-99, -99];
+  targetCorner.setAttribute("cx", String(x));
+  targetCorner.setAttribute("cy", String(y));
+}
+
+/** @param {SVGElement} group @param {number[][]} points px */
+export function drawCircles(group, points) {
+  resize(group, "circle", points.length, { class: "corner", r: "5" });
+  points.forEach(([x, y], index) => {
+    group.children[index].setAttribute("cx", x.toFixed(1));
+    group.children[index].setAttribute("cy", y.toFixed(1));
+  });
+}
+
+/** @param {SVGElement} group @param {number[][]} ways x and y of both ends, px */
+export function drawArrows(group, ways) {
+  resize(group, "line", ways.length, { "marker-end": "url(#arrowhead)" });
+  ways.forEach((way, index) => {
+    ["x1", "y1", "x2", "y2"].forEach((name, at) => group.children[index].setAttribute(name, way[at].toFixed(1)));
+  });
+}
+
+/** @param {SVGElement} group @param {string} name @param {number} count @param {Record<string, string>} attributes */
+function resize(group, name, count, attributes) {
+  while (group.children.length < count) {
+    const made = document.createElementNS(SVG, name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    group.append(made);
+  }
+  while (group.children.length > count) group.lastElementChild?.remove();
+}
+
+/** Points of an SVG polygon. @param {number[][]} points */
+export const polygon = (points) => points.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ");
