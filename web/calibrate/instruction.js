@@ -1,6 +1,8 @@
 // Choice of the one instruction that is shown: the largest difference first, and steady enough to be read.
 import { isEnough } from "./state.js";
-import { advice } from "../lib/capture/target.js";
+import { advice, asMirrored } from "../lib/capture/target.js";
+
+export { asMirrored };
 
 /** @typedef {import("./state.js").Instruction} Instruction */
 
@@ -41,17 +43,4 @@ function choose(state, holding) {
   const hint = pose.hint_code && HINTS.has(pose.hint_code) ? pose.hint_code : "match";
   const code = aim ? advice(outline, aim) || "match" : hint;
   return mirrored ? asMirrored(code) : code;
-}
-
-/** @type {Record<string, string>} */
-const MIRROR_IMAGE = {
-  left: "right", right: "left", clockwise: "counterclockwise", counterclockwise: "clockwise",
-};
-
-/**
- * Mirrors the direction in a code: an instruction must agree with the preview, and codes are about the camera's image.
- * @param {string} code
- */
-export function asMirrored(code) {
-  return code.split("_").map((part) => MIRROR_IMAGE[part] ?? part).join("_");
 }

@@ -107,3 +107,16 @@ function length(quadrilateral, side) {
   const [[x, y], [u, v]] = [quadrilateral[side % 4], quadrilateral[(side + 1) % 4]];
   return Math.hypot(u - x, v - y);
 }
+
+/** @type {Record<string, string>} */
+const MIRROR_IMAGE = {
+  left: "right", right: "left", clockwise: "counterclockwise", counterclockwise: "clockwise",
+};
+
+/**
+ * Mirrors the direction in a code: an instruction must agree with the preview, and codes are about the camera's image.
+ * @param {string} code
+ */
+export function asMirrored(code) {
+  return code.split("_").map((part) => MIRROR_IMAGE[part] ?? part).join("_");
+}

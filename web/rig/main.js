@@ -1,0 +1,367 @@
+// Rig page: several cameras calibrated together. It begins or joins a rig, goes on with an interrupted one, and shows results.
+import { Api } from "../lib/api.js";
+import { boardFrom, boardQuery } from "../lib/board.js";
+import { showProblem } from "../lib/board-problem.js";
+import { CameraError } from "../lib/camera.js";
+import { Announcer } from "../lib/capture/announcer.js";
+import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
+import { openCaptureStore } from "../lib/capture/capture-store.js";
+import { Feedback } from "../lib/capture/feedback.js";
+import { Detector, DetectorError } from "../lib/detector.js";
+import { explain } from "../lib/faults.js";
+import { addMessages, inLanguage, language, onLanguage, t } from "../lib/i18n.js";
+import { latest } from "../lib/latest.js";
+import { openPage } from "../lib/page.js";
+import { loadSettings } from "../lib/settings.js";
+import captureMessages from "../messages/capture.js";
+import rigMessages from "../messages/rig.js";
+import { ResizeError, RigCapture } from "./capture.js";
+import { Figure } from "./figure.js";
+import { JoinError, enter, invite, requestOf } from "./membership.js";
+import { findParts } from "./parts.js";
+import { NOTHING_SHOWN, render } from "./render.js";
+import { RigService } from "./service.js";
+import { MIN_CAMERAS, Setup } from "./setup.js";
+import { HALVES, openStream } from "./streams.js";
+
+/**
+ * @typedef {import("./membership.js").RigRecord} RigRecord
+ * @typedef {import("./streams.js").Choice} Choice
+ * @typedef {import("./service.js").RigState} RigState
+ * @typedef {{record: RigRecord, code?: string}} Beginning code: of the rig to join
+ */
+
+openPage({ capture: captureMessages, rig: rigMessages });
+addMessages({ capture: captureMessages });
+const parameters = new URLSearchParams(location.search);
+const parts = findParts();
+const { board, problem } = boardFrom(parameters);
+const joins = parameters.has("code") || parameters.has("join");
+const store = /** @type {import("../lib/capture/capture-store.js").CaptureStore<RigRecord>} */ (openCaptureStore(undefined, undefined, "calibdb.rigs"));
+const feedback = new Feedback();
+const announcer = new Announcer(parts.said);
+const setup = new Setup(parts, parameters, joins);
+/** Pictures of the views taken last, by position: the result shows them straightened. @type {Map<number, ImageBitmap>} */
+const pictures = new Map();
+/** Views that this page took, by moment: the result draws the boards. @type {Map<string, {position: number, corners: import("../lib/board-outline.js").Corners}>} */
+const taken = new Map();
+/** @type {Beginning | null} */
+let last = null;
+/** @type {RigRecord | null} */
+let interrupted = null;
+/** @type {import("./render.js").Invitation} */
+let invitation = null;
+/** @type {RigCapture | null} */
+let capture = null;
+/** Draws the capture anew. */
+let redraw = () => {};
+
+/** @param {keyof typeof parts.phases} phase */
+function show(phase) {
+  for (const [name, section] of Object.entries(parts.phases)) section.hidden = name !== phase;
+  document.documentElement.classList.remove("arrives");
+  document.body.classList.toggle("viewfinder", phase === "capturing");
+  document.body.classList.toggle("wide", phase === "capturing");
+  parts.phases[phase].querySelector("h1")?.focus();
+}
+
+/** @param {Record<string, string>} query besides the board's */
+function address(query) {
+  const kept = new URLSearchParams([...boardQuery(board), ...Object.entries(query)]);
+  return String(inLanguage(new URL(`${location.pathname}?${kept}`, location.origin).href, language()));
+}
+
+/** Parameters of the simulated cameras: whoever joins looks at the same scene. */
+const simulation = () => Object.fromEntries([...parameters].filter(([name]) =>
+  ["virtual", "img_size", "error", "seed", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"].includes(name)));
+
+async function openService(/** @type {AbortSignal} */ signal) {
+  const { api, token } = await loadSettings();
+  return new RigService(new Api(api, { signal, timeout: 15_000 }), token);
+}
+
+/** One capture, from opening the cameras to its end; a new one ends the one before. */
+const begin = latest(async (signal, /** @type {Beginning} */ beginning) => {
+  last = beginning;
+  parts.loadingMeter.hidden = true;
+  parts.openingText.textContent = t("capture.opening_camera");
+  show("opening");
+  try {
+    const state = await run(beginning, signal);
+    if (state && !signal.aborted) await finished(state, beginning.record);
+  } catch (error) {
+    fail(error, signal);
+  }
+});
+
+/** @param {Beginning} beginning @param {AbortSignal} signal */
+async function run({ record, code }, signal) {
+  const virtual = await openVirtual(record);
+  const streams = [];
+  signal.addEventListener("abort", () => virtual?.close());
+  for (const [index, choice] of record.choices.entries()) {
+    const first = record.members[record.choices.slice(0, index).reduce((sum, { layout }) => sum + HALVES[layout].length, 0)].position;
+    const stream = virtual ? await virtual.open(choice, first) : await openStream(choice, { parameters, place: document.body, board });
+    signal.addEventListener("abort", () => stream.close());
+    if (signal.aborted) stream.close();
+    signal.throwIfAborted();
+    stream.camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
+    streams.push(stream);
+  }
+  const shown = await showStreams(streams);
+  const detector = await openDetector(signal);
+  signal.addEventListener("abort", () => detector.close());
+  parts.openingText.textContent = t("capture.opening_service");
+  const service = await openService(signal);
+  const save = () => store.save(record);
+  const requests = shown.map(({ picture, stream }) => requestOf(picture, board, stream.choice));
+  invitation = null;
+  const invited = await enter(service, record, requests, { code, save });
+  if (!await acquireLock(record.about, signal)) throw new CameraError("elsewhere");
+  await save();
+  // A rig whose code has expired, or that a reload has forgotten, has a new one.
+  if (record.leads) setInvitation(invited ?? await freshCode(service, record));
+  history.replaceState(null, "", address({ ...simulation(), id: record.about }));
+  const members = shown.map(({ stream, figure, picture }, index) => ({
+    ...record.members[index], stream, figure, size: picture.size, camera: picture.camera,
+  }));
+  const { leads } = record;
+  let before = /** @type {import("./render.js").Shown} */ (NOTHING_SHOWN);
+  capture = new RigCapture({
+    service, record, save, board, detector, members, virtual, signal,
+    onChange: () => redraw(),
+    onSign: (sign) => feedback.give(sign),
+    onFailure: (error) => fail(error, signal),
+    onTaken: (moment, position, corners, picture) => {
+      if (!taken.has(moment)) taken.set(moment, { position, corners });
+      pictures.get(position)?.close();
+      pictures.set(position, picture);
+    },
+  });
+  const { model } = capture;
+  redraw = () => {
+    const drawn = render(parts, model, { members, leads, board, invitation, time: performance.now(), undo: (id) => capture?.undo(id) }, before);
+    before = drawn;
+    announcer.say(drawn.said, drawn.line);
+    feedback.say(drawn.said, language(), performance.now());
+  };
+  parts.newCode.onclick = async () => setInvitation(await freshCode(service, record));
+  redraw();
+  show("capturing");
+  return capture.run();
+}
+
+/** Simulated cameras where the record has such. @param {RigRecord} record */
+async function openVirtual(record) {
+  if (!record.choices.some(({ id }) => id.startsWith("virtual"))) return null;
+  const { VirtualRig } = await import("./virtual-rig.js");
+  return new VirtualRig(parameters, board, document.body);
+}
+
+/** @param {import("./streams.js").Stream[]} streams */
+async function showStreams(streams) {
+  /** @type {{stream: import("./streams.js").Stream, figure: Figure, picture: import("./streams.js").Picture}[]} */
+  const shown = [];
+  parts.pictures.replaceChildren();
+  for (const stream of streams) {
+    const figures = HALVES[stream.choice.layout].map((half) => new Figure(shown.length, half));
+    parts.pictures.append(...figures.map(({ root }) => root));
+    const found = await stream.play(figures.map(({ video }) => video));
+    found.forEach((picture, index) => {
+      figures[index].shape(picture.size, stream.mirrored);
+      shown.push({ stream, figure: figures[index], picture });
+    });
+  }
+  return shown;
+}
+
+/** @param {AbortSignal} signal */
+async function openDetector(signal) {
+  parts.openingText.textContent = t("capture.opening_loading");
+  parts.loadingMeter.hidden = false;
+  const detector = await Detector.open(board, (fraction) => {
+    parts.loading.value = fraction;
+  });
+  parts.loadingMeter.hidden = true;
+  if (signal.aborted) detector.close();
+  signal.throwIfAborted();
+  return detector;
+}
+
+/** @param {RigService} service @param {RigRecord} record */
+async function freshCode(service, record) {
+  try {
+    return await invite(service, record);
+  } catch (error) {
+    console.info("no code:", String(error)); // everybody has joined, or there is no network: the capture goes on
+    return null;
+  }
+}
+
+/** @param {{code: string, expires: number} | null} invited */
+function setInvitation(invited) {
+  const own = last?.record.members.length ?? 0;
+  invitation = invited && {
+    ...invited, address: address({ ...simulation(), ...(parameters.get("virtual") === "1" && { position: String(own) }), code: invited.code }),
+  };
+  redraw();
+}
+
+/** @param {RigState} state @param {RigRecord | null} record */
+async function finished(state, record) {
+  begin.cancel();
+  feedback.give("done");
+  history.replaceState(null, "", inLanguage(new URL(`${location.pathname}?id=${encodeURIComponent(state.rig_id)}`, location.origin).href, language()));
+  await showResult(state, record);
+  // The rig has everything now.
+  if (record) await store.remove(record.about);
+}
+
+/** @param {RigState} state @param {RigRecord | null} record of this device's part in it */
+async function showResult(state, record) {
+  const [{ RigView }, { default: result }] = await Promise.all([import("./result.js"), import("../messages/result.js")]);
+  addMessages({ result });
+  const { keepReceipt } = await import("../lib/receipts.js");
+  for (const { position, session, request } of record?.members ?? []) {
+    keepReceipt(session, { calibration_id: state.result?.cameras[position], camera: request?.camera });
+  }
+  const service = await openService(new AbortController().signal);
+  new RigView(parts.result, state, { service, pictures, views: [...taken.values()] }).draw();
+  show("done");
+}
+
+/** @param {unknown} error @param {AbortSignal} [signal] of the capture that failed */
+function fail(error, signal) {
+  if (signal?.aborted) return;
+  begin.cancel();
+  parts.failure.textContent = failureText(error);
+  show("failed");
+  void listInterrupted();
+}
+
+/** @param {unknown} error */
+function failureText(error) {
+  if (error instanceof CameraError || error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
+  if (error instanceof JoinError) return t(`rig.join_${error.code}`);
+  if (error instanceof ResizeError) return t("rig.resized");
+  return explain(error);
+}
+
+/** @param {readonly Choice[]} choices @param {boolean} leads @param {number} first position of simulated cameras @returns {RigRecord} */
+function newRecord(choices, leads, first = 0) {
+  const members = choices.flatMap(({ layout }) => HALVES[layout]).map((_, index) => ({
+    position: leads || first > 0 ? first + index : 0, session: "", opened: false, request: null,
+  }));
+  return {
+    about: "", leads, query: new URLSearchParams([...boardQuery(board), ...Object.entries(simulation())]).toString(), cameras: Math.max(MIN_CAMERAS, setup.count),
+    square_size: setup.squareSize, choices: [...choices], members, letters: [],
+  };
+}
+
+/** Simulated cameras: two of this device unless the address says otherwise. @returns {Beginning} */
+function practice() {
+  parameters.set("virtual", "1");
+  const layout = /** @type {Choice["layout"]} */ (parameters.get("layout") ?? "one");
+  const number = (/** @type {string} */ name, /** @type {number} */ otherwise) => Number(parameters.get(name) ?? otherwise);
+  const choice = (/** @type {number} */ index) => ({ id: `virtual-${index}`, label: "", layout, distortion_model: /** @type {const} */ ("rectilinear") });
+  const own = number("cameras", joins ? 1 : layout === "one" && !Number(parts.others.value) && !parameters.has("others") ? 2 : 1);
+  const choices = Array.from({ length: own }, (_, index) => choice(index));
+  const record = newRecord(choices, !joins, joins ? number("position", 1) : 0);
+  record.cameras = Math.max(MIN_CAMERAS, record.members.length + number("others", Number(parts.others.value)));
+  return { record, code: setup.code };
+}
+
+/** @param {boolean} virtual */
+function start(virtual) {
+  const wrong = setup.problem(virtual);
+  parts.setupProblem.textContent = wrong;
+  if (wrong) return;
+  void begin(virtual ? practice() : { record: newRecord(setup.choices, !joins), code: setup.code });
+}
+
+/** @param {RigRecord} record */
+function resume(record) {
+  if (new URLSearchParams(record.query).toString() !== new URLSearchParams([...boardQuery(board), ...Object.entries(simulation())]).toString()) {
+    return location.assign(`${location.pathname}?${record.query}${record.query ? "&" : ""}id=${encodeURIComponent(record.about)}`);
+  }
+  void begin({ record });
+}
+
+async function listInterrupted() {
+  interrupted = await store.last(await heldLocks());
+  parts.interrupted.hidden = !interrupted;
+  parts.interruptedText.textContent = interrupted ? t("rig.interrupted", { count: interrupted.letters.filter(({ kind }) => kind === "view").length }) : "";
+}
+
+/** Ends this device's part. */
+async function stop() {
+  const record = last?.record;
+  begin.cancel();
+  if (record?.about) await store.remove(record.about);
+  location.assign(inLanguage(new URL(location.pathname, location.origin).href, language()));
+}
+
+/** Shows a rig that an address names: its result, or the capture that this browser takes part in. @param {string} id */
+async function open(id) {
+  const record = await store.load(id);
+  parts.openingText.textContent = t("rig.loading");
+  show("opening");
+  try {
+    const service = await openService(new AbortController().signal);
+    const found = await service.state(id, record?.members[0]?.session || undefined);
+    if (found?.state.status === "finished") return await finishedElsewhere(found.state, record);
+    if (!record) throw new Error(t("rig.not_here"));
+    resume(record);
+  } catch (error) {
+    if (record) return resume(record); // without the network, too
+    parts.failure.textContent = error instanceof Error && !("status" in error) && error.message === t("rig.not_here") ? error.message : failureText(error);
+    show("failed");
+  }
+}
+
+/** @param {RigState} state @param {RigRecord | null} record */
+async function finishedElsewhere(state, record) {
+  await showResult(state, record);
+  if (record) await store.remove(record.about);
+}
+
+parts.setup.addEventListener("submit", (event) => {
+  event.preventDefault();
+  start(false);
+});
+parts.practise.addEventListener("click", () => start(true));
+parts.goOn.addEventListener("click", () => interrupted && resume(interrupted));
+parts.forget.addEventListener("click", async () => {
+  if (interrupted) await store.remove(interrupted.about);
+  await listInterrupted();
+  parts.start.focus();
+});
+for (const button of [parts.cancel, parts.back]) button.addEventListener("click", () => {
+  begin.cancel();
+  show("welcome");
+});
+parts.again.addEventListener("click", () => (last ? void begin(last) : location.reload()));
+parts.stop.addEventListener("click", ({ detail }) => void (detail < 2 && stop()));
+parts.undo.addEventListener("click", () => capture?.undo());
+parts.skip.addEventListener("click", () => void capture?.skip());
+parts.take.addEventListener("click", () => void capture?.open());
+parts.finish.addEventListener("click", () => void capture?.finish());
+document.addEventListener("keydown", (event) => {
+  if (parts.phases.capturing.hidden || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.target instanceof Element && event.target.closest("input:not([type=checkbox]), select, textarea")) return;
+  const button = { u: parts.undo, n: parts.skip, t: parts.take }[event.key.toLowerCase()];
+  if (!button || button.hidden || button.disabled) return;
+  button.click();
+  event.preventDefault();
+});
+feedback.bind(parts.senses);
+for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
+showProblem(parts.problem, problem);
+onLanguage(() => {
+  setup.translate();
+  redraw();
+});
+await Promise.all([setup.list(), listInterrupted()]);
+const id = parameters.get("id");
+if (id) void open(id);
+else if (parameters.get("virtual") === "1") start(true);

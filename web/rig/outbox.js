@@ -1,0 +1,116 @@
+// Outbox of a rig's client: what it has captured and the service does not have yet, in order. Nothing leaves it unanswered.
+import { ApiError } from "../lib/api.js";
+import { isUnavailable } from "../lib/session.js";
+
+/**
+ * @typedef {{kind: "open", moment: string}} Opening of a moment, by the leader
+ * @typedef {{kind: "undo", moment: string}} Undoing
+ * @typedef {{kind: "view", position: number, session: string, moment: string, ids: number[], points: number[][]}} TakenView
+ * @typedef {Opening | Undoing | TakenView} Letter
+ *
+ * @typedef {object} Options
+ * @property {(letter: Letter) => Promise<unknown>} send
+ * @property {() => void} save called after each change
+ * @property {(letter: Letter, answer: any) => void} onSent
+ * @property {(letter: Letter, error: ApiError) => void} onRefused the service does not want it
+ * @property {(offline: boolean) => void} onLink called when the service is away, and when it is back
+ * @property {(ms: number) => Promise<void>} [wait]
+ * @property {AbortSignal} [signal] after which nothing more is sent
+ */
+
+const PAUSES_S = [1, 2, 3, 5]; // between attempts; the last one again and again
+
+export class Outbox {
+  /** @type {Letter[]} */
+  #letters;
+  #options;
+  #wait;
+  /** @type {Promise<void> | null} */
+  #running = null;
+  /** The pause that is being waited for, and its end. @type {(() => void) | null} */
+  #wake = null;
+
+  /** @param {Options} options @param {readonly Letter[]} [letters] of an earlier page */
+  constructor(options, letters = []) {
+    this.#options = options;
+    this.#letters = [...letters];
+    this.#wait = options.wait ?? ((/** @type {number} */ ms) => new Promise((resolve) => setTimeout(resolve, ms)));
+  }
+
+  /** Letters that wait. @returns {readonly Letter[]} */
+  get letters() {
+    return this.#letters;
+  }
+
+  /** Number of views that wait. */
+  get views() {
+    return this.#letters.filter(({ kind }) => kind === "view").length;
+  }
+
+  /** @param {...Letter} letters */
+  post(...letters) {
+    this.#letters.push(...letters);
+    this.#options.save();
+    void this.flush();
+  }
+
+  /** Drops what waits of a moment. @param {string} moment @returns {boolean} whether its opening was among it: the service never heard of it */
+  withdraw(moment) {
+    const unopened = this.#letters.some((letter) => letter.kind === "open" && letter.moment === moment);
+    this.#letters = this.#letters.filter((letter) => letter.moment !== moment);
+    this.#options.save();
+    return unopened;
+  }
+
+  /** Sends what waits, and goes on trying. @returns {Promise<void>} resolves when nothing waits, or nothing more is to be sent */
+  flush() {
+    this.#running ??= this.#run().finally(() => {
+      this.#running = null;
+    });
+    return this.#running;
+  }
+
+  /** Tries at once: the network seems to be back. */
+  retry() {
+    this.#wake?.();
+  }
+
+  async #run() {
+    const { send, save, onSent, onRefused, onLink, signal } = this.#options;
+    for (let failures = 0; this.#letters.length > 0 && !signal?.aborted;) {
+      const [letter] = this.#letters;
+      try {
+        const answer = await send(letter);
+        if (failures > 0) onLink(false);
+        failures = 0;
+        this.#remove(letter);
+        onSent(letter, answer);
+      } catch (error) {
+        if (signal?.aborted) return;
+        if (isUnavailable(error)) {
+          if (failures === 0) onLink(true);
+          await this.#pause(1000 * (PAUSES_S[failures] ?? PAUSES_S[PAUSES_S.length - 1]));
+          failures += 1;
+          continue;
+        }
+        if (!(error instanceof ApiError)) throw error;
+        this.#remove(letter);
+        onRefused(letter, error);
+      }
+      save();
+    }
+  }
+
+  /** @param {Letter} letter */
+  #remove(letter) {
+    this.#letters = this.#letters.filter((each) => each !== letter);
+  }
+
+  /** @param {number} ms */
+  async #pause(ms) {
+    await Promise.race([this.#wait(ms), new Promise((resolve) => {
+      this.#wake = () => resolve(undefined);
+    })]);
+    this.#wake = null;
+  }
+}

@@ -1,0 +1,115 @@
+// Texts of the capture: the one instruction, a line below it, and what is said of each camera.
+import { advice, asMirrored } from "../lib/capture/target.js";
+import { isAtTarget } from "../lib/capture/at-target.js";
+import { known, number, t } from "../lib/i18n.js";
+import { splitLabel } from "../lib/camera-name.js";
+import { isVirtual } from "../lib/virtual/name.js";
+import { isSeen, requiredHold } from "./moments.js";
+import { MIN_VIEWS, freePositions, isFinishable, remotePositions, silentPositions } from "./progress.js";
+
+/**
+ * @typedef {import("./capture.js").Model} Model
+ * @typedef {import("./capture.js").Member} Member
+ * @typedef {import("./service.js").RigState} RigState
+ * @typedef {import("./moments.js").Sight} Sight
+ */
+
+const RIG_ADVICE = new Set(["unlinked", "contradicts", "turned", "too_few_views", "converged"]);
+
+/** Name of a camera: people count from 1. @param {number} position */
+export const cameraName = (position) => t("rig.camera", { number: position + 1 });
+
+/** @param {readonly number[]} positions */
+export function cameraNames(positions) {
+  const names = positions.map((position) => String(position + 1));
+  return t("rig.cameras_listed", { count: names.length, numbers: new Intl.ListFormat(document.documentElement.lang || "en").format(names) });
+}
+
+/** @param {string | null} label */
+export const labelText = (label) => (!label ? "" : isVirtual(label) ? t("rig.simulated") : splitLabel(label).name);
+
+/**
+ * Code of the instruction: a message `rig.say_<code>`, or `capture.say_<code>`.
+ * @param {Model} model @param {readonly Member[]} members @param {boolean} leads
+ */
+export function instruct({ state, moment, opening, offline, finishing, sights }, members, leads) {
+  if (finishing) return "finishing";
+  if (!state) return offline ? "away" : "wait";
+  if (opening || (moment && !moment.over)) return "hold";
+  const remote = remotePositions(state, members.map(({ position }) => position)).length > 0;
+  if (offline && remote) return "away";
+  const seeing = members.map((member) => ({ member, sight: /** @type {Sight} */ (sights.get(member.position)) })).filter(({ sight }) => sight && isSeen(sight));
+  if (seeing.length === 0) return unseen(state, [...sights.values()], members);
+  if (seeing.some(({ sight }) => sight.target && isAtTarget(sight, sight.aim)) && isHeld(seeing.map(({ sight }) => sight), remote)) return "hold";
+  const aimed = seeing.filter(({ sight }) => sight.aim && sight.outline).sort((a, b) => a.sight.distance - b.sight.distance)[0];
+  if (!aimed) return seeing.some(({ sight }) => sight.target) ? "match" : leads && state.target ? "elsewhere" : "match";
+  const code = advice(/** @type {number[][]} */ (aimed.sight.outline), /** @type {number[][]} */ (aimed.sight.aim)) || "match";
+  return aimed.member.stream.mirrored ? asMirrored(code) : code;
+}
+
+/** @param {RigState} state @param {Sight[]} sights @param {readonly Member[]} members */
+function unseen({ target }, sights, members) {
+  const here = target?.cameras.some(({ position }) => members.some((member) => member.position === position));
+  if (target && !here) return "elsewhere";
+  return sights.find(({ diagnosis }) => diagnosis.trouble)?.diagnosis.trouble ?? "show";
+}
+
+/** @param {Sight[]} sights @param {boolean} remote */
+const isHeld = (sights, remote) => requiredHold(sights, remote) !== null;
+
+/** @param {string} code @param {Model} model */
+export function instruction(code, { state }) {
+  const first = state?.target?.cameras[0]?.position ?? 0;
+  const key = known(`rig.say_${code}`) ? `rig.say_${code}` : `capture.say_${code}`;
+  return t(key, { camera: cameraName(first) });
+}
+
+/** Line below the instruction. @param {Model} model @param {readonly Member[]} members @param {boolean} leads @param {string} code of the instruction */
+export function detail({ state, moment, notice, offline, waiting, opening }, members, leads, code) {
+  const own = members.map(({ position }) => position);
+  const remote = state ? remotePositions(state, own) : [];
+  if (offline) return waiting > 0 ? t("rig.kept", { count: waiting }) : t("rig.no_connection");
+  if (state && leads && (opening || (moment && !moment.over))) {
+    const there = state.moments.find(({ id }) => id === moment?.id)?.positions ?? [];
+    const missing = remote.filter((position) => !there.includes(position));
+    if (missing.length > 0) return t("rig.waiting_for", { cameras: cameraNames(missing) });
+  }
+  if (notice) return t(notice.key, notice.values);
+  if (!state) return "";
+  const silent = silentPositions(state, own);
+  if (leads && silent.length > 0) return t("rig.silent", { cameras: cameraNames(silent) });
+  if (state.unlinked.length > 0) return t("rig.link", { cameras: cameraNames([0, ...state.unlinked]) });
+  if (known(`capture.do_${code}`)) return t(`capture.do_${code}`);
+  return leads || code === "hold" ? "" : t("rig.follower");
+}
+
+/** How far it is. @param {RigState | null} state */
+export function counts(state) {
+  if (!state) return "";
+  const moments = t("rig.moments_count", { count: state.moments.length });
+  const { uncertainty, target_error: goal } = state;
+  if (!uncertainty) return moments;
+  return `${moments} · ${t("rig.reached", { reached: number(uncertainty.rms, 2), goal: number(goal, 2) })}`;
+}
+
+/** One camera of the rig, in a list. @param {RigState} state @param {number} position @param {readonly number[]} own */
+export function memberLine(state, position, own) {
+  const { camera, img_size, status, views } = state.cameras[position];
+  if (status === "waiting") return { name: cameraName(position), text: t("rig.waiting_to_join") };
+  const what = [labelText(camera), img_size?.join("\u00a0×\u00a0"), own.includes(position) ? "" : t("rig.other_device")].filter(Boolean).join(" · ");
+  return { name: cameraName(position), text: `${what} · ${t("rig.views_of", { count: views, needed: MIN_VIEWS })}` };
+}
+
+/** Sentences that the rig's state calls for. @param {RigState} state @returns {string[]} */
+export function adviceTexts(state) {
+  const texts = state.advice.filter(({ code }) => code !== "converged").map(({ code, text, positions = [] }) =>
+    (RIG_ADVICE.has(code) ? t(`rig.advice_${code}`, { cameras: cameraNames(positions), count: positions.length }) : text));
+  const free = freePositions(state);
+  const joining = free.length > 0 && isFinishable({ ...state, cameras: state.cameras.filter(({ status }) => status !== "waiting") })
+    ? [t("rig.not_joined", { cameras: cameraNames(free) })] : [];
+  return [...new Set([...texts, ...joining])];
+}
+
+/** Reasons for which views of a moment were set aside. @param {import("./service.js").Moment} moment @returns {string[]} */
+export const asideTexts = ({ set_aside: aside = [] }) => aside.map(({ position, reason, detail: said }) =>
+  (known(`rig.aside_${reason}`) ? t(`rig.aside_${reason}`, { camera: cameraName(position) }) : `${cameraName(position)}: ${said}`));

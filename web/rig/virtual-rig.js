@@ -1,0 +1,120 @@
+// Simulated rig: several virtual cameras that look at one board, whose hand follows the rig's targets.
+import { facts } from "../lib/camera.js";
+import { composePoses, interpolatePose } from "../lib/pose.js";
+import { VirtualCamera, labelOf } from "../lib/virtual/camera.js";
+import { boardPose, cameraPose, firstPose, setupAt } from "./scene.js";
+import { Stream } from "./streams.js";
+
+/**
+ * @typedef {import("../lib/pose.js").Pose} Pose
+ * @typedef {import("./streams.js").Choice} Choice
+ */
+
+const TRAVEL_MS = 350; // from one pose to the next
+const TICK_MS = 50;
+const FRAME_RATE = 30; // Hz
+
+export class VirtualRig {
+  #parameters;
+  #board;
+  #place;
+  /** @type {{camera: VirtualCamera, pose: Pose}[]} pose: camera 0 → camera */
+  #cameras = [];
+  #from;
+  #to;
+  #startedAt = -Infinity;
+  /** @type {ReturnType<typeof setInterval> | undefined} */
+  #timer;
+  #target = "";
+
+  /** @param {URLSearchParams} parameters of the address @param {import("../lib/board.js").Board} board @param {HTMLElement} place of the canvases */
+  constructor(parameters, board, place) {
+    this.#parameters = parameters;
+    this.#board = board;
+    this.#place = place;
+    this.#from = this.#to = firstPose(board, setupAt(parameters, 0));
+  }
+
+  /**
+   * Opens one stream: of one camera, or of two that share it as a stereo camera does.
+   * @param {Choice} choice @param {number} position of its first camera @returns {Promise<Stream>}
+   */
+  async open(choice, position) {
+    const positions = choice.layout === "one" ? [position] : [position, position + 1];
+    const made = positions.map((each) => ({ camera: new VirtualCamera(setupAt(this.#parameters, each), this.#place, this.#board), pose: cameraPose(each) }));
+    const streams = [];
+    for (const { camera } of made) streams.push(await camera.open());
+    this.#cameras.push(...made);
+    this.#show();
+    const cameras = made.map(({ camera }) => camera);
+    const stream = choice.layout === "one" ? streams[0] : joined(cameras, choice.layout === "side_by_side", this.#place);
+    const [track] = stream.getVideoTracks();
+    return new Stream(choice, {
+      stream, track, virtual: cameras[0], mirrored: false, cropped: facts(track).resizeMode === "crop-and-scale",
+      close() {
+        for (const camera of cameras) camera.close();
+        track.stop();
+      },
+    });
+  }
+
+  /** Moves the board to a target. @param {readonly import("./service.js").Target[]} targets of the rig's cameras */
+  follow(targets) {
+    const target = JSON.stringify(targets.map(({ position, rvec, tvec }) => [position, rvec, tvec]));
+    const pose = target === this.#target ? null : boardPose(targets, this.#board, this.#parameters);
+    if (!pose) return;
+    this.#target = target;
+    [this.#from, this.#to, this.#startedAt] = [this.#way(), pose, performance.now()];
+    clearInterval(this.#timer);
+    this.#timer = setInterval(() => this.#show(), TICK_MS);
+  }
+
+  close() {
+    clearInterval(this.#timer);
+    for (const { camera } of this.#cameras) camera.close();
+  }
+
+  #way() {
+    const part = Math.min(1, (performance.now() - this.#startedAt) / TRAVEL_MS);
+    return interpolatePose(this.#from, this.#to, part * part * (3 - 2 * part));
+  }
+
+  #show() {
+    const pose = this.#way();
+    for (const { camera, pose: there } of this.#cameras) camera.hold(composePoses(there, pose));
+    if (performance.now() - this.#startedAt > TRAVEL_MS) clearInterval(this.#timer);
+  }
+}
+
+/**
+ * One stream with the pictures of two cameras, as stereo cameras deliver it.
+ * @param {VirtualCamera[]} cameras @param {boolean} sideBySide @param {HTMLElement} place
+ */
+function joined(cameras, sideBySide, place) {
+  const canvas = place.ownerDocument.createElement("canvas");
+  const [{ canvas: { width, height } }] = cameras;
+  canvas.width = sideBySide ? 2 * width : width;
+  canvas.height = sideBySide ? height : 2 * height;
+  canvas.className = "virtual-camera";
+  canvas.setAttribute("aria-hidden", "true");
+  place.append(canvas);
+  const context = canvas.getContext("2d", { alpha: false });
+  const draw = () => cameras.forEach((camera, index) => context?.drawImage(camera.canvas, sideBySide ? index * width : 0, sideBySide ? 0 : index * height));
+  draw();
+  const timer = setInterval(draw, TICK_MS);
+  const stream = canvas.captureStream(FRAME_RATE);
+  const [track] = stream.getVideoTracks();
+  Object.defineProperty(track, "label", { value: cameras[0].label });
+  const settings = { width: canvas.width, height: canvas.height, frameRate: FRAME_RATE, resizeMode: "none" };
+  Object.defineProperty(track, "getSettings", { value: () => settings });
+  const stop = track.stop.bind(track);
+  track.stop = () => {
+    clearInterval(timer);
+    canvas.remove();
+    stop();
+  };
+  return stream;
+}
+
+/** Label of the simulated camera at a position. @param {URLSearchParams} parameters @param {number} position */
+export const virtualLabel = (parameters, position) => labelOf(setupAt(parameters, position));
