@@ -70,6 +70,8 @@ export default {
   // The one instruction
   capturing: "Halten Sie die Tafel dorthin, wo die Umrisse sie zeigen",
   say_hold: "Still halten",
+  say_join: "Das andere Gerät hinzufügen",
+  do_join: "Scannen Sie damit den Code unten. Dann werden seine Kamera und diese zusammen kalibriert.",
   say_elsewhere: "Tafel vor {camera} halten",
   say_show: "Tafel vor die Kameras halten",
   say_away: "Warten auf die Verbindung",

@@ -70,6 +70,8 @@ export default {
   // The one instruction
   capturing: "Hold the board where the outlines show it",
   say_hold: "Hold still",
+  say_join: "Let the other device join",
+  do_join: "Scan the code below with it. Its camera and this one are then calibrated together.",
   say_elsewhere: "Show the board to {camera}",
   say_show: "Show the board to the cameras",
   say_away: "Waiting for the connection",

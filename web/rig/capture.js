@@ -1,43 +1,19 @@
 // Capture of a rig on one device: watches its cameras, opens moments if it leads, takes views for them, and delivers them.
-import { DetectorError } from "../lib/detector.js";
-import { nextFrame } from "../lib/frames.js";
-import { lockFocus } from "../lib/camera.js";
 import { lenienceAfter } from "../lib/capture/at-target.js";
-import { nextProbe } from "../lib/capture/diagnosis.js";
-import { motion } from "../lib/capture/stillness.js";
 import { isUnavailable } from "../lib/session.js";
-import { BLIND, aimAt, answer, isReady, isSeen, observeFrame } from "./moments.js";
+import { answer, isReady, isSeen, remoteHold } from "./moments.js";
+import { RigLink } from "./link.js";
 import { Outbox } from "./outbox.js";
-import { isAccurate, remotePositions, silentPositions } from "./progress.js";
+import { takeView } from "./view.js";
+import { Watch } from "./watch.js";
+import { isAccurate, isAlone, remotePositions, silentPositions } from "./progress.js";
 
 /**
  * @typedef {import("./service.js").RigState} RigState
- * @typedef {import("./moments.js").Sight} Sight
- *
- * @typedef {object} Member one camera of this device
- * @property {number} position
- * @property {string} session id
- * @property {import("./streams.js").Stream} stream
- * @property {import("./figure.js").Figure} figure
- * @property {[number, number]} size px
- * @property {string} camera label
- *
- * @typedef {object} Current moment that is open, as this device sees it
- * @property {string} id
- * @property {number} unopenedAt ms, when it was certainly not open yet
- * @property {number} seenAt ms, when it was seen to be open
- * @property {Map<number, "take" | "miss">} answers of this device's cameras
- * @property {boolean} over
- *
- * @typedef {object} Model all that the page shows of a capture
- * @property {RigState | null} state
- * @property {Map<number, Sight>} sights by position
- * @property {Current | null} moment
- * @property {boolean} opening a moment is being opened
- * @property {boolean} offline
- * @property {number} waiting views on this device
- * @property {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>} | null} notice
- * @property {boolean} finishing
+ * @typedef {import("./model.js").Sight} Sight
+ * @typedef {import("./model.js").Member} Member
+ * @typedef {import("./model.js").Current} Current
+ * @typedef {import("./model.js").Model} Model
  *
  * @typedef {object} Resources
  * @property {import("./service.js").RigService} service
@@ -54,32 +30,27 @@ import { isAccurate, remotePositions, silentPositions } from "./progress.js";
  * @property {(moment: string, position: number, corners: import("../lib/board-outline.js").Corners, picture: ImageBitmap) => void} onTaken picture: never sent
  */
 
-const POLL_MS = 1_000;
-const CHANGED_POLL_MS = 400; // after a change: the next one is near
-const OFFLINE_POLL_MS = 2_000;
 const WINDOW_MS = 3_800; // for which other devices may answer a moment
 const MAX_OPENING_MS = 2_500; // a moment that took longer to open is not answered: nobody holds still for so long
 const NOTICE_MS = 6_000;
 const SILENT_MS = 30_000; // for which a camera that answers no more is waited for, once there is enough
 const STUCK_MS = 20_000; // without a moment, then another target is asked for
-const MAX_MOTION_PX = 3; // between the last frame and the one that is taken, at 1280 px width
 
 export class RigCapture {
   #resources;
   #outbox;
   /** @type {Model} */
-  model = { state: null, sights: new Map(), moment: null, opening: false, offline: false, waiting: 0, notice: null, finishing: false };
-  /** ms, when the last answer was asked for that did not have what came after. */
-  #unopenedAt = -Infinity;
+  model = { state: null, sights: new Map(), moment: null, opening: false, offline: false, waiting: 0, notice: null, finishing: false, patience: 0 };
+  #link;
+  #watch;
   #known = new Set();
-  #etag = "";
   #noticedAt = 0;
+  #target = "";
   #targetSince = 0;
+  /** Moments in a row that not all other devices have answered: they need more time. */
+  #unanswered = 0;
   /** ms, since when the result is accurate enough. */
   #accurateSince = Infinity;
-  #isFocused = new Set();
-  /** @type {(() => void) | null} */
-  #wake = null;
 
   /** @param {Resources} resources */
   constructor(resources) {
@@ -95,10 +66,16 @@ export class RigCapture {
       },
       onSent: (letter) => this.#delivered(letter),
       onRefused: (letter, error) => this.#refused(letter, error),
-      onLink: (offline) => this.#link(offline),
+      onLink: (offline) => this.#setOffline(offline),
       signal,
     }, record.letters);
-    for (const { position } of members) this.model.sights.set(position, BLIND);
+    this.#link = new RigLink({
+      service: resources.service, id: record.about, session: members[0].session, signal,
+      onState: (state, unopenedAt) => this.#receive(state, unopenedAt),
+      onLink: (offline) => this.#setOffline(offline), onFailure: resources.onFailure,
+    });
+    this.#watch = new Watch({ members, board: resources.board, detector: resources.detector, signal, onFailure: resources.onFailure });
+    this.model.sights = this.#watch.sights;
     this.model.waiting = this.#outbox.views;
     addEventListener("online", () => this.#hurry(), { signal });
   }
@@ -116,6 +93,11 @@ export class RigCapture {
     return this.model.state !== null && remotePositions(this.model.state, this.#own).length > 0;
   }
 
+  /** Time for which other devices need the board to be still, ms; 0 where there are none. */
+  get #patience() {
+    return this.#remote ? remoteHold(this.#unanswered) : 0;
+  }
+
   get #own() {
     return this.#resources.members.map(({ position }) => position);
   }
@@ -123,7 +105,7 @@ export class RigCapture {
   /** Runs until the rig is finished. @returns {Promise<RigState | null>} null: ended otherwise */
   async run() {
     void this.#outbox.flush();
-    void this.#poll();
+    void this.#link.run();
     const { signal } = this.#resources;
     while (!signal.aborted && this.model.state?.status !== "finished") await this.#look();
     return signal.aborted ? null : this.model.state;
@@ -131,56 +113,34 @@ export class RigCapture {
 
   // ------------------------------------------------------------------ what the service says
 
-  async #poll() {
-    const { service, record, members: [{ session }], signal } = this.#resources;
-    while (!signal.aborted && this.model.state?.status !== "finished") {
-      const askedAt = performance.now();
-      let pause = POLL_MS;
-      try {
-        const found = await service.state(record.about, session, this.#etag);
-        if (signal.aborted) return;
-        if (found) {
-          this.#etag = found.etag;
-          this.#receive(found.state, askedAt);
-          pause = CHANGED_POLL_MS;
-        }
-        this.#unopenedAt = Math.max(this.#unopenedAt, askedAt);
-        this.#link(false);
-      } catch (error) {
-        if (signal.aborted) return;
-        if (!isUnavailable(error)) return this.#resources.onFailure(error);
-        this.#link(true);
-        pause = OFFLINE_POLL_MS;
-      }
-      await this.#pause(pause);
-    }
-  }
-
-  /** @param {RigState} state @param {number} askedAt ms */
-  #receive(state, askedAt) {
-    const { virtual, board, members } = this.#resources;
-    const before = JSON.stringify(this.model.state?.target ?? null);
+  /** @param {RigState} state @param {number} unopenedAt ms, when what is new in it was not there yet */
+  #receive(state, unopenedAt) {
     const opened = state.moment;
     const isFirst = this.model.state === null;
     this.model.state = state;
+    this.model.patience = this.#patience;
     if (opened && !this.#known.has(opened.id)) {
       this.#known.add(opened.id);
       // Of one that was open before this page looked, nobody here knows what was seen then.
-      if (!isFirst && !this.#resources.record.leads) this.#begin(opened.id, this.#unopenedAt, performance.now());
+      if (!isFirst && !this.#resources.record.leads) this.#begin(opened.id, unopenedAt, performance.now());
     }
     for (const { id } of state.moments) this.#known.add(id);
-    this.#unopenedAt = Math.max(this.#unopenedAt, askedAt);
-    if (JSON.stringify(state.target) !== before) {
-      this.#targetSince = performance.now();
-      virtual?.follow(state.target?.cameras ?? []);
-      for (const { position, size } of members) {
-        const target = state.target?.cameras.find((each) => each.position === position) ?? null;
-        this.model.sights.set(position, aimAt(this.#sight(position), target, board, size));
-      }
-    }
+    this.#aim();
     if (!isAccurate(state)) this.#accurateSince = Infinity;
     else if (this.#accurateSince === Infinity) this.#accurateSince = performance.now();
     this.#changed();
+  }
+
+  /** Shows the state's target; while a moment is open the board stays where it is. */
+  #aim() {
+    const { state, moment } = this.model;
+    const targets = state?.target?.cameras ?? [];
+    const target = JSON.stringify(targets);
+    if (!state || target === this.#target || (moment && !moment.over)) return;
+    this.#target = target;
+    this.#targetSince = performance.now();
+    this.#resources.virtual?.follow(targets);
+    this.#watch.aim(targets);
   }
 
   /** Whether the capture ends by itself: cameras that may have views to deliver are waited for. */
@@ -191,7 +151,7 @@ export class RigCapture {
   }
 
   /** @param {boolean} offline */
-  #link(offline) {
+  #setOffline(offline) {
     if (this.model.offline === offline) return;
     this.model.offline = offline;
     if (!offline) {
@@ -204,67 +164,16 @@ export class RigCapture {
   /** Asks and sends at once. */
   #hurry() {
     this.#outbox.retry();
-    this.#wake?.();
+    this.#link.hurry();
   }
-
-  /** @param {number} ms */
-  #pause(ms) {
-    return new Promise((/** @type {(value: void) => void} */ resolve) => {
-      const timer = setTimeout(resolve, ms);
-      this.#wake = () => {
-        clearTimeout(timer);
-        resolve();
-      };
-    });
-  }
-
-  // ------------------------------------------------------------------ what the cameras see
 
   async #look() {
-    const { members, signal } = this.#resources;
-    await nextFrame(members[0].stream.video);
-    if (signal.aborted || document.hidden) return;
-    for (const stream of new Set(members.map((member) => member.stream))) {
-      const own = members.filter((member) => member.stream === stream);
-      if (!stream.unchanged) return this.#resources.onFailure(new ResizeError());
-      const pictures = await stream.grab();
-      for (const [index, member] of own.entries()) await this.#observe(member, pictures[index]);
-      if (signal.aborted) return;
-    }
+    const { signal } = this.#resources;
+    if (!await this.#watch.look(lenienceAfter(performance.now() - this.#targetSince))) return;
     await this.#decide();
+    if (signal.aborted) return;
     if (this.model.notice && performance.now() - this.#noticedAt > NOTICE_MS) this.model.notice = null;
     this.#changed();
-  }
-
-  /** @param {Member} member @param {VideoFrame | ImageBitmap} picture */
-  async #observe({ position, stream }, picture) {
-    const before = this.#sight(position);
-    const detection = await this.#detect(picture, { probe: nextProbe(before.diagnosis, performance.now()) });
-    if (!detection) return;
-    const time = performance.now();
-    const sight = observeFrame(this.#sight(position), detection, time, this.#resources.board, lenienceAfter(time - this.#targetSince));
-    this.model.sights.set(position, sight);
-    if (sight.stillness.held > 0 && isSeen(sight) && !this.#isFocused.has(stream)) {
-      this.#isFocused.add(stream);
-      void lockFocus(stream.camera.track);
-    }
-  }
-
-  /** @param {VideoFrame | ImageBitmap} picture @param {{full?: boolean, probe?: string | null}} options */
-  async #detect(picture, options) {
-    try {
-      return await this.#resources.detector.detect(picture, options);
-    } catch (error) {
-      if (this.#resources.signal.aborted) return null;
-      if (!(error instanceof DetectorError)) throw error;
-      this.#resources.onFailure(error);
-      return null;
-    }
-  }
-
-  /** @param {number} position @returns {Sight} */
-  #sight(position) {
-    return this.model.sights.get(position) ?? BLIND;
   }
 
   // ------------------------------------------------------------------ moments
@@ -278,10 +187,22 @@ export class RigCapture {
       this.#settle(moment);
     } else if (record.leads && this.#isConverged) {
       void this.finish();
-    } else if (record.leads && !opening && (!this.model.offline || !this.#remote)) {
-      if (isReady(this.#sights, this.#remote)) void this.open();
-      else if (performance.now() - this.#targetSince > STUCK_MS && this.#sights.some(isSeen)) void this.skip();
+    } else if (record.leads && !opening && this.#isSettled) {
+      // One camera alone says nothing of where the others are.
+      if (isAlone(state)) return;
+      if (isReady(this.#sights, this.#patience)) void this.open();
+      else if (performance.now() - this.#targetSince > STUCK_MS && this.#sights.some((sight) => isSeen(sight) || sight.markers > 0)) void this.skip();
     }
+  }
+
+  /** Whether the state has the last moment, and so a target after it. Without the service, a rig of one device goes on. */
+  get #isSettled() {
+    const { moment, state, offline } = this.model;
+    if (offline) return !this.#remote;
+    if (this.#outbox.letters.length > 0) return false;
+    const there = state?.moments.find(({ id }) => id === moment?.id)?.positions ?? [];
+    const taken = [...moment?.answers ?? []].filter(([, each]) => each === "take").map(([position]) => position);
+    return !moment || taken.every((position) => there.includes(position)) || performance.now() - moment.seenAt > WINDOW_MS;
   }
 
   /** Opens a moment: all cameras that see the board held still take a view. */
@@ -301,13 +222,13 @@ export class RigCapture {
     this.#changed();
     try {
       const state = await service.openMoment(record.about, this.#leader, id);
-      this.#receive(state, unopenedAt);
+      this.#link.receive(state, unopenedAt);
       const took = performance.now() - unopenedAt;
       if (took < MAX_OPENING_MS) this.#begin(id, unopenedAt, performance.now());
       else this.#notify("rig.too_slow", "plain");
     } catch (error) {
       if (!isUnavailable(error)) return this.#resources.onFailure(error);
-      this.#link(true);
+      this.#setOffline(true);
     } finally {
       this.model.opening = false;
       this.#changed();
@@ -317,32 +238,25 @@ export class RigCapture {
   /** @param {string} id @param {number} unopenedAt ms @param {number} seenAt ms */
   #begin(id, unopenedAt, seenAt) {
     this.model.moment = { id, unopenedAt, seenAt, answers: new Map(), over: false };
+    this.#watch.mark();
     if (!this.#resources.record.leads) this.#resources.onSign("hold");
     this.#changed();
   }
 
   /** @param {Member} member @param {Current} moment */
-  async #answer({ position, session, stream, figure }, moment) {
+  async #answer({ position, session, stream, half, figure }, moment) {
     if (moment.answers.has(position)) return;
-    const sight = this.#sight(position);
+    const sight = this.#watch.sight(position);
     const decision = answer(sight, moment, performance.now());
     if (decision === "wait") return;
     if (decision === "miss") return void moment.answers.set(position, "miss");
-    const index = this.#resources.members.filter((each) => each.stream === stream).findIndex((each) => each.position === position);
-    const pictures = await stream.grab();
-    const picture = pictures[index];
-    for (const other of pictures) if (other !== picture) other.close();
-    const copy = await createImageBitmap(picture);
-    const detection = await this.#detect(picture, { full: true });
-    if (!detection) return copy.close();
-    const corners = { ids: detection.ids, points: detection.points };
-    // Between the two frames the hand may have jerked: the next frame may do.
-    if (motion(sight.corners, corners) > (MAX_MOTION_PX * sight.width) / 1280) return copy.close();
+    const found = await takeView(stream, half, sight, (picture) => this.#watch.detect(picture, { full: true }));
+    if (!found) return;
+    const { corners, picture } = found;
     moment.answers.set(position, "take");
-    this.model.sights.set(position, { ...this.#sight(position), lastTaken: corners });
     this.#outbox.post({ kind: "view", position, session, moment: moment.id, ...corners });
     figure.flash();
-    this.#resources.onTaken(moment.id, position, corners, copy);
+    this.#resources.onTaken(moment.id, position, corners, picture);
   }
 
   /** Ends a moment when nobody is waited for any more. @param {Current} moment */
@@ -359,7 +273,8 @@ export class RigCapture {
     const all = new Set([...taken, ...there]).size;
     if (all > 0) {
       // Where it was missed, too: the same hold is not asked for again.
-      for (const [position, sight] of this.model.sights) if (isSeen(sight)) this.model.sights.set(position, { ...sight, lastTaken: sight.corners });
+      this.#watch.take();
+      this.#unanswered = remote.every((position) => there.includes(position)) ? 0 : this.#unanswered + 1;
       onSign("taken");
       this.#notify("rig.taken", "good", { count: all });
     } else if (record.leads) {
@@ -367,6 +282,7 @@ export class RigCapture {
       this.#notify("rig.missed", "bad");
       if (!this.#outbox.withdraw(moment.id)) this.#outbox.post({ kind: "undo", moment: moment.id });
     }
+    this.#aim();
     this.#changed();
   }
 
@@ -376,7 +292,7 @@ export class RigCapture {
   undo(id = this.model.state?.moments.at(-1)?.id ?? this.model.moment?.id) {
     if (!this.#resources.record.leads || !id) return;
     if (!this.#outbox.withdraw(id)) this.#outbox.post({ kind: "undo", moment: id });
-    for (const [position, sight] of this.model.sights) this.model.sights.set(position, { ...sight, lastTaken: null });
+    this.#watch.forget();
     if (this.model.moment?.id === id) this.model.moment = null;
     this.#notify("rig.undone", "good");
   }
@@ -386,7 +302,7 @@ export class RigCapture {
     const { service, record } = this.#resources;
     if (!record.leads) return;
     this.#targetSince = performance.now();
-    await this.#ask((askedAt) => service.skip(record.about, this.#leader).then((state) => this.#receive(state, askedAt)));
+    await this.#ask((askedAt) => service.skip(record.about, this.#leader).then((state) => this.#link.receive(state, askedAt)));
   }
 
   /** Ends the capture with the moments that are there. */
@@ -396,7 +312,7 @@ export class RigCapture {
     this.model.finishing = true;
     this.#changed();
     await this.#outbox.flush();
-    await this.#ask((askedAt) => service.finish(record.about, this.#leader).then((state) => this.#receive(state, askedAt)));
+    await this.#ask((askedAt) => service.finish(record.about, this.#leader).then((state) => this.#link.receive(state, askedAt)));
     this.model.finishing = false;
     this.#changed();
   }
@@ -407,7 +323,7 @@ export class RigCapture {
       await request(performance.now());
     } catch (error) {
       if (this.#resources.signal.aborted) return;
-      if (isUnavailable(error)) this.#link(true);
+      if (isUnavailable(error)) this.#setOffline(true);
       else this.#notify("rig.refused", "bad", { reason: error instanceof Error ? error.message : String(error) });
     }
   }
@@ -418,15 +334,15 @@ export class RigCapture {
   async #send(letter) {
     const { service, record } = this.#resources;
     const askedAt = performance.now();
-    if (letter.kind === "open") return this.#receive(await service.openMoment(record.about, this.#leader, letter.moment), askedAt);
-    if (letter.kind === "undo") return this.#receive(await service.undo(record.about, this.#leader, letter.moment), askedAt);
+    if (letter.kind === "open") return this.#link.receive(await service.openMoment(record.about, this.#leader, letter.moment), askedAt);
+    if (letter.kind === "undo") return this.#link.receive(await service.undo(record.about, this.#leader, letter.moment), askedAt);
     const { session, moment, ids, points } = letter;
     return service.submit(session, { moment, ids, points });
   }
 
   /** @param {import("./outbox.js").Letter} letter */
   #delivered(letter) {
-    if (letter.kind === "view") this.#wake?.();
+    if (letter.kind === "view") this.#link.hurry();
   }
 
   /** @param {import("./outbox.js").Letter} letter @param {import("../lib/api.js").ApiError} error */
@@ -448,6 +364,3 @@ export class RigCapture {
     if (!this.#resources.signal.aborted) this.#resources.onChange(this.model);
   }
 }
-
-/** A device was turned: its picture has another size. */
-export class ResizeError extends Error {}

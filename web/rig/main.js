@@ -7,7 +7,7 @@ import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
 import { Feedback } from "../lib/capture/feedback.js";
-import { Detector, DetectorError } from "../lib/detector.js";
+import { DetectorError } from "../lib/detector.js";
 import { explain } from "../lib/faults.js";
 import { addMessages, inLanguage, language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
@@ -15,14 +15,15 @@ import { openPage } from "../lib/page.js";
 import { loadSettings } from "../lib/settings.js";
 import captureMessages from "../messages/capture.js";
 import rigMessages from "../messages/rig.js";
-import { ResizeError, RigCapture } from "./capture.js";
-import { Figure } from "./figure.js";
+import { RigCapture } from "./capture.js";
 import { JoinError, enter, invite, requestOf } from "./membership.js";
+import { ResizeError } from "./model.js";
+import { openCameras, openDetector } from "./opening.js";
 import { findParts } from "./parts.js";
 import { NOTHING_SHOWN, render } from "./render.js";
 import { RigService } from "./service.js";
 import { MIN_CAMERAS, Setup } from "./setup.js";
-import { HALVES, openStream } from "./streams.js";
+import { HALVES } from "./streams.js";
 
 /**
  * @typedef {import("./membership.js").RigRecord} RigRecord
@@ -96,21 +97,8 @@ const begin = latest(async (signal, /** @type {Beginning} */ beginning) => {
 
 /** @param {Beginning} beginning @param {AbortSignal} signal */
 async function run({ record, code }, signal) {
-  const virtual = await openVirtual(record);
-  const streams = [];
-  signal.addEventListener("abort", () => virtual?.close());
-  for (const [index, choice] of record.choices.entries()) {
-    const first = record.members[record.choices.slice(0, index).reduce((sum, { layout }) => sum + HALVES[layout].length, 0)].position;
-    const stream = virtual ? await virtual.open(choice, first) : await openStream(choice, { parameters, place: document.body, board });
-    signal.addEventListener("abort", () => stream.close());
-    if (signal.aborted) stream.close();
-    signal.throwIfAborted();
-    stream.camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
-    streams.push(stream);
-  }
-  const shown = await showStreams(streams);
-  const detector = await openDetector(signal);
-  signal.addEventListener("abort", () => detector.close());
+  const { virtual, shown } = await openCameras(parts, record, { parameters, board, signal, onEnded: () => fail(new CameraError("unplugged"), signal) });
+  const detector = await openDetector(parts, board, signal);
   parts.openingText.textContent = t("capture.opening_service");
   const service = await openService(signal);
   const save = () => store.save(record);
@@ -122,8 +110,8 @@ async function run({ record, code }, signal) {
   // A rig whose code has expired, or that a reload has forgotten, has a new one.
   if (record.leads) setInvitation(invited ?? await freshCode(service, record));
   history.replaceState(null, "", address({ ...simulation(), id: record.about }));
-  const members = shown.map(({ stream, figure, picture }, index) => ({
-    ...record.members[index], stream, figure, size: picture.size, camera: picture.camera,
+  const members = shown.map(({ stream, figure, picture, half }, index) => ({
+    ...record.members[index], stream, half, figure, size: picture.size, camera: picture.camera,
   }));
   const { leads } = record;
   let before = /** @type {import("./render.js").Shown} */ (NOTHING_SHOWN);
@@ -149,43 +137,6 @@ async function run({ record, code }, signal) {
   redraw();
   show("capturing");
   return capture.run();
-}
-
-/** Simulated cameras where the record has such. @param {RigRecord} record */
-async function openVirtual(record) {
-  if (!record.choices.some(({ id }) => id.startsWith("virtual"))) return null;
-  const { VirtualRig } = await import("./virtual-rig.js");
-  return new VirtualRig(parameters, board, document.body);
-}
-
-/** @param {import("./streams.js").Stream[]} streams */
-async function showStreams(streams) {
-  /** @type {{stream: import("./streams.js").Stream, figure: Figure, picture: import("./streams.js").Picture}[]} */
-  const shown = [];
-  parts.pictures.replaceChildren();
-  for (const stream of streams) {
-    const figures = HALVES[stream.choice.layout].map((half) => new Figure(shown.length, half));
-    parts.pictures.append(...figures.map(({ root }) => root));
-    const found = await stream.play(figures.map(({ video }) => video));
-    found.forEach((picture, index) => {
-      figures[index].shape(picture.size, stream.mirrored);
-      shown.push({ stream, figure: figures[index], picture });
-    });
-  }
-  return shown;
-}
-
-/** @param {AbortSignal} signal */
-async function openDetector(signal) {
-  parts.openingText.textContent = t("capture.opening_loading");
-  parts.loadingMeter.hidden = false;
-  const detector = await Detector.open(board, (fraction) => {
-    parts.loading.value = fraction;
-  });
-  parts.loadingMeter.hidden = true;
-  if (signal.aborted) detector.close();
-  signal.throwIfAborted();
-  return detector;
 }
 
 /** @param {RigService} service @param {RigRecord} record */

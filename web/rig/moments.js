@@ -30,6 +30,8 @@ import { difference } from "../lib/capture/target.js";
  */
 
 const REMOTE_HOLD_MS = 1_900; // still, before other devices can have seen that it is: they ask once a second
+const MORE_HOLD_MS = 900; // more, after each moment that they have not answered: their network may be slow
+const MAX_REMOTE_HOLD_MS = 5_000;
 const MIN_HELD_MS = 250; // still in a camera that takes a view
 const MIN_HELD_FRAMES = 2;
 const ANSWER_MS = 900; // for which a camera of this device may take until its board counts as still
@@ -80,15 +82,15 @@ export const isSeen = ({ corners }) => corners.ids.length >= MIN_SEEN_CORNERS;
 /**
  * Time for which the board must be held still before a moment is opened, ms; null: it has not been moved since the last one,
  * or nobody sees it.
- * @param {Sight[]} sights of this device @param {boolean} remote other devices are to see that it is still, too
+ * @param {Sight[]} sights of this device @param {number} patience ms, for which other devices need it to be still, too
  */
-export function requiredHold(sights, remote) {
+export function requiredHold(sights, patience) {
   const seeing = sights.filter(isSeen);
   const moved = seeing.some(({ lastTaken, corners, width }) =>
     !lastTaken || motion(lastTaken, corners) >= (MIN_DISPLACEMENT_PX * width) / 1280);
   if (!moved) return null;
   const there = seeing.some((sight) => sight.target !== null && isAtTarget(sight, sight.aim));
-  return Math.max(there ? HOLD_MS : LONG_HOLD_MS, remote ? REMOTE_HOLD_MS : 0);
+  return Math.max(there ? HOLD_MS : LONG_HOLD_MS, patience);
 }
 
 /** Time for which the board has been still in the camera that sees it best, ms. @param {Sight[]} sights */
@@ -97,15 +99,18 @@ export function held(sights) {
   return Math.max(0, ...steady.map(({ stillness }) => stillness.held));
 }
 
-/** How much of the hold is done, 0…1. @param {Sight[]} sights @param {boolean} remote */
-export function holdProgress(sights, remote) {
-  const required = requiredHold(sights, remote);
+/** Time for which other devices need the board to be still, ms. @param {number} unanswered moments in a row that they have not answered */
+export const remoteHold = (unanswered) => Math.min(MAX_REMOTE_HOLD_MS, REMOTE_HOLD_MS + unanswered * MORE_HOLD_MS);
+
+/** How much of the hold is done, 0…1. @param {Sight[]} sights @param {number} patience ms */
+export function holdProgress(sights, patience) {
+  const required = requiredHold(sights, patience);
   return required === null ? 0 : Math.min(1, held(sights) / required);
 }
 
-/** Whether the leader opens a moment now. @param {Sight[]} sights of its own cameras @param {boolean} remote */
-export function isReady(sights, remote) {
-  const required = requiredHold(sights, remote);
+/** Whether the leader opens a moment now. @param {Sight[]} sights of its own cameras @param {number} patience ms */
+export function isReady(sights, patience) {
+  const required = requiredHold(sights, patience);
   return required !== null && held(sights) >= required;
 }
 

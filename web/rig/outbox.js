@@ -56,7 +56,8 @@ export class Outbox {
 
   /** Drops what waits of a moment. @param {string} moment @returns {boolean} whether its opening was among it: the service never heard of it */
   withdraw(moment) {
-    const unopened = this.#letters.some((letter) => letter.kind === "open" && letter.moment === moment);
+    // The first one may be on its way.
+    const unopened = this.#letters.some((letter, index) => letter.kind === "open" && letter.moment === moment && (index > 0 || !this.#running));
     this.#letters = this.#letters.filter((letter) => letter.moment !== moment);
     this.#options.save();
     return unopened;

@@ -12,6 +12,9 @@ export const remotePositions = ({ cameras }, own) =>
 /** Positions that no device has taken yet. @param {RigState} state */
 export const freePositions = ({ cameras }) => cameras.filter(({ status }) => status === "waiting").map(({ position }) => position);
 
+/** Whether one camera alone has joined so far. @param {RigState} state */
+export const isAlone = (state) => state.cameras.length - freePositions(state).length < 2;
+
 /** Whether there is enough for a result. @param {RigState} state */
 export const isFinishable = ({ status, cameras, unlinked, rms }) =>
   status === "capturing" && rms !== null && unlinked.length === 0 && cameras.every(({ views }) => views >= MIN_VIEWS);

@@ -3,13 +3,13 @@ import { drawQr } from "../lib/qr.js";
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { holdProgress } from "./moments.js";
-import { freePositions, isFinishable, remotePositions } from "./progress.js";
+import { freePositions, isFinishable } from "./progress.js";
 import * as text from "./status-text.js";
 
 /**
  * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("./capture.js").Model} Model
- * @typedef {import("./capture.js").Member} Member
+ * @typedef {import("./model.js").Model} Model
+ * @typedef {import("./model.js").Member} Member
  * @typedef {{code: string, address: string, expires: number} | null} Invitation expires: ms since 1970
  *
  * @typedef {object} Shown
@@ -48,7 +48,7 @@ export function render(parts, model, { members, leads, board, invitation, time, 
     const sight = sights.get(position);
     if (sight) figure.render(sight, board, caption(position, camera, sight, state));
   }
-  renderRing(parts, model, own);
+  renderRing(parts, model);
   for (const button of parts.leads) button.hidden = !leads;
   parts.finish.hidden = !leads || !state || !isFinishable(state);
   parts.finish.disabled = model.finishing;
@@ -68,11 +68,10 @@ function caption(position, camera, sight, state) {
   return `${text.cameraName(position)} · ${text.labelText(camera)} · ${words}`;
 }
 
-/** @param {Parts} parts @param {Model} model @param {readonly number[]} own */
-function renderRing({ ring, held }, { state, sights, moment, opening }, own) {
-  const remote = state ? remotePositions(state, own).length > 0 : false;
+/** @param {Parts} parts @param {Model} model */
+function renderRing({ ring, held }, { sights, moment, opening, patience }) {
   const open = opening || (moment !== null && !moment.over);
-  const share = open ? 100 : Math.round(100 * holdProgress([...sights.values()], remote));
+  const share = open ? 100 : Math.round(100 * holdProgress([...sights.values()], patience));
   held.setAttribute("stroke-dasharray", `${share} 100`);
   ring.classList.toggle("taken", !open && moment !== null && share === 0);
 }

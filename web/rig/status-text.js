@@ -5,11 +5,11 @@ import { known, number, t } from "../lib/i18n.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { isSeen, requiredHold } from "./moments.js";
-import { MIN_VIEWS, freePositions, isFinishable, remotePositions, silentPositions } from "./progress.js";
+import { MIN_VIEWS, freePositions, isAlone, isFinishable, remotePositions, silentPositions } from "./progress.js";
 
 /**
- * @typedef {import("./capture.js").Model} Model
- * @typedef {import("./capture.js").Member} Member
+ * @typedef {import("./model.js").Model} Model
+ * @typedef {import("./model.js").Member} Member
  * @typedef {import("./service.js").RigState} RigState
  * @typedef {import("./moments.js").Sight} Sight
  */
@@ -32,15 +32,16 @@ export const labelText = (label) => (!label ? "" : isVirtual(label) ? t("rig.sim
  * Code of the instruction: a message `rig.say_<code>`, or `capture.say_<code>`.
  * @param {Model} model @param {readonly Member[]} members @param {boolean} leads
  */
-export function instruct({ state, moment, opening, offline, finishing, sights }, members, leads) {
+export function instruct({ state, moment, opening, offline, finishing, sights, patience }, members, leads) {
   if (finishing) return "finishing";
   if (!state) return offline ? "away" : "wait";
   if (opening || (moment && !moment.over)) return "hold";
+  if (leads && isAlone(state)) return "join";
   const remote = remotePositions(state, members.map(({ position }) => position)).length > 0;
   if (offline && remote) return "away";
   const seeing = members.map((member) => ({ member, sight: /** @type {Sight} */ (sights.get(member.position)) })).filter(({ sight }) => sight && isSeen(sight));
   if (seeing.length === 0) return unseen(state, [...sights.values()], members);
-  if (seeing.some(({ sight }) => sight.target && isAtTarget(sight, sight.aim)) && isHeld(seeing.map(({ sight }) => sight), remote)) return "hold";
+  if (seeing.some(({ sight }) => sight.target && isAtTarget(sight, sight.aim)) && requiredHold(seeing.map(({ sight }) => sight), patience) !== null) return "hold";
   const aimed = seeing.filter(({ sight }) => sight.aim && sight.outline).sort((a, b) => a.sight.distance - b.sight.distance)[0];
   if (!aimed) return seeing.some(({ sight }) => sight.target) ? "match" : leads && state.target ? "elsewhere" : "match";
   const code = advice(/** @type {number[][]} */ (aimed.sight.outline), /** @type {number[][]} */ (aimed.sight.aim)) || "match";
@@ -53,9 +54,6 @@ function unseen({ target }, sights, members) {
   if (target && !here) return "elsewhere";
   return sights.find(({ diagnosis }) => diagnosis.trouble)?.diagnosis.trouble ?? "show";
 }
-
-/** @param {Sight[]} sights @param {boolean} remote */
-const isHeld = (sights, remote) => requiredHold(sights, remote) !== null;
 
 /** @param {string} code @param {Model} model */
 export function instruction(code, { state }) {
@@ -78,6 +76,7 @@ export function detail({ state, moment, notice, offline, waiting, opening }, mem
   if (!state) return "";
   const silent = silentPositions(state, own);
   if (leads && silent.length > 0) return t("rig.silent", { cameras: cameraNames(silent) });
+  if (code === "join") return t("rig.do_join");
   if (state.unlinked.length > 0) return t("rig.link", { cameras: cameraNames([0, ...state.unlinked]) });
   if (known(`capture.do_${code}`)) return t(`capture.do_${code}`);
   return leads || code === "hold" ? "" : t("rig.follower");

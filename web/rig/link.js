@@ -1,0 +1,85 @@
+// Link of a device to its rig at the service: asks for the rig's state again and again, and tells since when what is not in it
+// was not there.
+import { isUnavailable } from "../lib/session.js";
+
+/** @typedef {import("./service.js").RigState} RigState */
+
+const POLL_MS = 1_000;
+const CHANGED_POLL_MS = 400; // after a change: the next one is near
+const OFFLINE_POLL_MS = 2_000;
+
+/**
+ * @typedef {object} Options
+ * @property {import("./service.js").RigService} service
+ * @property {string} id of the rig
+ * @property {string} session id of a member
+ * @property {AbortSignal} signal
+ * @property {(state: RigState, unopenedAt: number) => void} onState unopenedAt: ms, when the last answer was asked for that
+ *   did not have what this one may have anew; −∞ for the first
+ * @property {(offline: boolean) => void} onLink
+ * @property {(error: unknown) => void} onFailure
+ */
+
+export class RigLink {
+  #options;
+  #etag = "";
+  #unopenedAt = -Infinity;
+  /** @type {RigState["status"] | null} */
+  #status = null;
+  /** @type {(() => void) | null} */
+  #wake = null;
+
+  /** @param {Options} options */
+  constructor(options) {
+    this.#options = options;
+  }
+
+  /** Asks until the rig is finished. */
+  async run() {
+    const { service, id, session, signal, onLink, onFailure } = this.#options;
+    while (!signal.aborted && this.#status !== "finished") {
+      const askedAt = performance.now();
+      let pause = POLL_MS;
+      try {
+        const found = await service.state(id, session, this.#etag);
+        if (signal.aborted) return;
+        onLink(false);
+        if (found) {
+          this.#etag = found.etag;
+          this.receive(found.state, askedAt);
+          pause = CHANGED_POLL_MS;
+        } else this.#unopenedAt = Math.max(this.#unopenedAt, askedAt);
+      } catch (error) {
+        if (signal.aborted) return;
+        if (!isUnavailable(error)) return onFailure(error);
+        onLink(true);
+        pause = OFFLINE_POLL_MS;
+      }
+      await this.#pause(pause);
+    }
+  }
+
+  /** Takes a state over, of whichever answer. @param {RigState} state @param {number} askedAt ms */
+  receive(state, askedAt) {
+    this.#status = state.status;
+    const before = this.#unopenedAt;
+    this.#unopenedAt = Math.max(before, askedAt);
+    this.#options.onState(state, before);
+  }
+
+  /** Asks at once. */
+  hurry() {
+    this.#wake?.();
+  }
+
+  /** @param {number} ms */
+  #pause(ms) {
+    return new Promise((/** @type {(value: void) => void} */ resolve) => {
+      const timer = setTimeout(resolve, ms);
+      this.#wake = () => {
+        clearTimeout(timer);
+        resolve();
+      };
+    });
+  }
+}

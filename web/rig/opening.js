@@ -1,0 +1,60 @@
+// Opening of a capture: the cameras of this device with their pictures on the page, and the board detector.
+import { Detector } from "../lib/detector.js";
+import { t } from "../lib/i18n.js";
+import { Figure } from "./figure.js";
+import { HALVES, openStream } from "./streams.js";
+
+/**
+ * @typedef {import("./parts.js").Parts} Parts
+ * @typedef {import("./streams.js").Stream} Stream
+ * @typedef {import("../lib/board.js").SentBoard} Board
+ * @typedef {{stream: Stream, figure: Figure, half: number, picture: import("./streams.js").Picture}} Shown half: index of the picture in the stream
+ */
+
+/**
+ * Opens the cameras of a record, and shows all of them. They are closed when the capture ends.
+ * @param {Parts} parts @param {import("./membership.js").RigRecord} record
+ * @param {{parameters: URLSearchParams, board: Board, signal: AbortSignal, onEnded: () => void}} options onEnded: called when a camera is unplugged
+ * @returns {Promise<{virtual: import("./virtual-rig.js").VirtualRig | null, shown: Shown[]}>} virtual: the simulated rig, if it is one
+ */
+export async function openCameras(parts, { choices, members }, { parameters, board, signal, onEnded }) {
+  const virtual = choices.some(({ id }) => id.startsWith("virtual")) ? await simulate(parameters, board) : null;
+  /** @type {Shown[]} */
+  const shown = [];
+  parts.pictures.replaceChildren();
+  for (const choice of choices) {
+    const stream = virtual ? await virtual.open(choice, members[shown.length].position) : await openStream(choice, { parameters, place: document.body, board });
+    if (signal.aborted) stream.close();
+    signal.throwIfAborted();
+    signal.addEventListener("abort", () => stream.close());
+    stream.camera.track.addEventListener("ended", onEnded);
+    const figures = HALVES[choice.layout].map((half, index) => new Figure(shown.length + index, half));
+    parts.pictures.append(...figures.map(({ root }) => root));
+    const pictures = await stream.play(figures.map(({ video }) => video));
+    pictures.forEach((picture, half) => {
+      figures[half].shape(picture.size, stream.mirrored);
+      shown.push({ stream, figure: figures[half], half, picture });
+    });
+  }
+  return { virtual, shown };
+}
+
+/** @param {URLSearchParams} parameters @param {Board} board */
+async function simulate(parameters, board) {
+  const { VirtualRig } = await import("./virtual-rig.js");
+  return new VirtualRig(parameters, board, document.body);
+}
+
+/** @param {Parts} parts @param {Board} board @param {AbortSignal} signal closes the detector */
+export async function openDetector({ openingText, loadingMeter, loading }, board, signal) {
+  openingText.textContent = t("capture.opening_loading");
+  loadingMeter.hidden = false;
+  const detector = await Detector.open(board, (fraction) => {
+    loading.value = fraction;
+  });
+  loadingMeter.hidden = true;
+  if (signal.aborted) detector.close();
+  signal.throwIfAborted();
+  signal.addEventListener("abort", () => detector.close());
+  return detector;
+}
