@@ -26,6 +26,7 @@ export default {
   largest: "Die größte der Kamera",
   got_size: "Die Kamera liefert {size}, also kalibriert diese Seite diese Größe.",
   photos: "Stattdessen mit Fotos kalibrieren",
+  several: "Mehrere Kameras?",
   camera: "Kamera",
   open: "Kamera öffnen",
   try_virtual: "Keine Webcam? Mit einer simulierten Kamera üben",

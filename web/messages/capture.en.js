@@ -24,6 +24,7 @@ export default {
   largest: "The camera's largest",
   got_size: "The camera delivers {size}, so this page calibrates that size.",
   photos: "Calibrate from photos instead",
+  several: "Several cameras?",
   camera: "Camera",
   open: "Open the camera",
   try_virtual: "No webcam? Practise with a simulated camera",

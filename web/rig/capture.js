@@ -1,5 +1,6 @@
 // Capture of a rig on one device: watches its cameras, opens moments if it leads, takes views for them, and delivers them.
 import { lenienceAfter } from "../lib/capture/at-target.js";
+import { explain } from "../lib/faults.js";
 import { isUnavailable } from "../lib/session.js";
 import { answer, isReady, isSeen, remoteHold } from "./moments.js";
 import { RigLink } from "./link.js";
@@ -14,20 +15,7 @@ import { isAccurate, isAlone, remotePositions, silentPositions } from "./progres
  * @typedef {import("./model.js").Member} Member
  * @typedef {import("./model.js").Current} Current
  * @typedef {import("./model.js").Model} Model
- *
- * @typedef {object} Resources
- * @property {import("./service.js").RigService} service
- * @property {import("./membership.js").RigRecord} record
- * @property {() => Promise<unknown>} save
- * @property {import("../lib/board.js").SentBoard} board
- * @property {import("../lib/detector.js").Detector} detector
- * @property {Member[]} members
- * @property {import("./virtual-rig.js").VirtualRig | null} virtual
- * @property {AbortSignal} signal
- * @property {(model: Model) => void} onChange
- * @property {(sign: import("../lib/capture/feedback.js").Sign) => void} onSign
- * @property {(error: unknown) => void} onFailure
- * @property {(moment: string, position: number, corners: import("../lib/board-outline.js").Corners, picture: ImageBitmap) => void} onTaken picture: never sent
+ * @typedef {import("./model.js").Resources} Resources
  */
 
 const WINDOW_MS = 3_800; // for which other devices may answer a moment
@@ -324,7 +312,7 @@ export class RigCapture {
     } catch (error) {
       if (this.#resources.signal.aborted) return;
       if (isUnavailable(error)) this.#setOffline(true);
-      else this.#notify("rig.refused", "bad", { reason: error instanceof Error ? error.message : String(error) });
+      else this.#notify("rig.refused", "bad", { reason: explain(error) });
     }
   }
 
@@ -348,9 +336,9 @@ export class RigCapture {
   /** @param {import("./outbox.js").Letter} letter @param {import("../lib/api.js").ApiError} error */
   #refused(letter, error) {
     // It was undone meanwhile, or is there already: nothing is lost.
-    if (error.kind === "moment-undone" || (letter.kind !== "view" && error.status === 404)) return;
+    if (error.kind === "moment-undone" || (letter.kind !== "view" && [404, 422].includes(error.status))) return;
     if ([401, 403, 404].includes(error.status)) return this.#resources.onFailure(error);
-    this.#notify("rig.view_refused", "bad", { reason: error.message });
+    this.#notify("rig.view_refused", "bad", { reason: explain(error) });
   }
 
   /** @param {string} key of a message @param {"good" | "bad" | "plain"} kind @param {Record<string, string | number>} [values] */

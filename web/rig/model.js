@@ -30,6 +30,20 @@
  * @property {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>} | null} notice
  * @property {boolean} finishing
  * @property {number} patience ms, for which other devices need the board to be still
+ *
+ * @typedef {object} Resources
+ * @property {import("./service.js").RigService} service
+ * @property {import("./membership.js").RigRecord} record
+ * @property {() => Promise<unknown>} save
+ * @property {import("../lib/board.js").SentBoard} board
+ * @property {import("../lib/detector.js").Detector} detector
+ * @property {Member[]} members
+ * @property {import("./virtual-rig.js").VirtualRig | null} virtual
+ * @property {AbortSignal} signal
+ * @property {(model: Model) => void} onChange
+ * @property {(sign: import("../lib/capture/feedback.js").Sign) => void} onSign
+ * @property {(error: unknown) => void} onFailure
+ * @property {(moment: string, position: number, corners: import("../lib/board-outline.js").Corners, picture: ImageBitmap) => void} onTaken picture: never sent
  */
 
 /** A device was turned: its picture has another size. */

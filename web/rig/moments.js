@@ -102,7 +102,7 @@ export function held(sights) {
 /** Time for which other devices need the board to be still, ms. @param {number} unanswered moments in a row that they have not answered */
 export const remoteHold = (unanswered) => Math.min(MAX_REMOTE_HOLD_MS, REMOTE_HOLD_MS + unanswered * MORE_HOLD_MS);
 
-/** How much of the hold is done, 0…1. @param {Sight[]} sights @param {number} patience ms */
+/** Share of the hold that is done, 0…1. @param {Sight[]} sights @param {number} patience ms */
 export function holdProgress(sights, patience) {
   const required = requiredHold(sights, patience);
   return required === null ? 0 : Math.min(1, held(sights) / required);
@@ -115,7 +115,7 @@ export function isReady(sights, patience) {
 }
 
 /**
- * What a camera does about a moment that is open.
+ * Decision of a camera about a moment that is open.
  * @param {Sight} sight @param {{unopenedAt: number, seenAt: number}} moment unopenedAt: ms, when it was certainly not open yet;
  *   seenAt: when it was seen to be open
  * @param {number} time ms

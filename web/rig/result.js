@@ -20,6 +20,7 @@ import { cameraName, cameraNames, labelText } from "./status-text.js";
  */
 
 const FORMATS = ["opencv_stereo", "ros", "kalibr", "colmap", "mrcal", "gltf", "json"];
+/** Levels of a verdict. */
 const LEVELS = ["good", "fair", "poor"];
 
 export class RigView {

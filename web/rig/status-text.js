@@ -82,7 +82,7 @@ export function detail({ state, moment, notice, offline, waiting, opening }, mem
   return leads || code === "hold" ? "" : t("rig.follower");
 }
 
-/** How far it is. @param {RigState | null} state */
+/** Moments so far, and the accuracy. @param {RigState | null} state */
 export function counts(state) {
   if (!state) return "";
   const moments = t("rig.moments_count", { count: state.moments.length });
