@@ -10,7 +10,7 @@ import base64
 import json
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, Self
 
 from moto.core.model_instances import model_data
 from moto.dynamodb.models import DynamoDBBackend, dynamodb_backends
@@ -115,9 +115,17 @@ class Memory:
 
 
 class PartitionedTable(Table):
-    """A table whose Query looks at one partition. moto's sorts the whole table at each Query."""
+    """A table whose Query looks at one partition, and which has no copies.
+
+    moto's sorts the whole table at each Query, and copies it before each transaction. A refused transaction
+    is put back by `Storage`, which knows the addresses.
+    """
 
     partition: DynamoType | None = None
+
+    def __deepcopy__(self, _: dict[int, Any]) -> Self:
+        """Return the table itself."""
+        return self
 
     def query(self, hash_key: DynamoType | None, *args: Any, **kwargs: Any) -> Any:
         """Query as moto does, over fewer items; those of an index may lie in any partition."""

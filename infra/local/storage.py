@@ -15,6 +15,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from xml.sax.saxutils import escape
 
 from botocore.awsrequest import AWSPreparedRequest
@@ -91,6 +92,8 @@ class Storage:
         except LookupError as error:
             return _error(service, 400, "ValidationException", f"no such table, or no such key: {error}")
         ask = self._denying_missing if operation == "GetObject" else self._ask_moto
+        if operation == "TransactWriteItems":
+            ask = partial(self._transact, addresses or ())
         if operation == "ListObjectVersions":
             addresses, ask = (), self._list_versions
         if addresses is None:
@@ -155,6 +158,18 @@ class Storage:
             return Answer(404, {}, b"")
         status, headers, body = answer
         return Answer(status, headers, body.encode() if isinstance(body, str) else body)
+
+    def _transact(self, addresses: Sequence[Address], request: AWSPreparedRequest) -> Answer:
+        """Let moto make a transaction's writes, all of them or none."""
+        before = self._changes_at(addresses)
+        answer = None
+        try:
+            answer = self._ask_moto(request)
+        finally:
+            if answer is None or answer.status >= 300:
+                for change in before:
+                    self._memory.write(change)
+        return answer
 
     def _denying_missing(self, request: AWSPreparedRequest) -> Answer:
         """Say of a missing object what S3 says to whom may not list the bucket, as no function may."""

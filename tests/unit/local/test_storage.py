@@ -104,6 +104,44 @@ def test_a_refused_condition_changes_nothing(tmp_path: Path) -> None:
         assert s3().get_object(Bucket=BUCKET, Key="k")["Body"].read() == b"1"
 
 
+def test_a_refused_transaction_changes_nothing_and_copies_no_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with storage(tmp_path):
+        client = dynamodb()
+        for number in range(40):
+            put(client, f"other {number}")
+        for pk in "ab":
+            put(client, pk, v={"N": "1"})
+        copied: list[Item] = []
+        deep = Item.__deepcopy__
+
+        def copying(item: Item, memo: dict[int, object]) -> Item:
+            copied.append(item)
+            return deep(item, memo)
+
+        monkeypatch.setattr(Item, "__deepcopy__", copying)
+        key = {"TableName": TABLE, "Key": {"pk": {"S": "a"}, "sk": {"S": "META"}}}
+        update = {"UpdateExpression": "ADD v :one", "ExpressionAttributeValues": {":one": {"N": "1"}}}
+        writes = [
+            {"Update": {**key, **update}},
+            {"Delete": {"TableName": TABLE, "Key": {"pk": {"S": "b"}, "sk": {"S": "META"}}}},
+            {"Put": {"TableName": TABLE, "Item": {"pk": {"S": "new"}, "sk": {"S": "META"}}}},
+        ]
+        absent = {"TableName": TABLE, "Key": {"pk": {"S": "absent"}, "sk": {"S": "META"}}}
+        check = {"ConditionCheck": {**absent, "ConditionExpression": "attribute_exists(pk)"}}
+        with pytest.raises(ClientError, match="TransactionCanceled"):
+            client.transact_write_items(TransactItems=[*writes, check])
+        there = [get(client, pk) for pk in ("a", "b", "new", "absent")]
+        assert [item and item["v"] for item in there] == [{"N": "1"}, {"N": "1"}, None, None]
+        client.transact_write_items(TransactItems=writes)
+        assert len(copied) <= 4, "as many as are written, twice"
+    with storage(tmp_path):
+        there = [get(dynamodb(), pk) for pk in ("a", "b", "new")]
+        assert [item and item.get("v") for item in there] == [{"N": "2"}, None, None]
+        assert there[2] is not None
+
+
 def test_conditions_are_atomic_under_threads(tmp_path: Path) -> None:
     with storage(tmp_path):
         client = dynamodb()
