@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, MutableMapping
 from datetime import UTC, datetime
 from typing import Any, Self
 
+from moto.core.model import StructureShape
 from moto.core.model_instances import model_data
+from moto.core.serialize import BaseJSONSerializer
 from moto.dynamodb.models import DynamoDBBackend, dynamodb_backends
 from moto.dynamodb.models.dynamo_type import DynamoType, Item, LimitedSizeDict
 from moto.dynamodb.models.table import Table
@@ -112,6 +114,28 @@ class Memory:
         """Empty moto."""
         dynamodb_backends.reset()
         self.forget_instances()
+
+
+_SCALARS = frozenset({"S", "N", "BOOL", "NULL"})
+_serialize_structure = BaseJSONSerializer._serialize_type_structure
+
+
+def _serialize_attribute(
+    self: BaseJSONSerializer,
+    serialized: MutableMapping[str, Any],
+    value: Any,
+    shape: StructureShape,
+    key: str,
+) -> None:
+    """Take a scalar attribute as it is; moto looks for each of ten types under several names."""
+    scalar = key and shape.name == "AttributeValue" and type(value) is dict and len(value) == 1
+    if scalar and not value.keys() - _SCALARS:
+        serialized[key] = value
+    else:
+        _serialize_structure(self, serialized, value, shape, key)
+
+
+BaseJSONSerializer._serialize_type_structure = _serialize_attribute  # type: ignore[method-assign]
 
 
 class PartitionedTable(Table):
