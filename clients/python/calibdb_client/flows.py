@@ -86,7 +86,7 @@ def calibration(identifier: str) -> Flow[Mapping[str, Any]]:
 
 def export(identifier: str, query: Mapping[str, str]) -> Flow[ExportedFile]:
     """Read a calibration as another tool's file."""
-    return (yield from _file(f"v1/calibrations/{_segment(identifier)}", query))
+    return (yield from _file(f"v1/calibrations/{_segment(identifier)}", query, "calibration"))
 
 
 def rig(identifier: str) -> Flow[Mapping[str, Any]]:
@@ -97,16 +97,17 @@ def rig(identifier: str) -> Flow[Mapping[str, Any]]:
 
 def rig_file(identifier: str, name: str) -> Flow[ExportedFile]:
     """Read a rig as another tool's file, or a ZIP archive of several."""
-    return (yield from _file(f"v1/rigs/{_segment(identifier)}/result", {"format": name}))
+    unnamed = "rig.json" if name == "json" else "rig"
+    return (yield from _file(f"v1/rigs/{_segment(identifier)}/result", {"format": name}, unnamed))
 
 
-def _file(path: str, query: Mapping[str, str]) -> Flow[ExportedFile]:
-    """Read a file, with what its headers say of it."""
+def _file(path: str, query: Mapping[str, str], unnamed: str) -> Flow[ExportedFile]:
+    """Read a file, with what its headers say of it; `unnamed` is its name if they give none."""
     reply = yield Request("GET", path, query=query, accept="*/*")
     headers = reply.headers
     return ExportedFile(
         content=reply.body,
-        filename=_filename(headers.get("content-disposition", "")),
+        filename=_filename(headers.get("content-disposition", "")) or unnamed,
         media_type=headers.get("content-type", "application/octet-stream"),
         error=_number(headers.get("x-conversion-error"), 0.0),
         coverage=_number(headers.get("x-conversion-coverage"), 1.0),
@@ -158,11 +159,11 @@ def _segment(text: str) -> str:
 
 
 def _filename(disposition: str) -> str:
-    """Return the name of a file without any folder; "calibration" if none is given."""
+    """Return the name of a file without any folder; "" if none is given."""
     message = Message()
     message["content-disposition"] = disposition or "attachment"
     name = str(message.get_filename() or "").replace("\\", "/").rpartition("/")[2]
-    return name.lstrip(".") or "calibration"
+    return name.lstrip(".")
 
 
 def _number(text: str | None, default: float) -> float:
