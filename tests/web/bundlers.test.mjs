@@ -12,18 +12,21 @@ const root = fileURLToPath(new URL("../..", import.meta.url));
 const tools = join(root, ".build/bundlers");
 /** An application: a lookup answered by a stub, a projection matrix for three.js. It says what it found. */
 const APPLICATION = `
-import { lookup } from "calibdb";
+import { lookup, rectifyPair, rig } from "calibdb";
 import { applyCalibration } from "calibdb/adapters/three";
 import { lensOf } from "calibdb/projection";
 
 const answer = { img_size: [640, 480], camera_matrix: [[500, 0, 320], [0, 500, 240], [0, 0, 1]], distortion_model: "rectilinear",
   distortion_coefficients: [0, 0, 0, 0, 0], exact_size: true, reliable: true };
-const fetch = async () => new Response(JSON.stringify(answer), { headers: { "content-type": "application/json" } });
+const still = { rvec: [0, 0, 0], tvec: [0, 0, 0] };
+const pair = { calibrations: [answer, answer], extrinsics: [{ position: 0, ...still }, { position: 1, ...still }] };
+const fetch = async (url) => new Response(JSON.stringify(/rigs/.test(url) ? pair : answer), { headers: { "content-type": "application/json" } });
 const key = { camera: "A camera", platform: "X11; Linux x86_64", img_size: [640, 480], zoom: 0 };
 const { calibration } = await lookup(key, { token: "t", api: "https://calibdb.example/v1", fetch, cache: null });
-globalThis.found = [calibration.project([0.1, 0, 1]), typeof applyCalibration, typeof lensOf, calibration.projectionMatrix({ near: 1, far: 2 }).length];
+const stereo = await rig("1f0c", { token: "t", api: "https://calibdb.example/v1", fetch });
+globalThis.found = [calibration.project([0.1, 0, 1]), typeof applyCalibration, typeof lensOf, calibration.projectionMatrix({ near: 1, far: 2 }).length, stereo.pose(1).tvec, typeof rectifyPair];
 `;
-const EXPECTED = [[370, 240], "function", "function", 16];
+const EXPECTED = [[370, 240], "function", "function", 16, [0, 0, 0], "function"];
 
 /** Why the bundlers are not there; empty where they are. */
 let missing = "";

@@ -1,0 +1,115 @@
+"""Rigs end to end: captured through the API, read by the JavaScript SDK and by both Python clients."""
+
+import asyncio
+import io
+import json
+import subprocess
+import zipfile
+from collections.abc import Iterator
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from calibdb_client import AsyncClient, Client, NotFoundError, ProblemError, Rig
+from infra.local import LocalStack
+from tests.helpers.data import ROOT
+from tests.helpers.service.client import TOKEN
+from tests.helpers.service.rigs import RigTruth
+
+MOMENTS = 5
+FILES = {
+    "json": ("json", "{"),
+    "opencv_stereo": ("yml", "%YAML:1.0"),
+    "kalibr": ("yaml", "# translations in squares"),
+    "gltf": ("gltf", "{"),
+    "ros": ("zip", "PK"),
+    "colmap": ("zip", "PK"),
+    "mrcal": ("zip", "PK"),
+}
+READ = """
+import { LookupError, rig } from "./web/sdk/calibdb.js";
+import { rectify } from "./web/sdk/stereo.js";
+
+const [url, id, token] = process.argv.slice(1);
+const options = { token, api: `${url}/v1`, retries: 0 };
+const found = await rig(id, options);
+const [left, right] = found.calibrations;
+const refusals = [];
+const note = (error) => refusals.push([error instanceof LookupError, error.status, error.message]);
+await rig("0".repeat(32), options).catch(note);
+await rig(id, { ...options, token: "cdb_wrong_token" }).catch(note);
+const { R1, R2, P1, P2, Q } = rectify(left, right, found.pose(1));
+console.log(JSON.stringify({
+  record: found, pose: found.pose(1), pixel: left.project([0.1, 0, 1]), refusals, R1, R2, P1, P2, Q,
+  eyes: found.views().map(({ eye }) => eye),
+}));
+"""
+
+
+@pytest.fixture(scope="module")
+def rig(stack: LocalStack) -> RigTruth:
+    """A rig of two cameras that was captured and finished."""
+    truth = RigTruth(stack, seed=3).open()
+    for moment in range(MOMENTS):
+        truth.moment(f"m{moment}")
+    ended = truth.call("POST", "/finish")
+    assert ended.status == 200, ended.body
+    return truth
+
+
+@pytest.fixture
+def url(stack: LocalStack, rig: RigTruth) -> Iterator[str]:
+    assert rig.rig_id
+    with stack.serve() as url:
+        yield url
+
+
+def test_sdk_reads_the_rig_that_was_captured_and_rectifies_it_as_its_file(rig: RigTruth, url: str) -> None:
+    command = ["node", "--input-type=module", "-e", READ, url, rig.rig_id, TOKEN]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["record"] == rig.result().json
+    assert found["eyes"] == ["left", "right"]
+    assert [refusal[:2] for refusal in found["refusals"]] == [[True, 404], [True, 403]]
+    assert "no rig" in found["refusals"][0][2]
+    std = np.array(found["pose"]["std"])
+    away = np.array([*found["pose"]["rvec"], *found["pose"]["tvec"]]) - rig.motions[1].vector()
+    assert (std > 0).all()
+    assert np.abs(away / std).max() < 4, "as far from the truth as the error bars say"
+    storage = cv2.FileStorage(
+        rig.result("opencv_stereo").body.decode(), cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY
+    )
+    for name in ("R1", "R2", "P1", "P2", "Q"):
+        assert np.array(found[name]) == pytest.approx(storage.getNode(name).mat(), abs=1e-6), name
+
+
+async def _read(url: str, identifier: str) -> tuple[Rig, Any]:
+    async with AsyncClient(url, TOKEN, cache=False) as client:
+        return await client.rig(identifier), await client.rig_file(identifier, "kalibr")
+
+
+def test_python_clients_read_the_rig_and_every_file_of_it(rig: RigTruth, url: str) -> None:
+    with Client(url, TOKEN, cache=False) as client:
+        found = client.rig(rig.rig_id)
+        assert found.record == rig.result().json
+        assert (found.unit, len(found.calibrations)) == ("squares", 2)
+        away = found.pose(1)[:3, 3] - rig.motions[1].t
+        assert np.abs(away / found.std(1)[3:]).max() < 4
+        for name, (suffix, begin) in FILES.items():
+            file = client.rig_file(rig.rig_id, name)
+            assert file.filename.endswith(suffix), name
+            assert file.content.startswith(begin.encode()), name
+            if suffix == "zip":
+                assert len(zipfile.ZipFile(io.BytesIO(file.content)).namelist()) == 2, name
+        with pytest.raises(NotFoundError, match="no rig"):
+            client.rig("0" * 32)
+        with pytest.raises(ProblemError, match="opencv_stereo"):
+            client.rig_file(rig.rig_id, "stl")
+        assert found.export("kalibr").content.startswith(FILES["kalibr"][1].encode())
+        kalibr = client.rig_file(rig.rig_id, "kalibr").content
+    twin, file = asyncio.run(_read(url, rig.rig_id))
+    assert twin.record == found.record
+    assert file.content == kalibr
