@@ -117,10 +117,9 @@ def undo_moment(call: application.Call) -> Response:
     moment, rig_id = call.path("moment"), call.path("id")
     store, now = call.service.store, call.service.now
 
-    def change(document: RigDocument) -> tuple[RigDocument | None, RigDocument]:
+    def change(document: RigDocument) -> tuple[RigDocument | None, None]:
         rig_rules.require_leader(document, ticket.sid)
-        changed = rig_rules.without_moment(document, moment)
-        return changed, changed or document
+        return rig_rules.without_moment(document, moment), None
 
     def without(session: SessionDocument) -> tuple[SessionDocument | None, None]:
         left = tuple(view for view in session.views if view.moment != moment)
@@ -131,11 +130,12 @@ def undo_moment(call: application.Call) -> Response:
         known = session_rules.estimate_document(stored.estimate_record(found), now)
         return session_rules.with_views(session, left, known, stored.view_statuses(found), None), None
 
-    document = store.rigs.update(rig_id, now, change)
-    with in_time(call):
-        for member in document.members:
-            if member is not None and store.sessions.find(member.session) is not None:
-                store.sessions.update(member.session, now, without)
+    store.rigs.update(rig_id, now, change)
+    rig, _ = running_rigs.load(store, rig_id, SOLVER)
+    with in_time(call, rig):
+        for _, session in rig.present:
+            if any(view.moment == moment for view in session.views):
+                store.sessions.update(session.session, now, without)
     known, tag = state_of(call, rig_id)
     return application.json_response(known, headers={"ETag": tag})
 
@@ -166,7 +166,7 @@ def finish(call: application.Call) -> Response:
 
 def end(call: application.Call, rig: Rig) -> RigFinish:
     """Decide on everything that the end of a rig is to be."""
-    with in_time(call):
+    with in_time(call, rig):
         known = RigEstimateDocument(**estimate(rig.solver_record(rig.basis(SOLVER)), final=True))
         fit = rig_result.require_finishable(rig, known)
         try:
@@ -224,6 +224,7 @@ def result(call: application.Call) -> Response:
     if name == "json":
         return application.json_response(found)
     call.service.charge(token, "views", call.address)
+    call = call.with_time_for(len(found.cameras))
     source = formats.RigSource(
         cameras=[Camera.from_record(one.model_dump()) for one in found.calibrations],
         poses=np.array([[*one.rvec, *one.tvec] for one in found.extrinsics]),
@@ -233,10 +234,13 @@ def result(call: application.Call) -> Response:
         record=found.model_dump(),
     )
     try:
-        with in_time(call):
+        with deadline.limit(call.seconds_left):
             written = formats.write(source, RIG_WRITERS[name])
     except CalibrationError as error:
         raise InvalidError.field("format", error.message) from error
+    except DeadlineError as error:
+        slow = "takes longer to compute than a request may; ask for another format"
+        raise call.out_of_time(InvalidError.field("format", slow)) from error
     headers = {
         "Content-Disposition": f'attachment; filename="{written.filename}"',
         "X-Conversion-Error": f"{written.error:.6g}",
@@ -269,13 +273,14 @@ def leading(call: application.Call, rig_id: str) -> Rig:
 
 def computed(call: application.Call, rig: Rig) -> RigEstimateDocument:
     """Return fit and target of a rig, computed now if nobody has yet."""
-    with in_time(call):
+    with in_time(call, rig):
         return running_rigs.computed(call.service.store, rig, SOLVER, estimate)
 
 
 @contextmanager
-def in_time(call: application.Call) -> Iterator[None]:
+def in_time(call: application.Call, rig: Rig) -> Iterator[None]:
     """Compute within the call's time; raises ConflictError or UnavailableError where that is too short."""
+    call = call.with_time_for(len(rig.sessions))
     try:
         with deadline.limit(call.seconds_left):
             yield

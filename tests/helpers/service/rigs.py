@@ -55,11 +55,11 @@ class RigTruth:
         board = {"squares": list(self.squares), "dictionary": self.dictionary}
         return {**CAMERA, "camera": f"Rig camera {position}", "board": board, **self.start}
 
-    def open(self) -> "RigTruth":
-        """Make the rig, and let every camera join it."""
+    def open(self, **more: object) -> "RigTruth":
+        """Make the rig, of `more` facts, and let every camera join it."""
         leader = self.clients[0]
         assert leader.open(**self.request(0)).status == 201
-        made = leader.call("POST", "/v1/rigs", {"cameras": self.count})
+        made = leader.call("POST", "/v1/rigs", {"cameras": self.count, **more})
         assert made.status == 201, made.body
         self.rig_id, self.join_code = made.json["rig_id"], made.json["join_code"]
         for position in range(1, self.count):

@@ -7,7 +7,7 @@ import math
 import re
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -65,6 +65,10 @@ class Call:
         An invocation ends at the function's timeout, answered or not.
         """
         return min(self._processor_s_left(), self._remaining_s_left())
+
+    def with_time_for(self, cameras: int) -> Call:
+        """Return the call with the processor time of a request for each of so many cameras."""
+        return replace(self, begun_s=self.begun_s + (cameras - 1) * MAX_COMPUTE_S)
 
     def out_of_time(self, error: CalibdbError) -> CalibdbError:
         """Return the error of a computation that did not end: `error`, if it never would.

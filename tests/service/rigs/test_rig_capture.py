@@ -1,0 +1,218 @@
+"""A rig from its first camera to its files, over HTTP: right, and as sure as it says."""
+
+import io
+import json
+import zipfile
+from typing import Any
+
+import boto3
+import cv2
+import numpy as np
+import pytest
+
+from calibdb.schema.rig import RIG_FORMATS
+from calibsolver import rotation
+from calibsolver.rig.start import RigidMotion
+from infra.local import LocalStack
+from tests.helpers.service.client import CAMERA, TOKEN, Client
+from tests.helpers.service.rigs import RigTruth
+
+MAX_MOMENTS = 10
+
+
+def capture(rig: RigTruth, most: int = MAX_MOMENTS) -> Any:
+    """Follow the targets until the rig has converged; return its state."""
+    state = rig.state()
+    for number in range(most):
+        if state["progress"] == 1:
+            return state
+        assert {a.status for a in rig.moment(f"m{number}", rig.held(state)).values()} == {200}
+        state = rig.state()
+    raise AssertionError(f"not converged after {most} moments: {state['uncertainty']}")
+
+
+@pytest.fixture(scope="module")
+def finished(stack: LocalStack) -> tuple[RigTruth, Any]:
+    rig = RigTruth(stack, baseline=3.0, seed=1)
+    rig.open(square_size=0.03)
+    capture(rig)
+    answer = rig.call("POST", "/finish")
+    assert answer.status == 200, answer.body
+    return rig, answer.json
+
+
+def test_finished_rig_is_right_within_its_uncertainty(finished: tuple[RigTruth, Any]) -> None:
+    rig, state = finished
+    result = state["result"]
+    assert (state["status"], state["progress"], result["unit"]) == ("finished", 1, "metres")
+    assert result["verdict"] == {"level": "good", "reasons": []}
+    assert result["uncertainty"]["rms"] <= state["target_error"] == pytest.approx(0.3)
+    assert result["rms"] == pytest.approx(rig.noise * 2**0.5, rel=0.25)
+    assert result["held_out_rms"] == pytest.approx(result["rms"], rel=0.5)
+    first, second = result["extrinsics"]
+    assert (first["rvec"], first["tvec"], first["std"]) == ([0] * 3, [0] * 3, [0] * 6)
+    truth = rig.motions[1]
+    turn = rotation.vector(rotation.matrix(np.array(second["rvec"])) @ truth.r.T)
+    off = [*turn, *(np.array(second["tvec"]) - 0.03 * truth.t)]
+    assert max(abs(np.array(off)) / second["std"]) < 4
+    # a point before the first camera, where the rig has it in the picture of the second
+    matrices = [np.array(one["camera_matrix"]) for one in result["calibrations"]]
+    lenses = [np.array(one["distortion_coefficients"]) for one in result["calibrations"]]
+    found = RigidMotion.of_vector(np.array([*second["rvec"], *second["tvec"]]))
+    lens, distance = np.array(rig.cameras[0].distortion), 0.03 * 12
+    errors = []
+    for x in np.linspace(-0.2, 0.4, 4):
+        for y in np.linspace(-0.2, 0.2, 4):
+            ray = np.array([[x, y, 1.0]]) * distance
+            pixel = cv2.projectPoints(ray, np.zeros(3), np.zeros(3), rig.cameras[0].matrix, lens)[0]
+            seen = cv2.undistortPoints(pixel, matrices[0], lenses[0]).reshape(-1)
+            back = np.array([*seen, 1.0]) * distance
+            there = cv2.projectPoints(found(back[None]), np.zeros(3), np.zeros(3), matrices[1], lenses[1])[0]
+            true = RigidMotion(truth.r, 0.03 * truth.t)(ray)
+            wanted = cv2.projectPoints(true, np.zeros(3), np.zeros(3), rig.cameras[1].matrix, lens)[0]
+            errors.append(np.linalg.norm(there - wanted))
+    assert np.sqrt(np.mean(np.square(errors))) < 3 * result["uncertainty"]["rms"]
+
+
+def test_cameras_are_published_with_their_moments(finished: tuple[RigTruth, Any]) -> None:
+    rig, state = finished
+    bucket = rig.stack.environment["BUCKET_NAME"]
+    s3 = boto3.client("s3")
+    names = {m["id"] for m in state["moments"]}
+    for position, calibration in enumerate(state["result"]["cameras"]):
+        answer = rig.clients[0].call("GET", f"/v1/calibrations/{calibration}", token=TOKEN)
+        assert answer.status == 200
+        key = answer.json["camera_key"]
+        stored = json.loads(
+            s3.get_object(Bucket=bucket, Key=f"calibrations/{key}/{calibration}.json")["Body"].read()
+        )
+        assert stored["rig"] == {"id": rig.rig_id, "position": position}
+        assert {view["moment"] for view in stored["views"]} <= names
+        session = rig.clients[position].state()
+        assert (session["status"], session["calibration_id"]) == ("converged", calibration)
+
+
+def test_finish_again_is_answered_again(finished: tuple[RigTruth, Any]) -> None:
+    rig, state = finished
+    assert rig.call("POST", "/finish").json == state
+    assert rig.state(1) == state
+    assert rig.call("GET", token=TOKEN).json == state
+    answer = rig.call("POST", "/moments", {"moment": "late"})
+    assert (answer.status, answer.json["type"].rpartition("#")[2]) == (409, "rig-finished")
+
+
+@pytest.mark.parametrize("name", RIG_FORMATS)
+def test_every_format_is_answered(finished: tuple[RigTruth, Any], name: str) -> None:
+    rig, state = finished
+    answer = rig.result(name)
+    assert answer.status == 200, answer.body
+    if name == "json":
+        assert answer.json == state["result"]
+        return
+    assert rig.rig_id in answer.headers["content-disposition"]
+    if answer.headers["content-type"] == "application/zip":
+        assert len(zipfile.ZipFile(io.BytesIO(answer.body)).namelist()) == 2
+    else:
+        assert len(answer.body) > 500
+
+
+def test_unchanged_state_is_not_sent_again(stack: LocalStack) -> None:
+    rig = RigTruth(stack, seed=2).open()
+    answer = rig.call("GET")
+    tag = {"if-none-match": answer.headers["etag"]}
+    for position in (0, 1):
+        again = rig.call("GET", position=position, headers=tag)
+        assert (again.status, again.body, again.headers["etag"]) == (304, b"", answer.headers["etag"])
+    rig.moment("m0")
+    assert rig.call("GET", headers=tag).status == 200
+
+
+def test_pose_of_a_camera_is_the_target_of_its_rig(stack: LocalStack) -> None:
+    rig = RigTruth(stack, seed=3).open()
+    (seen,) = rig.state()["target"]["cameras"]
+    pose = rig.clients[0].pose()
+    assert (pose.status, pose.json["corners"]) == (200, seen["corners"])
+    picture = rig.clients[0].call("GET", "/v1/session/pose", headers={"accept": "image/jpeg"})
+    assert picture.body.startswith(b"\xff\xd8")
+    hidden = rig.clients[1].pose()
+    assert (hidden.status, hidden.json["type"].rpartition("#")[2]) == (409, "not-in-view")
+    skipped = rig.call("GET", query="skip=1")
+    assert skipped.json["target"]["cameras"] != [seen]
+    assert rig.state() == skipped.json, "until it is skipped, too"
+
+
+def test_moment_undone_is_gone_from_all_cameras(stack: LocalStack) -> None:
+    rig = RigTruth(stack, seed=4).open()
+    for number in range(3):
+        rig.moment(f"m{number}")
+    before = rig.state()
+    for _ in range(2):  # idempotent
+        undone = rig.call("DELETE", "/moments/m1")
+        assert undone.status == 200
+        assert [m["id"] for m in undone.json["moments"]] == ["m0", "m2"]
+    assert undone.json["uncertainty"]["rms"] > before["uncertainty"]["rms"]
+    assert [len(client.state()["views"]) for client in rig.clients] == [2, 2]
+    late = rig.view(1, "m1", *rig.see(1, rig.held()))
+    assert (late.status, late.json["type"].rpartition("#")[2]) == (409, "moment-undone")
+    again = rig.call("POST", "/moments", {"moment": "m1"})
+    assert again.status == 409
+
+
+def test_view_of_an_older_moment_is_welcome(stack: LocalStack) -> None:
+    """A client that lost its network delivers what it took, in any order, and a replay changes nothing."""
+    rig = RigTruth(stack, seed=5).open()
+    kept = []
+    for number in range(3):
+        pose = rig.held()
+        rig.moment(f"m{number}", pose, positions=[0])
+        kept.append((f"m{number}", *rig.see(1, pose)))
+    assert rig.state()["unlinked"] == [1]
+    for moment, ids, points in reversed(kept):
+        for _ in range(2):
+            assert rig.view(1, moment, ids, points).json["accepted"]
+    state = rig.state()
+    assert state["unlinked"] == []
+    assert [m["positions"] for m in state["moments"]] == [[0, 1]] * 3
+    assert [camera["views"] for camera in state["cameras"]] == [3, 3]
+
+
+def test_board_that_moved_between_two_pictures_is_set_aside_and_said(stack: LocalStack) -> None:
+    rig = RigTruth(stack, seed=6).open()
+    for number in range(5):
+        rig.moment(f"m{number}")
+    pose = rig.held()
+    rig.moment("moved", pose, positions=[0])
+    rig.view(1, "moved", *rig.see(1, RigidMotion(pose.r, pose.t + 0.4)))
+    state = rig.state()
+    (moment,) = [m for m in state["moments"] if m["id"] == "moved"]
+    assert {one["reason"] for one in moment["set_aside"]} == {"contradicts"}
+    assert "contradicts" in {one["code"] for one in state["advice"]}
+
+
+def test_state_tells_who_is_missing(stack: LocalStack) -> None:
+    rig = RigTruth(stack, count=3, seed=7)
+    leader = rig.clients[0]
+    assert leader.open(**rig.request(0)).status == 201
+    made = leader.call("POST", "/v1/rigs", {"cameras": 3}).json
+    rig.rig_id, rig.join_code = made["rig_id"], made["join_code"]
+    joined = rig.clients[1].open(**rig.request(1), rig={"code": rig.join_code.lower(), "position": 2})
+    assert joined.json["rig"] == {"id": rig.rig_id, "position": 2}
+    state = rig.state()
+    assert [camera["status"] for camera in state["cameras"]] == ["capturing", "waiting", "capturing"]
+    assert state["unlinked"] == [1, 2]
+    assert state["advice"][0] == {"code": "waiting", "text": "Camera 1 has not joined yet.", "positions": [1]}
+    few = rig.call("POST", "/finish")
+    assert (few.status, few.json["type"].rpartition("#")[2]) == (409, "unlinked")
+    assert "Cameras 1 and 2" in few.json["detail"]
+
+
+def test_a_code_is_replaced_by_asking_again(stack: LocalStack) -> None:
+    client = Client(stack)
+    client.open()
+    made = [client.call("POST", "/v1/rigs", {"cameras": 4}).json for _ in range(9)]
+    assert len({one["rig_id"] for one in made}) == 1
+    assert len({one["join_code"] for one in made}) == 9
+    assert client.state()["rig"] == {"id": made[0]["rig_id"], "position": 0}
+    other = Client(stack)
+    assert other.open(rig={"code": made[0]["join_code"]}).status == 422, "eight are good at a time"
+    assert other.call("POST", "/v1/session", {**CAMERA, "rig": {"code": made[1]["join_code"]}}).status == 201
