@@ -11,14 +11,44 @@ from ..arrays import Mask
 from ..fitting import outliers
 from ..fitting.levenberg_marquardt import NOISE_FLOOR, State
 from ..fitting.multistart import TOWARDS_OPTIMUM
+from ..fitting.robust_homography import medians
 from .problem import RigProblem
 
 MAX_JOINT_NOISE_RATIO = 1.5
 """Noise of the rig / noise of its cameras alone from which a view is looked for that contradicts it."""
 MIN_NOISE_DROP = 0.6
 """Noise of the rig without a view / with it, below which the view is set aside: it explains most of it."""
+MAX_START_MEDIANS = 3.0
+"""Error of a moment under the start / that of the typical moment, up to which its views agree at first."""
+MIN_START_ERROR_WIDTHS = 1e-3
+"""Error under the start / image width below which a view agrees."""
 MAX_CANDIDATES = 12
 """Views that are left out in turn, those with the largest errors first."""
+
+
+def near_start(problem: RigProblem, state: State, mask: Mask) -> Mask:
+    """Points (m, n) of `mask` whose views agree with the start, on which most of the moments agree.
+
+    A compromise of moments that contradict each other may be far from all of them: the fit begins with those
+    near the start, and the others are tested against it. All of `mask` where cameras would lose their links.
+    """
+    errors = np.full((len(mask), len(problem.members)), np.nan)
+    for i, member in enumerate(problem.members):
+        there = mask[:, member.slots]
+        seen = there.any(axis=1)
+        square = medians(state.square[:, member.slots], there)
+        errors[seen, i] = np.sqrt(square[seen]) / (member.weight * member.img_size[0])
+    shared = np.isfinite(errors).sum(axis=1) > 1
+    if not shared.any():
+        return mask
+    typical = float(np.median(np.nanmax(errors[shared], axis=1)))
+    far = errors > max(MAX_START_MEDIANS * typical, MIN_START_ERROR_WIDTHS)
+    if not far.any():
+        return mask
+    left = mask.copy()
+    for i, member in enumerate(problem.members):
+        left[far[:, i], member.slots] = False
+    return left if is_linked(problem, left) else mask
 
 
 def is_contradictory(problem: RigProblem, state: State, good: Mask, noise: float) -> bool:

@@ -23,7 +23,7 @@ from ..rotation import vector
 from . import start as rig_start
 from . import transfer
 from .calibration import RigCalibration
-from .contradictions import is_contradictory, unlinked, without_contradicting_view
+from .contradictions import is_contradictory, near_start, unlinked, without_contradicting_view
 from .problem import Member, Moment, RigProblem, pack_moments
 from .single import Single, Specification, fit_alone
 from .start import Resected, RigidMotion, Start
@@ -173,8 +173,9 @@ class _Fit:
         )
         if not self.robust:
             return self._result(problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask)
-        state = problem.solve(state, outliers.unit_weights(self.mask), TOWARDS_OPTIMUM)
-        state, good = self._least_squares(state, self.mask)
+        first = near_start(problem, state, self.mask)
+        state = problem.solve(state, outliers.unit_weights(first), TOWARDS_OPTIMUM)
+        state, good = self._least_squares(state, self.mask, first)
         among = self.mask
         for _ in range(len(self.linked) // MIN_MOMENTS_PER_LATE_VIEW):
             if not is_contradictory(problem, state, good, self.noise):
@@ -183,12 +184,15 @@ class _Fit:
             if found is None:
                 break
             among = found[1]
-            state, good = self._least_squares(*found)
+            state, good = self._least_squares(*found, among)
         return self._result(state, good)
 
-    def _least_squares(self, state: State, among: Mask) -> tuple[State, Mask]:
-        """Fit to points `among` (m, n) but for outliers; state, and the points that took part."""
-        inliers = self._inliers(state, among, among, outliers.GROSS_OUTLIER_SIGMAS)
+    def _least_squares(self, state: State, among: Mask, first: Mask) -> tuple[State, Mask]:
+        """Fit to points `among` (m, n) but for outliers; state, and the points that took part.
+
+        Those of `first` (m, n) say how much noise there is before anything is left out.
+        """
+        inliers = self._inliers(state, among, first, outliers.GROSS_OUTLIER_SIGMAS)
         state, good = self._reject_outliers(state, among, inliers)
         if good.any() and not np.array_equal(inliers, good):
             tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())

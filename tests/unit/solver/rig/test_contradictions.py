@@ -1,0 +1,34 @@
+"""Moments in which the board moved between the cameras: the majority is believed, others are set aside."""
+
+import numpy as np
+import pytest
+
+from calibsolver import Board, View, rig
+from calibsolver.rig.start import RigidMotion
+from tests.helpers.solver import rigs, synthetic
+
+BOARD = Board((9, 6))
+
+
+def with_lies(truth: rigs.Rig, good: int, bad: int, rng: np.random.Generator) -> list[dict[int, View]]:
+    """Moments of which `bad` ones, the last, show another pose of the board to camera 1."""
+    moments = rigs.moments(truth, BOARD, good, 0.2, rng)
+    while len(moments) < good + bad:
+        one, other = (rigs.moments(truth, BOARD, 1, 0.2, rng)[0] for _ in range(2))
+        if 0 in one and 1 in other:
+            moments.append({0: one[0], 1: other[1]})
+    return moments
+
+
+@pytest.mark.parametrize("bad", [2, 3])
+@pytest.mark.parametrize("seed", range(4))
+def test_moments_that_contradict_the_majority_are_set_aside(seed: int, bad: int) -> None:
+    rng = np.random.default_rng(seed)
+    flat = synthetic.rectilinear_cameras(12)
+    truth = rigs.side_by_side([flat[int(rng.integers(12))], flat[int(rng.integers(12))]], 2.0)
+    found = rig.fit(with_lies(truth, 5, bad, rng), [(c.img_size, c.model) for c in truth.cameras])
+    assert {m for m, _ in found.set_aside} == set(range(5, 5 + bad))
+    motions = [RigidMotion.of_vector(pose) for pose in found.poses]
+    error = rigs.transfer_error(truth, rigs.Rig(found.cameras, motions), found.working_distances.tolist())
+    assert error < 3 * found.uncertainty.rms
+    assert found.rms < 0.35
