@@ -1,7 +1,8 @@
 """Messages for files that cannot be loaded."""
 
-from playwright.sync_api import BrowserContext, Page, Route
+from playwright.sync_api import BrowserContext, Page, Route, expect
 
+from infra.web_build.site import sources
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
 
@@ -41,6 +42,46 @@ def test_clicks_that_come_before_the_scripts_count(page: Page) -> None:
         click_while_held(page, address, module, button)
         page.locator(there).first.wait_for(state="attached")
         assert page.url.endswith(address), "its form was sent to nowhere"
+
+
+# Buttons of a page that can be seen and pressed, and of which nothing hears when its modules have run.
+UNHEARD = """
+  const [heard, add] = [new Set(), HTMLElement.prototype.addEventListener];
+  HTMLElement.prototype.addEventListener = function (type, ...rest) {
+    if (["click", "submit", "reset"].includes(type)) heard.add(this);
+    return add.call(this, type, ...rest);
+  };
+  document.addEventListener("DOMContentLoaded", () => {
+    const buttons = [...document.querySelectorAll("button:enabled")].filter((each) => each.checkVisibility());
+    const unheard = buttons.filter((each) => !heard.has(each) && !heard.has(each.form));
+    [window.seen, window.unheard] = [buttons.length, unheard.map((each) => each.outerHTML)];
+  });
+"""
+
+
+def test_every_button_is_heard_as_soon_as_the_scripts_have_run(page: Page) -> None:
+    """Then the clicks are given back that came before."""
+    texts = sources()
+    keys = [key for key, text in texts.items() if "<button" in text and not key.startswith("docs/reference/")]
+    page.add_init_script(UNHEARD)
+    found = {}
+    for key in [*keys, "docs/reference/lookup/index.html"]:
+        page.goto(f"/{key.removesuffix('index.html')}", wait_until="domcontentloaded")
+        found[key] = page.evaluate("[window.seen, window.unheard]")
+    assert {key: unheard for key, (_, unheard) in found.items() if unheard} == {}
+    assert len(found) >= 14
+    assert sum(seen for seen, _ in found.values()) >= len(found)
+
+
+def test_a_file_that_is_chosen_before_the_scripts_run_is_read(page: Page) -> None:
+    held: list[Route] = []
+    page.route("**/import/main.js", lambda route: held.append(route))
+    page.goto("/import/", wait_until="commit")
+    page.locator("#file").set_input_files({"name": "a.json", "mimeType": "", "buffer": b"no calibration"})
+    until(page, lambda: held)
+    held[0].continue_()
+    expect(page.locator("#file-state")).to_have_text("1 file chosen")
+    expect(page.locator("#status")).to_contain_text("a.json")
 
 
 def click_while_held(page: Page, address: str, module: str, button: str) -> None:

@@ -36,11 +36,17 @@ async function showWays({ boardLinks, addresses, paper, codes }, board) {
   for (const link of boardLinks) link.search = boardQuery(board).toString();
   const { host, pathname, search } = boardAddress(board, false);
   for (const place of addresses) place.textContent = host + pathname + search;
-  const [{ drawQr }, papers] = await Promise.all([import("../lib/qr.js"), import("../lib/papers.js")]);
+  const loading = Promise.all([import("../lib/qr.js"), import("../lib/papers.js")]);
+  // Who is quicker than those modules gets the file all the same.
+  paper.addEventListener("click", async () => {
+    const [, papers] = await loading;
+    const name = paperFor(papers, board);
+    const { boardFile } = await import("../lib/board-print.js");
+    if (name !== undefined) download(boardFile(board, name), papers.fileName(name));
+  });
+  const [{ drawQr }, papers] = await loading;
   for (const code of codes) drawQr(code, boardAddress(board, true).href);
-  const fitting = papers.papersFor(board);
-  const usual = papers.usualPaper(navigator.languages);
-  const name = fitting.includes(usual) ? usual : fitting[0];
+  const name = paperFor(papers, board);
   paper.hidden = name === undefined;
   if (name === undefined) return;
   const write = () => {
@@ -48,10 +54,13 @@ async function showWays({ boardLinks, addresses, paper, codes }, board) {
   };
   write();
   onLanguage(write);
-  paper.onclick = async () => {
-    const { boardFile } = await import("../lib/board-print.js");
-    download(boardFile(board, name), papers.fileName(name));
-  };
+}
+
+/** Paper that is usual here, or the first on which a board fits. @param {typeof import("../lib/papers.js")} papers @param {Board} board */
+function paperFor({ papersFor, usualPaper }, board) {
+  const fitting = papersFor(board);
+  const usual = usualPaper(navigator.languages);
+  return fitting.includes(usual) ? usual : fitting[0];
 }
 
 /** @param {Blob} file @param {string} name */
