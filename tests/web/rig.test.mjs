@@ -138,6 +138,8 @@ test("a pair that has no rectified pictures says why", async () => {
   const cameras = { left: REAL.left, right: REAL.right };
   assert.throws(() => rectify(REAL.left, REAL.right, { rvec: [0, 0, 0], tvec: [0, 0, 0] }), { name: "RectificationError", message: /in one place/ });
   assert.throws(() => rectify(REAL.left, REAL.right, { rvec: [0, 2.9, 0], tvec: [-1, 0, 0] }), { name: "RectificationError", message: /directions too far apart/ });
+  for (const unknown of [undefined, {}, cameras]) await assert.rejects(rectifyPair({}, {}, unknown), /a rig, or { left, right, pose }/);
+  await assert.rejects(rectifyPair({}, {}, new Rig(RESULT), { positions: [0, 2] }), /no camera 2/);
   const odd = { width: 640, height: 640 };
   await assert.rejects(rectifyPair(odd, odd, { ...cameras, pose: REAL.pose }, { canvases: [{}, {}] }), /the left picture has 640 x 640 px, its calibration is for 640 x 480 px/);
   const packed = rectifyPair({ width: 640, height: 480 }, odd, new Rig(RESULT), { packing: "beside", canvases: [{}, {}] });

@@ -1,5 +1,4 @@
 // Rectification: matrices of pinholes that see what a camera sees, and maps between the two pictures.
-import { rotate } from "./motion.js";
 import { focalLengths } from "./pinhole.js";
 import { lensOf } from "./projection.js";
 
@@ -8,6 +7,7 @@ import { lensOf } from "./projection.js";
  * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, on the plane z = 1
  */
 
+const IDENTITY = [1, 0, 0, 0, 1, 0, 0, 0, 1];
 /** tan of the largest angle shown, 78.7°: beyond it a plane picture is all edge. */
 const MAX_TANGENT_SHOWN = 5;
 const BORDER_SAMPLES = 33; // places along each side of the picture whose rays decide what there is to show
@@ -107,11 +107,12 @@ export function widePinhole(calibration, largest = 2) {
  * @param {readonly number[]} [rotation] row-major 3x3, frame of the straightened picture → camera; none unless told
  * @returns {Float32Array} x and y, px, row by row; far outside where the lens sees nothing
  */
-export function rectifyingMap(calibration, [[fx, , cx], [, fy, cy]], size = calibration.img_size, rotation = undefined) {
+export function rectifyingMap(calibration, [[fx, , cx], [, fy, cy]], size = calibration.img_size, rotation = IDENTITY) {
   const lens = lensOf(calibration);
+  const [a, b, c, d, e, f, g, h, i] = rotation;
   return mapOf(size, (u, v) => {
-    const ray = [(u - cx) / fx, (v - cy) / fy, 1];
-    return lens.project(rotation ? rotate(rotation, ray) : ray);
+    const [x, y] = [(u - cx) / fx, (v - cy) / fy];
+    return lens.project([a * x + b * y + c, d * x + e * y + f, g * x + h * y + i]);
   });
 }
 

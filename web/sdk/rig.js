@@ -146,8 +146,10 @@ export async function rig(id, options) {
  */
 export async function rectifyPair(left, right, cameras, { positions: [one, other] = [0, 1], ...options } = {}) {
   const { PairRectifier } = await import("./pair-rectifier.js");
-  const two = cameras instanceof Rig
+  // Not `instanceof`: the rig may come from another copy of these modules.
+  const two = cameras && "calibrations" in cameras
     ? { left: cameras.calibrations[one], right: cameras.calibrations[other], pose: cameras.pose(other, one) }
     : cameras;
+  if (!two?.left || !two.right || !two.pose) throw new TypeError("say which cameras these are: a rig, or { left, right, pose }");
   return new PairRectifier(left, right, two, options);
 }
