@@ -20,6 +20,7 @@ from infra.local import LocalStack
 from infra.local.functions import Function
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
+from tests.helpers.service.rigs import MIN_SEEN, RigTruth
 
 ORDINARY_S, EXTREME_S = 3.0, 6.0
 """Processor time allowed to a request with a board to 24 x 18 squares, and to any."""
@@ -31,14 +32,14 @@ BOARDS: tuple[tuple[tuple[int, int], str], ...] = (
     ((50, 49), "DICT_APRILTAG_36H10"),
 )
 ORDINARY_BOARDS = 3
-KINDS = ("capture", "check", "export", "read")
+KINDS = ("capture", "check", "export", "read", "rig")
 CROPS = ("", "0,0,64,64", "1216,656,64,64", "0,0,1280,64", "0,0,64,720", "160,0,960,720", "600,300,64,96")
 RESIZES = ("", "64x64", "64x512", "512x64", "8192x8192", "16384x4096", "640x360")
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """Requests of an attacker: a capture that goes wrong, a check, or one export or read."""
+    """Requests of an attacker: captures that go wrong, alone or of a rig, a check, one export or read."""
 
     kind: str = "capture"
     board: int = 0
@@ -53,6 +54,10 @@ class Scenario:
     skip: int = 0
     query: str = ""
     subject: int = 0
+    cameras: int = 2
+    moments: int = 6
+    dense: int = 0  # moments whose views are whole; the others have 16 corners. 0: all are
+    baseline: float = 2.0  # squares between neighbours
 
     @property
     def is_ordinary(self) -> bool:
@@ -66,7 +71,7 @@ def random_scenario(rng: random.Random) -> Scenario:
         if value := rng.choice(values):
             query += f"&{name}={value}"
     return Scenario(
-        kind=rng.choices(KINDS, (5, 2, 5, 1))[0],
+        kind=rng.choices(KINDS, (5, 2, 5, 1, 4))[0],
         board=rng.choices(range(len(BOARDS)), (3, 2, 3, 1, 2))[0],
         model=rng.choice(schema.DISTORTION_MODELS),
         guidance=rng.choices(("projection-uncertainty", "pose-selection"), (4, 1))[0],
@@ -79,6 +84,10 @@ def random_scenario(rng: random.Random) -> Scenario:
         skip=rng.randint(0, 2),
         query=query,
         subject=rng.randrange(1 << 16),
+        cameras=rng.choice((2, 2, 3, 8, 8)),
+        moments=rng.choice((4, 6, 12, 30)),
+        dense=rng.choice((0, 0, 1)),
+        baseline=rng.choice((0.0, 0.6, 2.0)),
     )
 
 
@@ -159,6 +168,39 @@ def capture(client: Client, scenario: Scenario) -> None:
     client.call("DELETE", "/v1/session")
 
 
+def capture_rig(stack: LocalStack, scenario: Scenario) -> None:
+    """Capture a rig in whose last moments camera 1 sees another board pose, or corners anywhere."""
+    squares, dictionary = BOARDS[scenario.board]
+    start = {"distortion_model": scenario.model}
+    noise = min(scenario.noise, 0.6)
+    rig = RigTruth(
+        stack, scenario.cameras, squares, dictionary, scenario.baseline, noise, scenario.subject, start=start
+    ).open()
+    for n in range(scenario.moments):
+        if rig.call("POST", "/moments", {"moment": f"m{n}"}).status != 201:
+            break
+        pose, false = rig.held(), n >= scenario.moments - scenario.lies
+        for position in range(scenario.cameras):
+            seen = rig.see(position, rig.held() if false and position == 1 else pose)
+            ids, points = spoiled(seen, scenario, false)
+            few = slice(16) if scenario.dense and n >= scenario.dense else slice(None)
+            if len(ids) >= MIN_SEEN:
+                rig.view(position, f"m{n}", ids[few], points[few])
+        if n in (1, 3, scenario.moments // 2):
+            rig.call("GET")
+    rig.call("GET", query="skip=1" if scenario.skip else "")
+    for client in rig.clients[:2]:
+        client.call("GET", "/v1/session/pose", headers={"accept": "image/png"})
+    if scenario.undo:
+        rig.call("DELETE", "/moments/m0")
+    if rig.call("POST", "/finish").status == 200:
+        rig.result(scenario.query.partition("&")[0].removeprefix("format="))
+        for name in ("opencv_stereo", "kalibr", "colmap"):
+            rig.result(name)
+    else:
+        rig.call("DELETE")
+
+
 def spoiled(seen: tuple[list[int], list[list[float]]], scenario: Scenario, lies: bool) -> Any:
     """Views of a liar with some corners anywhere."""
     ids, points = seen
@@ -204,6 +246,8 @@ def search(seconds: float, seed: int) -> Slowest:
             slowest.current = scenario
             if scenario.kind == "capture":
                 capture(client, scenario)
+            elif scenario.kind == "rig":
+                capture_rig(stack, scenario)
             elif scenario.kind == "check":
                 check(client, scenario, camera)
             elif scenario.kind == "export":

@@ -17,13 +17,15 @@ import pytest
 from infra.local import LocalStack, server
 from infra.local.protocol import TimedProtocol
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.rigs import RigTruth
 
 CASES = 2 * int(os.environ.get("CASES", "150"))
 SECRETS = (b"def handler", b"root:x:", b"AWSTemplateFormatVersion", b"[project]", b"Traceback (most recent")
 PATHS = (
     "/v1/auth", "/v1/session", "/v1/session/pose", "/v1/session/views", "/v1/session/views/0",
     "/v1/lookup", "/v1/calibrations/{id}", "/v1/checks", "/v1/cameras", "/v1/cameras/{key}", "/healthz",
-    "/badge/{key}/1x1.svg",
+    "/badge/{key}/1x1.svg", "/v1/rigs", "/v1/rigs/{rig}", "/v1/rigs/{rig}/moments",
+    "/v1/rigs/{rig}/moments/m0", "/v1/rigs/{rig}/finish", "/v1/rigs/{rig}/result", "/rig/",
     "/", "/config.json", "/calibrate/", "/sdk/index.js", "/v1/nothing", "/known/aa/bb.json",
 )  # fmt: skip
 VERBS = (
@@ -68,14 +70,15 @@ def sent_to(stack: LocalStack) -> Iterator[tuple[str, dict[str, str], str]]:
     """Address of the server, ids that there are, and a session id."""
     client = Client(stack)
     calibration = Truth().calibrate(client)["calibration_id"]
-    client.open()
-    ids = {"id": calibration, "key": calibration.rpartition("-")[0]}
+    rig = RigTruth(stack).open()
+    rig.moment("m0")
+    ids = {"id": calibration, "key": calibration.rpartition("-")[0], "rig": rig.rig_id}
     with stack.serve() as url:
-        yield url, ids, client.session_id
+        yield url, ids, rig.clients[0].session_id
 
 
 def target(rng: random.Random, ids: dict[str, str]) -> str:
-    path = rng.choice(PATHS).replace("{id}", ids["id"]).replace("{key}", ids["key"])
+    path = rng.choice(PATHS).format(**ids)
     for _ in range(rng.choice((0, 0, 0, 1, 1, 3))):
         at = rng.randrange(len(path) + 1)
         path = path[:at] + rng.choice(ODD) + path[at:]
@@ -92,6 +95,7 @@ def target(rng: random.Random, ids: dict[str, str]) -> str:
             "after",
             "without",
             "zoom",
+            "id",
         )
         values = (*ODD, "1", "kalibr", "0,0,64,64", "1e400", "1280x720", TOKEN, "NaN", "9" * 400)
         path += "?" + "&".join(f"{rng.choice(names)}={rng.choice(values)}" for _ in range(rng.randint(1, 4)))
@@ -104,6 +108,9 @@ def body(rng: random.Random) -> bytes:
             b"", b"{}", b"[", b"null", b"\xff\xfe{\x00}\x00", b"[" * 5000, b'{"a":' * 2000, b"1e999999",
             b'"\\ud800"', json.dumps(CAMERA).encode(), json.dumps({**CAMERA, "redirect": False}).encode(),
             json.dumps({"index": 0, "ids": [0], "points": [[1, 1]]}).encode(),
+            json.dumps({"index": 0, "ids": [0], "points": [[1, 1]], "moment": "m0"}).encode(),
+            json.dumps({**CAMERA, "rig": {"code": "234567"}}).encode(),
+            b'{"cameras": 2}', b'{"moment": "m1"}',
             b'{"index":' + b"9" * 5000 + b"}", rng.randbytes(rng.randint(1, 300)), b"x" * 20_000,
         )
     )  # fmt: skip
