@@ -29,7 +29,7 @@ BOARDS: tuple[tuple[tuple[int, int], str], ...] = (
     ((14, 9), "DICT_4X4_250"),
     ((24, 18), "DICT_4X4_250"),
     ((36, 24), "DICT_4X4_1000"),
-    ((50, 49), "DICT_APRILTAG_36H10"),
+    ((50, 49), "DICT_APRILTAG_36h10"),
 )
 ORDINARY_BOARDS = 3
 KINDS = ("capture", "check", "export", "read", "rig")
@@ -143,8 +143,8 @@ def capture(client: Client, scenario: Scenario) -> None:
     board = {"squares": list(squares), "dictionary": dictionary}
     start = {"distortion_model": scenario.model, "guidance": scenario.guidance, "target_error": 0.001}
     camera = f"Slow {scenario.subject}"
-    if client.open(camera=camera, board=board, **start).status != 201:
-        return
+    opened = client.open(camera=camera, board=board, **start)
+    assert opened.status == 201, opened.body
     honest = Truth(squares=squares, seed=scenario.subject, noise=0.2)
     liar = Truth(fx=scenario.focal, fy=scenario.focal, squares=squares, noise=scenario.noise, seed=1)
     taken = 0
