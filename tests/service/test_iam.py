@@ -19,12 +19,14 @@ from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Objects, Store, Table, clients
+from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
 from calibdb.store.table import Condition, Item
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
+from tests.helpers.service.rigs import RigTruth
 from tests.helpers.service.stores import with_methods
 
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
@@ -64,9 +66,11 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
         with recorder.recording():
             invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
             use(stack)
+            rig = capture_rig(stack)
             manage(stack)
             clock.ahead += 700  # what was counted in memory is written down
             use_again(stack)
+            assert Client(stack).call("GET", f"/v1/rigs/{rig}/result", token=TOKEN).status == 200
             stack.wait_until_idle(60)
             assert invoke("DumpFunction", {})["name"] is not None
             assert invoke("DumpFunction", {})["name"] is None
@@ -127,30 +131,55 @@ def use(stack: LocalStack) -> None:
     assert client.call("GET", "/healthz", token="", query="deep=1").status == 503  # nothing serves the site
 
 
-#: one entry for each write of a session that is to come too late, as when another request got ahead
-_to_lose: list[bool] = []
+#: what the key of a write begins with that is to come too late, as when another request got ahead
+_to_lose: list[str] = []
 
 
 def contended(settings: Settings) -> Store:
-    """Storage in which a write of a session can come too late."""
+    """Storage in which a write of a session, or of a rig, can come too late."""
     table = Table(functools.partial(clients.dynamodb, settings.region), settings.table_name)
     objects = Objects(functools.partial(clients.s3, settings.region), settings.bucket_name)
 
     def put(item: Item, condition: Condition | None = None) -> bool:
-        if _to_lose and str(item["pk"]).startswith("SESSION#"):
+        if _to_lose and str(item["pk"]).startswith(_to_lose[-1]):
             _to_lose.pop()
             return False
         return table.put(item, condition)
 
-    return replace(Store.of(settings), sessions=Sessions(with_methods(table, put=put), objects))
+    losing = with_methods(table, put=put)
+    return replace(Store.of(settings), sessions=Sessions(losing, objects), rigs=Rigs(losing, objects))
 
 
 @contextmanager
-def overtaken() -> Iterator[None]:
-    """The first write of a session within the block comes too late."""
-    _to_lose.append(True)
+def overtaken(key: str = "SESSION#") -> Iterator[None]:
+    """The first write of a session, or of another key, within the block comes too late."""
+    _to_lose.append(key)
     yield
     assert not _to_lose
+
+
+def capture_rig(stack: LocalStack) -> str:
+    """Capture a rig from its first camera to its files, and forget another; return the id of the first."""
+    rig = RigTruth(stack, seed=13, baseline=3.0, api_token=TOKEN)
+    with overtaken("RIG#"):
+        rig.open()
+    assert rig.clients[0].pose().status == 200, "the first to ask computes the target"
+    for number in range(5):
+        rig.moment(f"m{number}")
+    assert rig.call("GET", query="skip=1").status == 200
+    assert rig.call("DELETE", "/moments/m4").status == 200
+    assert rig.call("GET", token=TOKEN).status == 200
+    assert rig.call("POST", "/finish").status == 200
+    stack.wait_until_idle(60)
+    assert rig.result("ros").status == 200
+    store(stack).rigs.forget(rig.rig_id, 0)  # as if it had expired
+    assert rig.result().json["cameras"]
+    forgotten = RigTruth(stack, seed=14, api_token=TOKEN).open()
+    assert forgotten.clients[1].call("DELETE", "/v1/session").status == 204
+    with overtaken("RIG#"):
+        assert forgotten.join(1).status == 201
+    assert forgotten.call("DELETE").status == 204
+    return rig.rig_id
 
 
 def manage(stack: LocalStack) -> None:

@@ -81,7 +81,7 @@ def listed(value: Any) -> tuple[Any, ...]:
 
 
 def grants(kind: str = "AWS::Serverless::Function") -> dict[str, tuple[Grant, ...]]:
-    """Permissions that the template grants each resource of this type."""
+    """Permissions that the template grants each resource of this type that is always deployed."""
     document, resolve = template()
     return {
         name: tuple(
@@ -94,7 +94,7 @@ def grants(kind: str = "AWS::Serverless::Function") -> dict[str, tuple[Grant, ..
             for s in statements(document, resource["Properties"])
         )
         for name, resource in document["Resources"].items()
-        if resource["Type"] == kind
+        if resource["Type"] == kind and "Condition" not in resource
     }
 
 

@@ -28,13 +28,14 @@ class RigTruth:
     noise: float = 0.15  # px
     seed: int = 0
     address: str = ""
+    api_token: str = TOKEN
     start: Mapping[str, object] = field(default_factory=dict)
     rig_id: str = ""
     join_code: str = ""
 
     def __post_init__(self) -> None:
         self.rng = np.random.default_rng(self.seed)
-        self.clients = [Client(self.stack, address=self.address) for _ in range(self.count)]
+        self.clients = [Client(self.stack, "", self.api_token, self.address) for _ in range(self.count)]
         self.cameras = [
             Truth(
                 fx=950 + 10 * i, fy=948 + 10 * i, squares=self.squares, noise=self.noise, seed=self.seed + i
@@ -136,4 +137,4 @@ class RigTruth:
 
     def result(self, name: str = "json") -> Answer:
         """Download the result."""
-        return self.call("GET", "/result", query=f"format={name}", token=TOKEN)
+        return self.call("GET", "/result", query=f"format={name}", token=self.api_token)

@@ -1,0 +1,139 @@
+"""A crash between any two writes of a rig loses nothing: the request, sent again, completes the rest."""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from botocore.awsrequest import AWSPreparedRequest
+from botocore.exceptions import ReadTimeoutError
+
+from infra.local import LocalStack
+from infra.local.storage import Answer
+from tests.helpers.service.client import CAMERA, TOKEN, Client
+from tests.helpers.service.client import Answer as Said
+from tests.helpers.service.rigs import RigTruth
+from tests.helpers.stack.faults import Service, wrapped_without_pauses
+
+MAX_WRITES = 60
+READS = ("Get", "Head", "List", "Query", "Scan")
+
+
+@contextmanager
+def crash_after(writes: int) -> Iterator[None]:
+    """Lose every write after so many that wrote something: those of a process that was killed there."""
+    done, lock = [0], threading.Lock()
+
+    def around(service: Service) -> Service:
+        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
+            if operation.startswith(READS):
+                return service(operation, request)
+            with lock:
+                if done[0] >= writes:
+                    raise ReadTimeoutError(endpoint_url=request.url)
+                answer = service(operation, request)
+                done[0] += answer.status < 300
+            return answer
+
+        return handle
+
+    with wrapped_without_pauses(lambda name, service: around(service) if name != "lambda" else service):
+        yield
+
+
+def completed(send: Callable[[], Said], check: Callable[[], None] = lambda: None) -> Said:
+    """Send a request again and again, each time killed one write later, until it is answered."""
+    for writes in range(MAX_WRITES):
+        with crash_after(writes):
+            answer = send()
+        if answer.status < 400:
+            assert writes, "it writes something"
+            return answer
+        assert answer.status == 503, answer
+        check()
+    raise AssertionError("it never ended")
+
+
+@pytest.fixture(scope="module")
+def rig(stack: LocalStack) -> RigTruth:
+    return RigTruth(stack, seed=20, baseline=3.0)
+
+
+def readable(rig: RigTruth, names: list[str]) -> Callable[[], None]:
+    """What is known of the rig can be read after a crash, and no moment is lost."""
+
+    def check() -> None:
+        state = rig.state()
+        assert [m["id"] for m in state["moments"]] == names
+        assert all(m["positions"] == [0, 1] for m in state["moments"])
+
+    return check
+
+
+def test_a_whole_capture_survives_a_crash_at_every_write(rig: RigTruth) -> None:
+    leader, follower = rig.clients
+    leader.session_id, follower.session_id = (
+        leader.call("POST", "/v1/auth", token=TOKEN).json["session_id"] for _ in range(2)
+    )
+    assert leader.call("POST", "/v1/session", rig.request(0)).status == 201
+    made = completed(lambda: leader.call("POST", "/v1/rigs", {"cameras": 2})).json
+    rig.rig_id, rig.join_code = made["rig_id"], made["join_code"]
+    assert leader.state()["rig"] == {"id": rig.rig_id, "position": 0}
+    body = {**rig.request(1), "rig": {"code": rig.join_code}}
+    joined = completed(lambda: follower.call("POST", "/v1/session", body))
+    assert joined.json["rig"] == {"id": rig.rig_id, "position": 1}
+    names: list[str] = []
+    for number in range(4):
+        names.append(f"m{number}")
+        rig.moment(names[-1])
+    check = readable(rig, names)
+    completed(lambda: rig.call("POST", "/moments", {"moment": "m4"}), rig.state)
+    pose = rig.held()
+    for position in (0, 1):
+        seen = rig.see(position, pose)
+        sent = {"ids": seen[0], "points": seen[1], "moment": "m4"}
+        client = rig.clients[position]
+        answer = completed(lambda client=client, sent=sent: client.call("POST", "/v1/session/views", sent))
+        assert answer.json["accepted"]
+    before = rig.state()
+    assert before["moments"][-1]["positions"] == [0, 1]
+    undone = completed(lambda: rig.call("DELETE", "/moments/m4"))
+    assert [m["id"] for m in undone.json["moments"]] == names
+    check()
+    finished = completed(lambda: rig.call("POST", "/finish"))
+    result = finished.json["result"]
+    assert rig.state() == finished.json
+    assert rig.result().json == result
+    for position, calibration in enumerate(result["cameras"]):
+        assert rig.clients[position].state()["calibration_id"] == calibration
+        stored = leader.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN)
+        assert len(stored.json["report"]["views"]) == 4, "and the undone one in none"
+
+
+def test_forgetting_a_rig_survives_a_crash_at_every_write(stack: LocalStack) -> None:
+    rig = RigTruth(stack, seed=21).open()
+    rig.moment("m0")
+    completed(lambda: rig.call("DELETE"))
+    for client in rig.clients:
+        assert client.call("GET", "/v1/session").status == 404
+
+
+def test_place_of_a_camera_that_never_came_is_given_away(stack: LocalStack) -> None:
+    """Its client crashed after the rig's write and before its session's; another may join a minute later."""
+    leader = Client(stack)
+    leader.open()
+    code = leader.call("POST", "/v1/rigs", {"cameras": 2}).json["join_code"]
+    lost, other = Client(stack), Client(stack)
+    for client in (lost, other):
+        client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
+
+    def join(client: Client) -> Any:
+        return client.call("POST", "/v1/session", {**CAMERA, "rig": {"code": code}})
+
+    with crash_after(4):  # the guess counted and taken back, the rig's object and item
+        assert join(lost).status == 503
+    assert join(other).status == 422, "it may yet come back"
+    assert join(lost).json["rig"]["position"] == 1
+    assert lost.call("DELETE", "/v1/session").status == 204
+    assert join(other).json["rig"]["position"] == 1
