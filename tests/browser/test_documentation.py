@@ -156,7 +156,7 @@ def rig_result() -> dict[str, Any]:
         "extrinsics": [still, {"position": 1, **pair["pose"], "std": [0.001] * 6}],
         "unit": "metres",
         "uncertainty": {"rotation_deg": 0.05, "translation_percent": 0.2, "rms": 0.25},
-        "verdict": "good",
+        "verdict": {"level": "good", "reasons": []},
     }
 
 

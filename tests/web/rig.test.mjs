@@ -17,7 +17,7 @@ const RESULT = {
   rig_id: ID, cameras: ["a", "b"], calibrations: [REAL.left, REAL.right],
   extrinsics: [STILL, { position: 1, ...REAL.pose, std: [0.001, 0.001, 0.0005, 0.01, 0.01, 0.02] }],
   unit: "squares", rms: 0.27, held_out_rms: 0.3, uncertainty: { rotation_deg: 0.05, translation_percent: 0.2, rms: 0.25 },
-  verdict: "good",
+  verdict: { level: "good", reasons: [] }, board_poses: [{ moment: "m1", rvec: [0.1, 0, 0], tvec: [-4, -3, 12] }],
 };
 const difference = (a, b) => Math.max(...a.flat().map((value, at) => Math.abs(value - b.flat()[at])));
 const json = (status, body) => new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
@@ -65,6 +65,7 @@ test("a rig in squares becomes one in metres, and asks how large a square is", (
   assert.ok(metres instanceof Rig && metres.unit === "metres" && found.unit === "squares");
   assert.ok(difference(metres.pose(1).tvec, REAL.pose.tvec.map((value) => 0.03 * value)) < 1e-15);
   assert.deepEqual(metres.pose(1).std, [0.001, 0.001, 0.0005, 0.01 * 0.03, 0.01 * 0.03, 0.02 * 0.03]);
+  assert.ok(difference(metres.board_poses[0].tvec, [-0.12, -0.09, 0.36]) < 1e-15);
   assert.equal(metres.toMetres(), metres);
   for (const size of [undefined, 0, -1, Number.NaN]) assert.throws(() => found.toMetres(size), /how large one is, in metres/);
 });

@@ -11,6 +11,7 @@ import { createViews } from "./views.js";
 
 /**
  * @typedef {import("./calibration.js").CalibrationData} CalibrationData
+ * @typedef {import("./motion.js").Motion} Motion
  * @typedef {import("./pair-rectifier.js").Source} Source
  * @typedef {import("./stereo.js").TwoCameras} TwoCameras
  * @typedef {import("./views.js").View} View
@@ -32,7 +33,8 @@ import { createViews } from "./views.js";
  * @property {number | null} held_out_rms px, of moments that took no part in the fit
  * @property {{rotation_deg: number, translation_percent: number, rms: number}} uncertainty expected turn of the camera that is known
  *   worst; expected shift in per cent of its distance from camera 0; rms error, px, of one camera's points in another
- * @property {"good" | "fair" | "poor"} verdict on the predicted error
+ * @property {{level: "good" | "fair" | "poor", reasons: string[]}} verdict "uncertain", "held_out" or "set_aside" are reasons
+ * @property {(Motion & {moment: string})[]} [board_poses] boards of the moments that count: board → camera 0
  *
  * @typedef {object} Pose from a camera of a rig to another: x → R x + t, both frames x right, y down, z forward
  * @property {number[]} rvec rotation vector, radians
@@ -87,10 +89,12 @@ export class Rig extends Data {
     if (this.unit === "metres") return this;
     const size = Number(squareSize);
     if (!(size > 0)) throw new TypeError("this rig is in squares of its board: say how large one is, in metres: toMetres(0.03)");
+    const scaled = (/** @type {readonly number[]} */ vector) => vector.map((value) => value * size);
     const extrinsics = this.extrinsics.map(({ tvec, std, ...rest }) => ({
-      ...rest, tvec: tvec.map((value) => value * size), std: std?.map((value, at) => (at < 3 ? value : value * size)),
+      ...rest, tvec: scaled(tvec), std: std && [...std.slice(0, 3), ...scaled(std.slice(3))],
     }));
-    return new Rig({ ...this, extrinsics, unit: "metres" });
+    const boards = this.board_poses?.map(({ tvec, ...rest }) => ({ ...rest, tvec: scaled(tvec) }));
+    return new Rig({ ...this, extrinsics, unit: "metres", ...(boards && { board_poses: boards }) });
   }
 
   /**

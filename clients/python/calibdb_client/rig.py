@@ -51,7 +51,7 @@ class Rig:
             raise UsageError("this is no rig: calibrations and extrinsics of two or more cameras are needed")
 
     def __repr__(self) -> str:
-        return f"Rig({self.id!r}, {len(self.calibrations)} cameras, {self.unit}, {self.verdict})"
+        return f"Rig({self.id!r}, {len(self.calibrations)} cameras, {self.unit}, {self.verdict[0]})"
 
     @classmethod
     def load(cls, path: str | Path) -> Rig:
@@ -90,9 +90,10 @@ class Rig:
         return float(self.record["rms"])
 
     @property
-    def verdict(self) -> str:
-        """``good``, ``fair`` or ``poor``, by the predicted error."""
-        return str(self.record.get("verdict", ""))
+    def verdict(self) -> tuple[str, ...]:
+        """Level, ``good``, ``fair`` or ``poor``, then reasons: ``uncertain``, ``held_out``, ``set_aside``."""
+        found = self.record.get("verdict") or {}
+        return str(found.get("level", "")), *map(str, found.get("reasons", ()))
 
     def pose(self, position: int, origin: int = 0) -> Array:
         """Return the motion (4, 4), x -> R x + t, from the camera at `origin` to the one at `position`.
@@ -118,9 +119,12 @@ class Rig:
             std[3:] *= square_size
             tvec = [value * square_size for value in each["tvec"]]
             extrinsics.append({**each, "tvec": tvec, "std": std.tolist()})
-        return replace(
-            self, record={**self.record, "extrinsics": extrinsics, "unit": "metres"}, _exporter=None
-        )
+        boards = [
+            {**each, "tvec": [value * square_size for value in each["tvec"]]}
+            for each in self.record.get("board_poses", ())
+        ]
+        record = {**self.record, "extrinsics": extrinsics, "board_poses": boards, "unit": "metres"}
+        return replace(self, record=record, _exporter=None)
 
     def save(self, path: str | Path, format: str = _NATIVE) -> ExportedFile:  # noqa: A002 - the contract's name
         """Write a file of one of the service's formats (docs/formats.md), and return it.

@@ -29,7 +29,8 @@ RESULT: dict[str, Any] = {
     "rms": 0.27,
     "held_out_rms": 0.3,
     "uncertainty": {"rotation_deg": 0.05, "translation_percent": 0.2, "rms": 0.25},
-    "verdict": "good",
+    "verdict": {"level": "fair", "reasons": ["held_out"]},
+    "board_poses": [{"moment": "m1", "rvec": [0.1, 0, 0], "tvec": [-4, -3, 12]}],
 }
 
 
@@ -60,7 +61,7 @@ def read(twin: bool, identifier: str, name: str = "kalibr") -> tuple[Rig, Any]:
 @pytest.mark.parametrize("twin", [False, True])
 def test_both_clients_read_a_rig_and_its_files(twin: bool) -> None:
     rig, file = read(twin, RIG)
-    assert (rig.id, rig.unit, rig.verdict, rig.rms) == (RIG, "squares", "good", 0.27)
+    assert (rig.id, rig.unit, rig.verdict, rig.rms) == (RIG, "squares", ("fair", "held_out"), 0.27)
     assert rig.uncertainty["rms"] == 0.25
     assert [each.camera for each in rig.calibrations] == [RECORD["camera"]] * 3
     assert np.isfinite(rig.calibrations[1].project([[0.0, 0, 1]])).all()
@@ -92,6 +93,7 @@ def test_a_rig_in_squares_becomes_one_in_metres() -> None:
     assert (metres.unit, rig.unit) == ("metres", "squares")
     assert metres.pose(1)[:3, 3] == pytest.approx(np.array(POSES[1][3:]) * 0.03)
     assert metres.std(1) == pytest.approx([0.001] * 3 + [0.0006] * 3)
+    assert metres.record["board_poses"][0]["tvec"] == pytest.approx([-0.12, -0.09, 0.36])
     assert metres.to_metres(5) is metres
     with pytest.raises(UsageError, match="above 0 metres"):
         rig.to_metres(0)
