@@ -14,6 +14,7 @@ from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 
 from calibsolver import Board
 from tests.helpers.browser import photographs
+from tests.helpers.browser.photographs import sent_views
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.waiting import until
 from tests.helpers.data import data_dir, external_data
@@ -62,13 +63,6 @@ def opencv_fx(bodies: list[dict[str, Any]], size: tuple[int, int]) -> tuple[floa
     points = [np.array(body["points"], dtype=np.float32)[:, None] for body in bodies]
     extended = cv2.calibrateCameraExtended(objects, points, size, None, None)
     return float(extended[1][0, 0]), float(extended[5][0][0])
-
-
-def sent_views(sent: list[Request]) -> list[dict[str, Any]]:
-    """Views that a page posted, each once."""
-    posted = [r.post_data or "" for r in sent if r.url.endswith("/session/views") and r.method == "POST"]
-    bodies = [json.loads(each) for each in posted]
-    return list({json.dumps(body["points"]): body for body in bodies}.values())
 
 
 def calibrate(page: Page) -> None:

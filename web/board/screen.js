@@ -1,6 +1,6 @@
 // The board on this screen: at whole device pixels, as large as there is room, and awake.
 import { sizeOf } from "../lib/board.js";
-import { raster } from "../lib/board-drawing.js";
+import { exactScale, raster } from "../lib/board-drawing.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
 
@@ -89,10 +89,10 @@ export class BoardScreen {
     const room = full ? whole.map((length, axis) => length - strip[axis]) : [this.#frame.clientWidth, Infinity];
     const turned = full && whole[0] < whole[1] !== size[0] < size[1];
     const [columns, rows] = turned ? [...size].reverse() : size;
-    const scale = Math.max(8, Math.floor(Math.min(
+    const scale = exactScale(this.#board, Math.max(8, Math.floor(Math.min(
       (room[0] * density) / (columns + 2 * MARGIN_SQUARES),
       (room[1] * density) / (rows + 2 * MARGIN_SQUARES),
-    )));
+    ))));
     const upright = raster(this.#board, scale, Math.round(MARGIN_SQUARES * scale));
     const { width, height, data } = turned ? quarterTurn(upright) : upright;
     this.#canvas.width = width;

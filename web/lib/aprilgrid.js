@@ -20,9 +20,10 @@ const MAX_SHIFT = 0.12; // sides of a tag; a corner that wants to go further was
 /**
  * Corners of an AprilGrid. Tags may be turned on it, as Kalibr's are: which corner is which follows from the grid.
  * @param {Grey} image @param {Board} board @param {Marker[]} markers of its family
+ * @param {boolean} [every] the corners at the board's edge, too, where others are surer: a guided capture plans with the whole board
  * @returns {{ids: number[], points: number[][]}}
  */
-export function aprilgridCorners(image, { squares: [columns, rows], tag_spacing: spacing = DEFAULT_TAG_SPACING }, markers) {
+export function aprilgridCorners(image, { squares: [columns, rows], tag_spacing: spacing = DEFAULT_TAG_SPACING }, markers, every = false) {
   const pitch = 1 + spacing;
   const corner = (/** @type {number} */ tag) => [(tag % columns) * pitch, -Math.floor(tag / columns) * pitch];
   const centre = (/** @type {Marker} */ { id }) => [corner(id)[0] + 0.5, corner(id)[1] - 0.5];
@@ -56,7 +57,7 @@ export function aprilgridCorners(image, { squares: [columns, rows], tag_spacing:
   }
   // If black squares lie in the gaps, a corner without one is less sure than the others: blur draws it inwards.
   const saddles = all.filter(({ saddle }) => saddle);
-  const kept = 2 * saddles.length > all.length ? saddles : all;
+  const kept = !every && 2 * saddles.length > all.length ? saddles : all;
   return { ids: kept.map(({ id }) => id), points: kept.map(({ point }) => point) };
 }
 

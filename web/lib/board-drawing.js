@@ -123,6 +123,21 @@ function markerRectangles(bits, left, top, side, border = 1) {
   return rectangles;
 }
 
+const MAX_SHRINK = 0.8; // of the size that there is room for
+const WHOLE = 0.02; // pixels by which a tag may miss its place
+
+/**
+ * Largest scale at which every corner falls on the edge of a pixel: between the tags of an AprilGrid it rarely does.
+ * @param {Board} board @param {number} most pixels per board unit that there is room for, whole
+ */
+export function exactScale({ kind, tag_spacing: spacing = DEFAULT_TAG_SPACING }, most) {
+  if (kind !== "aprilgrid") return most;
+  const misses = (/** @type {number} */ scale) => Math.abs(scale * spacing - Math.round(scale * spacing));
+  let best = most;
+  for (let scale = most; scale >= MAX_SHRINK * most && misses(best) > WHOLE; scale--) if (misses(scale) < misses(best)) best = scale;
+  return best;
+}
+
 /**
  * The board as a grey image.
  * @param {Board} board

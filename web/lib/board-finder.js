@@ -14,7 +14,10 @@ import { median } from "./marker-grid.js";
  */
 
 const BORDERS = [1, 2]; // cells: AprilTag's own and OpenCV's tags, and those that Kalibr prints
+/** px; the squares that join an AprilGrid's tags at their corners are parted from them by a small window only. */
+const TRACKING_WINDOW_PX = 5;
 const MIN_TAGS = 2;
+const MIN_CERTAIN_TAGS = 4; // of one border, from which the other is not looked for: within a wide border lies a narrow one
 
 /** @param {any} cv OpenCV's module @param {Board} board @returns {Finder} */
 export function createFinder(cv, board) {
@@ -24,18 +27,21 @@ export function createFinder(cv, board) {
 
 /** @param {any} cv @param {Board} board @returns {Finder} */
 function createAprilgridFinder(cv, board) {
-  const [tracking, whole] = [true, false].map((quick) => BORDERS.map((border) => new MarkerDetector(cv, board.dictionary, { border, quick })));
-  let usual = 0; // border that the board was found with last
+  const [tracking, whole] = [TRACKING_WINDOW_PX, 0].map((window) => BORDERS.map((border) => new MarkerDetector(cv, board.dictionary, { border, window })));
+  /** Border that the board was found with last. @type {number | null} */
+  let usual = null;
   return {
     find(image, full) {
       const upright = board.inverted ? negative(image) : image;
       const detectors = full ? whole : tracking;
-      let tags = detectors[usual].find(upright);
+      let tags = usual === null ? [] : detectors[usual].find(upright);
       if (tags.length < MIN_TAGS) {
-        const others = detectors[1 - usual].find(upright);
-        if (others.length > tags.length) [tags, usual] = [others, 1 - usual];
+        const both = detectors.map((detector) => detector.find(upright));
+        const better = both[1].length > both[0].length ? 1 : 0;
+        tags = both[better];
+        usual = tags.length >= MIN_CERTAIN_TAGS ? better : null;
       }
-      const seen = aprilgridCorners(upright, board, tags);
+      const seen = aprilgridCorners(upright, board, tags, !full);
       return { ...seen, markers: tags.length, metrics: metricsOf(image, seen.points, typicalSide(tags)) };
     },
     probe: (_, kind) => ({ kind, markers: 0, corners: 0 }),

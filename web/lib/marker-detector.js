@@ -3,11 +3,12 @@
 /**
  * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {{id: number, corners: number[][]}} Marker corners: px, clockwise from the marker's own upper left
- * @typedef {{border?: number, refined?: boolean, quick?: boolean}} MarkerOptions quick: one window of the adaptive threshold; border: width of the black frame, cells: 1, or 2 as Kalibr prints it;
- *   refined: corners to a fraction of a pixel, of markers with white around them
+ *
+ * @typedef {object} MarkerOptions
+ * @property {number} [border] width of the black frame, cells: 1, or 2 as Kalibr prints it
+ * @property {boolean} [refined] corners to a fraction of a pixel, of markers with white around them
+ * @property {number} [window] side of the one window of the adaptive threshold, px; three windows unless given, which take longer
  */
-
-const TRACKING_WINDOW_PX = 13; // that serves nearly always
 
 export class MarkerDetector {
   #cv;
@@ -16,12 +17,12 @@ export class MarkerDetector {
   #held;
 
   /** @param {any} cv OpenCV's module @param {string} dictionary @param {MarkerOptions} [options] */
-  constructor(cv, dictionary, { border = 1, refined = false, quick = false } = {}) {
+  constructor(cv, dictionary, { border = 1, refined = false, window = 0 } = {}) {
     this.#cv = cv;
     const [words, parameters] = [cv.getPredefinedDictionary(cv[dictionary]), new cv.aruco_DetectorParameters()];
     const refinement = new cv.aruco_RefineParameters(10, 3, true);
     parameters.markerBorderBits = border;
-    if (quick) parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = TRACKING_WINDOW_PX;
+    if (window) parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = window;
     if (refined) parameters.cornerRefinementMethod = cv.CORNER_REFINE_SUBPIX.value ?? cv.CORNER_REFINE_SUBPIX;
     this.#detector = new cv.aruco_ArucoDetector(words, parameters, refinement);
     this.#held = [this.#detector, words, parameters, refinement];

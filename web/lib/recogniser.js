@@ -12,7 +12,7 @@ import { MarkerDetector } from "./marker-detector.js";
  */
 
 const MAX_SIDE_PX = 1500; // of a picture in which markers are looked for: a print-out fills a good part of it
-const KALIBR_BORDER = 2; // cells
+const KALIBR_BORDER = 2; // cells; looked for first: within a wide border lies a narrow one
 
 export class Recogniser {
   #cv;
@@ -36,7 +36,7 @@ export class Recogniser {
     for (const isInverted of inverted ? [false, true] : [false]) {
       const upright = isInverted ? negative(small) : small;
       for (const family of new Set([...families, ...FAMILIES])) {
-        for (const border of isTagFamily(family) ? [1, KALIBR_BORDER] : [1]) {
+        for (const border of isTagFamily(family) ? [KALIBR_BORDER, 1] : [1]) {
           const markers = this.#detector(family, border).find(upright).map(({ id, corners }) =>
             ({ id, corners: corners.map(([x, y]) => [factor * (x + 0.5) - 0.5, factor * (y + 0.5) - 0.5]) }));
           /** @type {Sighting} */

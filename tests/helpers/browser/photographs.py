@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import functools
+import json
 import struct
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
+from playwright.sync_api import Request
 
 from calibsolver import Board
 from calibsolver.guidance.overlay import draw_board
@@ -159,3 +162,10 @@ def draw_other(folder: Path) -> Path:
         jpeg(np.asarray(cv2.resize(photograph(rotation, translation), None, fx=2, fy=2), dtype=np.uint8))
     )
     return path
+
+
+def sent_views(sent: list[Request]) -> list[dict[str, Any]]:
+    """Views that a page posted, each once."""
+    posted = [r.post_data or "" for r in sent if r.url.endswith("/session/views") and r.method == "POST"]
+    bodies = [json.loads(each) for each in posted]
+    return list({json.dumps(body["points"]): body for body in bodies}.values())

@@ -1,5 +1,5 @@
 // Virtual camera: a MediaStream that shows the board through a known lens, and follows the targets.
-import { DEFAULT_BOARD } from "../board.js";
+import { DEFAULT_BOARD, outline, sizeOf } from "../board.js";
 import { HANDS, Hand } from "./hand.js";
 import { matchPose } from "./match.js";
 import { NAME, isVirtual } from "./name.js";
@@ -117,12 +117,14 @@ export class VirtualCamera {
     if (!context) throw new Error("this browser has no 2D canvas");
     this.#context = context;
     this.#worker = new Worker(new URL("./painter-worker.js", import.meta.url), { type: "module" });
-    const [columns, rows] = board.squares;
+    const [columns, rows] = sizeOf(board);
+    const [left, top] = outline(board)[0];
+    const [x, y] = [left + columns / 2, top + rows / 2];
     const distance = ((1.6 * columns * setup.lens.fx) / setup.size[0]) * (setup.shown.distance ?? 1);
     this.#hand = new Hand(setup.hand, {
-      error: setup.error, seed: setup.seed, pivot: [columns / 2, rows / 2, 0],
+      error: setup.error, seed: setup.seed, pivot: [x, y, 0],
       focal: (setup.lens.fx * 1280) / setup.size[0],
-      start: { rvec: [0, 0, 0], tvec: [-columns / 2, -rows / 2, distance] },
+      start: { rvec: [0, 0, 0], tvec: [-x, -y, distance] },
     });
   }
 

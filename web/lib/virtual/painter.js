@@ -1,5 +1,6 @@
 // Painter of the board as a camera with a known lens sees it. Pure: numbers in, pixels out.
-import { raster } from "../board-drawing.js";
+import { outline } from "../board.js";
+import { exactScale, raster } from "../board-drawing.js";
 import { rotationMatrix } from "../pose.js";
 import { projectionOf } from "./lens.js";
 
@@ -9,7 +10,7 @@ import { projectionOf } from "./lens.js";
  * @typedef {import("../pose.js").Pose} Pose
  */
 
-const TEXELS_PER_SQUARE = 64; // a square
+const MAX_TEXELS_PER_SQUARE = 64;
 const BORDER_TEXELS = 32; // texels of white paper around the board
 const BACKGROUND = 112;
 const SAMPLES_PER_AXIS = 3; // a pixel, each way: corners come out 0.05 px right
@@ -19,6 +20,10 @@ export class Painter {
   /** Rays at the corners of the pixels, x and y at z = 1; NaN where the lens sees nothing. */
   #rays;
   #texture;
+  /** Texels per board unit. */
+  #scale;
+  /** Texel of the board's origin: an AprilGrid's is at its lower left. */
+  #origin;
   /** 1 where the texture is the same all around. @type {Uint8Array} */
   #even;
   #size;
@@ -30,7 +35,9 @@ export class Painter {
     const [width, height] = size;
     const { unproject } = projectionOf(lens);
     this.#size = size;
-    this.#texture = raster(board, TEXELS_PER_SQUARE, BORDER_TEXELS);
+    this.#scale = exactScale(board, MAX_TEXELS_PER_SQUARE);
+    this.#texture = raster(board, this.#scale, BORDER_TEXELS);
+    this.#origin = outline(board)[0].map((edge) => BORDER_TEXELS - this.#scale * edge - 0.5);
     this.#even = evenness(this.#texture);
     this.#rows = new Float32Array(4 * (width + 1));
     this.#rays = new Float32Array(2 * (width + 1) * (height + 1));
@@ -69,12 +76,14 @@ export class Painter {
   #meet(plane, y, out) {
     const [a, b, c, d, e, f, g, h, i] = plane;
     const rays = this.#rays;
+    const [left, top] = this.#origin;
+    const scale = this.#scale;
     for (let at = 0, ray = y * out.length; at < out.length; at += 2, ray += 2) {
       const [u, v] = [rays[ray], rays[ray + 1]];
       const depth = g * u + h * v + i;
       // Behind the camera, or past the horizon of the plane: not on the board.
-      out[at] = depth > 0 ? ((a * u + b * v + c) / depth) * TEXELS_PER_SQUARE + BORDER_TEXELS - 0.5 : NaN;
-      out[at + 1] = depth > 0 ? ((d * u + e * v + f) / depth) * TEXELS_PER_SQUARE + BORDER_TEXELS - 0.5 : NaN;
+      out[at] = depth > 0 ? ((a * u + b * v + c) / depth) * scale + left : NaN;
+      out[at + 1] = depth > 0 ? ((d * u + e * v + f) / depth) * scale + top : NaN;
     }
   }
 
