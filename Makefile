@@ -18,8 +18,11 @@ PYTEST := $(PY) -m pytest
 TWO := -n 2 --dist worksteal
 # Browsers wait more than they compute.
 THREE := -n 3 --dist worksteal
-# Whole modules, so that a fixture of a module is made once.
-MODULES := -n 2 --dist loadscope
+# Whole modules, so that a fixture of a module is made once; in the order of tests/conftest.py, the longest first
+MODULES := -n 2 --dist loadscope --no-loadscope-reorder
+# The longest first, for two at a time
+CHECKS := .mypy .cfn-lint .tsc .ruff .audit
+PAIRED := --no-print-directory --jobs 2 --output-sync
 # One core for both sides of every ratio: libraries differ in how many they would take.
 ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 COMMA := ,
@@ -33,13 +36,16 @@ help: ## list the commands
 run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0.1:8000
 	@exec $(PY) -m infra.local
 
-test: lint ## run everything below up to browser
-	node --test tests/web/
+test: $(SETUP) ## run everything below up to browser
+	@$(MAKE) $(PAIRED) .node $(CHECKS)
 	$(PYTEST) $(MODULES) tests/unit tests/service
 	@$(MAKE) --no-print-directory browser
 
 lint: $(SETUP) ## check style, types, the template, and dependencies for known vulnerabilities
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync .ruff .mypy .cfn-lint .tsc .audit
+	@$(MAKE) $(PAIRED) $(CHECKS)
+
+.node:
+	node --test tests/web/
 
 .ruff:
 	$(PY) -m ruff check .
@@ -59,8 +65,7 @@ lint: $(SETUP) ## check style, types, the template, and dependencies for known v
 	@test -x $(AUDIT) || ($(PYTHON) -m venv .build/audit && .build/audit/bin/pip install --quiet --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
 	@$(PY) -m infra.ci.audit
 
-unit: $(SETUP) ## test one package at a time, without sockets, and the web client's modules under node
-	node --test tests/web/
+unit: $(SETUP) .node ## test one package at a time, without sockets, and the web client's modules under node
 	$(PYTEST) $(MODULES) tests/unit
 
 service: $(SETUP) ## test HTTP through the local gateway

@@ -12,6 +12,12 @@ THOROUGH = bool(os.environ.get("THOROUGH"))  # `make thorough`
 #: markers whose tests run only on a condition
 SELECTED = {"thorough": THOROUGH, "external_data": EXTERNAL is not None}
 
+#: modules that take longest, a minute of processor time to a quarter of one: what begins last must be short
+LONGEST = (
+    *("test_crowd", "test_bundle", "test_hostile", "test_reindex", "test_edge_histories", "test_guidance"),
+    *("test_loop", "test_ops", "test_killed_while_finishing", "test_durability", "test_convert"),
+)
+
 # The same examples each time, however slow the machine is; new ones are looked for where there is time.
 settings.register_profile(
     "calibdb", deadline=None, derandomize=not THOROUGH, suppress_health_check=[HealthCheck.too_slow]
@@ -24,7 +30,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     deselected = [item for item in items if unwanted & {mark.name for mark in item.iter_markers()}]
     if deselected:
         config.hook.pytest_deselected(items=deselected)
-        items[:] = [item for item in items if item not in deselected]
+        gone = set(deselected)
+        items[:] = [item for item in items if item not in gone]
+    first = {f"{name}.py": place for place, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: first.get(item.path.name, len(first)))
 
 
 def pytest_configure() -> None:
