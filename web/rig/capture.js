@@ -35,6 +35,9 @@ export class RigCapture {
   #noticedAt = 0;
   #target = "";
   #targetSince = 0;
+  /** Cameras of other devices, and since when they are so many. */
+  #joined = 0;
+  #joinedAt = -Infinity;
   /** Moments in a row that not all other devices have answered: they need more time. */
   #unanswered = 0;
   /** ms, since when the result is accurate enough. */
@@ -52,7 +55,7 @@ export class RigCapture {
         void save();
         this.#changed();
       },
-      onSent: (letter) => this.#delivered(letter),
+      onSent: ({ kind }) => kind === "view" && this.#link.hurry(),
       onRefused: (letter, error) => this.#refused(letter, error),
       onLink: (offline) => this.#setOffline(offline),
       signal,
@@ -99,12 +102,12 @@ export class RigCapture {
     return signal.aborted ? null : this.model.state;
   }
 
-  // ------------------------------------------------------------------ what the service says
-
   /** @param {RigState} state @param {number} unopenedAt ms, when what is new in it was not there yet */
   #receive(state, unopenedAt) {
     const opened = state.moment;
     const isFirst = this.model.state === null;
+    const joined = remotePositions(state, this.#own).length;
+    if (joined !== this.#joined) [this.#joined, this.#joinedAt] = [joined, performance.now()];
     this.model.state = state;
     this.model.patience = this.#patience;
     if (opened && !this.#known.has(opened.id)) {
@@ -164,8 +167,6 @@ export class RigCapture {
     this.#changed();
   }
 
-  // ------------------------------------------------------------------ moments
-
   async #decide() {
     const { record, members, signal } = this.#resources;
     const { moment, state, opening, finishing } = this.model;
@@ -177,7 +178,8 @@ export class RigCapture {
       void this.finish();
     } else if (record.leads && !opening && this.#isSettled) {
       // One camera alone says nothing of where the others are.
-      if (isAlone(state)) return;
+      // Who has just joined has to look first.
+      if (isAlone(state) || performance.now() - this.#joinedAt < this.#patience) return;
       if (isReady(this.#sights, this.#patience)) void this.open();
       else if (performance.now() - this.#targetSince > STUCK_MS && this.#sights.some((sight) => isSeen(sight) || sight.markers > 0)) void this.skip();
     }
@@ -274,8 +276,6 @@ export class RigCapture {
     this.#changed();
   }
 
-  // ------------------------------------------------------------------ what a person asks for
-
   /** Undoes a moment in all cameras. @param {string} [id] the last one unless told */
   undo(id = this.model.state?.moments.at(-1)?.id ?? this.model.moment?.id) {
     if (!this.#resources.record.leads || !id) return;
@@ -316,8 +316,6 @@ export class RigCapture {
     }
   }
 
-  // ------------------------------------------------------------------ the outbox
-
   /** @param {import("./outbox.js").Letter} letter */
   async #send(letter) {
     const { service, record } = this.#resources;
@@ -326,11 +324,6 @@ export class RigCapture {
     if (letter.kind === "undo") return this.#link.receive(await service.undo(record.about, this.#leader, letter.moment), askedAt);
     const { session, moment, ids, points } = letter;
     return service.submit(session, { moment, ids, points });
-  }
-
-  /** @param {import("./outbox.js").Letter} letter */
-  #delivered(letter) {
-    if (letter.kind === "view") this.#link.hurry();
   }
 
   /** @param {import("./outbox.js").Letter} letter @param {import("../lib/api.js").ApiError} error */

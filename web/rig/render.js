@@ -88,7 +88,7 @@ function renderState({ progress, counts, members, advice, moments, momentList },
   advice.replaceChildren(...text.adviceTexts(state).map((words) => el("li", {}, words)));
   moments.hidden = state.moments.length === 0;
   momentList.replaceChildren(...state.moments.map((moment, index) => {
-    const words = [t("rig.moment_line", { number: index + 1, cameras: text.cameraNames(moment.positions) }), ...text.asideTexts(moment)];
+    const words = [t("rig.moment_line", { number: index + 1, cameras: moment.positions.length > 0 ? text.cameraNames(moment.positions) : "…" }), ...text.asideTexts(moment)];
     const button = el("button", { type: "button", "aria-label": t("rig.undo_moment", { number: index + 1 }) }, t("rig.undo"));
     button.addEventListener("click", () => undo(moment.id));
     return el("li", { class: moment.set_aside?.length ? "aside" : "" }, el("span", {}, words.join(" ")), ...(leads ? [button] : []));

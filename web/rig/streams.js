@@ -49,7 +49,7 @@ export function placeOf(half, [width, height]) {
 
 /** Label of one half: another lens is another camera. The USB id stays at the end. @param {string} label @param {Half | null} half */
 export function labelOfHalf(label, half) {
-  return half ? label.replace(/(\s*\([0-9a-f]{4}:[0-9a-f]{4}\))?$/i, (id) => ` (${half})${id}`) : label;
+  return half ? label.replace(/(\s*\([0-9a-f]{4}:[0-9a-f]{4}\))?$/i, (id) => ` ${half}${id}`) : label;
 }
 
 export class Stream {

@@ -1,0 +1,129 @@
+"""Several cameras calibrated together: of one stream, and across browsers that die or lose the network."""
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import cv2
+import httpx
+import numpy as np
+import pytest
+from playwright.sync_api import BrowserContext, Page, Route, expect
+
+from tests.browser.conftest import executable
+from tests.helpers.browser.interruptions import HIDE
+from tests.helpers.browser.pictures import WIDE, picture
+
+RIG = "/rig/?virtual=1&img_size=640x480&error=0.5"
+TRUE_POSE = "async (position) => (await import('/rig/scene.js')).cameraPose(position)"
+MAX_SIGMAS = 5.0  # of the six parameters of a pose
+MAX_SHIFT = 0.02  # of the distance
+
+
+def rig_id(page: Page) -> str:
+    """Id of the rig, from the page's address."""
+    found: str = page.evaluate("new URLSearchParams(location.search).get('id')")
+    return found
+
+
+def moments(page: Page) -> int:
+    """Moments that the page lists."""
+    return page.locator("#moment-list li").count()
+
+
+def expect_true_pose(page: Page, result: dict[str, Any]) -> None:
+    """Compare the second camera's pose with that of the simulated one."""
+    true = page.evaluate(TRUE_POSE, 1)
+    found = result["extrinsics"][1]
+    error = np.abs(np.subtract(found["rvec"] + found["tvec"], true["rvec"] + true["tvec"]))
+    assert (error < MAX_SIGMAS * np.array(found["std"])).all(), (error / found["std"]).round(1)
+    assert np.linalg.norm(np.subtract(found["tvec"], true["tvec"])) < MAX_SHIFT * np.linalg.norm(true["tvec"])
+
+
+def saved(page: Page, name: str) -> str:
+    """Content of a file that the result offers."""
+    with page.expect_download() as download:
+        page.locator(f"#file-{name}").click()
+    return Path(download.value.path()).read_text()
+
+
+def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
+    page: Page, api: httpx.Client, tmp_path: Path
+) -> None:
+    page.goto(f"{RIG}&layout=side_by_side")
+    page.locator("#moment-list li").first.wait_for()
+    aspects = "all => all.map((one) => one.clientWidth / one.clientHeight)"
+    shapes = page.locator(".picture .stage").evaluate_all(aspects)
+    assert np.allclose(shapes, 640 / 480, atol=0.02), "each half by itself"
+    page.evaluate(HIDE, True)  # so that it is not over before it is looked at
+    picture(page, "rig-during", ["desk"])
+    page.locator("#moment-list button").last.click()
+    expect(page.locator("#moment-list li")).to_have_count(moments(page) - 1)
+    page.evaluate(HIDE, False)
+    page.locator("#done:not([hidden])").wait_for()
+    assert page.evaluate("document.activeElement.id") == "result-title"
+    picture(page, "rig-result", ["hand"], full=True)
+    page.set_viewport_size({"width": 320, "height": 640})
+    assert page.evaluate(WIDE) == 0
+
+    result = json.loads(saved(page, "json"))
+    expect_true_pose(page, result)
+    path = tmp_path / "stereo.yml"
+    path.write_text(saved(page, "opencv_stereo"))
+    file = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
+    np.testing.assert_allclose(file.getNode("T").mat().ravel(), result["extrinsics"][1]["tvec"], atol=1e-6)
+    assert json.loads(saved(page, "gltf"))["cameras"]
+    # Each camera is an ordinary calibration, of its own half of the stream.
+    labels = [api.get(f"/calibrations/{each}").json()["camera"] for each in result["cameras"]]
+    assert [label.rsplit(" ", 1)[1] for label in labels] == ["left", "right"]
+    expect(page.locator(".epipolar canvas")).to_have_count(2)
+    page.reload()
+    page.locator("#done:not([hidden])").wait_for()
+    expect(page.locator(".rig-plot .camera")).to_have_count(2)
+    assert page.locator(".rig-plot .board").count() >= 4, "boards as the service knows them"
+
+
+@pytest.mark.thorough
+def test_firefox_leads_and_is_killed_chromium_follows_and_loses_its_network(
+    stack: str, context: BrowserContext, api: httpx.Client, tmp_path: Path
+) -> None:
+    script = Path(__file__).parents[1] / "helpers" / "browser" / "firefox_rig.mjs"
+    leader = subprocess.Popen(
+        ["node", str(script), executable("firefox-esr"), f"{stack}{RIG}&others=1", str(tmp_path / "profile")],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert leader.stdout
+        code = json.loads(leader.stdout.readline())["code"]
+        follower = context.new_page()
+        follower.goto(f"{RIG}&position=1&code={code.lower()}")
+        follower.locator("#moment-list li", has_text="cameras 1 and 2").first.wait_for()
+
+        # Its network goes while it delivers a view: the view waits on this device.
+        lost: list[Any] = []
+
+        def lose(route: Route) -> None:
+            if route.request.method == "POST" and route.request.url.endswith("/session/views"):
+                lost.append(route.request.post_data_json)
+            if lost:
+                route.abort()
+            else:
+                route.continue_()
+
+        follower.route("**/v1/**", lose)
+        expect(follower.locator("#detail")).to_contain_text("1 view is kept on this device")
+        follower.unroute("**/v1/**")
+        follower.locator("#done:not([hidden])").wait_for()
+        ended = json.loads(leader.stdout.readline())
+    finally:
+        leader.kill()
+        leader.wait()
+    assert ended["complaints"] == []
+    assert ended["kept"] >= ended["before"], "a killed browser loses no moment"
+    state = api.get(f"/rigs/{ended['id']}").raise_for_status().json()
+    late = next(moment for moment in state["moments"] if moment["id"] == lost[0]["moment"])
+    assert late["positions"] == [0, 1], "the view that waited has arrived"
+    assert all(moment["positions"] for moment in state["moments"])
+    expect_true_pose(follower, state["result"])

@@ -1,0 +1,216 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { ApiError, OfflineError } from "../../web/lib/api.js";
+import { DEFAULT_BOARD, corners as boardCorners } from "../../web/lib/board.js";
+import { composePoses, invertPose, transformPoint } from "../../web/lib/pose.js";
+import { MOVING } from "../../web/lib/capture/stillness.js";
+import { intrinsicsOf, projectionOf } from "../../web/lib/virtual/lens.js";
+import { RigLink } from "../../web/rig/link.js";
+import { JoinError, enter } from "../../web/rig/membership.js";
+import { BLIND, answer, isReady, observeFrame, remoteHold, requiredHold } from "../../web/rig/moments.js";
+import { Outbox } from "../../web/rig/outbox.js";
+import { isAccurate, isAlone, isFinishable, silentPositions } from "../../web/rig/progress.js";
+import { boardInRig, relationOf, sceneOf } from "../../web/rig/relations.js";
+import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
+import { labelOfHalf, placeOf } from "../../web/rig/streams.js";
+
+const POINTS = [0, 1, 2, 3, 4, 5].map((i) => [100 + 50 * i, 100 + 20 * (i % 2)]);
+const detection = (shift = 0) => ({ ids: [0, 1, 2, 3, 4, 5], points: POINTS.map(([x, y]) => [x + shift, y]), markers: 6, size: [1280, 720] });
+
+/** Sight of a board that jumped at `since` and is looked at every 50 ms until `until`. */
+function sightOf(since, until) {
+  let sight = observeFrame(BLIND, detection(200), since - 50, DEFAULT_BOARD);
+  for (let time = since; time <= until; time += 50) sight = observeFrame(sight, detection(), time, DEFAULT_BOARD);
+  return sight;
+}
+
+test("a camera takes a view only if the board was still since before the moment can have been opened", () => {
+  const sight = sightOf(1_000, 3_000);
+  assert.equal(answer(sight, { unopenedAt: 1_500, seenAt: 2_800 }, 3_000), "take");
+  assert.equal(answer(sight, { unopenedAt: 999, seenAt: 2_800 }, 3_000), "miss", "it moved after the moment may have been opened");
+  assert.equal(answer(sight, { unopenedAt: -Infinity, seenAt: 2_800 }, 3_000), "miss", "nobody here looked before it was open");
+  assert.equal(answer(sight, { unopenedAt: 1_500, seenAt: 3_010 }, 3_020), "wait", "no frame since it was seen to be open");
+  const moved = observeFrame(sight, detection(40), 3_200, DEFAULT_BOARD);
+  assert.equal(answer(moved, { unopenedAt: 1_500, seenAt: 3_100 }, 3_200), "miss", "it moved before the view was taken");
+  assert.equal(answer(BLIND, { unopenedAt: 1_500, seenAt: 2_000 }, 2_000), "miss");
+});
+
+test("a picture that is 200 ms old while the hand moves at 5 cm/s is no still one", () => {
+  // 60 cm before a camera of 1,000 px: 83 px/s, which is 4 px from one frame to the next.
+  let sight = sightOf(0, 1_000);
+  for (let time = 1_050, x = 0; time < 2_000; time += 50) sight = observeFrame(sight, detection((x += 4.2)), time, DEFAULT_BOARD);
+  assert.equal(answer(sight, { unopenedAt: 1_900, seenAt: 1_910 }, 2_000), "miss");
+  assert.ok(!isReady([sight], 0));
+});
+
+test("other devices need a longer hold, and a still longer one after what they missed; the same hold is taken once", () => {
+  const still = (hold) => sightOf(0, hold);
+  assert.ok(!isReady([still(1_400)], 0) && isReady([still(1_500)], 0), "nowhere near a target");
+  assert.ok(!isReady([still(1_500)], remoteHold(0)) && isReady([still(1_900)], remoteHold(0)));
+  assert.ok(remoteHold(0) < remoteHold(1) && remoteHold(99) === 5_000);
+  const taken = still(3_000);
+  assert.equal(requiredHold([{ ...taken, lastTaken: taken.corners }], 0), null);
+  assert.equal(requiredHold([{ ...taken, stillness: MOVING, corners: { ids: [], points: [] } }], 0), null);
+});
+
+const LETTERS = [{ kind: "open", moment: "a" }, ...[0, 1].map((position) => ({ kind: "view", position, session: "s", moment: "a", ids: [1], points: [[1, 1]] }))];
+
+/** An outbox over a service that gives what `answers` has; what it did is in `log`. */
+function boxOf(answers, letters = []) {
+  const log = [];
+  const saved = [];
+  let wake = () => {};
+  const box = new Outbox({
+    send: async (letter) => {
+      log.push(`${letter.kind} ${letter.position ?? letter.moment}`);
+      const found = answers.shift() ?? {};
+      if (found instanceof Error) throw found;
+      return found;
+    },
+    save: () => saved.push(box.letters.length), onSent() {}, onRefused: (_, error) => log.push(`refused ${error.status}`),
+    onLink: (offline) => log.push(offline ? "offline" : "online"), wait: () => new Promise((done) => (wake = done)),
+  }, letters);
+  return { box, log, saved, wake: () => wake() };
+}
+
+test("what was captured is delivered in order, and waits while the service is away", async () => {
+  const { box, log, saved, wake } = boxOf([{}, new OfflineError(), new ApiError(503, {}), {}, {}]);
+  box.post(...LETTERS);
+  const sending = box.flush();
+  for (let turn = 0; turn < 40; turn++) {
+    await new Promise((done) => setImmediate(done));
+    wake();
+  }
+  await sending;
+  assert.deepEqual(log, ["open a", "view 0", "offline", "view 0", "view 0", "online", "view 1"]);
+  assert.deepEqual([saved[0], saved.at(-1), box.views], [3, 0, 0], "kept before it is sent, forgotten after it was");
+});
+
+test("letters of an earlier page are delivered; what the service refuses does not hold up the rest", async () => {
+  const { box, log } = boxOf([{}, new ApiError(409, { type: "x#moment-undone" })], LETTERS);
+  await box.flush();
+  assert.deepEqual(log, ["open a", "view 0", "refused 409", "view 1"]);
+});
+
+test("a moment that nobody has heard of is withdrawn; one whose opening is on its way is undone at the service", () => {
+  const { box } = boxOf([]);
+  box.post(...LETTERS);
+  assert.equal(box.withdraw("a"), false);
+  assert.equal(boxOf([], LETTERS).box.withdraw("a"), true);
+  assert.deepEqual(box.letters, []);
+});
+
+test("the link tells since when what is new was not there", async () => {
+  const states = [{ status: "capturing", moments: [] }, null, { status: "finished", moments: [1] }];
+  const told = [];
+  const service = { state: async () => {
+    const state = states.shift();
+    return state && { state, etag: "e" };
+  } };
+  const link = new RigLink({ service, id: "r", session: "s", signal: new AbortController().signal,
+    onState: (state, unopenedAt) => told.push([state.moments.length, unopenedAt]), onLink() {}, onFailure: assert.fail });
+  const running = link.run();
+  for (let turn = 0; turn < 20; turn++) {
+    await new Promise((done) => setImmediate(done));
+    link.hurry();
+  }
+  await running;
+  assert.deepEqual(told[0], [0, -Infinity], "of what was there at first nobody knows");
+  assert.ok(Number.isFinite(told[1][1]));
+});
+
+const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], board: DEFAULT_BOARD };
+const recordOf = (leads, count) => ({ about: "", leads, query: "", cameras: 3, square_size: 0.03, choices: [], letters: [],
+  members: Array.from({ length: count }, (_, position) => ({ position: leads ? position : 0, session: "", opened: false, request: null })) });
+
+test("a device's cameras enter a rig, and a page that was lost in the middle completes that with the same sessions", async () => {
+  const calls = [];
+  let isLost = true;
+  const service = {
+    authenticate: async () => `s${calls.filter((call) => call[0] === "auth").length + (calls.push(["auth"]) && 0)}`,
+    openSession: async (session, { rig }) => {
+      calls.push([session, rig]);
+      if (rig && isLost) throw new OfflineError();
+      return { rig: rig && { id: "r", position: rig.position ?? 1 } };
+    },
+    create: async (session, body) => calls.push([session, body]) && { rig_id: "r", join_code: "ABC234", expires_at: 9 },
+  };
+  const record = recordOf(true, 2);
+  const saves = [];
+  const save = async () => saves.push(record.about);
+  await assert.rejects(enter(service, record, [REQUEST, REQUEST], { save }), OfflineError);
+  isLost = false;
+  assert.equal(await enter(service, record, [REQUEST, REQUEST], { save }), null);
+  assert.deepEqual(calls.filter(([kind]) => kind !== "auth"), [
+    ["s0", undefined], ["s0", { cameras: 3, square_size: 0.03 }],
+    ["s1", { id: "r", position: 1 }], ["s1", { id: "r", position: 1 }],
+  ]);
+  assert.ok(saves.every((id) => id === "r") && record.members.every(({ opened }) => opened));
+});
+
+test("a refused code is told apart from another board", async () => {
+  for (const [field, code] of [["rig.code", "code"], ["rig.position", "position"], ["board", "board"]]) {
+    const service = { authenticate: async () => "s", openSession: async () => {
+      throw new ApiError(422, { detail: "Not valid.", errors: [{ field, detail: "no" }] });
+    } };
+    await assert.rejects(enter(service, recordOf(false, 1), [REQUEST], { code: "ABC234", save: async () => {} }), (error) => error instanceof JoinError && error.code === code);
+  }
+});
+
+test("the simulated board is the same one in every browser, and covers the target in the first camera", () => {
+  const parameters = new URLSearchParams("error=0");
+  const { lens, size } = setupAt(parameters, 0);
+  const pose = { rvec: [0.3, -0.2, 0.1], tvec: [-4, -3, 14] };
+  const places = boardCorners(DEFAULT_BOARD);
+  const corners = places.map((place) => projectionOf(lens).project(transformPoint(pose, [...place, 0])));
+  const target = { position: 0, ...pose, rvec: [0.32, -0.2, 0.1], ids: places.map((_, id) => id), corners, outline: [] };
+  const found = boardPose([{ ...target, position: 3 }, target].reverse(), DEFAULT_BOARD, parameters);
+  const off = places.map((place, id) => {
+    const [u, v] = projectionOf(lens).project(transformPoint(found, [...place, 0]));
+    return Math.hypot(u - corners[id][0], v - corners[id][1]);
+  });
+  assert.ok(Math.max(...off) < 0.1, `${Math.max(...off)} px of ${size[0]}`);
+  const clumsy = new URLSearchParams("error=1");
+  assert.deepEqual(boardPose([target], DEFAULT_BOARD, clumsy), boardPose([target], DEFAULT_BOARD, clumsy));
+  assert.equal(boardPose([], DEFAULT_BOARD, parameters), null);
+  assert.equal(new Set([0, 1, 2, 3, 4, 5, 6, 7].map((position) => JSON.stringify(cameraPose(position)))).size, 8);
+});
+
+test("a board seen by any camera of the rig is found where it is", () => {
+  const board = { rvec: [0.2, 0.3, -0.1], tvec: [-4, -2, 15] };
+  const extrinsics = [0, 1].map((position) => ({ position, ...cameraPose(position), std: [0.001, 0.001, 0.001, 0.01, 0.02, 0.03] }));
+  const lenses = [0, 1].map((position) => setupAt(new URLSearchParams(), position));
+  const calibrations = lenses.map(({ lens, size }) => ({ ...intrinsicsOf(lens), img_size: size }));
+  const there = composePoses(cameraPose(1), board);
+  const points = boardCorners(DEFAULT_BOARD).map((place) => projectionOf(lenses[1].lens).project(transformPoint(there, [...place, 0])));
+  const found = boardInRig({ calibrations, extrinsics }, 1, { ids: points.map((_, id) => id), points }, DEFAULT_BOARD, 1);
+  for (const name of ["rvec", "tvec"]) found[name].forEach((value, axis) => assert.ok(Math.abs(value - board[name][axis]) < 1e-3));
+  const { distance, distanceStd, angle } = relationOf(extrinsics[1]);
+  assert.ok(Math.abs(distance - Math.hypot(...cameraPose(1).tvec)) < 1e-12 && distanceStd > 0.01 && distanceStd < 0.03);
+  assert.ok(angle > 9 && angle < 11, "degrees");
+  const scene = sceneOf({ calibrations, extrinsics }, [found], DEFAULT_BOARD, 1);
+  assert.deepEqual(scene.bodies.map(({ kind }) => kind), ["board", "camera", "camera"]);
+  const back = composePoses(invertPose(board), board);
+  assert.ok([...back.rvec, ...back.tvec].every((value) => Math.abs(value) < 1e-12));
+});
+
+test("a stereo camera's picture is cut in halves, whose cameras have names of their own", () => {
+  assert.deepEqual(placeOf("right", [2560, 720]), { size: [1280, 720], offset: [1280, 0] });
+  assert.deepEqual(placeOf("bottom", [641, 961]), { size: [641, 480], offset: [0, 481] });
+  assert.deepEqual(placeOf(null, [640, 480]), { size: [640, 480], offset: [0, 0] });
+  assert.equal(labelOfHalf("ZED 2 (2b03:f780)", "left"), "ZED 2 left (2b03:f780)");
+  assert.equal(labelOfHalf("ZED 2", null), "ZED 2");
+});
+
+test("a rig ends by itself when it is accurate, and no camera keeps silent", () => {
+  const cameras = [0, 1].map((position) => ({ position, status: "capturing", views: 4 }));
+  const moment = (id, ...positions) => ({ id, positions });
+  const state = { status: "capturing", cameras, unlinked: [], rms: 0.1, target_error: 0.3, uncertainty: { rms: 0.2 }, moments: [moment("a", 0, 1), moment("b", 0, 1)] };
+  assert.ok(isAccurate(state) && !isAlone(state));
+  assert.deepEqual(silentPositions(state, [0]), []);
+  assert.deepEqual(silentPositions({ ...state, moments: [moment("a", 0, 1), moment("b", 0), moment("c", 0)] }, [0]), [1]);
+  assert.ok(!isAccurate({ ...state, uncertainty: { rms: 0.31 } }));
+  assert.ok(!isFinishable({ ...state, unlinked: [1] }));
+  assert.ok(!isFinishable({ ...state, cameras: [cameras[0], { ...cameras[1], views: 3 }] }));
+  assert.ok(isAlone({ ...state, cameras: [cameras[0], { ...cameras[1], status: "waiting" }] }));
+});
