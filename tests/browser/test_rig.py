@@ -119,7 +119,7 @@ def test_firefox_leads_and_is_killed_chromium_follows_and_loses_its_network(
         ended = json.loads(leader.stdout.readline())
     finally:
         leader.kill()
-        leader.wait()
+        leader.communicate()
     assert ended["complaints"] == []
     assert ended["kept"] >= ended["before"], "a killed browser loses no moment"
     state = api.get(f"/rigs/{ended['id']}").raise_for_status().json()
