@@ -142,7 +142,7 @@ def test_javascript_of_quickstart_and_manual_runs(context: BrowserContext, stack
         html = f'<!doctype html>{map_}<script type="module">{code.replace(SITE, stack)}</script>'
         page.route(f"**/sample-{index}", partial(send, html))
         page.goto(f"/sample-{index}")
-        page.wait_for_function("globalThis.done", timeout=10_000)
+        page.wait_for_function("globalThis.done")
     assert errors == []
 
 
@@ -176,6 +176,7 @@ def test_pinned_sdk_runs_as_it_was_published_or_not_at_all(
     page_text = pinned.replace(SITE, stack).replace('from "calibdb";', said)
     (tmp_path / "index.html").write_text(f'<!doctype html><link rel="icon" href="data:,">{page_text}')
     context = chromium.new_context()
+    context.set_default_timeout(1000 * TIMEOUT_S)
     page = context.new_page()
     if tampered:
         changed = (ROOT / "web/sdk/retry.js").read_text() + "// changed"
@@ -228,6 +229,7 @@ def test_documentation_is_accessible_and_fits(chromium: Browser, stack: str, sch
     context = chromium.new_context(
         base_url=stack, viewport={"width": 360, "height": 800}, color_scheme=scheme, service_workers="block"
     )  # type: ignore[arg-type]
+    context.set_default_timeout(1000 * TIMEOUT_S)
     page = context.new_page()
     for name in PAGES if scheme == "light" else PAGES[1:5:3]:
         page.goto(f"/docs/{name}")

@@ -32,10 +32,11 @@ def test_the_readmes_example_runs_on_another_origin(
 ) -> None:
     browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
     page = browser.new_page()
+    page.set_default_timeout(1000 * TIMEOUT_S)
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.goto(elsewhere)
-    page.wait_for_url(f"{stack}/calibrate/?**", timeout=1000 * TIMEOUT_S)
+    page.wait_for_url(f"{stack}/calibrate/?**")
     asked = parse_qs(urlsplit(page.url).query)
     assert asked["camera"][0].startswith("fake_device")
     assert asked["img_size"] == ["640x480"]

@@ -58,10 +58,11 @@ def project(tmp_path: Path, stack: str) -> Iterator[str]:
 def test_the_packages_example_runs(playwright: Playwright, project: str, stack: str) -> None:
     browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
     page = browser.new_page()
+    page.set_default_timeout(1000 * TIMEOUT_S)
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.goto(project)
-    page.wait_for_url(f"{stack}/calibrate/?**", timeout=1000 * TIMEOUT_S)
+    page.wait_for_url(f"{stack}/calibrate/?**")
     assert parse_qs(urlsplit(page.url).query)["camera"][0].startswith("fake_device")
     assert errors == []
     browser.close()

@@ -111,7 +111,7 @@ def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: Local
     camera, home = "Checked by three", Client(stack, api_token=TOKENS[0], address="198.51.100.7")
     state = Truth(seed=1).calibrate(home, camera=camera, platform=PLATFORM)
     known = store(stack).consensuses
-    until(lambda: len(known.of(str(state["calibration_id"]).rpartition("-")[0])) >= 4, 30)
+    until(lambda: len(known.of(str(state["calibration_id"]).rpartition("-")[0])) >= 4)
     for token in TOKENS:
         own = check(stack, home.address, camera, token=token).json
         assert (own["fits"], own["counted"], own["votes"]["agree"]) == ("fits", False, 0)
@@ -130,7 +130,7 @@ def test_addresses_of_both_families_count_by_one(stack: LocalStack) -> None:
     camera, home = "Of one line", Client(stack, api_token=TOKENS[0], address="203.0.113.7")
     state = Truth(seed=1, fx=1300, fy=1298).calibrate(home, camera=camera, platform=PLATFORM)
     known = store(stack).consensuses
-    until(lambda: len(known.of(str(state["calibration_id"]).rpartition("-")[0])) >= 4, 30)
+    until(lambda: len(known.of(str(state["calibration_id"]).rpartition("-")[0])) >= 4)
     for seed, address in enumerate(("2001:db8:aaaa::7", "198.51.100.9", "2001:db8:bbbb::9")):
         answer = check(stack, address, camera, seed, fx=1300.0).json
         assert (answer["fits"], answer["counted"]) == ("fits", True)

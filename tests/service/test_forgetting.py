@@ -39,7 +39,7 @@ def test_forgetting_covers_revoked_tokens(
         before = stored(stack)
         client = Client(stack, api_token=token)
         Truth().calibrate(client)
-        until(lambda: client.lookup(redirect=False).json["reason"] == "too_few", 60)
+        until(lambda: client.lookup(redirect=False).json["reason"] == "too_few")
         assert client.open(camera="Never finished").status == 201
         assert client.view(client.pose().json["index"], *Truth().see(client.pose().json)).json["accepted"]
         views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=1), 3)]

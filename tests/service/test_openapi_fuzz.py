@@ -49,7 +49,7 @@ def known(stack: LocalStack) -> dict[str, list[str]]:
     """Ids that there are: of a calibration, a consensus, a camera."""
     client = Client(stack)
     ids = [Truth(seed=seed).calibrate(client)["calibration_id"] for seed in range(5)]
-    consensus = until(lambda: client.lookup().status == 200 and client.lookup().json["id"], 60)
+    consensus = until(lambda: client.lookup().status == 200 and client.lookup().json["id"])
     key = consensus.split("~")[0]
     return {"id": [ids[0], consensus], "key": [key], "index": ["0", "1"], "file": ["1280x720.svg", "1x1.svg"]}
 

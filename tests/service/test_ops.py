@@ -262,12 +262,12 @@ def test_forgotten_contributor_leaves_nothing(
     other = capsys.readouterr().out.strip()
     with LocalStack(tmp_path / "data") as stack:
         Truth(seed=1).calibrate(Client(stack))
-        until(lambda: totals(stack) == {1}, 60)
+        until(lambda: totals(stack) == {1})
     with LocalStack(tmp_path / "data") as stack:  # all that was queued is done
         before = items(stack)
         kept = objects(stack)
         Truth(seed=2).calibrate(Client(stack, api_token=other))
-        until(lambda: totals(stack) == {2}, 60)
+        until(lambda: totals(stack) == {2})
     assert main(["contributor", "forget", "--address", "192.0.2.77"]) == 1
     assert "nothing came from there" in capsys.readouterr().err
     forget = ["contributor", "forget", "--address", "127.0.0.1", "--token", other.split("_")[1]]

@@ -35,7 +35,7 @@ def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for seed in range(5):
             Truth(seed=seed).calibrate(client, licence="CC0-1.0")
         Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM, licence="CC0-1.0")
-        until(lambda: client.lookup().status == 200, 60)
+        until(lambda: client.lookup().status == 200)
     return folder
 
 

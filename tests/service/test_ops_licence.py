@@ -32,7 +32,7 @@ def test_what_was_given_without_counts_and_stays_out_of_dumps(
             Truth(seed=seed).calibrate(client, **(CONSENT if seed < 2 else {}))["calibration_id"]
             for seed in range(5)
         ]
-        found = until(lambda: (a := client.lookup(redirect=False)).status == 200 and a, 60)
+        found = until(lambda: (a := client.lookup(redirect=False)).status == 200 and a)
         assert found.json["calibrations"] == 5, "they count alike"
         for seed, consent in ((7, CONSENT), (8, {})):
             client.call("POST", "/v1/auth", token=client.api_token)

@@ -127,7 +127,7 @@ def test_malformed_refit_reaches_the_dead_letter_queue(stack: LocalStack, at_res
     document = calibration("After the garbage", 0)
     at_rest.calibrations.publish(document)
     at_rest.refit.later(asked(mode_of(document)))
-    until(lambda: totals(at_rest, document) == [1] * MODELS, 30)
+    until(lambda: totals(at_rest, document) == [1] * MODELS)
 
 
 def test_failed_refit_is_retried(at_rest: Store) -> None:
@@ -145,7 +145,7 @@ def test_failed_refit_is_retried(at_rest: Store) -> None:
         lambda store: replace(store, calibrations=with_methods(store.calibrations, read=breaking))
     ):
         at_rest.refit.later(asked(mode_of(document)))
-        until(lambda: totals(at_rest, document) == [1] * MODELS, 30)
+        until(lambda: totals(at_rest, document) == [1] * MODELS)
     assert broken
 
 
@@ -231,7 +231,7 @@ def test_concurrent_last_view_ends_the_session_once(stack: LocalStack, at_rest: 
         Bucket=stack.environment["BUCKET_NAME"], Prefix=f"calibrations/{key}/"
     )["Contents"]
     assert [entry["Key"] for entry in files] == [f"calibrations/{key}/{calibration_id}.json"]
-    until(lambda: [c.total for c in at_rest.consensuses.of(key)] == [1] * MODELS, 30)
+    until(lambda: [c.total for c in at_rest.consensuses.of(key)] == [1] * MODELS)
 
 
 def test_consensus_bears_the_label_of_most_contributors_not_of_the_newest(at_rest: Store) -> None:
@@ -266,7 +266,7 @@ def test_what_many_wait_for_is_computed_once(
     mode = mode_of(document)
     at_rest.calibrations.publish(document)
     reads: list[int] = []
-    together = threading.Barrier(4, timeout=10)
+    together = threading.Barrier(4, timeout=120)
 
     def read(ids: list[str]) -> list[schema.CalibrationDocument]:
         reads.append(len(ids))

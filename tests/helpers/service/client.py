@@ -28,8 +28,8 @@ class Answer:
         return json.loads(self.body)
 
 
-def until(holds: Callable[[], Any], seconds: float = 60.0) -> Any:
-    """Wait for what is computed asynchronously."""
+def until(holds: Callable[[], Any], seconds: float = 120.0) -> Any:
+    """Wait for what is computed asynchronously; only what fails is waited for so long."""
     end = time.monotonic() + seconds
     while not (found := holds()):
         assert time.monotonic() < end, "it did not happen in time"
