@@ -31,10 +31,10 @@ def test_consent_to_something_else_is_refused(client: Client, said: dict[str, An
 def test_licence_is_stored_with_session_calibration_and_export(client: Client) -> None:
     ended = Truth(seed=3).calibrate(client, camera="Licensed Z1", **CONSENT)
     assert {name: ended[name] for name in CONSENT} == CONSENT
-    name = boto3.client("s3").list_objects_v2(
-        Bucket=client.stack.environment["BUCKET_NAME"], Prefix=f"sessions/{sid(client)}/"
-    )["Contents"][-1]["Key"]
-    content = boto3.client("s3").get_object(Bucket=client.stack.environment["BUCKET_NAME"], Key=name)
+    bucket = client.stack.environment["BUCKET_NAME"]
+    prefix = f"sessions/{session_of(client, 'Licensed Z1')}/"
+    name = boto3.client("s3").list_objects_v2(Bucket=bucket, Prefix=prefix)["Contents"][-1]["Key"]
+    content = boto3.client("s3").get_object(Bucket=bucket, Key=name)
     session = SessionDocument.model_validate_json(content["Body"].read())
     assert session.consent == CONSENT
     stored = store(client.stack).calibrations.get(ended["calibration_id"])
@@ -44,8 +44,10 @@ def test_licence_is_stored_with_session_calibration_and_export(client: Client) -
     assert {name: shown.json[name] for name in CONSENT} == CONSENT
 
 
-def sid(client: Client) -> str:
-    return next(iter(store(client.stack).sessions.all())).session
+def session_of(client: Client, camera: str) -> str:
+    """Id of the session of a camera, which other tests have not."""
+    (found,) = (each for each in store(client.stack).sessions.all() if each.camera == camera)
+    return found.session
 
 
 def test_session_without_licence_is_as_before(client: Client) -> None:

@@ -1,38 +1,14 @@
 """Tokens that strangers make for themselves: origins, proofs, use, rotation, revocation, and their bounds."""
 
-import json
 import logging
-import subprocess
-from typing import Any
 
 import pytest
 
 from calibdb.access.plans import TRIAL_PERIOD_S
-from infra.local import LocalStack
 from infra.ops.reindex import reindex
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client
 from tests.helpers.service.strangers import SITE, Time, ask, context, make, manage, states
-
-
-def test_curl_alone_goes_from_nothing_to_a_calibration() -> None:
-    with LocalStack() as stack, stack.serve() as url:
-        for n in range(5):
-            published.store(stack).calibrations.publish(published.calibration("Known to all", n, views=3))
-        reindex(context(stack))
-
-        def curl(path: str, body: object, *options: str) -> Any:
-            command = ["curl", "-sS", "--fail", url + path, "-H", "content-type: application/json"]
-            sent = subprocess.run(
-                [*command, *options, "-d", json.dumps(body)], capture_output=True, text=True, check=True
-            )
-            return json.loads(sent.stdout)
-
-        token = curl("/v1/tokens", {"origins": ["http://localhost"]})["token"]
-        camera = {"camera": "Known to all", "platform": published.PLATFORM, "img_size": [1280, 720]}
-        found = curl("/v1/lookup", camera, "-H", f"authorization: Bearer {token}")
-        assert found["reliable"]
-        assert found["camera_matrix"][0][0] == pytest.approx(950, rel=0.02)
 
 
 def test_loopback_origins_are_verified_at_once_and_stand_for_all_their_ports(client: Client) -> None:
