@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
@@ -228,7 +229,11 @@ def check(client: Client, scenario: Scenario, camera: str) -> None:
 
 def search(seconds: float, seed: int) -> Slowest:
     rng, slowest = random.Random(seed), Slowest()
-    with LocalStack(environment={"MIN_CONTRIBUTORS": "1"}) as stack, measured(slowest):
+    with (
+        mock.patch("infra.local.stack.INTEGRATION_TIMEOUT", 600),
+        LocalStack(environment={"MIN_CONTRIBUTORS": "1"}) as stack,
+        measured(slowest),
+    ):
         for function in stack.functions.values():
             # Only processor time counts here, however busy the machine is.
             function.spec = replace(function.spec, timeout=600)
