@@ -77,7 +77,7 @@ test("errors say what to change", async () => {
   await assert.rejects(rig(ID, service(json(200, {})).options), /is not calibDB/);
   const { token: _, ...open } = missing.options;
   await assert.rejects(rig(ID, open), /API token: { token }/);
-  for (const id of [undefined, "", 5]) await assert.rejects(rig(id, missing.options), /its id stands in the address/);
+  for (const id of [undefined, "", "..", `https://calibdb.example/rig/?id=${ID}`]) await assert.rejects(rig(id, missing.options), /its id stands in the address/);
   for (const data of [undefined, {}, { ...RESULT, extrinsics: [] }, { ...RESULT, calibrations: [REAL.left] }]) {
     assert.throws(() => new Rig(data), /this is no rig/);
   }

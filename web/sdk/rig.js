@@ -130,8 +130,8 @@ export class Rig extends Data {
  * @returns {Promise<Rig>} rejects with LookupError: where there is no such rig, or none that is finished, in the service's words
  */
 export async function rig(id, options) {
-  if (!id || typeof id !== "string") throw new TypeError("say which rig: its id stands in the address of its page, /rig/?id=…");
-  const { response, body } = await ask(`rigs/${encodeURIComponent(id)}/result`, {}, /** @type {any} */ (options ?? {}));
+  if (!/^[\w-]+$/.test(id ?? "")) throw new TypeError("say which rig: its id stands in the address of its page, /rig/?id=…");
+  const { response, body } = await ask(`rigs/${id}/result`, {}, /** @type {any} */ (options ?? {}));
   if (!response.ok || !body.extrinsics) throw refusal(response, body);
   return new Rig(body);
 }
