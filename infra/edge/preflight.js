@@ -9,7 +9,7 @@ function handler(event) {
     headers: {
       'access-control-allow-origin': { value: '*' },
       'access-control-allow-methods': { value: 'GET,POST,PATCH,DELETE,OPTIONS' },
-      'access-control-allow-headers': { value: 'authorization,content-type,accept' },
+      'access-control-allow-headers': { value: 'authorization,content-type,accept,if-none-match' },
       'access-control-max-age': { value: '86400' },
       'cache-control': { value: 'no-store' },
     },

@@ -10,11 +10,11 @@ from typing import Any
 import pyarrow as pa
 from pyarrow import parquet
 
-from calibdb.dump.public_copy import aliases, public_copy, unnamed_copy
+from calibdb.dump.public_copy import Alias, aliases, public_copy, unnamed_copy
 from calibdb.schema import CalibrationDocument
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.errors import OpsError
-from infra.ops.restore import CALIBRATIONS, VOTES
+from infra.ops.restore import CALIBRATIONS, RIGS, VOTES
 
 Select = Callable[[Any], Any]  # of a stored document, its copy in the dump; None: it stays out
 _ROWS = 500  # calibrations written to Parquet together
@@ -31,7 +31,7 @@ contributor agreed to. Measurements that were given without a licence are not in
 PRIVATE = """calibDB: calibrations of cameras, and the keypoints that they were computed from
 
 NOT TO BE GIVEN AWAY: this copy also holds measurements that their contributors gave without a licence. It is
-for whoever runs the service, to load it into another stack.
+for whoever runs the service, to load it into another stack. rigs.jsonl has one finished rig a line.
 """
 
 CONTENTS = """
@@ -91,9 +91,8 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")
-    select = functools.partial(
-        unnamed_copy if private else public_copy, alias=aliases(context.random_hex(32))
-    )
+    alias = aliases(context.random_hex(32))
+    select = functools.partial(unnamed_copy if private else public_copy, alias=alias)
     draft = folder.with_name(folder.name + ".partial")  # a dump is whole or it is not there
     draft.mkdir(parents=True, exist_ok=True)
     with (
@@ -112,6 +111,8 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
                 batch = []
         _write(table, corners, batch)
     votes = _votes(context, select, draft / VOTES)
+    if private:
+        _rigs(context, alias, draft / RIGS)
     (draft / "README.txt").write_text((PRIVATE if private else ABOUT) + CONTENTS, encoding="utf-8")
     draft.rename(folder)
     return count, votes
@@ -134,6 +135,14 @@ def _votes(context: OpsContext, select: Select, path: Path) -> int:
                 lines.write(copy.model_dump_json() + "\n")
                 count += 1
     return count
+
+
+def _rigs(context: OpsContext, alias: Alias, path: Path) -> None:
+    """Write the finished rigs, their contributors by other names."""
+    with path.open("w", encoding="utf-8") as lines:
+        for rig in context.track(context.store.rigs.calibrations(), "rigs"):
+            named = tuple(alias(one) for one in rig.contributors)
+            lines.write(rig.model_copy(update={"contributors": named}).model_dump_json() + "\n")
 
 
 def _write(table: Any, corners: Any, documents: list[CalibrationDocument]) -> None:

@@ -12,7 +12,19 @@ from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import session_rules
 from calibdb.schema import CalibrationDocument, RefitRequest
-from calibdb.store import Calibrations, Condition, Priors, Sessions, StreamMode, Table, Tokens, Votes, clients
+from calibdb.store import (
+    Calibrations,
+    Condition,
+    Priors,
+    Rigs,
+    Sessions,
+    StreamMode,
+    Table,
+    Tokens,
+    Votes,
+    clients,
+    endings,
+)
 from calibdb.store.aliases import ALIAS_PREFIX, LIST_SK
 from calibdb.store.names import with_current_key
 from calibdb.store.table import Item
@@ -35,6 +47,7 @@ class ReindexResult:
     votes: int
     tokens: int
     sessions: int  # running ones that the index did not know
+    rigs: int  # likewise
     consensuses: int
     failed: int  # modes whose consensus could not be computed
     removed: int
@@ -91,8 +104,10 @@ def reindex(
     """
     # First, so that what is published from here on cannot be mistaken for something that the bucket lacks.
     indexed = set(context.index.keys("CAMERA"))
-    published = publish_finished(context, dry_run=dry_run)
     table = _RecordingTable(context, dry_run=dry_run)
+    sessions = Sessions(table, context.objects).index(context.now)
+    rigs = Rigs(table, context.objects).index(context.now)
+    published = publish_finished(context, dry_run=dry_run)
     calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
     modes: Counter[StreamMode] = Counter()
     borne: set[tuple[str, str]] = set()
@@ -109,7 +124,6 @@ def reindex(
     priors = Priors(table, context.objects)
     for prior in priors.all():
         priors.index(prior)
-    sessions = Sessions(table, context.objects).index(context.now)
     computed = {(known.pk, known.text) for known in modes}
     stale = {
         key
@@ -135,6 +149,7 @@ def reindex(
         votes=cast,
         tokens=issued,
         sessions=sessions,
+        rigs=rigs,
         consensuses=consensuses,
         failed=failed,
         removed=len(stale),
@@ -147,6 +162,10 @@ def publish_finished(context: OpsContext, *, dry_run: bool = False) -> int:
 
     The client that repeats its last view does the same; one that never comes back cannot.
     """
+    if not dry_run:
+        for rig in context.track(context.store.rigs.all(), "rigs"):
+            if rig.finish is not None:
+                endings.end_sessions(context.store, rig, context.now)
     published = 0
     for session in context.track(context.store.sessions.all(), "sessions"):
         finish = session.finish

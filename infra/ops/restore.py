@@ -8,12 +8,12 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from calibdb.schema import CalibrationDocument, VoteDocument
+from calibdb.schema import CalibrationDocument, RigCalibrationDocument, VoteDocument
 from infra.ops import reindex
 from infra.ops.context import OpsContext
 from infra.ops.errors import OpsError
 
-CALIBRATIONS, VOTES = "calibrations.jsonl", "votes.jsonl"
+CALIBRATIONS, VOTES, RIGS = "calibrations.jsonl", "votes.jsonl", "rigs.jsonl"
 
 Document = TypeVar("Document", bound=BaseModel)
 
@@ -32,6 +32,7 @@ def load(context: OpsContext, folder: Path, *, dry_run: bool = False) -> tuple[i
     # Every line is read once before the first is stored.
     calibrations = sum(1 for _ in context.track(_calibrations(folder), "reading calibrations"))
     votes = sum(1 for _ in context.track(_votes(folder), "reading votes"))
+    rigs = list(_lines(folder / RIGS, RigCalibrationDocument))
     if dry_run:
         return calibrations, votes
     modes = set()
@@ -40,6 +41,8 @@ def load(context: OpsContext, folder: Path, *, dry_run: bool = False) -> tuple[i
         modes.add(reindex.mode_of(document))
     for vote in context.track(_votes(folder), "votes", votes):
         context.store.votes.cast(vote)
+    for rig in rigs:
+        context.store.rigs.publish(rig)
     ordered = sorted(modes, key=lambda mode: (mode.camera_key, mode.text))
     failed = sum(
         reindex.refit(context, mode) is None for mode in context.track(ordered, "consensuses", len(ordered))

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from calibdb.access.tokens import SessionIds, contributor
 from calibdb.camera_key import current_key
 from calibdb.rules.session_rules import calibration_name
-from calibdb.schema import CalibrationDocument, SessionDocument
+from calibdb.schema import CalibrationDocument, RigDocument, SessionDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
+from calibdb.store.rigs import rig_calibration_object
 from infra.ops import reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.errors import OpsError
@@ -29,6 +30,7 @@ class ForgetResult:
     calibrations: int
     sessions: int
     votes: int
+    rigs: int
 
 
 def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
@@ -106,7 +108,8 @@ def find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
 def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False) -> ForgetResult:
     """Remove everything that these contributors sent, in every version, and what was computed from it.
 
-    A session belongs to the contributor who started it and to the one who sent its last view. The dumps of
+    A session belongs to the contributor who started it and to the one who sent its last view; a rig to all
+    whose cameras are in it, and it goes with any of them, the others' calibrations stay. The dumps of
     the site are replaced; copies that others made remain. With `dry_run`, nothing is removed, only counted.
     """
     affected: set[StreamMode] = set()
@@ -116,7 +119,16 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
         if name is not None and not dry_run:
             context.objects.purge_all_versions([name])
 
-    # Sessions first: what is published follows from them, and must not be published again.
+    # Rigs and sessions first: what is published follows from them, and must not be published again.
+    for rig in list(context.track(context.store.rigs.all(), "rigs")):
+        if contributors_of_rig(rig) & contributors:
+            if not dry_run:
+                context.store.rigs.purge(rig.rig)
+            counts["running rigs"] += 1
+    for finished in list(context.store.rigs.calibrations()):
+        if set(finished.contributors) & contributors:
+            purge(rig_calibration_object(finished.id))
+            counts["rigs"] += 1
     for session in list(context.track(context.store.sessions.all(), "sessions")):
         if _contributors_of(session) & contributors:
             if not dry_run:
@@ -135,7 +147,12 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
             key = current_key(vote.camera_key, vote.camera, vote.platform)
             affected.add(StreamMode(key, vote.img_size, vote.zoom))
             counts["votes"] += 1
-    done = ForgetResult(counts["calibrations"], counts["sessions"], counts["votes"])
+    done = ForgetResult(
+        counts["calibrations"],
+        counts["sessions"],
+        counts["votes"],
+        counts["running rigs"] + counts["rigs"],
+    )
     if dry_run:
         return done
     # Their shares of the hour.
@@ -152,7 +169,14 @@ def _contributors(context: OpsContext) -> set[str]:
         *(document.contributor for document, _ in context.store.calibrations.everything()),
         *(vote.contributor for vote in context.store.votes.all()),
         *(who for session in context.store.sessions.all() for who in _contributors_of(session)),
+        *(who for rig in context.store.rigs.all() for who in contributors_of_rig(rig)),
+        *(who for rig in context.store.rigs.calibrations() for who in rig.contributors),
     }
+
+
+def contributors_of_rig(rig: RigDocument) -> set[str]:
+    """List the contributors whose cameras are in a running rig."""
+    return {member.contributor for member in rig.members if member is not None}
 
 
 def _contributors_of(session: SessionDocument) -> set[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import asdict
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,9 @@ from infra.console.output import confirm
 from infra.ops.errors import OpsError
 from infra.ops.options import DryRun, Json, Yes
 from infra.ops.session import Run, opened
+
+if TYPE_CHECKING:
+    from infra.ops.withdrawal import ForgetResult
 
 app = typer.Typer(help="Remove the data of contributors.", no_args_is_help=True)
 
@@ -46,17 +49,22 @@ def forget(
         ask = not yes and sys.stdin.isatty()
         if dry_run or ask:
             counted = withdrawal.forget(run.context, contributors, dry_run=True)
-            found = f"{counted.calibrations} calibrations, {counted.sessions} sessions, {counted.votes} votes"
+            found = _described(counted)
             run.output.value(asdict(counted))
             if dry_run:
                 run.output.line(f"would be removed: {found}")
                 return
             confirm(f"Remove {found} for good?", yes=yes)
         done = withdrawal.forget(run.context, contributors)
-        run.output.line(
-            f"removed {done.calibrations} calibrations, {done.sessions} sessions, {done.votes} votes"
-        )
+        run.output.line(f"removed {_described(done)}")
         run.output.value(asdict(done))
+
+
+def _described(counts: ForgetResult) -> str:
+    return (
+        f"{counts.calibrations} calibrations, {counts.sessions} sessions, {counts.votes} votes, "
+        f"{counts.rigs} rigs"
+    )
 
 
 def _find(

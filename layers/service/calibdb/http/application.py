@@ -160,7 +160,7 @@ async def _on_unhandled(_: Request, __: Exception) -> Response:
 PREFLIGHT = {
     "Access-Control-Allow-Origin": "*",
     "Access-Control-Allow-Methods": "GET,POST,PATCH,DELETE,OPTIONS",
-    "Access-Control-Allow-Headers": "authorization,content-type,accept",
+    "Access-Control-Allow-Headers": "authorization,content-type,accept,if-none-match",
     "Access-Control-Max-Age": "86400",
 }
 

@@ -28,13 +28,17 @@ def publish(store: Store, document: SessionDocument) -> None:
 
 def publish_rig(store: Store, document: RigDocument, now: int) -> None:
     """Store the result of a finished rig, then end and publish the sessions of its cameras."""
+    for session in end_sessions(store, document, now):
+        publish(store, session)
+
+
+def end_sessions(store: Store, document: RigDocument, now: int) -> list[SessionDocument]:
+    """Store the result of a finished rig and end the sessions of its cameras; return those there are."""
     if document.finish is None:
         raise ValueError("the rig is not finished")
     store.rigs.publish(document.finish.calibration)
-    for ending in document.finish.endings:
-        session = _end(store, ending, now)
-        if session is not None and session.finish is not None:
-            publish(store, session)
+    ended = [_end(store, ending, now) for ending in document.finish.endings]
+    return [session for session in ended if session is not None and session.finish is not None]
 
 
 def _end(store: Store, ending: EndingDocument, now: int) -> SessionDocument | None:

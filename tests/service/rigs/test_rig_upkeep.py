@@ -1,0 +1,108 @@
+"""Operators' tools know rigs: an index that was lost, a crash that nobody mended, a contributor who goes."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import boto3
+import pytest
+
+from calibdb.access.tokens import contributor
+from infra.local import LocalStack
+from infra.ops import reindex, restore, withdrawal
+from infra.ops.context import OpsContext
+from infra.ops.dump import dump
+from tests.helpers.service.client import EDGE, TOKEN
+from tests.helpers.service.rigs import RigTruth
+from tests.service.rigs.test_rig_crashes import crash_after
+
+HERE, THERE = "192.0.2.10", "192.0.2.11"
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[LocalStack]:
+    with LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
+        yield stack
+
+
+@pytest.fixture(scope="module")
+def context(stack: LocalStack) -> OpsContext:
+    return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
+
+
+def names(stack: LocalStack, *prefixes: str) -> set[str]:
+    """Names of the objects, in any version."""
+    versions = boto3.client("s3").list_object_versions(Bucket=stack.environment["BUCKET_NAME"])
+    found = {one["Key"] for one in (*versions.get("Versions", []), *versions.get("DeleteMarkers", []))}
+    return {name for name in found if name.startswith(prefixes)}
+
+
+def two_places(stack: LocalStack, seed: int, moments: int = 4) -> RigTruth:
+    """A rig whose second camera is somebody else's."""
+    rig = RigTruth(stack, seed=seed, address=HERE, baseline=3.0)
+    rig.clients[1].address = THERE
+    rig.open()
+    for number in range(moments):
+        rig.moment(f"m{number}")
+    return rig
+
+
+@pytest.fixture(scope="module")
+def unpublished(stack: LocalStack) -> RigTruth:
+    """A rig that was killed right after its document said that it had ended; nobody asks again."""
+    rig = two_places(stack, 30)
+    rig.state()
+    with crash_after(2):  # the rig's object and item
+        assert rig.call("POST", "/finish").status == 503
+    return rig
+
+
+def test_reindex_completes_a_rig_that_ended_and_mends_the_index(
+    stack: LocalStack, context: OpsContext, unpublished: RigTruth, tmp_path: Path
+) -> None:
+    rig, running = unpublished, two_places(stack, 31, moments=1)
+    state = rig.state()
+    assert state["status"] == "finished"
+    assert names(stack, "rig_calibrations/", "calibrations/") == set()
+    keys = [key for key in context.index.keys("RIG#", "SESSION#") if key[0].startswith(("RIG#", "SESSION#"))]
+    context.index.remove(keys)
+    done = reindex.reindex(context)
+    assert (done.rigs, done.sessions, done.published) == (2, 4, 2)
+    assert names(stack, "rig_calibrations/") == {f"rig_calibrations/{rig.rig_id}.json"}
+    assert rig.state() == state
+    for calibration in state["result"]["cameras"]:
+        assert rig.clients[0].call("GET", f"/v1/calibrations/{calibration}", token=TOKEN).status == 200
+    assert running.call("POST", "/moments", {"moment": "goes-on"}).status == 201
+    assert reindex.reindex(context).published == 0
+    # what a dump holds
+    dump(context, tmp_path / "private", private=True)
+    (line,) = (tmp_path / "private" / restore.RIGS).read_text().splitlines()
+    assert json.loads(line)["state"]["result"] == state["result"]
+    assert contributor(context.settings.contributor_secret, HERE, "dev") not in line
+    dump(context, tmp_path / "public")
+    assert not (tmp_path / "public" / restore.RIGS).exists()
+    context.objects.purge_all_versions([f"rig_calibrations/{rig.rig_id}.json"])
+    restore.load(context, tmp_path / "private")
+    assert names(stack, "rig_calibrations/") == {f"rig_calibrations/{rig.rig_id}.json"}
+
+
+def test_forgetting_a_contributor_takes_their_rigs(stack: LocalStack, context: OpsContext) -> None:
+    before = names(stack, "rigs/", "rig_calibrations/")
+    finished, running = two_places(stack, 32), two_places(stack, 33, moments=1)
+    result = finished.call("POST", "/finish").json["result"]
+    gone = contributor(context.settings.contributor_secret, THERE, "dev")
+    assert gone in withdrawal._contributors(context)
+    counted = withdrawal.forget(context, {gone}, dry_run=True)
+    done = withdrawal.forget(context, {gone})
+    assert done == counted
+    assert done.rigs >= 3, "finished in two places, and running"
+    left = names(stack, "rigs/", "rig_calibrations/")
+    for rig in (finished, running):
+        assert not [name for name in left if rig.rig_id in name]
+        assert rig.call("GET").status == 404
+    own, others = result["cameras"]
+    client = finished.clients[0]
+    assert client.call("GET", f"/v1/calibrations/{own}", token=TOKEN).status == 200, "somebody else's"
+    assert client.call("GET", f"/v1/calibrations/{others}", token=TOKEN).status == 404
+    assert gone not in withdrawal._contributors(context)
+    assert left <= before
