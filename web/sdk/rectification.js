@@ -7,7 +7,7 @@ import { lensOf } from "./projection.js";
  * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, on the plane z = 1
  */
 
-const IDENTITY = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+const NO_ROTATION = [1, 0, 0, 0, 1, 0, 0, 0, 1];
 /** tan of the largest angle shown, 78.7°: beyond it a plane picture is all edge. */
 const MAX_TANGENT_SHOWN = 5;
 const BORDER_SAMPLES = 33; // places along each side of the picture whose rays decide what there is to show
@@ -107,7 +107,7 @@ export function widePinhole(calibration, largest = 2) {
  * @param {readonly number[]} [rotation] row-major 3x3, frame of the straightened picture → camera; none unless told
  * @returns {Float32Array} x and y, px, row by row; far outside where the lens sees nothing
  */
-export function rectifyingMap(calibration, [[fx, , cx], [, fy, cy]], size = calibration.img_size, rotation = IDENTITY) {
+export function rectifyingMap(calibration, [[fx, , cx], [, fy, cy]], size = calibration.img_size, rotation = NO_ROTATION) {
   const lens = lensOf(calibration);
   const [a, b, c, d, e, f, g, h, i] = rotation;
   return mapOf(size, (u, v) => {

@@ -45,7 +45,7 @@ export function createViews(cameras, { pose = IDENTITY, ...frustum } = {}) {
 }
 
 /**
- * What a view says of its camera, in arrays of its own: who writes into them spoils no other view.
+ * Attributes by which a view describes its camera, in arrays of its own: who writes into them spoils no other view.
  * @param {{camera_matrix: readonly (readonly number[])[], distortion_coefficients?: readonly number[], distortion_model?: string}} camera
  *   without distortion unless told
  */

@@ -20,7 +20,7 @@ from .projection import Array
 RigExporter = Callable[[str, str], ExportedFile]
 """Fetches the file of a rig's id in a format."""
 
-_NATIVE = "json"
+_JSON = "json"
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +126,7 @@ class Rig:
         record = {**self.record, "extrinsics": extrinsics, "board_poses": boards, "unit": "metres"}
         return replace(self, record=record, _exporter=None)
 
-    def save(self, path: str | Path, format: str = _NATIVE) -> ExportedFile:  # noqa: A002 - the contract's name
+    def save(self, path: str | Path, format: str = _JSON) -> ExportedFile:  # noqa: A002 - the contract's name
         """Write a file of one of the service's formats (docs/formats.md), and return it.
 
         The service writes other formats than its own. The file is there as a whole or not at all.
@@ -135,9 +135,9 @@ class Rig:
         write_whole(Path(path), file.content)
         return file
 
-    def export(self, format: str = _NATIVE) -> ExportedFile:  # noqa: A002
+    def export(self, format: str = _JSON) -> ExportedFile:  # noqa: A002
         """Return the file in one of the service's formats. Raises UsageError if nothing here can write it."""
-        if format == _NATIVE:
+        if format == _JSON:
             content = json.dumps(dict(self.record), indent=2, ensure_ascii=False) + "\n"
             return ExportedFile(content.encode(), "rig.json", "application/json")
         if self.id and self._exporter:
