@@ -1,10 +1,40 @@
-"""Change of language in the middle of a task: all texts of the page follow."""
+"""Languages: texts that follow a change in the middle of a task, and frames in one language alone."""
 
-from playwright.sync_api import BrowserContext, Page, expect
+import re
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from tests.helpers.browser.interruptions import ENDLESS
 from tests.helpers.browser.scenes import no_network, unreadable
-from tests.helpers.browser.waiting import address
+from tests.helpers.browser.waiting import TIMEOUT_S, address
+
+from .conftest import close
+
+LINE = {"offline": False, "latency": 150, "downloadThroughput": 1.6e6 / 8, "uploadThroughput": 0.75e6 / 8}
+# Each text that is in a frame, and the language of each document of which something was painted.
+EVERY_FRAME = """
+  const told = new Set();
+  const look = () => {
+    for (const each of document.querySelectorAll("[data-t]")) {
+      const text = each.textContent.trim();
+      if (told.has(text) || !each.checkVisibility({ visibilityProperty: true })) continue;
+      told.add(text);
+      window.shown(text);
+    }
+    requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+  new PerformanceObserver((list) => {
+    for (const { name } of list.getEntries()) {
+      if (name === "first-contentful-paint") window.painted(document.documentElement.lang);
+    }
+  }).observe({ type: "paint", buffered: true });
+"""
+TEXTS = """async (path) => {
+  const page = new DOMParser().parseFromString(await (await fetch(path)).text(), "text/html");
+  return [...page.querySelectorAll("[data-t]")].map((each) => each.textContent.trim());
+}"""
 
 
 def speak(page: Page, language: str) -> None:
@@ -58,3 +88,37 @@ def test_a_language_that_was_chosen_stays_whatever_the_address_asked_for(page: P
     page.locator("#controls:not([hidden])").wait_for()
     expect(page.locator("#stop"), "what is gone on with speaks as who goes on").to_have_text("Beenden")
     assert "/de/calibrate/?" in address(page)
+
+
+@pytest.mark.parametrize(
+    ("language", "path"), [("de", "/"), ("uk", "/calibrate/"), ("de", "/result/?id=none")]
+)
+def test_no_frame_of_english_is_painted_for_who_reads_another_language(
+    chromium: Browser, stack: str, language: str, path: str
+) -> None:
+    """Over a slow line, from an English address: no text of the English page, no name of a text."""
+    context = chromium.new_context(base_url=stack, locale=f"{language}-XX", service_workers="block")
+    context.set_default_timeout(1000 * TIMEOUT_S)
+    shown: list[str] = []
+    painted: list[str] = []
+    page = context.new_page()
+    page.goto("/terms/?lang=en")
+    there = path.split("?")[0]
+    english, own = (set(page.evaluate(TEXTS, f"{prefix}{there}")) for prefix in ("", f"/{language}"))
+    page.evaluate("localStorage.clear()")
+    page.expose_function("shown", lambda text: shown.append(text))
+    page.expose_function("painted", lambda spoken: painted.append(spoken))
+    page.add_init_script(EVERY_FRAME)
+    page.route("**/opencv*", lambda route: route.abort())
+    session = context.new_cdp_session(page)
+    session.send("Network.enable")
+    session.send("Network.emulateNetworkConditions", LINE)
+    page.goto(path)
+    page.wait_for_url(f"**/{language}{there}**")
+    page.wait_for_load_state("networkidle")
+    page.locator("#language[data-in-place]").wait_for()
+    close(context)
+    assert painted == [language], f"{path}: documents of which something was painted"
+    assert len(set(shown) & own) > 3, "the frames were looked at"
+    foreign = {text for text in shown if text in english - own or re.fullmatch(r"[a-z_]+\.[a-z_]+", text)}
+    assert foreign == set(), path

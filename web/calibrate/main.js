@@ -5,12 +5,11 @@ import { Detector, DetectorError } from "../lib/detector.js";
 import { language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
-import { isVirtual } from "../lib/virtual/camera.js";
+import { isVirtual } from "../lib/virtual/name.js";
 import captureMessages from "../messages/capture.js";
 import { cameraKey, platformHere } from "../sdk/key.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
-import { CaptureLoop } from "./capture-loop.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
 import { Captures, captureKey } from "./captures.js";
 import { connectControls } from "./controls.js";
@@ -20,7 +19,6 @@ import { Feedback } from "../lib/capture/feedback.js";
 import { showFirstSheet } from "./first-sheet.js";
 import { RESUME, captureQuery, resumeAt, showCaptureAddress, showResultAddress } from "./history.js";
 import { isLensDetected, offerLensTypes } from "./lens-choice.js";
-import { loadPlan } from "./plan.js";
 import { parseTargetError, parseWanted } from "./query.js";
 import { initial, reduce } from "./reducer.js";
 import { plainNotice } from "./state.js";
@@ -155,6 +153,7 @@ async function identify({ camera }, signal) {
 async function run({ camera }, request, signal) {
   if (!await acquireLock(captureKey(request), signal)) throw new CameraError("elsewhere");
   dispatch({ type: "waiting", waiting: "detector" });
+  const [{ CaptureLoop }, { loadPlan }] = await loadCapture();
   const plan = loadPlan().catch(() => []);
   const finder = await openDetector();
   signal.throwIfAborted();
@@ -201,6 +200,9 @@ async function useBoard() {
   capture.cancel();
   await continueWithBoard(seen.board, seen.notice);
 }
+
+/** Loads what nobody needs before a camera is open. */
+const loadCapture = () => Promise.all([import("./capture-loop.js"), import("./plan.js")]);
 
 /** Loads what only a capture that goes on will need. */
 async function prepareOutcome() {
@@ -336,5 +338,5 @@ const isResumed = location.hash === RESUME;
 showCaptureAddress(parameters);
 if (isResumed) void resume();
 else if (parameters.has("virtual")) void capture("virtual");
-// The detector loads while the visitor reads. If that fails, the capture tries again and says why.
-else openDetector().catch((error) => console.info("detector not loaded yet:", error.message));
+// What a capture needs loads while the visitor reads. If that fails, the capture tries again and says why.
+else Promise.all([openDetector(), loadCapture()]).catch((error) => console.info("not loaded yet:", error.message));

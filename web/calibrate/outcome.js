@@ -7,7 +7,7 @@ import { pageTitle } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 import { SettingsError, loadSettings } from "../lib/settings.js";
-import { isVirtual } from "../lib/virtual/camera.js";
+import { isVirtual } from "../lib/virtual/name.js";
 import words from "../messages/result.js";
 import { isPracticeReturned } from "./practice.js";
 

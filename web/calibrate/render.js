@@ -1,7 +1,7 @@
 // Rendering of the state into the page. Reads nothing back, decides nothing.
 import { propose } from "../lib/camera.js";
 import { t } from "../lib/i18n.js";
-import { isVirtual } from "../lib/virtual/camera.js";
+import { isVirtual } from "../lib/virtual/name.js";
 import { holdProgress, requiredHold } from "./hold.js";
 import { renderDetection, renderTarget } from "./overlay-layer.js";
 import { isFinishable, viewCount } from "./state.js";

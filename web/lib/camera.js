@@ -1,6 +1,7 @@
 // Cameras of the device: the list, opening one at its native resolution, and errors that a person can act on.
 import { addMessages, say, t } from "./i18n.js";
-import { VirtualCamera, isVirtual, labelOf, setupFrom } from "./virtual/camera.js";
+import { isVirtual } from "./virtual/name.js";
+import { labelOf, setupFrom } from "./virtual/setup.js";
 import capture from "../messages/capture.js";
 
 addMessages({ capture });
@@ -85,6 +86,7 @@ export function propose(choices, asked, chosen) {
  */
 export async function open(id, { parameters, size: [width, height], place, board }) {
   if (id === "virtual") {
+    const { VirtualCamera } = await import("./virtual/camera.js");
     const virtual = new VirtualCamera(setupFrom(parameters), place, board);
     return opened(await virtual.open(), virtual);
   }
@@ -122,7 +124,7 @@ export async function play(video, stream, timeout = FIRST_FRAME_TIMEOUT_MS) {
 }
 
 /**
- * @param {MediaStream} stream @param {VirtualCamera | null} virtual
+ * @param {MediaStream} stream @param {import("./virtual/camera.js").VirtualCamera | null} virtual
  * @returns {OpenCamera}
  */
 function opened(stream, virtual) {

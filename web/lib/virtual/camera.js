@@ -1,80 +1,22 @@
 // Virtual camera: a MediaStream that shows the board through a known lens, and follows the targets.
 import { DEFAULT_BOARD, outline, sizeOf } from "../board.js";
-import { HANDS, Hand } from "./hand.js";
+import { Hand } from "./hand.js";
 import { matchPose } from "./match.js";
-import { NAME, isVirtual } from "./name.js";
+import { labelOf } from "./setup.js";
 import { FAULTS } from "./degrade.js";
 
-export { isVirtual };
+export { isVirtual } from "./name.js";
+export { labelOf, setupFrom } from "./setup.js";
 
 /**
  * @typedef {import("../board.js").Board} Board
  * @typedef {import("./lens.js").LensParameters} LensParameters
  * @typedef {import("../pose.js").Pose} Pose
  *
- * @typedef {object} Setup
- * @property {[number, number]} size px
- * @property {LensParameters} lens
- * @property {number} error how clumsy the hand is: 0 not at all, 1 about 3° and 3 % of the distance
- * @property {number} seed of the hand
- * @property {string} hand whose it is, of `HANDS`
- * @property {string} fault what is wrong with the picture, of `FAULTS`; "" for nothing
- * @property {{legacy?: boolean, dictionary?: string, distance?: number}} shown how the board differs from the one asked for;
- *   distance: how many times as far away as asked for
+ * @typedef {import("./setup.js").Setup} Setup
  */
 
 const FRAME_INTERVAL_MS = 50; // ms; a canvas that nobody paints on delivers no frames
-
-/**
- * The camera that an address asks for: `img_size=1280x720`, `fx fy cx cy` in px, `k1 k2 p1 p2 k3`; the hand, `error seed
- * hand`; what is wrong, `fault shown_legacy shown_dictionary shown_distance`.
- * @param {URLSearchParams} parameters
- * @returns {Setup}
- */
-export function setupFrom(parameters) {
-  const [, w, h] = /^(\d{2,4})x(\d{2,4})$/.exec(parameters.get("img_size") ?? "") ?? ["", "1280", "720"];
-  const [width, height] = [Number(w), Number(h)];
-  /** @param {string} name @param {number} otherwise */
-  const number = (name, otherwise) => {
-    const text = parameters.get(name);
-    const value = Number(text);
-    return text && Number.isFinite(value) ? value : otherwise;
-  };
-  /** @param {string} name @param {string[]} known @param {string} otherwise */
-  const named = (name, known, otherwise) => known.find((each) => each === parameters.get(name)) ?? otherwise;
-  const fx = number("fx", 0.8 * width);
-  return {
-    size: [width, height],
-    lens: {
-      fx,
-      fy: number("fy", fx),
-      cx: number("cx", (width - 1) / 2 + 0.012 * width),
-      cy: number("cy", (height - 1) / 2 - 0.012 * width),
-      k1: number("k1", -0.2),
-      k2: number("k2", 0.04),
-      p1: number("p1", 0),
-      p2: number("p2", 0),
-      k3: number("k3", 0),
-    },
-    error: number("error", 1),
-    seed: number("seed", 1),
-    hand: named("hand", Object.keys(HANDS), "still"),
-    fault: named("fault", FAULTS, ""),
-    shown: {
-      ...(parameters.has("shown_legacy") && { legacy: parameters.get("shown_legacy") === "true" }),
-      ...(parameters.has("shown_dictionary") && { dictionary: parameters.get("shown_dictionary") ?? "" }),
-      distance: number("shown_distance", 1),
-    },
-  };
-}
-
-/** The name it reports: another lens is another camera. @param {Setup} setup */
-export function labelOf({ size, lens }) {
-  const text = JSON.stringify([size, ...Object.entries(lens).flat()]);
-  let hash = 0x811c9dc5; // FNV-1a
-  for (const character of text) hash = Math.imul(hash ^ character.charCodeAt(0), 0x01000193) >>> 0;
-  return `${NAME} ${hash.toString(16).padStart(8, "0")}`;
-}
 
 export class VirtualCamera {
   #canvas;
@@ -149,7 +91,7 @@ export class VirtualCamera {
     await new Promise((resolve, reject) => {
       this.#worker.onmessage = resolve;
       this.#worker.onerror = (event) => reject(new Error(event.message || "the virtual camera could not start"));
-      this.#worker.postMessage({ open: { board, lens, size, fault } });
+      this.#worker.postMessage({ open: { board, lens, size, fault: FAULTS.includes(fault) ? fault : "" } });
     });
     this.#worker.onmessage = ({ data }) => this.#show(data.picture);
     const stream = this.#canvas.captureStream(30);
