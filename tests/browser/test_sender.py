@@ -28,7 +28,7 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
     sender = page.locator("#sender")
     expect(sender.locator("p").first).to_have_text(
         "localhost:9000 needs your camera's calibration (HD Pro Webcam C920 (046d:082d), 640 × 480). "
-        "It takes about a minute; then you return to localhost:9000."
+        "It takes about a minute. Then you return to localhost:9000."
     )
     expect(page.locator("#sender-known")).to_contain_text("2 more calibrations are needed")
     expect(page.locator("#go-back")).to_have_attribute("href", "http://localhost:9000/app?a=b")

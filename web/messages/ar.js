@@ -23,10 +23,10 @@ export default {
     measure: "Calibrate my camera",
     unknown: "We don't know this camera yet",
     unknown_text: "calibDB has no reliable calibration of {camera}.",
-    unknown_next: "Calibrate it in a minute with the same board; then you return here with the result.",
+    unknown_next: "Calibrate it in a minute with the same board. Then you return here with the result.",
     calibrate: "Calibrate it (1 min)",
     no_webgl: "This browser cannot draw the overlays: WebGL 2 is missing or switched off.",
-    gpu_lost: "The graphics processor stopped responding. Try again; if that does not help, reload this page.",
+    gpu_lost: "The graphics processor stopped responding. Try again. If that does not help, reload this page.",
     rms: "{px} px off",
     outermost: "rms; {px} px at the outermost corner",
     modes: "Correction",
@@ -62,11 +62,11 @@ export default {
     unknown: "Diese Kamera kennen wir noch nicht",
     unknown_text: "calibDB hat keine verlässliche Kalibrierung von {camera}.",
     unknown_next:
-      "Kalibrieren Sie sie in einer Minute mit derselben Tafel; danach kehren Sie mit dem Ergebnis hierher zurück.",
+      "Kalibrieren Sie sie in einer Minute mit derselben Tafel. Danach kehren Sie mit dem Ergebnis hierher zurück.",
     calibrate: "Kalibrieren (1 Min.)",
     no_webgl: "Dieser Browser kann die Überlagerungen nicht zeichnen: WebGL 2 fehlt oder ist ausgeschaltet.",
     gpu_lost:
-      "Der Grafikprozessor antwortet nicht mehr. Versuchen Sie es noch einmal; hilft das nicht, laden Sie diese "
+      "Der Grafikprozessor antwortet nicht mehr. Versuchen Sie es noch einmal. Hilft das nicht, laden Sie diese "
         + "Seite neu.",
     rms: "{px} px daneben",
     outermost: "rms; {px} px an der äußersten Ecke",
@@ -102,7 +102,7 @@ export default {
     unknown_next: "Відкалібруйте її за хвилину тією самою дошкою, а тоді поверніться сюди з результатом.",
     calibrate: "Відкалібрувати (1 хв)",
     no_webgl: "Цей браузер не може намалювати накладання: WebGL 2 відсутній або вимкнений.",
-    gpu_lost: "Графічний процесор перестав відповідати. Спробуйте ще раз; якщо не допоможе, перезавантажте сторінку.",
+    gpu_lost: "Графічний процесор перестав відповідати. Спробуйте ще раз. Якщо не допоможе, перезавантажте сторінку.",
     rms: "похибка {px} px",
     outermost: "rms; {px} px на крайньому куті",
     modes: "Корекція",

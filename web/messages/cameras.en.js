@@ -25,7 +25,7 @@ export default {
   reason_few_contributors: "Too few people have calibrated it yet.",
   in_order: "calibrations, oldest first",
   focal_label: "Focal lengths between {low} and {high} px",
-  focal_caption: "Focal lengths. Each dot is a calibration; click it to open it.",
+  focal_caption: "Focal lengths. Each dot is a calibration. Click it to open it.",
   centre_label: "Principal points",
   centre_caption: "Principal points.",
   practice: "simulated camera, for practice",

@@ -13,7 +13,7 @@ export default {
 
   heading: "Eine Kamera kalibrieren",
   lead:
-    "Halten Sie die Tafel so, wie der Umriss es zeigt. Die Ansichten werden automatisch aufgenommen; vier oder "
+    "Halten Sie die Tafel so, wie der Umriss es zeigt. Die Ansichten werden automatisch aufgenommen. Vier oder "
       + "fünf genügen.",
   need_board: "Bringen Sie die <0>Kalibriertafel</0> vor die Kamera:",
   permission:
@@ -38,8 +38,8 @@ export default {
   needs_named: "braucht die Kalibrierung Ihrer Kamera ({camera}).",
   needs: "braucht die Kalibrierung Ihrer Kamera.",
   sender_here: "Die Seite, von der Sie kommen,",
-  returns: "Es dauert etwa eine Minute; danach kehren Sie zu {host} zurück.",
-  returns_here: "Es dauert etwa eine Minute; danach kehren Sie dorthin zurück.",
+  returns: "Es dauert etwa eine Minute. Danach kehren Sie zu {host} zurück.",
+  returns_here: "Es dauert etwa eine Minute. Danach kehren Sie dorthin zurück.",
   no_return: "Sie können Ihre Kamera hier kalibrieren, aber dieser Dienst darf das Ergebnis nicht an {host} übergeben.",
   go_back: "Abbrechen und zurück",
   camera_new: "Diese Kamera ist hier neu: Ihre Kalibrierung ist die erste.",
@@ -117,7 +117,7 @@ export default {
   do_dark: "Machen Sie Licht, oder drehen Sie die Tafel zum Fenster.",
   do_bright: "Drehen Sie die Tafel vom Licht weg, oder verringern Sie die Helligkeit ihres Bildschirms.",
   do_blurred:
-    "Halten Sie still und etwas weiter weg; wischen Sie das Objektiv ab; lassen Sie die Kamera scharfstellen.",
+    "Halten Sie still und etwas weiter weg. Wischen Sie das Objektiv ab, und lassen Sie die Kamera scharfstellen.",
   do_far: "Die Felder sind zu klein zum Messen. Kommen Sie näher.",
   do_wrong_board: "Sie können sie verwenden oder die Tafel zeigen, die diese Seite erwartet.",
   use_this_board: "Diese Tafel verwenden",
@@ -128,13 +128,13 @@ export default {
     "Diese Tafel wurde nicht erkannt. Halten Sie sie ganz ins Bild, und versuchen Sie es noch einmal.",
   board_taken: "Diese Tafel gilt jetzt: {columns} × {rows}.",
   do_legacy:
-    "Sie wurde für OpenCV vor 4.6 gemacht. Die Seite stellt sich von selbst darauf ein; Sie können auch eine "
+    "Sie wurde für OpenCV vor 4.6 gemacht. Die Seite stellt sich von selbst darauf ein. Sie können auch eine "
       + "neue drucken.",
   do_mirrored: "Schalten Sie die Spiegelung in den Einstellungen oder im Programm der Kamera aus.",
   do_moire:
     "Gehen Sie etwas näher oder weiter weg, oder verringern Sie die Helligkeit des Bildschirms: Seine Pixel "
       + "überlagern sich mit denen der Kamera.",
-  do_moving: "Die Kamera liest das Bild zeilenweise aus; schnelle Bewegung verzerrt es.",
+  do_moving: "Die Kamera liest das Bild zeilenweise aus. Schnelle Bewegung verzerrt es.",
 
   view_taken: "Ansicht {number} aufgenommen.",
   view_stored: "Ansicht gespeichert. Sie wird gesendet, sobald calibDB wieder da ist.",
@@ -149,8 +149,8 @@ export default {
   refused_no_information: "Diese Ansicht bringt nichts Neues.",
   useless: "Eine bessere Stellung wird gesucht",
   press_again: {
-    one: "Noch einmal drücken beendet die Aufnahme; {count} Ansicht geht verloren.",
-    other: "Noch einmal drücken beendet die Aufnahme; {count} Ansichten gehen verloren.",
+    one: "Noch einmal drücken beendet die Aufnahme. {count} Ansicht geht verloren.",
+    other: "Noch einmal drücken beendet die Aufnahme. {count} Ansichten gehen verloren.",
   },
   came_back_only: "calibDB ist wieder da.",
   sending: "calibDB ist wieder da. Die gespeicherten Ansichten werden gesendet.",
@@ -161,13 +161,13 @@ export default {
   },
   away_now: "Keine Verbindung. Machen Sie weiter: Ansichten werden auf diesem Gerät gespeichert.",
   away_enough:
-    "Keine Verbindung. Auf diesem Gerät sind genug Ansichten gespeichert; sie werden gesendet, sobald calibDB "
+    "Keine Verbindung. Auf diesem Gerät sind genug Ansichten gespeichert. Sie werden gesendet, sobald calibDB "
       + "wieder da ist.",
   begun_anew: "Die Sitzung war abgelaufen. Eine neue Sitzung hat Ihre Ansichten.",
   was_hidden: "Solange diese Seite verborgen war, wurden keine Ansichten aufgenommen. Sie können weitermachen.",
   not_kept: "Dieser Browser kann keine Ansichten speichern. Schließen Sie die Seite nicht.",
   resized:
-    "Das Bild hat jetzt eine andere Größe; das ist eine eigene Kalibrierung. Drehen Sie das Gerät zurück, um "
+    "Das Bild hat jetzt eine andere Größe. Das ist eine eigene Kalibrierung. Drehen Sie das Gerät zurück, um "
       + "die erste fortzusetzen.",
   legacy_taken: "Die Tafel hat die ältere Anordnung. Die Seite verwendet sie jetzt.",
   advice_prediction_disagrees:
@@ -260,7 +260,7 @@ export default {
   fault_detector_silent: "Die Tafelerkennung antwortet nicht. Laden Sie die Seite neu.",
   fault_unforeseen: "Auf dieser Seite ist etwas schiefgegangen ({detail}).",
 
-  practice: "Übungslauf. Die Kamera war simuliert; nichts hiervon beschreibt eine echte.",
+  practice: "Übungslauf. Die Kamera war simuliert. Nichts hiervon beschreibt eine echte.",
   practice_kept:
     "{host} bekommt kein Übungsergebnis. Kalibrieren Sie Ihre eigene Kamera; mit deren Kalibrierung kehren Sie zurück.",
   own_camera: "Eigene Kamera kalibrieren",

@@ -13,7 +13,7 @@ export default {
 
   // Before
   heading: "Calibrate a camera",
-  lead: "Hold the board where the outline shows it. Views are captured automatically; four or five are enough.",
+  lead: "Hold the board where the outline shows it. Views are captured automatically. Four or five are enough.",
   need_board: "Get the <0>calibration board</0> in front of the camera:",
   permission: "Open the camera, and allow this page to use it. <0>Pictures never leave this device.</0>",
   what_is_sent: "What is sent?",
@@ -36,8 +36,8 @@ export default {
   needs_named: "needs your camera's calibration ({camera}).",
   needs: "needs your camera's calibration.",
   sender_here: "The page you came from",
-  returns: "It takes about a minute; then you return to {host}.",
-  returns_here: "It takes about a minute; then you return there.",
+  returns: "It takes about a minute. Then you return to {host}.",
+  returns_here: "It takes about a minute. Then you return there.",
   no_return: "You can calibrate your camera here, but this service may not hand the result to {host}.",
   go_back: "Cancel and go back",
   camera_new: "This camera is new here: yours will be its first calibration.",
@@ -117,7 +117,7 @@ export default {
   do_show: "No board yet? Show it on your phone or on a second screen, or print it.",
   do_dark: "Turn on a light, or turn the board towards the window.",
   do_bright: "Turn the board away from the light, or turn down the brightness of its screen.",
-  do_blurred: "Hold it still and a little farther away; wipe the lens; let the camera focus.",
+  do_blurred: "Hold it still and a little farther away. Wipe the lens, and let the camera focus.",
   do_far: "The squares are too small to measure. Come closer.",
   do_wrong_board: "You can use it as it is, or show the board that this page expects.",
   use_this_board: "Use this board",
@@ -127,7 +127,7 @@ export default {
   board_not_recognised: "This board was not recognised. Hold all of it in view, and try again.",
   board_taken: "This board is used now: {columns} × {rows}.",
   do_legacy:
-    "It was made for OpenCV before 4.6. The page switches to that layout by itself; you can also print a new "
+    "It was made for OpenCV before 4.6. The page switches to that layout by itself. You can also print a new "
       + "board.",
   do_mirrored: "Turn off mirroring in the camera's own settings or software.",
   do_moire:
