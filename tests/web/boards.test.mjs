@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, boardFrom, boardQuery, corners, impossible, isSameBoard, markers, outline } from "../../web/lib/board.js";
+import { blackRectangles, exactScale } from "../../web/lib/board-drawing.js";
 import { PRESETS } from "../../web/lib/board-presets.js";
 import { recognise } from "../../web/lib/board-recognition.js";
 import { findChessboard, recogniseChessboard, shrunk } from "../../web/lib/chessboard.js";
@@ -46,6 +47,15 @@ test("an AprilGrid is numbered as Kalibr numbers it", () => {
   assert.deepEqual(points.slice(0, 5), [[0, 0], [1, 0], [1, -1], [0, -1], [1.25, 0]]);
   assert.deepEqual(points[4 * 6 + 2], [1, -2.25]);
   assert.deepEqual(outline(APRILGRID), [[0, -6], [7.25, -6], [7.25, 0], [0, 0]]);
+});
+
+test("an AprilGrid is drawn with every corner on a whole pixel, and with tags in a frame of two cells", () => {
+  const spaced = (tag_spacing) => ({ ...APRILGRID, tag_spacing });
+  assert.deepEqual([exactScale(spaced(0.25), 64), exactScale(spaced(0.3), 64), exactScale(DEFAULT_BOARD, 61)], [64, 60, 61]);
+  const cell = 1 / 10; // six of data, two of frame on either side
+  const first = blackRectangles(APRILGRID).filter(([x, y]) => x < 1 - 1e-9 && y < 1 - 1e-9);
+  const whole = first.filter(([x, , width]) => x === 0 && Math.abs(width - 1) < 1e-9).map(([, y]) => Math.round(y / cell));
+  assert.deepEqual(whole, [0, 1, 8, 9]);
 });
 
 test("markers tell squares, layout and ratio of their board", () => {
