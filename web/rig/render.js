@@ -63,7 +63,7 @@ export function render(parts, model, { members, leads, board, invitation, time, 
 /** @param {number} position @param {string} camera @param {import("./moments.js").Sight} sight @param {import("./service.js").RigState | null} state */
 function caption(position, camera, sight, state) {
   const seen = sight.corners.ids.length > 0;
-  const aimed = !state?.target || sight.target !== null;
+  const aimed = !state?.target || sight.target !== null || state.unlinked.length > 0;
   const words = seen ? t("rig.sees_board") : aimed ? t("rig.sees_nothing") : t("rig.need_not_see");
   return `${text.cameraName(position)} · ${text.labelText(camera)} · ${words}`;
 }

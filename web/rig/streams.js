@@ -1,5 +1,5 @@
 // Streams of this device's cameras, and the pictures that they deliver: a stereo camera's stream holds two.
-import { facts, open, play } from "../lib/camera.js";
+import { CameraError, facts, open, play } from "../lib/camera.js";
 import { cameraKey, platformHere } from "../sdk/key.js";
 
 /**
@@ -27,13 +27,6 @@ import { cameraKey, platformHere } from "../sdk/key.js";
 export const HALVES = { one: [null], side_by_side: ["left", "right"], top_bottom: ["top", "bottom"] };
 /** Sizes to ask a camera for, px. @type {Record<Layout, [number, number]>} */
 const ASKED_SIZES = { one: [1280, 720], side_by_side: [2560, 720], top_bottom: [1280, 1440] };
-const MIN_SIDE_BY_SIDE_ASPECT = 2.3; // no single picture is so wide
-
-/** Layout that a picture of this shape probably has. @param {number} width @param {number} height @returns {Layout} */
-export function probableLayout(width, height) {
-  if (width / height >= MIN_SIDE_BY_SIDE_ASPECT) return "side_by_side";
-  return "one";
-}
 
 /**
  * Place of a half in the stream's picture.
@@ -119,5 +112,22 @@ export class Stream {
  * @returns {Promise<Stream>} rejects with CameraError
  */
 export async function openStream(choice, options) {
-  return new Stream(choice, await open(choice.id, { ...options, size: ASKED_SIZES[choice.layout] }));
+  const asked = { ...options, size: ASKED_SIZES[choice.layout] };
+  try {
+    return new Stream(choice, await open(choice.id, asked));
+  } catch (error) {
+    if (!(error instanceof CameraError) || error.code !== "gone") throw error;
+    // Some browsers give devices new ids with each visit: the name is the same.
+    const id = await idOf(choice.label);
+    if (!id) throw error;
+    return new Stream({ ...choice, id }, await open(id, asked));
+  }
+}
+
+/** Id of the device with a name; null where there is none. @param {string} label */
+async function idOf(label) {
+  const permission = await navigator.mediaDevices.getUserMedia({ video: true }); // without it devices have no names
+  const devices = await navigator.mediaDevices.enumerateDevices();
+  for (const track of permission.getTracks()) track.stop();
+  return devices.find((each) => each.kind === "videoinput" && each.label === label)?.deviceId ?? null;
 }

@@ -17,6 +17,8 @@ PAGES = {
     "calibrate": "calibrate/",
     "sent": "calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=1280x720"
     "&return_to=https://app.example/",
+    "rig": "rig/",
+    "rig-join": "rig/?code=ABC234",
     "photos": "photos/",
     "import": "import/",
     "cameras": "cameras/",
