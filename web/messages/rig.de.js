@@ -127,6 +127,8 @@ export default {
   take: "Jetzt aufnehmen",
   finish: "Jetzt beenden",
   stop: "Abbrechen",
+  stop_really: { one: "Nochmals drücken: {count} Moment geht verloren", other: "Nochmals drücken: {count} Momente gehen verloren" },
+  leave_really: "Nochmals drücken, um auszusteigen",
 
   // Other devices
   joining: "Andere Geräte hinzufügen",

@@ -127,6 +127,8 @@ export default {
   take: "Take now",
   finish: "Finish now",
   stop: "Stop",
+  stop_really: { one: "Press again to stop and lose {count} moment", other: "Press again to stop and lose {count} moments" },
+  leave_really: "Press again to take these cameras out",
 
   // Other devices
   joining: "Add the other devices",

@@ -12,9 +12,11 @@ import { explain } from "../lib/faults.js";
 import { addMessages, inLanguage, language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
-import { loadSettings } from "../lib/settings.js";
+import { OfflineError } from "../lib/network.js";
+import { loadSettings, storedSettings } from "../lib/settings.js";
 import captureMessages from "../messages/capture.js";
 import rigMessages from "../messages/rig.js";
+import { keepAwake } from "./awake.js";
 import { RigCapture } from "./capture.js";
 import { JoinError, enter, invite, requestOf } from "./membership.js";
 import { ResizeError } from "./model.js";
@@ -54,6 +56,8 @@ let interrupted = null;
 let invitation = null;
 /** @type {RigCapture | null} */
 let capture = null;
+/** Was a stop asked for that loses moments? */
+let isStopAsked = false;
 /** Draws the capture anew. */
 let redraw = () => {};
 
@@ -76,8 +80,13 @@ function address(query) {
 const simulation = () => Object.fromEntries([...parameters].filter(([name]) =>
   ["virtual", "img_size", "error", "seed", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"].includes(name)));
 
-async function openService(/** @type {AbortSignal} */ signal) {
-  const { api, token } = await loadSettings();
+/** The service, without a network by the settings of the last visit. @param {AbortSignal} signal */
+async function openService(signal) {
+  const { api, token } = await loadSettings().catch((error) => {
+    const last = error instanceof OfflineError ? storedSettings() : null;
+    if (!last) throw error;
+    return last;
+  });
   return new RigService(new Api(api, { signal, timeout: 15_000 }), token);
 }
 
@@ -104,6 +113,8 @@ async function run({ record, code }, signal) {
   const save = () => store.save(record);
   const requests = shown.map(({ picture, stream }) => requestOf(picture, board, stream.choice));
   invitation = null;
+  isStopAsked = false;
+  parts.stop.textContent = t("rig.stop");
   const invited = await enter(service, record, requests, { code, save });
   if (!await acquireLock(record.about, signal)) throw new CameraError("elsewhere");
   await save();
@@ -136,6 +147,7 @@ async function run({ record, code }, signal) {
   parts.newCode.onclick = async () => setInvitation(await freshCode(service, record));
   redraw();
   show("capturing");
+  void keepAwake(signal);
   return capture.run();
 }
 
@@ -170,7 +182,7 @@ async function finished(state, record) {
 
 /** @param {RigState} state @param {RigRecord | null} record of this device's part in it */
 async function showResult(state, record) {
-  const [{ RigView }, { default: result }] = await Promise.all([import("./result.js"), import("../messages/result.js")]);
+  const [{ RigView, titleOf }, { default: result }] = await Promise.all([import("./result.js"), import("../messages/result.js")]);
   addMessages({ result });
   const { keepReceipt } = await import("../lib/receipts.js");
   for (const { position, session, request } of record?.members ?? []) {
@@ -178,6 +190,7 @@ async function showResult(state, record) {
   }
   const service = await openService(new AbortController().signal);
   new RigView(parts.result, state, { service, pictures, views: [...taken.values()] }).draw();
+  document.title = titleOf(state);
   show("done");
 }
 
@@ -244,12 +257,29 @@ async function listInterrupted() {
   parts.interruptedText.textContent = interrupted ? t("rig.interrupted", { count: interrupted.letters.filter(({ kind }) => kind === "view").length }) : "";
 }
 
-/** Ends this device's part. */
+/** Ends this device's part: what would be lost is said first. */
 async function stop() {
   const record = last?.record;
+  const { state = null, waiting = 0 } = capture?.model ?? {};
+  const lost = Math.max(state?.moments.length ?? 0, waiting);
+  if (lost > 0 && !isStopAsked) {
+    isStopAsked = true;
+    parts.stop.textContent = t(record?.leads ? "rig.stop_really" : "rig.leave_really", { count: lost });
+    return;
+  }
   begin.cancel();
-  if (record?.about) await store.remove(record.about);
+  if (record?.about) {
+    await store.remove(record.about);
+    await giveUp(record).catch((error) => console.info("not given up at the service:", String(error))); // it forgets by itself
+  }
   location.assign(inLanguage(new URL(location.pathname, location.origin).href, language()));
+}
+
+/** Tells the service that this device's cameras do not go on. @param {RigRecord} record */
+async function giveUp({ about, leads, members }) {
+  const service = await openService(new AbortController().signal);
+  if (leads) await service.forget(about, members[0].session);
+  else for (const { session } of members) await service.leave(session);
 }
 
 /** Shows a rig that an address names: its result, or the capture that this browser takes part in. @param {string} id */
@@ -309,7 +339,7 @@ feedback.bind(parts.senses);
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
 showProblem(parts.problem, problem);
 onLanguage(() => {
-  setup.translate();
+  void setup.list(true);
   redraw();
 });
 await Promise.all([setup.list(), listInterrupted()]);

@@ -127,6 +127,11 @@ export class RigService {
     await this.#api.send("DELETE", path(id), leader, { brief: true });
   }
 
+  /** Gives up one camera's place in a rig that is not finished. @param {string} session */
+  async leave(session) {
+    await this.#api.send("DELETE", "/session", session, { brief: true });
+  }
+
   /** The result as a file. @param {string} id @param {string} format "" for the JSON that the SDK reads @returns {Promise<Response>} */
   file(id, format) {
     const query = format ? `?${new URLSearchParams({ format })}` : "";

@@ -6,6 +6,7 @@ import { t } from "../lib/i18n.js";
 /**
  * @typedef {import("./parts.js").Parts} Parts
  * @typedef {import("./streams.js").Choice} Choice
+ * @typedef {{id: string, label: string, used: HTMLInputElement, layout: HTMLSelectElement, lens: HTMLSelectElement}} Row
  */
 
 export const MIN_CAMERAS = 2;
@@ -18,7 +19,7 @@ export class Setup {
   #parts;
   #parameters;
   #joins;
-  /** @type {{id: string, label: string, used: HTMLInputElement, layout: HTMLSelectElement, lens: HTMLSelectElement}[]} */
+  /** @type {Row[]} */
   #rows = [];
 
   /** @param {Parts} parts @param {URLSearchParams} parameters @param {boolean} joins */
@@ -33,13 +34,13 @@ export class Setup {
     this.#writeOthers();
   }
 
-  /** Lists the cameras that the browser names. */
-  async list() {
+  /** Lists the cameras that the browser names; what was chosen stays chosen. @param {boolean} [anew] in another language */
+  async list(anew = false) {
     const found = (await cameras(this.#parameters)).filter(({ id, named }) => id !== "virtual" && named);
     const { cameras: place, allow, camerasNote } = this.#parts;
     const chosen = new Map(this.#rows.map((row) => [row.id, row]));
-    if (found.map(({ id }) => id).join() !== this.#rows.map(({ id }) => id).join()) {
-      this.#rows = found.map(({ id, label }, index) => this.#row(id, label, chosen.get(id)?.used.checked ?? (index < (this.#joins ? 1 : 2))));
+    if (anew || found.map(({ id }) => id).join() !== this.#rows.map(({ id }) => id).join()) {
+      this.#rows = found.map(({ id, label }, index) => this.#row(id, label, index < (this.#joins ? 1 : 2), chosen.get(id)));
       place.replaceChildren(...this.#rows.map(({ label, used, layout, lens }) => el("div", { class: "camera" },
         el("label", { class: "choice" }, used, el("span", {}, label)),
         el("div", { class: "fields" }, field(layout, t("rig.layout")), field(lens, t("rig.lens"))))));
@@ -67,13 +68,15 @@ export class Setup {
     }
   }
 
-  /** @param {string} id @param {string} label @param {boolean} checked */
-  #row(id, label, checked) {
+  /** @param {string} id @param {string} label @param {boolean} checked unless chosen otherwise @param {Row} [before] */
+  #row(id, label, checked, before) {
     const used = el("input", { type: "checkbox", autocomplete: "off" });
-    used.checked = checked;
+    used.checked = before?.used.checked ?? checked;
     const select = (/** @type {string} */ kind, /** @type {string[]} */ names) =>
       el("select", { "aria-label": `${t(`rig.${kind}`)}: ${label}` }, ...names.map((name) => new Option(t(kind === "lens" ? `capture.lens_${name}` : `rig.layout_${name}`), name)));
-    return { id, label, used, layout: select("layout", LAYOUTS), lens: select("lens", LENSES) };
+    const [layout, lens] = [select("layout", LAYOUTS), select("lens", LENSES)];
+    if (before) [layout.value, lens.value] = [before.layout.value, before.lens.value];
+    return { id, label, used, layout, lens };
   }
 
   /** Fills in the numbers of cameras that other devices may have. */
@@ -89,12 +92,6 @@ export class Setup {
     const own = this.own;
     for (const option of others.options) option.disabled = own + Number(option.value) > MAX_CAMERAS;
     if (own > 0 && own < MIN_CAMERAS && others.value === "0") others.value = String(MIN_CAMERAS - own);
-  }
-
-  /** Writes what is made here in another language. */
-  translate() {
-    this.#rows = [];
-    void this.list();
   }
 
   /** Number of pictures of the chosen cameras. */
