@@ -27,7 +27,7 @@ const FOOTER = [
 ];
 const OPERATORS = { contact: "common.contact", imprint: "common.imprint", source: "common.source" };
 
-const MANY_SCRIPTS = 20;
+const MANY_SCRIPTS = 40;
 
 /** The address of a page, from the root. @param {string} key @param {string} language */
 export function addressOf(key, language) {
@@ -58,7 +58,7 @@ function head(document, { key, language, translated, origin, preloads }) {
   viewport?.insertAdjacentHTML("afterend", classic.map((name) => `\n  <script src="/${name}.js"></script>`).join(""));
   for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
   const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
-  // Where many scripts are waited for, the font comes after them; a font of the same widths stands in (style.css).
+  // Where many scripts are waited for, the font comes after them, for the next page: another stands in (style.css).
   const alphabets = language === "uk" ? ["latin", "cyrillic"] : ["latin"];
   const fonts = preloads.length < MANY_SCRIPTS
     ? alphabets.map((name) => `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`) : [];
