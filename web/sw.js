@@ -14,7 +14,7 @@ const SHELL = new URL("shell.json", BASE).href;
 const CACHE = "calibdb";
 const DEVELOPED = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
 const LANGUAGE = /^(de|uk)\//; // folders of pages
-const DETECTING = /\/(calibrate|photos|ar)\/$/;
+const DETECTING = /\/(calibrate|rig|photos|ar)\/$/;
 
 /** The file a request is for, "" and "board/" being pages; null where it is none of ours. @param {Request} request */
 function fileOf({ method, url, headers }) {
