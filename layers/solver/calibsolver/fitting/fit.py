@@ -21,6 +21,7 @@ from . import (
     prior,
     resection,
     robust_covariance,
+    systematic_effects,
     validation,
 )
 from .calibration import Calibration
@@ -244,7 +245,9 @@ class _Fit:
                 obs, good = obs.subset(np.flatnonzero(taken)), good[taken]
         focal = float(self.model.focal(state.k)[0]) / self.width
         labels = robust_covariance.same_pose_labels(poses, obs, good, focal)
-        return robust_covariance.Evidence.of(rows, poses, labels)
+        row = systematic_effects.row_position(obs.pixels[:, 1], self.problem.img_size[1])
+        effects = systematic_effects.displacements(rows[self.model.size : -1], poses, obs.points, row)
+        return robust_covariance.Evidence.of(rows, effects, poses, labels)
 
     def _is_observable(self, state: State) -> bool:
         """Whether the data alone, without the prior, determine every parameter."""

@@ -1,25 +1,28 @@
-"""Cluster-robust covariance of the intrinsics: error bars that hold where residuals are not white noise.
+"""Robust covariance of the intrinsics: error bars that hold where residuals are not white noise.
 
-On real cameras the corners of one view err together: the board bends, the shutter rolls, the hand moves, the
-model is a little too simple. What a view pulls the intrinsics by is then more than its corners' noise
-explains, and independent from view to view: the views are the clusters of a "sandwich" covariance (Huber
-1967; White 1980; Liang & Zeger 1986). Of few clusters it is vague and has no full rank, so it gives the
-*shape* of the covariance alone, shrunk towards that of white noise (Ledoit & Wolf 2004); its *size* is one
-factor, the inflation, with a prior of its own (Gelman et al., "Bayesian Data Analysis", 2.6).
+On real cameras the corners of one view err together: the board bends, the rows are read out while the hand
+moves. These effects (`systematic_effects`) shift the intrinsics by far more than the noise of corners, and
+leave their traces in the residuals. So they are random effects (Laird & Ware 1982), whose variances the
+residuals tell (method of moments, Rao 1970): motion anew in each view, the bend of the board in all alike.
 
 With M the information of all views and of the prior at unit noise, T a whitening (T'MT = 1), of cluster c the
-whitened gradient h = T'g and information B = T'ST: white noise of variance sigma^2 gives h the covariance
-sigma^2 Q, Q = B - B^2, since each cluster takes part in the fit (Bell & McCaffrey 2002). Then
+whitened gradient h = T'g, information B = T'ST, and Z the effects there, their pose projected out:
 
-    inflation f = (n tr(W sum hh') / (sigma^2 tr(W sum Q)) + n0 f0) / (n + n0),  at least 1,
-    covariance = sigma^2 T [1 - sum B + f (sum B - w sum Q) + w (f / f1) sum hh' / sigma^2] T'
+    moments of the residuals r, which are (1 - AT T'A') (noise + Z effects), of Z'r in each cluster (motion)
+    and over all (bend), give the variances of motion, m, and bend, s, in units of sigma^2. Only what exceeds
+    the mean under white noise by a standard deviation counts, so that chance seldom looks like an effect.
+    covariance = sigma^2 T [1 - sum B + f sum (B + m K_m K_m') + k (sum K_b) S (sum K_b)'] T'
 
-with f1 the first quotient, without the prior of f; W the metric of the projection error, whitened; n the
-degrees of freedom of the quotient (Satterthwaite 1946); w = clusters / (clusters + p). Under white noise it
-is somewhat larger than sigma^2 M^-1: by the prior of f, and as f is at least 1. What the intrinsics' prior
-contributes, 1 - sum B, is not inflated. It is positive definite always: sum B >= sum Q, and w < 1.
+with K = T'A'Z the pull of the effects on the intrinsics, S the second moment of the bend given the residuals
+(its best estimate and what is left open), k the share `BEND_SHARE`. Few views may tell less than s; then S is
+smaller. The inflation f is for whatever else a view may pull by. Views are the clusters of a "sandwich"
+covariance (Huber 1967; White 1980; Liang & Zeger 1986), f the quotient of the gradients' scatter and what
+noise and motion explain, corrected for the part that each cluster takes in the fit (Bell & McCaffrey 2002),
+with a prior (Gelman et al., "Bayesian Data Analysis", 2.6), and at least 1. What the intrinsics' prior
+contributes, 1 - sum B, is not inflated. It is positive definite always, and under white noise hardly larger
+than sigma^2 M^-1.
 
-Views in nearly the same pose share what is wrong in it: frames of a video, or of a burst, are one cluster.
+Views in nearly the same pose share what is wrong in them: frames of a video, or of a burst, are one cluster.
 """
 
 from dataclasses import dataclass
@@ -28,11 +31,15 @@ import numpy as np
 
 from ..arrays import Array, IntArray, Mask, whitening
 from . import normal_equations
-from .normal_equations import Poses
+from .normal_equations import POSE_SIZE, Poses
 from .observations import Observations
+from .systematic_effects import BEND_SIZE, EFFECTS_SIZE
 
-PRIOR_INFLATION, PRIOR_INFLATION_FREEDOM = 1.5, 6.0
-"""Prior of the inflation, and its weight in degrees of freedom: between white noise (1) and real cameras."""
+PRIOR_INFLATION_FREEDOM = 30.0
+"""Weight of the prior of f, which is 1, in degrees of freedom."""
+BEND_SHARE = 0.25
+"""Share of the variance by the common bend that counts. The truth differs by all of it, a second calibration
+with the same board by nothing: with a quarter, half in px, neither is more than twice as far as predicted."""
 SAME_POSE_WIDTHS = 0.02
 """Distance between two views of the board, rms over its corners / image width, up to which they are one
 cluster."""
@@ -44,40 +51,42 @@ MAX_BLOCK_ROWS = 1024
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Information and gradient of each cluster of views, at unit noise.
+    """Products of each cluster of views, poses projected out, at unit noise.
 
     Attributes
     ----------
-    information
-        (c, p, p) Fisher information, poses marginalised.
-    gradient
-        (c, p) half gradient of the squared residuals there, poses marginalised, px^2 per unit.
+    gram
+        (c, p + EFFECTS_SIZE + 1, ...) Gram matrices of the derivatives by the intrinsics, the systematic
+        effects and the residuals, px^2: of the first alone it is the Fisher information.
     metric
         (p, p) W: trace(covariance W) is the mean square projection error at the corners seen, with the
         rotation of the camera frame that fits best removed, px^2.
     """
 
-    information: Array
-    gradient: Array
+    gram: Array
     metric: Array
 
     @classmethod
-    def of(cls, rows: Array, poses: Poses, labels: IntArray, metric: Array | None = None) -> "Evidence":
+    def of(
+        cls, rows: Array, effects: Array, poses: Poses, labels: IntArray, metric: Array | None = None
+    ) -> "Evidence":
         """Gather the evidence of rows (p + 7, 2, v, n), poses and the cluster (v,) of each view.
 
-        The last row holds the residuals, px; points that do not count have rows of 0. A `metric` (p, p) takes
-        the place of the one at the corners seen, which is that of one camera.
+        The last row holds the residuals, px; points that do not count have rows of 0, and `effects`
+        (EFFECTS_SIZE, 2, v, n) of 0. A `metric` (p, p) takes the place of the one at the corners seen, which
+        is that of one camera.
         """
-        left = normal_equations.residual_jacobian(rows[:-1])
-        transposed = left.transpose(0, 2, 1)
-        r = rows[-1].transpose(1, 0, 2).reshape(*left.shape[:2], 1)
-        information, gradient = transposed @ left, (transposed @ r)[:, :, 0]
+        size = len(rows) - POSE_SIZE - 1
+        left = normal_equations.residual_jacobian(
+            np.concatenate([rows[:size], effects, rows[-1:], rows[size:-1]])
+        )
+        gram = left.transpose(0, 2, 1) @ left
         count = int(labels.max()) + 1
         if count < len(labels):
-            information, gradient = _sum_by(information, labels, count), _sum_by(gradient, labels, count)
+            gram = _sum_by(gram, labels, count)
         if metric is None:
             metric = _observed_error_metric(rows, poses)
-        return cls(information, gradient, metric)
+        return cls(gram, metric)
 
 
 def _sum_by(values: Array, labels: IntArray, count: int) -> Array:
@@ -133,42 +142,92 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
     prior_information
         (p, p) of the intrinsics' prior, in units of 1 / sigma^2; None where it took no part.
     """
-    information = evidence.information.sum(axis=0)
+    size = len(evidence.metric)
+    given = evidence.gram[:, :size, :size]
+    information = given.sum(axis=0)
     if prior_information is not None:
         information = information + prior_information
     basis = whitening(information)
-    h = evidence.gradient @ basis
-    b = basis.T @ evidence.information @ basis
-    clusters, size = h.shape
-    q = b - b @ b
-    expected, scatter = q.sum(axis=0), h.T @ h / sigma**2
-    inflation, ratio = _inflation(basis.T @ evidence.metric @ basis, b, q, scatter)
-    shape = np.eye(size) + (inflation - 1) * b.sum(axis=0)
-    if ratio > 0:
-        weight = clusters / (clusters + size)
-        shape = shape + weight * inflation * (scatter / ratio - expected)
+    w, b = basis.T @ evidence.metric @ basis, basis.T @ given @ basis
+    motion, bend = _effects(evidence.gram, basis, sigma)
+    working = b + motion
+    total = working.sum(axis=0)
+    h = evidence.gram[:, :size, -1] @ basis / sigma
+    inflation = _inflation(w, b, working, h)
+    shape = np.eye(size) - b.sum(axis=0) + inflation * total + BEND_SHARE * bend
     covariance: Array = sigma**2 * basis @ shape @ basis.T
-    return Result((covariance + covariance.T) / 2, information / sigma**2, inflation)
+    white = float(np.trace(w))
+    return Result(
+        (covariance + covariance.T) / 2,
+        information / sigma**2,
+        max(_dot(w, shape) / white, 1.0) if white > 0 else inflation,
+    )
 
 
-def _inflation(w: Array, b: Array, q: Array, scatter: Array) -> tuple[float, float]:
-    """Inflation, and the quotient that it follows from (0 where there is none); matrices are whitened.
+def _effects(gram: Array, basis: Array, sigma: float) -> tuple[Array, Array]:
+    """Covariance of the whitened gradient by the motion in each cluster (c, p, p), and by the bend (p, p).
 
-    Metric (p, p), information and its share that shows in the gradients (c, p, p), and the gradients' scatter
-    (p, p).
+    Both / sigma^2. Of the Gram matrices and the whitening (p, p).
     """
+    size = len(basis)
+    bends, moves = slice(size, size + BEND_SIZE), slice(size + BEND_SIZE, size + EFFECTS_SIZE)
+    by_move, by_bend = basis.T @ gram[:, :size, moves], (basis.T @ gram[:, :size, bends]).sum(axis=0)
+    z = gram[:, moves, moves]
+    taken = by_move.transpose(0, 2, 1) @ by_move
+    pull = by_move @ by_move.transpose(0, 2, 1)
+    # What is left in the residuals of the clusters' motion, of the bend, and of the bend there.
+    seen_bend = gram[:, bends, bends].sum(axis=0) - by_bend.T @ by_bend
+    cross = gram[:, moves, bends] - by_move.transpose(0, 2, 1) @ by_bend
+    of_bend = gram[:, bends, -1].sum(axis=0) / sigma
+    both = pull.sum(axis=0)
+    # Where there is no effect at all, noise alone makes the sum of squares exceed its mean by one deviation.
+    left = z - taken
+    noise = float(np.einsum("vii->", left)) + np.sqrt(2 * _dot(left, left))
+    bend_noise = float(np.trace(seen_bend)) + np.sqrt(2 * _dot(seen_bend, seen_bend))
+    excess = (
+        float(np.sum((gram[:, moves, -1] / sigma) ** 2)) - noise,
+        float(of_bend @ of_bend) - bend_noise,
+    )
+    by_motion = _dot(z, z) - 2 * _dot(z, taken) + _dot(both, both)
+    m, s = _variances(excess, by_motion, _dot(cross, cross), _dot(seen_bend, seen_bend))
+    if s == 0:
+        return m * pull, np.zeros_like(both)
+    crossed = np.tensordot(cross, cross, ((0, 1), (0, 1)))
+    gain = s * normal_equations.solve_or_nan(s * seen_bend @ seen_bend + seen_bend + m * crossed, seen_bend)
+    mean = gain.T @ of_bend
+    second = np.outer(mean, mean) + s * (np.eye(BEND_SIZE) - gain.T @ seen_bend)
+    by_bend = by_bend @ (second + second.T) / 2 @ by_bend.T
+    return m * pull, by_bend if np.isfinite(by_bend).all() else np.zeros_like(both)
+
+
+def _variances(excess: tuple[float, float], one: float, cross: float, other: float) -> tuple[float, float]:
+    """Solve the equations of moments [[one, cross], [cross, other]] x = excess for variances, at least 0."""
+    determinant = one * other - cross**2
+    if determinant > MIN_EXPECTED * one * other:
+        m = (other * excess[0] - cross * excess[1]) / determinant
+        s = (one * excess[1] - cross * excess[0]) / determinant
+        if m >= 0 and s >= 0:
+            return m, s
+        if m < 0 <= s:
+            return 0.0, max(excess[1], 0.0) / other
+    return (max(excess[0], 0.0) / one if one > 0 else 0.0), 0.0
+
+
+def _inflation(w: Array, b: Array, working: Array, h: Array) -> float:
+    """Inflation by what is neither noise nor motion; matrices are whitened, of unit noise.
+
+    Metric (p, p), information (c, p, p), covariance of the gradients before the fit took its part (c, p, p),
+    and gradients (c, p).
+    """
+    taken = b @ working
+    q = working - taken - taken.transpose(0, 2, 1) + b @ working.sum(axis=0) @ b
     wq = w @ q
-    expected = float(np.trace(wq.sum(axis=0)))
+    expected = float(np.einsum("vii->", wq))
     if not expected > MIN_EXPECTED * float(np.trace(w)):
-        return PRIOR_INFLATION, 0.0
-    # Two clusters c, d have the covariance sigma^2 (B_c [c = d] - B_c B_d).
-    bwb = b @ w @ b
-    both = bwb.sum(axis=0)
-    spread = _dot(wq, wq.transpose(0, 2, 1)) + _dot(both, both) - _dot(bwb, bwb)
-    freedom = expected**2 / max(spread, 1e-300)
-    ratio = _dot(w, scatter) / expected
-    mean = (freedom * ratio + PRIOR_INFLATION_FREEDOM * PRIOR_INFLATION) / (freedom + PRIOR_INFLATION_FREEDOM)
-    return max(mean, 1.0), ratio
+        return 1.0
+    freedom = expected**2 / max(_dot(wq, wq.transpose(0, 2, 1)), 1e-300)
+    quotient = _dot(w, h.T @ h) / expected
+    return max((freedom * quotient + PRIOR_INFLATION_FREEDOM) / (freedom + PRIOR_INFLATION_FREEDOM), 1.0)
 
 
 def _dot(one: Array, other: Array) -> float:

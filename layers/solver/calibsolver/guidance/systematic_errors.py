@@ -2,28 +2,22 @@
 
 A view that carries information N about the intrinsics and a systematic error of its own that would move them
 by a covariance T tells (N^-1 + T)^-1, however low the noise of its corners. T differs from view to view: a
-bend shows most in a tilted close-up, motion wherever the board spans many rows. So the causes enter as
-variables of the view that are marginalised with its pose, each with the standard deviation that it has in the
-hands of people: the sag of a board of paper (three quadratic terms of height), and the velocity of the board
-while one frame is read out (six terms, in proportion to the row).
+bend shows most in a tilted close-up, motion wherever the board spans many rows. So the effects
+(`fitting.systematic_effects`) enter as variables of the view that are marginalised with its pose, each with
+the standard deviation that it has in the hands of people.
 """
 
 import numpy as np
 
 from ..arrays import Array
-from ..fitting import normal_equations
-from ..fitting.normal_equations import POSE_SIZE, Poses
-from ..fitting.robust_covariance import PRIOR_INFLATION
+from ..fitting import normal_equations, systematic_effects
+from ..fitting.normal_equations import Poses
 from ..models import Model
 
-SAG_STD_BOARDS = 0.003
-"""Standard deviation of the height of each quadratic term at the board's rim / longer side."""
-SHUTTER_ROTATION_STD_RAD = 0.001
-"""Standard deviation of the rotation about each axis from the middle row of the image to an outermost one."""
-SHUTTER_SHIFT_STD_BOARDS = 0.001
-"""Standard deviation of the translation along each axis meanwhile / longer side of the board."""
+NEGLIGIBLE_INFLATION = 1.5
+"""Inflation that few views show by chance."""
 USUAL_EXCESS_INFLATION = 3.0
-"""Excess of the inflation over its prior, in the hands of people: the median of 33 sets of real cameras."""
+"""Excess over it in the hands of people: the median of four to six views of 13 sets of real cameras."""
 MAX_SHARE = 3.0
 """Largest size that is believed / the usual one: beyond, a view is an outlier."""
 
@@ -59,7 +53,9 @@ def limited_information(
     q, rows = normal_equations.linearize(model, k, poses, points, 0)
     count = 0
     if systematic > 0:
-        nuisance = nuisance_rows(model, poses, points, q, rows, img_height) * (systematic / noise)
+        row = systematic_effects.row_position(q[1], img_height)
+        effects = systematic_effects.displacements(rows[model.size :], poses, points, row)
+        nuisance = effects * (systematic / noise)
         count = len(nuisance)
         rows = np.concatenate([rows, nuisance])
     rows = np.where(weights > 0, rows * np.sqrt(weights), 0.0)
@@ -67,32 +63,11 @@ def limited_information(
     return s, q.transpose(1, 0, 2)
 
 
-def nuisance_rows(model: Model, poses: Poses, points: Array, q: Array, rows: Array, img_height: int) -> Array:
-    """Displacements (9, 2, v, n), px, by a standard deviation of each cause: three of bend, six of motion.
-
-    Of points (v, 3, n) or (3, n), seen at pixels q (2, v, n), with the Jacobian `rows` (p + 6, 2, v, n).
-    """
-    size, height = model.size, max(img_height / 2, 1.0)
-    x, y = points[..., 0, :], points[..., 1, :]
-    half = max(float(max(np.ptp(x), np.ptp(y))) / 2, 1e-9)
-    across = (x - x.mean(axis=-1, keepdims=True)) / half
-    down = (y - y.mean(axis=-1, keepdims=True)) / half
-    by_height = np.einsum("kavn,vk->avn", rows[size + 3 : size + POSE_SIZE], poses.r[:, :, 2])
-    sag = SAG_STD_BOARDS * 2 * half
-    out = np.empty((3 + POSE_SIZE, *q.shape))
-    for i, term in enumerate((across * across, across * down, down * down)):
-        out[i] = by_height * (term * sag)
-    row = (q[1] - (img_height - 1) / 2) / height
-    np.multiply(rows[size : size + 3], row * SHUTTER_ROTATION_STD_RAD, out=out[3:6])
-    np.multiply(rows[size + 3 : size + 6], row * (SHUTTER_SHIFT_STD_BOARDS * 2 * half), out=out[6:9])
-    return out
-
-
 def systematic_share(inflation: float) -> float:
     """Size of the systematic errors / the usual one, by the inflation that a calibration's views show.
 
     The inflation is the variance of the intrinsics / that which white noise explains; its excess grows with
-    the square of the systematic errors. Few views say little: what its prior expects is no excess.
+    the square of the systematic errors.
     """
-    excess = inflation - PRIOR_INFLATION
+    excess = inflation - NEGLIGIBLE_INFLATION
     return float(np.sqrt(np.clip(excess / USUAL_EXCESS_INFLATION, 0.0, MAX_SHARE**2)))

@@ -13,7 +13,7 @@ from .. import models
 from ..arrays import Array, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
-from ..fitting import levenberg_marquardt, outliers, plausibility, robust_covariance
+from ..fitting import levenberg_marquardt, outliers, plausibility, robust_covariance, systematic_effects
 from ..fitting.levenberg_marquardt import Options, State
 from ..fitting.multistart import TOWARDS_OPTIMUM
 from ..fitting.normal_equations import Poses
@@ -267,7 +267,9 @@ class _Fit:
         distances = transfer.working_distances(problem, state, good)
         jacobian = transfer.jacobian(problem, state.k, distances)
         metric = transfer.metric(jacobian, rows)
-        evidence = robust_covariance.Evidence.of(rows, boards, labels, metric)
+        by_pose, points = rows[problem.size : -1], obs.points[taken]
+        effects = systematic_effects.displacements(by_pose, boards, points, problem.row_positions[taken])
+        evidence = robust_covariance.Evidence.of(rows, effects, boards, labels, metric)
         spread = robust_covariance.estimate(evidence, sigma, believed)
         if not np.isfinite(spread.covariance).all():
             raise CalibrationError("not_believable", "the fit has no finite error")

@@ -18,6 +18,7 @@ from ..fitting import prior
 from ..fitting.levenberg_marquardt import LeastSquares, State
 from ..fitting.normal_equations import POSE_SIZE, Poses
 from ..fitting.observations import Observations
+from ..fitting.systematic_effects import row_position
 from ..models import Model
 from ..view import View
 
@@ -80,6 +81,15 @@ class RigProblem(LeastSquares):
         total, count = sum(sizes), len(sizes)
         first = tuple(int(n) for n in np.cumsum([0, *sizes])[:-1])
         return first, (-1, *(total + POSE_SIZE * i for i in range(count - 1)))
+
+    @cached_property
+    def row_positions(self) -> Array:
+        """Rows (m, n) of the points in the images of their cameras, as `row_position`."""
+        out = np.zeros(self.obs.mask.shape)
+        for member in self.members:
+            part = member.slots
+            out[:, part] = row_position(self.obs.pixels[:, 1, part], member.img_size[1])
+        return out
 
     @property
     def size(self) -> int:

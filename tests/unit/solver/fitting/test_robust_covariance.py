@@ -5,7 +5,7 @@ import pytest
 
 from calibsolver import View, fit
 from tests.helpers.data import corner_views
-from tests.helpers.solver import populations, synthetic
+from tests.helpers.solver import hands, populations, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[5]
 
@@ -25,6 +25,32 @@ def test_covariance_is_positive_definite_from_one_view_on(count: int) -> None:
 def test_white_noise_is_hardly_inflated() -> None:
     found = [fit(views(12, seed=seed), CAMERA.img_size).inflation for seed in range(8)]
     assert np.median(found) < 1.5
+
+
+def error_ratio(hand: hands.Hand, seed: int, count: int) -> float:
+    """Error over the image / predicted error, of a capture in some hand."""
+    camera = synthetic.rectilinear_cameras()[seed]
+    found = fit(populations.views(camera, np.random.default_rng(seed), 0.2, count, hand), camera.img_size)
+    error = synthetic.projection_error(camera, found.camera)
+    return float(np.sqrt(np.mean(error**2))) / found.uncertainty().rms
+
+
+@pytest.mark.parametrize("count", [4, 10])
+@pytest.mark.parametrize("hand", [hands.BENT, hands.MOVING_AND_BENT])
+def test_errors_with_a_bent_board_are_predicted(hand: hands.Hand, count: int) -> None:
+    """The board bends by 0.5 %, the same in all views; by white noise alone half of them and more are off."""
+    ratios = np.array([error_ratio(hand, seed, count) for seed in range(12)])
+    assert 0.5 < np.median(ratios) < 1.8
+    assert np.mean(ratios > 2) < 0.34
+
+
+def test_error_bars_of_a_bent_board_do_not_shrink_with_more_views() -> None:
+    """Each view brings the same error: white noise alone would predict half of it with four times as many."""
+    few, many = (
+        fit(populations.views(CAMERA, np.random.default_rng(3), 0.2, count, hands.BENT), CAMERA.img_size)
+        for count in (10, 40)
+    )
+    assert many.uncertainty().rms > 0.7 * few.uncertainty().rms
 
 
 def test_frames_of_one_pose_count_once() -> None:

@@ -5,7 +5,8 @@ import pytest
 
 from calibsolver import Board, fit, models, rotation
 from calibsolver.fitting.normal_equations import Poses, fisher_information, linearize, projection_jacobian
-from calibsolver.guidance.systematic_errors import limited_information, nuisance_rows, systematic_share
+from calibsolver.fitting.systematic_effects import displacements, row_position
+from calibsolver.guidance.systematic_errors import limited_information, systematic_share
 from calibsolver.guidance.view_selection import select_views
 from tests.helpers.data import corner_views
 from tests.helpers.solver import hands, synthetic
@@ -46,7 +47,7 @@ def test_information_is_limited_the_more_the_lower_the_noise() -> None:
 def test_displacements_are_those_of_bend_and_motion(cause: int) -> None:
     """Against a board that is bent, or moved by its row, by a small step."""
     q, rows = linearize(MODEL, K, POSES, POINTS, 0)
-    found = nuisance_rows(MODEL, POSES, POINTS, q, rows, 720)[cause]
+    found = displacements(rows[MODEL.size :], POSES, POINTS, row_position(q[1], 720))[cause]
     center, half = POINTS.mean(axis=1), 3.5
     x, y = (POINTS[:2] - center[:2, None]) / half
     r, t = POSES.r[0], POSES.t[0]
