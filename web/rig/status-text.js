@@ -5,7 +5,7 @@ import { known, number, t } from "../lib/i18n.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { isSeen, requiredHold } from "./moments.js";
-import { MIN_VIEWS, freePositions, isAlone, isFinishable, remotePositions, silentPositions } from "./progress.js";
+import { MIN_VIEWS, isAlone, remotePositions, silentPositions } from "./progress.js";
 
 /**
  * @typedef {import("./model.js").Model} Model
@@ -14,7 +14,8 @@ import { MIN_VIEWS, freePositions, isAlone, isFinishable, remotePositions, silen
  * @typedef {import("./moments.js").Sight} Sight
  */
 
-const RIG_ADVICE = new Set(["unlinked", "contradicts", "turned", "too_few_views", "converged"]);
+const SHOWN_ELSEWHERE = new Set(["waiting", "converged"]); // in the list of cameras, by the end
+const RIG_ADVICE = new Set(["unlinked", "no_fit", "contradicts", "set_aside", "turned", "too_few_views"]);
 
 /** Name of a camera: people count from 1. @param {number} position */
 export const cameraName = (position) => t("rig.camera", { number: position + 1 });
@@ -40,18 +41,18 @@ export function instruct({ state, moment, opening, offline, finishing, sights, p
   const remote = remotePositions(state, members.map(({ position }) => position)).length > 0;
   if (offline && remote) return "away";
   const seeing = members.map((member) => ({ member, sight: /** @type {Sight} */ (sights.get(member.position)) })).filter(({ sight }) => sight && isSeen(sight));
-  if (seeing.length === 0) return unseen(state, [...sights.values()], members);
+  if (seeing.length === 0) return unseen(state, [...sights.values()], members, leads);
   if (seeing.some(({ sight }) => sight.target && isAtTarget(sight, sight.aim)) && requiredHold(seeing.map(({ sight }) => sight), patience) !== null) return "hold";
   const aimed = seeing.filter(({ sight }) => sight.aim && sight.outline).sort((a, b) => a.sight.distance - b.sight.distance)[0];
-  if (!aimed) return seeing.some(({ sight }) => sight.target) ? "match" : leads && state.target ? "elsewhere" : "match";
+  if (!aimed) return seeing.some(({ sight }) => sight.target) || !state.target ? "match" : leads ? "elsewhere" : "follow";
   const code = advice(/** @type {number[][]} */ (aimed.sight.outline), /** @type {number[][]} */ (aimed.sight.aim)) || "match";
   return aimed.member.stream.mirrored ? asMirrored(code) : code;
 }
 
-/** @param {RigState} state @param {Sight[]} sights @param {readonly Member[]} members */
-function unseen({ target }, sights, members) {
+/** @param {RigState} state @param {Sight[]} sights @param {readonly Member[]} members @param {boolean} leads */
+function unseen({ target }, sights, members, leads) {
   const here = target?.cameras.some(({ position }) => members.some((member) => member.position === position));
-  if (target && !here) return "elsewhere";
+  if (target && !here) return leads ? "elsewhere" : "follow";
   return sights.find(({ diagnosis }) => diagnosis.trouble)?.diagnosis.trouble ?? "show";
 }
 
@@ -99,15 +100,9 @@ export function memberLine(state, position, own) {
   return { name: cameraName(position), text: `${what} · ${t("rig.views_of", { count: views, needed: MIN_VIEWS })}` };
 }
 
-/** Sentences that the rig's state calls for. @param {RigState} state @returns {string[]} */
-export function adviceTexts(state) {
-  const texts = state.advice.filter(({ code }) => code !== "converged").map(({ code, text, positions = [] }) =>
-    (RIG_ADVICE.has(code) ? t(`rig.advice_${code}`, { cameras: cameraNames(positions), count: positions.length }) : text));
-  const free = freePositions(state);
-  const joining = free.length > 0 && isFinishable({ ...state, cameras: state.cameras.filter(({ status }) => status !== "waiting") })
-    ? [t("rig.not_joined", { cameras: cameraNames(free) })] : [];
-  return [...new Set([...texts, ...joining])];
-}
+/** Sentences that the rig's state calls for: the service's own only where the page has none, for they are English. @param {RigState} state @returns {string[]} */
+export const adviceTexts = ({ advice: found }) => found.filter(({ code }) => !SHOWN_ELSEWHERE.has(code)).map(({ code, text, positions = [] }) =>
+  (RIG_ADVICE.has(code) ? t(`rig.advice_${code}`, { cameras: cameraNames(positions), count: positions.length }) : text));
 
 /** Reasons for which views of a moment were set aside. @param {import("./service.js").Moment} moment @returns {string[]} */
 export const asideTexts = ({ set_aside: aside = [] }) => aside.map(({ position, reason, detail: said }) =>
