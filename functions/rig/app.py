@@ -258,7 +258,7 @@ def state_of(call: application.Call, rig_id: str, *, running: bool = True) -> tu
     if document is None:
         ended = store.rigs.calibration(rig_id)
     if ended is not None:
-        return ended.state, f'"{ended.id}"'
+        return ended.state, running_rigs.head_tag(store, rig_id, SOLVER) or f'"{ended.id}"'
     rig, tag = running_rigs.load(store, rig_id, SOLVER)
     return state(rig, computed(call, rig) if running else RigEstimateDocument()), tag
 

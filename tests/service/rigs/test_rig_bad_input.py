@@ -239,6 +239,16 @@ def test_rig_that_is_not_there(rig: RigTruth) -> None:
             assert kind(answer) == (404, "no-rig"), (method, path)
 
 
+def test_rig_whose_cameras_all_left_waits_for_them(stack: LocalStack) -> None:
+    rig = RigTruth(stack, seed=9).open()
+    rig.moment("m0")
+    for client in rig.clients:
+        assert client.call("DELETE", "/v1/session").status == 204
+    state = rig.call("GET", token=TOKEN).json
+    assert [camera["status"] for camera in state["cameras"]] == ["waiting", "waiting"]
+    assert (state["target"], state["uncertainty"], state["unlinked"]) == (None, None, [0, 1])
+
+
 def test_forgotten_rig_leaves_nothing_running(stack: LocalStack) -> None:
     rig = RigTruth(stack, seed=8).open()
     rig.moment("m0")

@@ -97,6 +97,8 @@ def test_finish_again_is_answered_again(finished: tuple[RigTruth, Any]) -> None:
     assert rig.call("POST", "/finish").json == state
     assert rig.state(1) == state
     assert rig.call("GET", token=TOKEN).json == state
+    tag = {"if-none-match": rig.call("GET").headers["etag"]}
+    assert rig.call("GET", headers=tag).status == 304
     answer = rig.call("POST", "/moments", {"moment": "late"})
     assert (answer.status, answer.json["type"].rpartition("#")[2]) == (409, "rig-finished")
 

@@ -87,7 +87,7 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
             found = fit(rig.moments, rig.cameras, starts=rig.starts, max_points=MAX_ONLINE_POINTS)
         except CalibrationError as error:
             problem = error.message
-        if found is not None and not np.isfinite(found.covariance).all():
+        if found is not None and not _is_determined(found):
             found, problem = None, "the views leave it undetermined"
     if final:
         fitted = None
@@ -95,6 +95,8 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
             fitted = {**_fit_record(rig, found), "held_out_rms": _held_out(rig, found)}
         return {"fit": fitted, "problem": problem, "unlinked": sorted(lost)}
     skipped = [np.asarray(pose, dtype=np.float64) for pose in record["skipped"]]
+    if not rig.positions:
+        return {"fit": None, "problem": None, "unlinked": sorted(lost)}
     try:
         target = next_moment(rig.board, rig.cameras, rig.moments, found, skipped, record["missed"])
     except CalibrationError:  # a capture goes on without a target
@@ -106,6 +108,14 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
         "target": _target_record(rig, target, found),
         "target_pose": None if target.pose is None else target.pose.tolist(),
     }
+
+
+def _is_determined(found: RigCalibration) -> bool:
+    """Whether all that a fit says of the rig is a number."""
+    u = found.uncertainty
+    said = np.array([found.rms, u.rotation_deg, u.translation_percent, u.rms])
+    numbers = (said, found.covariance, found.poses, *(camera.intrinsics for camera in found.cameras))
+    return all(bool(np.isfinite(each).all()) for each in numbers)
 
 
 def _held_out(rig: _Rig, found: RigCalibration) -> float | None:
