@@ -3,6 +3,7 @@
 import io
 import json
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import boto3
@@ -176,6 +177,18 @@ def test_view_of_an_older_moment_is_welcome(stack: LocalStack) -> None:
     assert state["unlinked"] == []
     assert [m["positions"] for m in state["moments"]] == [[0, 1]] * 3
     assert [camera["views"] for camera in state["cameras"]] == [3, 3]
+
+
+def test_views_of_two_cameras_at_once_are_both_taken(stack: LocalStack) -> None:
+    rig = RigTruth(stack, seed=8).open()
+    poses = [rig.held() for _ in range(3)]
+    for number in range(3):
+        assert rig.call("POST", "/moments", {"moment": f"m{number}"}).status == 201
+    seen = [[(f"m{n}", *rig.see(i, pose)) for n, pose in enumerate(poses)] for i in (0, 1)]
+    with ThreadPoolExecutor(2) as pool:
+        both = pool.map(lambda i: [rig.view(i, *view).status for view in seen[i]], (0, 1))
+        assert list(both) == [[200] * 3] * 2
+    assert [m["positions"] for m in rig.state()["moments"]] == [[0, 1]] * 3
 
 
 def test_board_that_moved_between_two_pictures_is_set_aside_and_said(stack: LocalStack) -> None:
