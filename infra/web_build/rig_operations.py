@@ -10,9 +10,9 @@ from infra.web_build.parameters import SWITCH, Node, path, query
 
 _SESSION = ("sessionId",)
 _ASKED = (401, 403, 429, 500, 503)
-_STATE = Content("The rig's state.", schema.RigState, headers=("ETag",))
+_RIG_STATE = Content("The rig's state.", schema.RigState, headers=("ETag",))
 _ID = path("id", {"type": "string"}, "Id of the rig.")
-_FILES = ("application/yaml", "application/zip", "model/gltf+json")
+_RIG_FILES = ("application/yaml", "application/zip", "model/gltf+json")
 
 
 def _moment() -> Node:
@@ -36,7 +36,7 @@ RIG_OPERATIONS = (
         "/v1/rigs/{id}",
         "showRig",
         "Cameras, moments, error, target and result of a rig",
-        {200: _STATE, 304: Content("Nothing has changed since the state with the ETag sent.")},
+        {200: _RIG_STATE, 304: Content("Nothing has changed since the state with the ETag sent.")},
         (*_ASKED, 404, 409, 422),
         ("sessionId", "apiToken"),
         parameters=(_ID, query("skip", SWITCH, "`1`, of the leader: a target of another kind.")),
@@ -56,7 +56,7 @@ RIG_OPERATIONS = (
         "/v1/rigs/{id}/moments",
         "openMoment",
         "Open a moment, of which cameras may then send views; again is answered again",
-        {201: _STATE},
+        {201: _RIG_STATE},
         (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.MomentRequest,
@@ -67,7 +67,7 @@ RIG_OPERATIONS = (
         "/v1/rigs/{id}/moments/{moment}",
         "undoMoment",
         "Undo a moment in all cameras; again is answered again",
-        {200: _STATE},
+        {200: _RIG_STATE},
         (*_ASKED, 404, 409, 422),
         _SESSION,
         parameters=(_ID, _moment()),
@@ -77,7 +77,7 @@ RIG_OPERATIONS = (
         "/v1/rigs/{id}/finish",
         "finishRig",
         "End a rig, publish its result and its cameras' calibrations; again is answered again",
-        {200: _STATE},
+        {200: _RIG_STATE},
         (*_ASKED, 404, 409),
         _SESSION,
         parameters=(_ID,),
@@ -91,7 +91,7 @@ RIG_OPERATIONS = (
             200: Content(
                 "Cameras and where they are; several files come as one ZIP archive.",
                 schema.RigResult,
-                _FILES,
+                _RIG_FILES,
                 sometimes=("Content-Disposition", "X-Conversion-Error", "X-Conversion-Warning"),
             )
         },

@@ -35,6 +35,7 @@ def test_a_new_session_has_the_contracts_defaults(client: Client) -> None:
         "guidance": "projection-uncertainty",
         "target_error": pytest.approx(0.3),
         "capture": "live",
+        "rig": None,
         "licence": None,
         "licence_version": None,
         "views": [],

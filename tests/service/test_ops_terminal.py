@@ -139,7 +139,7 @@ def test_person_is_told_what_forgetting_removes_and_may_say_no(
     before = everything(folder)
     monkeypatch.setattr(sys, "stdin", Terminal("n\n"))
     assert main(["contributor", "forget", contributor]) == 1
-    assert "Remove 1 calibrations, 0 sessions, 0 votes for good?" in capsys.readouterr().err
+    assert "Remove 1 calibrations, 0 sessions, 0 votes, 0 rigs for good?" in capsys.readouterr().err
     assert everything(folder) == before
 
 

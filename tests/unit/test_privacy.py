@@ -6,7 +6,13 @@ from typing import Any
 import pytest
 
 from calibdb.access.tokens import SessionIds, Ticket
-from calibdb.schema import CalibrationDocument, SessionDocument, VoteDocument
+from calibdb.schema import (
+    CalibrationDocument,
+    RigCalibrationDocument,
+    RigDocument,
+    SessionDocument,
+    VoteDocument,
+)
 from calibdb.schema.session import Track
 from tests.helpers.data import ROOT
 from tests.helpers.sam import resources
@@ -32,6 +38,8 @@ def row(name: str) -> str:
     [
         ("session", SessionDocument),
         ("calibration", CalibrationDocument),
+        ("rig", RigDocument),
+        ("rig calibration", RigCalibrationDocument),
         ("check", VoteDocument),
         ("track", Track),
     ],

@@ -61,7 +61,7 @@ def rig(stack: LocalStack) -> RigTruth:
 
 
 def readable(rig: RigTruth, names: list[str]) -> Callable[[], None]:
-    """What is known of the rig can be read after a crash, and no moment is lost."""
+    """Make a check that the rig can be read after a crash, and that no moment is lost."""
 
     def check() -> None:
         state = rig.state()

@@ -90,7 +90,7 @@ def test_every_function_carries_its_release() -> None:
         for name, resource in created.items()
         if resource["Type"] == "AWS::Lambda::Function" and name != "Probe"  # which runs none of our code
     ]
-    internal = {"Refit", "Backfill", "Tokens", "Verify", "Dump", "Health", "Canary"}
+    internal = {"Refit", "Backfill", "Tokens", "Verify", "Dump", "Health", "Canary", "Rig"}
     assert len(functions) == len(API) + len(internal)
     assert {f["Environment"]["Variables"]["RELEASE"] for f in functions} == {"0123456789abcdef"}
 
