@@ -79,6 +79,7 @@ export default {
   go_on_text: "Die anderen Ansichten bleiben. Genügen sie nicht, fragt die Seite nach neuen.",
   all_again: "Zurück zu allen Ansichten",
   calibrate_again: "Diese Kamera noch einmal kalibrieren",
+  several: "Mehrere Kameras? Kalibrieren Sie sie zusammen.",
   before: "Wie die Kamera es sieht",
   after: "Entzerrt",
   slider: "Wie viel des Bildes entzerrt ist",

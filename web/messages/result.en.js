@@ -76,6 +76,7 @@ export default {
   go_on_text: "The other views are kept. If they are not enough, the page asks for new ones.",
   all_again: "Back to all views",
   calibrate_again: "Calibrate this camera again",
+  several: "Have several cameras? Calibrate them together.",
   before: "As the camera sees it",
   after: "Straightened",
   slider: "How much of the picture is straightened",

@@ -1,7 +1,7 @@
 // View of a result: what it is and how good, what it does, numbers, figures, views.
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
-import { onLanguage, t } from "../i18n.js";
+import { onLanguage, pageUrl, t } from "../i18n.js";
 import { keepOwn } from "../own-calibrations.js";
 import { isKnownModel } from "../../sdk/projection.js";
 import { isVirtual } from "../virtual/name.js";
@@ -104,7 +104,7 @@ export class ResultView {
       section("figures", figuresPart(calibration, report, pending)),
       result.report && section("views", viewsPart({ ...result, report: result.report }, trial, this.#choices(result))),
       section("code", codePart(calibration, id)),
-      section("help", el("p", { id: "summary" }, contributionText(result))),
+      section("help", el("div", {}, el("p", { id: "summary" }, contributionText(result)), el("p", {}, el("a", { href: pageUrl("rig/").href }, t("result.several"))))),
       section("details", details(calibration, id)),
     ].filter((element) => element !== null));
     this.#showStanding();
