@@ -1,4 +1,4 @@
-// What an address says of the virtual camera, and what that is called. Apart from the camera: few pages need more.
+// Setup of the virtual camera as an address asks for it, and its label. Apart from the camera: few pages need more.
 import { NAME } from "./name.js";
 
 /**
