@@ -43,6 +43,8 @@ export function frame(document, place) {
   if (select && place.translated) select.outerHTML = languageSelect(place.language);
   // Where one looks through a camera there is no room for more than the way back.
   document.querySelector("header.rim > .brand")?.insertAdjacentHTML("afterend", `<a class="back" href="${toPage("", place)}" data-t="common.back"></a>`);
+  // The result of a capture is read like any page.
+  if (document.getElementById("done")) document.querySelector("header.rim > .fill")?.insertAdjacentHTML("afterend", navigation(place, "site"));
   const column = document.querySelector(".page");
   if (column) {
     column.querySelector(":scope > footer.foot")?.remove();
@@ -90,6 +92,15 @@ function toPage(page, { key, inAllLanguages, translated }) {
 
 /** @param {Place} place */
 function masthead(place) {
+  return `<header class="masthead">
+      <a class="brand" href="${toPage("", place)}"${place.key === "index.html" ? ' aria-current="page"' : ""}>calibDB</a>
+      ${navigation(place)}
+      ${place.translated ? languageSelect(place.language) : ""}
+    </header>`;
+}
+
+/** @param {Place} place @param {string} [name] of a class */
+function navigation(place, name = "") {
   const here = place.key.replace(/index\.html$/, "");
   /** @param {[string, string]} item */
   const item = ([message, page]) =>
@@ -102,11 +113,7 @@ function masthead(place) {
     const links = target.filter(there).map((one) => `<li>${item(one)}</li>`).join("");
     return `<details class="menu"><summary${inside}><span data-t="${message}"></span></summary><ul>${links}</ul></details>`;
   });
-  return `<header class="masthead">
-      <a class="brand" href="${toPage("", place)}"${here === "" ? ' aria-current="page"' : ""}>calibDB</a>
-      <nav aria-label="Pages" data-t-label="common.pages">${parts.join("")}</nav>
-      ${place.translated ? languageSelect(place.language) : ""}
-    </header>`;
+  return `<nav${name && ` class="${name}"`} aria-label="Pages" data-t-label="common.pages">${parts.join("")}</nav>`;
 }
 
 /** @param {string} spoken */

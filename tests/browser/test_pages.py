@@ -57,8 +57,11 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     assert len(published_corners(page, api)) >= 4
     expect(page.locator("#practice-kept")).to_contain_text("app.example does not get a practice result")
     expect(page.locator("#go-on-really")).to_be_visible()
+    expect(page.locator("#own-camera"), "it is offered once").to_have_count(0)
     assert "return_to" not in address(page)
     picture(page, "capture-done")
+    expect(page.locator("header nav > a", has_text="Cameras")).to_have_attribute("href", "../cameras/")
+    expect(page.locator("header nav > a", has_text="Cameras")).to_be_visible()
     assert page.evaluate("document.activeElement.id") == "result-name"
     assert page.evaluate(READ_AS_A_PAGE) == [0, 0, True]
     expect(page.locator("#summary")).to_contain_text("practice run")
@@ -120,6 +123,7 @@ def test_another_camera_than_was_asked_for_is_said_to_be_one(page: Page) -> None
     done(page)
     expect(page.locator("#done .another")).to_contain_text("Expected: C920")
     expect(page.locator("#done .another")).to_be_visible()
+    expect(page.locator("#own-camera.primary"), "the next step after practice").to_be_visible()
     picture(page, "capture-done-another")
 
 

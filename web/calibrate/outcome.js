@@ -51,7 +51,8 @@ export class Outcome {
     /** @type {Result} */
     const result = {
       calibration, report: null, picture: still(this.#video, calibration.img_size), notes: advice,
-      origin: practice ? "practice" : "added", again: { label: () => t("capture.once_more"), action: this.#onAgain },
+      origin: practice ? "practice" : "added", ownCameraOffered: practice && this.#returnTo !== null && returnTo === null,
+      again: { label: () => t("capture.once_more"), action: this.#onAgain },
       goOn: this.#onWithout, explain,
     };
     this.#complete.cancel();

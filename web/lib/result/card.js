@@ -77,8 +77,7 @@ function nextSteps(result, trial, id) {
     ...(back ? [back.element] : []),
     downloadPart({ calibration, explain: result.explain, of: { id, without: trial?.without ?? [] } }, "", {
       primary: first === "download",
-      // Where practice has just ended the page itself offers that.
-      before: practice && !trial && origin !== "practice" ? [el("a", { class: first === "own" ? "button primary" : "button", id: "own-camera", href: camera }, t("result.own_camera"))] : [],
+      before: practice && !trial && !result.ownCameraOffered ? [el("a", { class: first === "own" ? "button primary" : "button", id: "own-camera", href: camera }, t("result.own_camera"))] : [],
       after: [
         ...(id ? [copyButton(t("result.copy_link"), () => resultAddress(id), { id: "copy-link" })] : []),
         el("a", { class: "button", id: "to-code", href: "#result-code" }, t("result.use_in_code")),

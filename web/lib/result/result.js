@@ -9,6 +9,7 @@
  * @property {Report | null} report null: not there, or not yet
  * @property {HTMLCanvasElement | null} [picture] one of this camera, which stays on this device
  * @property {"added" | "imported" | "practice" | "stored"} origin what becomes of it
+ * @property {boolean} [ownCameraOffered] the page itself offers to calibrate a real camera after practice
  * @property {string | null} [returnTo] address of the application that asked
  * @property {readonly string[]} [returnOrigins] to which results may be handed
  * @property {boolean} [pending] the report is on its way
