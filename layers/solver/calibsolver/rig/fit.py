@@ -33,6 +33,10 @@ MIN_RIG_CAMERAS, MAX_RIG_CAMERAS = 2, 8
 MAX_MOMENTS = 1000
 MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
+MAX_UNSETTLED_ROUNDS = 3
+"""Rounds that end without convergence, after which the moments are taken to contradict each other."""
+ROUND = Options(iterations=50)
+"""One round: moments that agree need ten steps or twenty, and the next round goes on where this one ended."""
 MIN_OUTLIER_WIDTHS = 0.003
 """Distance / image width below which a single point of a good view is no outlier."""
 MAX_TAIL_RMS_RATIO = 1.1
@@ -194,7 +198,7 @@ class _Fit:
         """
         inliers = self._inliers(state, among, first, outliers.GROSS_OUTLIER_SIGMAS)
         state, good = self._reject_outliers(state, among, inliers)
-        if good.any() and not np.array_equal(inliers, good):
+        if state.converged and good.any() and not np.array_equal(inliers, good):
             tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())
             ratio = np.mean(tails.square[inliers]) / np.mean(state.square[good])
             if ratio < MAX_TAIL_RMS_RATIO**2:
@@ -222,12 +226,15 @@ class _Fit:
 
     def _reject_outliers(self, state: State, mask: Mask, inliers: Mask) -> tuple[State, Mask]:
         """Fit to points of `mask` (m, n) and reject outliers in turn, from those of `inliers` on."""
-        good = inliers
+        good, unsettled = inliers, 0
         for _ in range(MAX_REJECTIONS):
             self._check_links(good)
-            state = self.problem.solve(state, outliers.unit_weights(good), Options())
+            state = self.problem.solve(state, outliers.unit_weights(good), ROUND)
             previous, good = good, self._inliers(state, mask, good, outliers.OUTLIER_SIGMAS)
-            if np.array_equal(previous, good):
+            unsettled += not state.converged
+            if unsettled == MAX_UNSETTLED_ROUNDS:
+                break
+            if state.converged and np.array_equal(previous, good):
                 return state, good
         return state, previous
 
