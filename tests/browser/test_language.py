@@ -91,7 +91,12 @@ def test_a_language_that_was_chosen_stays_whatever_the_address_asked_for(page: P
 
 
 @pytest.mark.parametrize(
-    ("language", "path"), [("de", "/"), ("uk", "/calibrate/"), ("de", "/result/?id=none")]
+    ("language", "path"),
+    [
+        ("de", "/"),
+        ("uk", "/calibrate/"),
+        pytest.param("de", "/result/?id=none", marks=pytest.mark.thorough),
+    ],
 )
 def test_no_frame_of_english_is_painted_for_who_reads_another_language(
     chromium: Browser, stack: str, language: str, path: str

@@ -88,7 +88,7 @@ LIVE = {
 }
 
 
-@pytest.mark.parametrize("name", LIVE)
+@pytest.mark.parametrize("name", [pytest.param("chessboard", marks=pytest.mark.thorough), "aprilgrid"])
 def test_live_capture_follows_boards_of_other_kinds(page: Page, name: str) -> None:
     """A guided capture of the simulated camera ends by itself, within 0.2 % of its focal length."""
     page.goto(f"/calibrate/?{SMALL.query(seed=3)}&{LIVE[name]}")
