@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from calibsolver import Board, View, rig
+from calibsolver import Board, CalibrationError, View, rig
+from calibsolver.arrays import Array
+from calibsolver.fitting.levenberg_marquardt import State
+from calibsolver.fitting.normal_equations import Poses
+from calibsolver.rig.problem import RigProblem
 from calibsolver.rig.start import RigidMotion
 from tests.helpers.solver import rigs, synthetic
 
@@ -32,3 +36,22 @@ def test_moments_that_contradict_the_majority_are_set_aside(seed: int, bad: int)
     error = rigs.transfer_error(truth, rigs.Rig(found.cameras, motions), found.working_distances.tolist())
     assert error < 3 * found.uncertainty.rms
     assert found.rms < 0.35
+
+
+@pytest.mark.parametrize("seed", [2, 4])
+def test_moments_none_of_which_agree_end_after_few_steps(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    steps = 0
+    linearize = RigProblem.at
+
+    def counted(problem: RigProblem, k: Array, poses: Poses) -> State:
+        nonlocal steps
+        steps += 1
+        return linearize(problem, k, poses)
+
+    monkeypatch.setattr(RigProblem, "at", counted)
+    flat = synthetic.rectilinear_cameras(12)
+    truth = rigs.side_by_side([flat[seed], flat[seed + 3]], 2.0)
+    moments = with_lies(truth, 1, 5, np.random.default_rng(seed))
+    with pytest.raises(CalibrationError, match="contradict"):
+        rig.fit(moments, [(c.img_size, "rational") for c in truth.cameras])
+    assert steps < 1000
