@@ -14,6 +14,7 @@ from playwright.sync_api import BrowserContext, Page, Route, expect
 from tests.browser.conftest import executable
 from tests.helpers.browser.interruptions import HIDE
 from tests.helpers.browser.pictures import WIDE, picture
+from tests.helpers.browser.waiting import until
 
 RIG = "/rig/?virtual=1&img_size=640x480&error=0.5"
 TRUE_POSE = "async (position) => (await import('/rig/scene.js')).cameraPose(position)"
@@ -128,3 +129,32 @@ def test_firefox_leads_and_is_killed_chromium_follows_and_loses_its_network(
     assert late["positions"] == [0, 1], "the view that waited has arrived"
     assert all(moment["positions"] for moment in state["moments"])
     expect_true_pose(follower, state["result"])
+
+
+@pytest.mark.thorough
+def test_page_that_is_killed_without_a_network_delivers_what_it_has_captured(
+    context: BrowserContext, api: httpx.Client
+) -> None:
+    sent: list[Any] = []
+
+    def lose(route: Route) -> None:
+        if route.request.url.endswith("/session/views"):
+            sent.append(route.request.post_data_json)
+        route.abort()
+
+    page = context.new_page()
+    page.goto(RIG)
+    page.locator("#moment-list li").first.wait_for()
+    for address in ("**/v1/**", "**/config.json"):
+        context.route(address, lose)
+    expect(page.locator("#detail")).to_contain_text("kept on this device")
+    until(page, lambda: sent)
+    page.close()
+    page = context.new_page()
+    page.goto("/rig/")
+    page.locator("#go-on").click()
+    expect(page.locator("#detail")).to_contain_text("kept on this device")
+    context.unroute_all(behavior="wait")
+    page.locator("#done:not([hidden])").wait_for()
+    known = api.get(f"/rigs/{rig_id(page)}").raise_for_status().json()["moments"]
+    assert next(each for each in known if each["id"] == sent[0]["moment"])["positions"] == [0, 1]
