@@ -8,6 +8,7 @@ then the rig has far more noise than its cameras have alone, and without that vi
 import numpy as np
 
 from ..arrays import Mask
+from ..errors import CalibrationError
 from ..fitting import outliers
 from ..fitting.levenberg_marquardt import NOISE_FLOOR, State
 from ..fitting.multistart import TOWARDS_OPTIMUM
@@ -91,6 +92,15 @@ def unlinked(problem: RigProblem, good: Mask) -> list[int]:
         linked = seen[seen[:, sorted(reached)].any(axis=1)].any(axis=0)
         reached |= set(np.flatnonzero(linked).tolist())
     return [i for i in range(seen.shape[1]) if i not in reached]
+
+
+def check_links(problem: RigProblem, good: Mask) -> None:
+    """Raise CalibrationError where what is left, `good` (m, n), does not link the cameras."""
+    lost = unlinked(problem, good)
+    if lost:
+        raise CalibrationError(
+            "unlinked", f"what camera {lost[0]} saw contradicts the others: too few moments are left"
+        )
 
 
 def _candidates(problem: RigProblem, state: State, among: Mask) -> list[tuple[int, slice]]:

@@ -23,14 +23,19 @@ from ..rotation import vector
 from . import start as rig_start
 from . import transfer
 from .calibration import RigCalibration
-from .contradictions import is_contradictory, near_start, unlinked, without_contradicting_view
+from .contradictions import (
+    check_links,
+    is_contradictory,
+    is_linked,
+    near_start,
+    without_contradicting_view,
+)
 from .problem import Member, Moment, RigProblem, pack_moments
 from .single import Single, Specification, fit_alone
 from .start import Resected, RigidMotion, Start
 from .thinning import thin
+from .validation import check
 
-MIN_RIG_CAMERAS, MAX_RIG_CAMERAS = 2, 8
-MAX_MOMENTS = 1000
 MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
 MAX_UNSETTLED_ROUNDS = 3
@@ -81,7 +86,7 @@ def fit(
         ``unlinked`` where some cameras share no moment with the others.
     """
     moments = [dict(moment) for moment in moments]
-    _check(moments, cameras)
+    check(moments, cameras)
     if max_points is not None:
         moments = thin(moments, max_points)
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
@@ -93,26 +98,6 @@ def fit(
         linked = [m for m, moment in enumerate(resected) if moment.poses]
         began = rig_start.start([each.camera for each in alone], [resected[m] for m in linked])
         return _Fit(moments, alone, linked, began, robust).run()
-
-
-def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
-    if not MIN_RIG_CAMERAS <= len(cameras) <= MAX_RIG_CAMERAS:
-        raise CalibrationError(
-            "bad_rig", f"a rig has {MIN_RIG_CAMERAS} to {MAX_RIG_CAMERAS} cameras, not {len(cameras)}"
-        )
-    if not 1 <= len(moments) <= MAX_MOMENTS:
-        raise CalibrationError(
-            "no_views", f"a rig is fitted to 1 to {MAX_MOMENTS} moments, not {len(moments)}"
-        )
-    for m, moment in enumerate(moments):
-        for position in moment:
-            if position not in range(len(cameras)):
-                raise CalibrationError(
-                    "bad_rig", f"moment {m} has a view of camera {position}: there are {len(cameras)}"
-                )
-    for position in range(len(cameras)):
-        if not any(position in moment for moment in moments):
-            raise CalibrationError("unlinked", f"camera {position} has no view")
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,9 +162,7 @@ class _Fit:
         )
         if not self.robust:
             return self._result(problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask)
-        first = near_start(problem, state, self.mask)
-        state = problem.solve(state, outliers.unit_weights(first), TOWARDS_OPTIMUM)
-        state, good = self._least_squares(state, self.mask, first)
+        state, good = self._begin(state)
         among = self.mask
         for _ in range(len(self.linked) // MIN_MOMENTS_PER_LATE_VIEW):
             if not is_contradictory(problem, state, good, self.noise):
@@ -189,7 +172,22 @@ class _Fit:
                 break
             among = found[1]
             state, good = self._least_squares(*found, among)
+        check_links(problem, good)
         return self._result(state, good)
+
+    def _begin(self, state: State) -> tuple[State, Mask]:
+        """Fit from the start: with all views, and where some contradict, with those near the start first."""
+        problem, near = self.problem, near_start(self.problem, state, self.mask)
+        begun: list[tuple[bool, int, State, Mask]] = []
+        for first in (self.mask,) if near is self.mask else (self.mask, near):
+            moved = problem.solve(state, outliers.unit_weights(first), TOWARDS_OPTIMUM)
+            fitted, good = self._least_squares(moved, self.mask, first)
+            believed = fitted.converged and not is_contradictory(problem, fitted, good, self.noise)
+            begun.append((believed and is_linked(problem, good), int(good.sum()), fitted, good))
+            if believed and np.array_equal(good, self.mask):
+                break
+        _, _, state, good = max(begun, key=lambda each: each[:2])
+        return state, good
 
     def _least_squares(self, state: State, among: Mask, first: Mask) -> tuple[State, Mask]:
         """Fit to points `among` (m, n) but for outliers; state, and the points that took part.
@@ -228,7 +226,8 @@ class _Fit:
         """Fit to points of `mask` (m, n) and reject outliers in turn, from those of `inliers` on."""
         good, unsettled = inliers, 0
         for _ in range(MAX_REJECTIONS):
-            self._check_links(good)
+            if not is_linked(self.problem, good):
+                return state, good  # refused later
             state = self.problem.solve(state, outliers.unit_weights(good), ROUND)
             previous, good = good, self._inliers(state, mask, good, outliers.OUTLIER_SIGMAS)
             unsettled += not state.converged
@@ -237,14 +236,6 @@ class _Fit:
             if state.converged and np.array_equal(previous, good):
                 return state, good
         return state, previous
-
-    def _check_links(self, good: Mask) -> None:
-        """Raise CalibrationError where what is left does not link the cameras."""
-        lost = unlinked(self.problem, good)
-        if lost:
-            raise CalibrationError(
-                "unlinked", f"what camera {lost[0]} saw contradicts the others: too few moments are left"
-            )
 
     def _result(self, state: State, good: Mask) -> RigCalibration:
         """Describe the optimum; `good` (m, n) are the points that took part."""

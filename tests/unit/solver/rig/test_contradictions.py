@@ -55,3 +55,15 @@ def test_moments_none_of_which_agree_end_after_few_steps(seed: int, monkeypatch:
     with pytest.raises(CalibrationError, match="contradict"):
         rig.fit(moments, [(c.img_size, "rational") for c in truth.cameras])
     assert steps < 1000
+
+
+@pytest.mark.parametrize("seed", [2, 9])
+def test_good_views_of_a_camera_that_is_known_badly_at_first_are_kept(seed: int) -> None:
+    """In a ring a camera may have three views: its start is far from what it sees, and nothing is wrong."""
+    flat, wide = synthetic.rectilinear_cameras(12), synthetic.fisheye_cameras(12)
+    rng = np.random.default_rng(seed)
+    cameras = [(wide if i % 2 else flat)[int(rng.integers(12))] for i in range(8)]
+    moments = rigs.moments(rigs.ring(cameras, 2.0), BOARD, 24, 0.2, rng)
+    found = rig.fit(moments, [(camera.img_size, camera.model) for camera in cameras])
+    assert found.set_aside == {}
+    assert found.rms == pytest.approx(0.2 * np.sqrt(2), rel=0.05)
