@@ -66,7 +66,7 @@ def test_stack_is_restored_from_the_replica_alone(tmp_path: Path, monkeypatch: p
 
 def test_everything_that_cannot_be_computed_again_is_replicated() -> None:
     """Sessions last for two days; every other folder that a module of the store writes is in the replica."""
-    assert replicated_prefixes() == {"calibrations/", "votes/", "tokens/", "priors/"}
+    assert replicated_prefixes() == {"calibrations/", "rig_calibrations/", "votes/", "tokens/", "priors/"}
 
 
 @pytest.fixture

@@ -22,6 +22,8 @@ from infra.web_build.sdk import import_map
 
 OVERVIEW = f"{FOLDER}index.html"
 SEARCH_KEY = f"{FOLDER}search.json"
+NOT_SEARCHED = "changelog"
+"""Document that says again, by date, what the others explain."""
 _LEAD = (
     "calibDB tells a program what the lens in front of it does: the camera matrix, the distortion, and how "
     "far to trust them. Begin with the quickstart, or search."
@@ -86,6 +88,8 @@ def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
     """Return the sections of all documents as JSON: `[[address, page, title, text], …]`, from `/docs/`."""
     found = []
     for entry, document in rendered:
+        if entry.slug == NOT_SEARCHED:
+            continue
         found += [_row(entry.slug, document.title, section) for section in document.sections]
     for folder, section in reference.sections(_openapi(web)):
         found += [_row(f"reference/{folder}", "API reference", section)]

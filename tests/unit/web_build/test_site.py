@@ -57,7 +57,8 @@ def test_one_header_and_one_footer_on_all_pages(made: Mapping[str, bytes]) -> No
     for key, page in pages(made).items():
         assert page.count('class="skip"') == 1, key
         assert page.count('class="page"') == page.count('<footer class="foot">'), key
-        assert page.count('<header class="masthead">') == page.count('<details class="menu">'), key
+        navigations = page.count('<header class="masthead">') + page.count('<nav class="site"')
+        assert navigations == page.count('<details class="menu">'), key
 
 
 def test_every_address_on_every_page_leads_to_a_file_of_the_site(made: Mapping[str, bytes]) -> None:
