@@ -7,8 +7,6 @@
  * @typedef {import("../vendor/api.js").SessionState} SessionState
  *
  * @typedef {{rig_id: string, join_code: string, expires_at: number}} Created expires_at: of the code, unix seconds
- * @typedef {{id: string, position: number}} Place a camera's place in a rig
- * @typedef {{code: string, position?: number} | {id: string, position?: number}} Joining
  *
  * @typedef {object} Member
  * @property {number} position
@@ -78,7 +76,7 @@ export class RigService {
     return (await this.#api.json("POST", "/auth", this.#token, { brief: true })).session_id;
   }
 
-  /** Opens one camera's session. @param {string} session @param {SessionRequest & {rig?: Joining}} request @returns {Promise<SessionState & {rig?: Place | null}>} */
+  /** Opens one camera's session. @param {string} session @param {SessionRequest} request @returns {Promise<SessionState>} */
   openSession(session, request) {
     return this.#api.json("POST", "/session", session, { body: request, brief: true });
   }
