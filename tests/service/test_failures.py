@@ -18,7 +18,7 @@ import pytest
 
 from calibdb.service import Service
 from calibdb.settings import Settings
-from calibdb.store import Store
+from calibdb.store import Store, clients
 from infra.local import LocalStack
 from tests.helpers.service.client import TOKEN, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
@@ -29,6 +29,15 @@ MAX_REPEATS = 60  # times that a client asks again
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[LocalStack]:
+    with LocalStack(retry_pauses=(0.01, 0.02)) as stack:
+        yield stack
+
+
+@pytest.fixture
+def fresh_stack() -> Iterator[LocalStack]:
+    """Yield a stack whose clients may still retry: botocore's give up once many calls have failed."""
+    clients.dynamodb.cache_clear()
+    clients.s3.cache_clear()
     with LocalStack(retry_pauses=(0.01, 0.02)) as stack:
         yield stack
 
@@ -70,16 +79,18 @@ def kept(state: Any) -> dict[int, int]:
 
 @pytest.mark.parametrize("service", ["dynamodb", "s3"])
 @pytest.mark.parametrize("fault", [faults.throttled, faults.broken, faults.unreached, faults.unheard])
-def test_capture_completes_when_half_of_the_calls_fail(stack: LocalStack, fault: Any, service: str) -> None:
+def test_capture_completes_when_half_of_the_calls_fail(
+    fresh_stack: LocalStack, fault: Any, service: str
+) -> None:
     camera = f"Through {fault.__name__} {service}"
-    client = Stubborn(stack)
+    client = Stubborn(fresh_stack)
     with faults.faulty(fault, (service,), share=0.5, seed=1) as met:
         state, acknowledged = capture(client, Truth(seed=3), camera)
     assert len(met) > 5
     assert kept(client.state()) == kept(state) == acknowledged
     stored = client.call("GET", f"/v1/calibrations/{state['calibration_id']}", token=TOKEN).json
     assert stored["camera_matrix"] == state["calibration"]["camera_matrix"]
-    document = store(stack).calibrations.get(state["calibration_id"])
+    document = store(fresh_stack).calibrations.get(state["calibration_id"])
     assert document is not None
     assert {view.index: len(view.ids) for view in document.views} == acknowledged
 
