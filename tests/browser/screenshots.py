@@ -33,7 +33,7 @@ READ = {
     "ar": ("/ar/", "h1:not(:empty)"),
     "example": ("/examples/three/", "h1:not(:empty)"),
 }
-HELD = f"/calibrate/?{Truth().query(seed=3)}&target_error=0.05&error=0"
+HELD = f"/calibrate/?{Truth().query(seed=3)}&target_error=0.01&error=0"
 
 
 def specimens(page: Page) -> None:
@@ -256,7 +256,7 @@ def test_what_is_not_there(context: BrowserContext) -> None:
 
 def test_the_picture_of_the_readme(page: Page) -> None:
     page.set_viewport_size({"width": 1280, "height": 800})
-    page.goto(f"/calibrate/?{Truth().query(seed=3)}&target_error=0.05&error=1")
+    page.goto(f"/calibrate/?{Truth().query(seed=3)}&target_error=0.01&error=1")
     page.locator("#undo:enabled").wait_for()
     page.locator(SHOWN_TARGET).first.wait_for()
     page.locator("#instruction", has_text=re.compile("tilt|turn|closer|farther", re.IGNORECASE)).wait_for()

@@ -54,7 +54,7 @@ PLUG = """(there) => {
 
 def test_language_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> None:
     listen(page)
-    page.goto(f"{UNSIZED}&target_error=0.05&camera=Another+one")
+    page.goto(f"{UNSIZED}&target_error=0.01&camera=Another+one")
     page.locator("#undo:enabled").wait_for()
     expect(page.locator("#another"), "read by now").to_be_hidden()
     page.reload()

@@ -102,7 +102,7 @@ def test_the_focus_goes_where_the_page_goes(page: Page) -> None:
     def focused(where: str) -> None:
         page.locator(f"#{where}:focus").wait_for()
 
-    page.goto(f"{VIRTUAL}&target_error=0.05&error=4")
+    page.goto(f"{VIRTUAL}&target_error=0.01&error=4")
     focused("instruction")
     page.locator("#undo:enabled").wait_for()
     page.locator("#undo").focus()

@@ -12,7 +12,7 @@ VIRTUAL = f"/calibrate/?{SMALL.query(seed=3)}"
 #: without a size in its address, as most links are
 UNSIZED = f"/calibrate/?{Truth().query(seed=3)}"
 #: not reached in the time that a test takes
-ENDLESS = f"{VIRTUAL}&target_error=0.05"
+ENDLESS = f"{VIRTUAL}&target_error=0.01"
 #: in its picture; on a machine that is busy, as the plainer outline that slow devices get
 SHOWN_TARGET = "#stage:not(.plain) #overlay:not([hidden]), #stage.plain #target[points*=',']"
 TURN = """() => {
