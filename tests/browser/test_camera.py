@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from playwright.sync_api import Playwright
+from playwright.sync_api import Playwright, expect
 
 from tests.helpers.browser.fake_camera import HEIGHT, WIDTH, board_seen, camera
 from tests.helpers.browser.interruptions import stop
@@ -32,8 +32,7 @@ def test_first_view_and_lookup_through_a_real_camera(
         page.goto("/")
         page.locator("#look").click()
         page.locator("#outcome a").click()
-        page.locator("#wanted").wait_for()
-        wanted = page.locator("#wanted").text_content()
+        expect(page.locator("#wanted")).to_contain_text(state["camera"])
     errors = np.linalg.norm(np.array(sent["points"]) - truth[sent["ids"]], axis=1)
     print(f"{len(errors)} corners, {np.sqrt((errors**2).mean()):.3f} px rms; camera {state['camera']!r}")
     assert len(errors) == 40
@@ -44,4 +43,3 @@ def test_first_view_and_lookup_through_a_real_camera(
     # Of the path by which this browser calls it, the service shows the file's name.
     assert state["camera"] in shown, "what is sent can be read before it is"
     assert json.dumps(state["platform"]) in shown
-    assert state["camera"] in (wanted or "")

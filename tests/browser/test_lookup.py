@@ -5,7 +5,7 @@ from urllib.parse import parse_qs, urlsplit
 
 import httpx
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 from calibdb.store.keys import answer_object
 from infra.local import LocalStack
@@ -37,9 +37,8 @@ def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack:
     assert parse_qs(urlsplit(location).query)["camera"] == [key["camera"]]
     page.goto(location)
     wanted = page.locator("#wanted")
-    wanted.wait_for()
-    assert key["camera"] in (wanted.text_content() or "")
-    assert "1280\u00a0×\u00a0720" in (wanted.text_content() or "")
+    expect(wanted).to_contain_text(key["camera"])
+    expect(wanted).to_contain_text("1280\u00a0×\u00a0720")
 
     # A browser that navigates to the lookup is taken there.
     query = {
