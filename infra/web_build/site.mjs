@@ -46,6 +46,13 @@ function rewriteAddresses(document, key, inAllLanguages) {
   }
 }
 
+/** Puts in what several pages share: `<div data-part="consent">` gives way to `parts/consent.html`. @param {Document} document */
+function insertParts(document) {
+  for (const place of document.querySelectorAll("[data-part]")) {
+    place.outerHTML = readFileSync(new URL(`parts/${place.getAttribute("data-part")}.html`, import.meta.url), "utf8").trim();
+  }
+}
+
 /** Keys of the modules a page begins with. @param {Document} document */
 const entriesOf = (document) => [...document.querySelectorAll("script[type=module][src]")]
   .map((script) => (script.getAttribute("src") ?? "").replace(/^\//, ""));
@@ -67,6 +74,7 @@ export async function buildPages({ web, pages, origin, contacts }) {
     for (const language of /** @type {(keyof typeof LANGUAGES)[]} */ (translated ? Object.keys(LANGUAGES) : ["en"])) {
       setLanguage(language);
       const { document } = parseHTML(source);
+      insertParts(document);
       rewriteAddresses(document, key, inAllLanguages);
       const own = entriesOf(document);
       const framed = document.querySelector("header.masthead") ? ["lib/header.js"] : [];

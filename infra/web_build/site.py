@@ -1,9 +1,10 @@
 """The static site as served and deployed: files made of their sources, the rest as it lies in `web/`.
 
 A page is an HTML file of `web/`, or of a generator (`GENERATORS`), complete and in English. `site.mjs` gives
-all of them the same header, footer, skip link and preloads, and makes those that have texts of the message
-catalogs in every language: `board/index.html` is also `de/board/index.html`. A page that is not there yet is
-left out of the navigation. Scripts and styles lose their comments and indentation.
+all of them the same header, footer, skip link and preloads, puts in the parts that several pages share
+(`parts/`), and makes those that have texts of the message catalogs in every language: `board/index.html` is
+also `de/board/index.html`. A page that is not there yet is left out of the navigation. Scripts and styles
+lose their comments and indentation.
 
     python -m infra.web_build.site .build/web     # the whole site, as files
 

@@ -4,6 +4,7 @@ import { test } from "node:test";
 import { LANGUAGES, choose, known, addMessages, number, rough, say, setLanguage } from "../../web/lib/i18n.js";
 
 const WEB = new URL("../../web/", import.meta.url);
+const PARTS = new URL("../../infra/web_build/parts/", import.meta.url);
 const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: true })
   .map((name) => name.replaceAll("\\", "/"))
   .filter((name) => name.endsWith(kind) && !name.startsWith("vendor/"));
@@ -14,7 +15,7 @@ const catalogs = Object.fromEntries(await Promise.all(names.map(async (name) =>
 const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("messages/") && name !== "lib/i18n.js")
   .map((name) => readFileSync(new URL(name, WEB), "utf8"))
   .concat(readdirSync(new URL("../../infra/web_build/", import.meta.url), { recursive: true }).map(String)
-    .filter((name) => /\.(mjs|py)$/.test(name)).map((name) => readFileSync(new URL(`../../infra/web_build/${name}`, import.meta.url), "utf8")));
+    .filter((name) => /\.(html|mjs|py)$/.test(name)).map((name) => readFileSync(new URL(`../../infra/web_build/${name}`, import.meta.url), "utf8")));
 const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
 /** Parameters of a text: values in braces, children of the element. */
 const needs = (text) => [...new Set(texts(text).flatMap((form) => form.match(/\{\w+\}|<\d>/g) ?? []))].sort();
@@ -63,8 +64,9 @@ test("every text is used, and every text used is there", () => {
 });
 
 test("a page reads in English before its script has run", () => {
-  for (const name of files("", ".html")) {
-    const page = readFileSync(new URL(name, WEB), "utf8");
+  const parts = readdirSync(PARTS).map((name) => new URL(name, PARTS));
+  for (const name of [...files("", ".html").map((each) => new URL(each, WEB)), ...parts]) {
+    const page = readFileSync(name, "utf8");
     for (const [, key, content] of page.matchAll(/<\w+[^>]* data-t="([^"]+)"[^>]*>([^]*?)<\/(?:p|h\d|a|button|label|span|th|td|li|summary|legend|figcaption|option|title|strong|dt|dd|caption)>/g)) {
       const text = say(key, {}, "en").replace(/<\/?\d>/g, "");
       const shown = content.replace(/<[^>]*>/g, "").replace(/\s+/g, " ").trim();

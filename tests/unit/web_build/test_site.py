@@ -61,6 +61,20 @@ def test_one_header_and_one_footer_on_all_pages(made: Mapping[str, bytes]) -> No
         assert navigations == page.count('<details class="menu">'), key
 
 
+def test_pages_share_the_fields_of_boards_and_the_consent(made: Mapping[str, bytes]) -> None:
+    for part, sharing in (("board-fields", 2), ("consent", 4)):
+        holding = [key for key, source in site.sources().items() if f'<div data-part="{part}"></div>' in source]
+        assert len(holding) == sharing
+    for key, page in pages(made).items():
+        assert "data-part" not in page, key
+        ids = re.findall(r' id="([^"]+)"', page)
+        assert len(ids) == len(set(ids)), key
+    for key in ("board/index.html", "de/photos/index.html"):
+        assert made[key].count(b'<select id="board-kind">') == 1
+    for key in ("calibrate/index.html", "uk/rig/index.html", "import/index.html", "de/photos/index.html"):
+        assert made[key].count(b'id="consent"') == 1
+
+
 def test_every_address_on_every_page_leads_to_a_file_of_the_site(made: Mapping[str, bytes]) -> None:
     files = {path.relative_to(site.WEB).as_posix() for path in site.WEB.rglob("*") if path.is_file()} | set(
         made
