@@ -44,7 +44,7 @@ _UNFIT = {
 
 
 @dataclass(frozen=True)
-class Examined:
+class MeasuredViews:
     """Fresh views, measured without the consensus.
 
     Attributes
@@ -93,7 +93,7 @@ def check(call: application.Call) -> Response:
     counted = says is not None and vote(call, ticket, request, mode, examined)
     current = refit_now(call, mode, request.distortion_model) if counted else None
     if current is None or current.calibration is None:
-        current = one(call.service.store.consensuses.at(mode), request.distortion_model)
+        current = consensus_of_model(call.service.store.consensuses.at(mode), request.distortion_model)
     if current is None or current.calibration is None:
         raise NotFoundError("The consensus was withdrawn while this check ran.", kind="no-calibration")
     return application.json_response(
@@ -122,7 +122,7 @@ def consensus(call: application.Call, request: CheckRequest) -> tuple[StreamMode
         resolved = camera_lookup.resolve(read, identity, size, zoom, model, private=private)
         mode = StreamMode(resolved.key, size, zoom)
         here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
-        known = one(here, model) or (refit_now(call, mode, model) if here else None)
+        known = consensus_of_model(here, model) or (refit_now(call, mode, model) if here else None)
         if known is not None and known.calibration is not None:
             return mode, known.calibration
     raise NotFoundError(
@@ -131,7 +131,7 @@ def consensus(call: application.Call, request: CheckRequest) -> tuple[StreamMode
     )
 
 
-def one(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument | None:
+def consensus_of_model(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument | None:
     """Return the consensus of this model, None when there is none."""
     return next((d for d in documents if d.distortion_model == model), None)
 
@@ -142,7 +142,7 @@ def refit_now(call: application.Call, mode: StreamMode, model: str) -> Consensus
     return next(iter(call.service.store.refit.now(asked).models.values()), None)
 
 
-def examine(request: CheckRequest) -> Examined:
+def examine(request: CheckRequest) -> MeasuredViews:
     """Fit a camera to the views alone; raises InvalidError where there is none that believably took them."""
     given = request.model_dump()
     views = Board.from_record(given["board"]).views(given["views"])
@@ -169,11 +169,11 @@ def examine(request: CheckRequest) -> Examined:
         raise InvalidError.field("views", "no view can show a board: too few of its corners fit")
     u = own.uncertainty()
     record = FitRecord.model_validate(own.record()) if math.isfinite(u.rms) and math.isfinite(u.max) else None
-    return Examined(tuple(kept), math.sqrt(2) * own.noise, record)
+    return MeasuredViews(tuple(kept), math.sqrt(2) * own.noise, record)
 
 
 def vote(
-    call: application.Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: Examined
+    call: application.Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
 ) -> bool:
     """Count the check as a vote, once; False where the contributor, by where they are, has none."""
     service = call.service

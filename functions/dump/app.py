@@ -19,9 +19,9 @@ from calibdb.http import metrics
 from calibdb.settings import Thresholds
 from calibdb.store import Calibrations, Objects, Table, clients
 from calibdb.store.aliases import Aliases
-from calibdb.store.asked import Asked
 from calibdb.store.cameras import Cameras
 from calibdb.store.dumps import Dumps
+from calibdb.store.miss_counts import MissCounts
 
 
 @metrics.counting_denied_reads
@@ -36,7 +36,9 @@ def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
     least = Thresholds.from_environment(os.environ).min_contributors
     dump = WeeklyDump(
         dumps=dumps,
-        figures=Figures(dumps, Cameras(table), Asked(table), Aliases(table), calibrations.licence, least),
+        figures=Figures(
+            dumps, Cameras(table), MissCounts(table), Aliases(table), calibrations.licence, least
+        ),
         now=lambda: int(time.time()),
         random_hex=secrets.token_hex,
         seconds_left=lambda: context.get_remaining_time_in_millis() / 1000,

@@ -34,20 +34,20 @@ def show(call: application.Call) -> Response:
     if document is not None and (reason := store.withdrawal(document)) is not None:
         raise GoneError("This calibration was withdrawn.", kind="withdrawn", extensions={"reason": reason})
     if asked.plain and not asked.without:
-        return application.json_response(found(call, document), headers=AS_IT_IS)
+        return application.json_response(read_calibration(call, document), headers=AS_IT_IS)
     # Here and not above: who only wants to see a calibration need not wait for the solver.
     from calibsolver import DeadlineError, deadline
 
     try:
         with deadline.limit(call.seconds_left):
-            return computed(call, document, asked)
+            return compute_answer(call, document, asked)
     except DeadlineError as error:
         name = "without" if asked.without else "format"
         slow = "takes longer to compute than a request may; ask for a larger picture, or another format"
         raise call.out_of_time(InvalidError.field(name, slow)) from error
 
 
-def found(call: application.Call, document: CalibrationDocument | None) -> ReportedCalibration:
+def read_calibration(call: application.Call, document: CalibrationDocument | None) -> ReportedCalibration:
     """Return the calibration of a document, or else the consensus asked for; raises NotFoundError."""
     known = to_reported(document) if document is not None else consensus(call, call.path("id"))
     if known is None:
@@ -55,11 +55,13 @@ def found(call: application.Call, document: CalibrationDocument | None) -> Repor
     return known
 
 
-def computed(call: application.Call, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
+def compute_answer(
+    call: application.Call, document: CalibrationDocument | None, asked: ExportQuery
+) -> Response:
     """Answer with what is computed for the call: without some views, or as a file."""
     if document is not None and asked.without:
         document = refit_without(document, asked.without)
-    known = found(call, document)
+    known = read_calibration(call, document)
     if asked.without:
         if document is None:
             raise InvalidError.field("without", "a consensus has no views of its own")
@@ -174,26 +176,26 @@ def convert(call: application.Call) -> Response:
 
     try:
         with deadline.limit(call.seconds_left):
-            return to_response(converted(asked))
+            return to_response(convert_file(asked))
     except DeadlineError as error:
         slow = "takes longer to convert than a request may; ask for another format"
         raise call.out_of_time(InvalidError.field("format", slow)) from error
 
 
-def converted(asked: ConvertRequest) -> ExportedFile:
+def convert_file(asked: ConvertRequest) -> ExportedFile:
     """Return the camera of a file, written in another format.
 
     Raises InvalidError: of the field `file` where no camera can be read, of `format` where it cannot be held.
     """
     from calibdb.rules.calibration_file import FormError, parse
     from calibsolver import CalibrationError, formats
-    from calibsolver.formats.hints import Hints
+    from calibsolver.formats.reader_options import ReaderOptions
     from calibsolver.formats.reading import READERS, is_text_kind
 
-    hints = Hints(img_size=asked.img_size, number=asked.number, model=asked.distortion_model or "")
+    options = ReaderOptions(img_size=asked.img_size, number=asked.number, model=asked.distortion_model or "")
     try:
         parsed = parse(content_of(asked), "", is_text_kind)
-        found = READERS[parsed.form](parsed.content, hints)
+        found = READERS[parsed.form](parsed.content, options)
     except (CalibrationError, FormError) as error:
         said = COMMAND_LINE.sub("", str(error))
         raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error

@@ -18,14 +18,14 @@ from calibdb.access.tokens import source
 from calibdb.camera_key import identify
 from calibdb.errors import NotFoundError, UnavailableError
 from calibdb.http import application, metrics
+from calibdb.lookup.calibration_lookup import LookupQuery, LookupResult, find
 from calibdb.lookup.camera_search import is_listed
 from calibdb.lookup.edge_content import is_public
-from calibdb.lookup.finding import Found, Wanted, find
 from calibdb.schema import ConsensusDocument, LookupRequest, Miss, NoCalibration, RefitRequest, Sighting
 from calibdb.schema.fields import size_text, zoom_text
-from calibdb.store import Known
-from calibdb.store.asked import USB
+from calibdb.store import CameraRecords
 from calibdb.store.keys import alias_digest
+from calibdb.store.miss_counts import USB
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
 _PUBLIC_CACHE = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
@@ -72,7 +72,7 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
     return application.json_response(miss, 307, {"Location": url})
 
 
-def _find(call: application.Call, request: LookupRequest) -> Found:
+def _find(call: application.Call, request: LookupRequest) -> LookupResult:
     store, size, zoom, model = call.service.store, request.img_size, request.zoom, request.distortion_model
     read = functools.cache(store.cameras.known)
 
@@ -80,7 +80,7 @@ def _find(call: application.Call, request: LookupRequest) -> Found:
         refit = RefitRequest(camera=key, img_size=size, zoom=zoom, models=(model,))
         return store.refit.now(refit).models.get(model)
 
-    wanted = Wanted(request.camera, request.platform, size, zoom, model, request.resize_mode)
+    wanted = LookupQuery(request.camera, request.platform, size, zoom, model, request.resize_mode)
     private = call.service.settings.thresholds.min_contributors == 1
     found = find(read, wanted, private=private, compute=compute)
     if found.answer is not None and call.request.method == "POST":
@@ -91,7 +91,7 @@ def _find(call: application.Call, request: LookupRequest) -> Found:
 
 
 def _count_miss(
-    call: application.Call, request: LookupRequest, read: Callable[[str], Known], found: Found
+    call: application.Call, request: LookupRequest, read: Callable[[str], CameraRecords], found: LookupResult
 ) -> None:
     """Count that a camera was asked for that is not known; now and then, have the counts written down.
 
@@ -117,7 +117,7 @@ def _count_miss(
 
 
 def _report(
-    call: application.Call, request: LookupRequest, read: Callable[[str], Known], found: Found
+    call: application.Call, request: LookupRequest, read: Callable[[str], CameraRecords], found: LookupResult
 ) -> None:
     """Have an alias that is new written down, so that the edge answers under it; nobody waits for that."""
     service, identity = call.service, identify(request.camera, request.platform)

@@ -51,7 +51,7 @@ def show(call: application.Call) -> Response:
         raise call.out_of_time(
             ConflictError("The views take longer to compute than a request may; undo one.", kind="too-slow")
         ) from error
-    return respond(document.next_index, *drawn(document), media_type)
+    return respond(document.next_index, *redraw_target(document), media_type)
 
 
 def respond(
@@ -76,7 +76,7 @@ def in_rig(
     session_rules.require_open(document)
     rig, _ = running_rigs.load(call.service.store, place.id, FIT_VERSION)
     rig_rules.require_open(rig.document)
-    found = running_rigs.computed(call.service.store, rig, FIT_VERSION, estimate)
+    found = running_rigs.ensure_estimate(call.service.store, rig, FIT_VERSION, estimate)
     seen = found.target.cameras if found.target else ()
     view = next((one for one in seen if one.position == place.position), None)
     if view is None or found.target is None:
@@ -100,7 +100,7 @@ def choose(document: SessionDocument) -> SessionDocument:
     return session_rules.with_target(document, target.to_record())
 
 
-def drawn(document: SessionDocument) -> tuple[Board, Camera, guidance.TargetPose]:
+def redraw_target(document: SessionDocument) -> tuple[Board, Camera, guidance.TargetPose]:
     """Return the board, the session's current camera, and the open target as this camera sees it."""
     rules, every, excluded = stored.parse(document.model_dump())
     fit = document.estimate.fit

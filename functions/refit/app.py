@@ -76,7 +76,7 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     consensuses: Consensuses = {}
     with deadline.limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
         if request.misses:
-            service.store.asked.add(request.misses, service.now)
+            service.store.miss_counts.add(request.misses, service.now)
         elif request.sighting is not None:
             edge.record(request.sighting)
         elif request.queued:

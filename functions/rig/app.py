@@ -88,7 +88,7 @@ def show(call: application.Call) -> Response:
 
 def skip(call: application.Call, rig: Rig) -> None:
     """Note that the target is not wanted."""
-    basis, known = rig.basis(SOLVER), computed(call, rig)
+    basis, known = rig.basis(SOLVER), current_estimate(call, rig)
 
     def change(document: RigDocument) -> tuple[RigDocument, None]:
         return rig_rules.with_skip(document, basis, known.target_pose), None
@@ -260,7 +260,7 @@ def state_of(call: application.Call, rig_id: str, *, running: bool = True) -> tu
     if ended is not None:
         return ended.state, running_rigs.head_tag(store, rig_id, SOLVER) or f'"{ended.id}"'
     rig, tag = running_rigs.load(store, rig_id, SOLVER)
-    return state(rig, computed(call, rig) if running else RigEstimateDocument()), tag
+    return state(rig, current_estimate(call, rig) if running else RigEstimateDocument()), tag
 
 
 def leading(call: application.Call, rig_id: str) -> Rig:
@@ -271,10 +271,10 @@ def leading(call: application.Call, rig_id: str) -> Rig:
     return rig
 
 
-def computed(call: application.Call, rig: Rig) -> RigEstimateDocument:
+def current_estimate(call: application.Call, rig: Rig) -> RigEstimateDocument:
     """Return fit and target of a rig, computed now if nobody has yet."""
     with in_time(call, rig):
-        return running_rigs.computed(call.service.store, rig, SOLVER, estimate)
+        return running_rigs.ensure_estimate(call.service.store, rig, SOLVER, estimate)
 
 
 @contextmanager

@@ -80,7 +80,7 @@ def place(
     member = MemberDocument(session=sid, contributor=who, joined=now)
 
     def change(document: RigDocument) -> tuple[RigDocument | None, RigMembership]:
-        gone = running_rigs.abandoned(store, document, now - rig_rules.ABANDONED_S)
+        gone = running_rigs.abandoned_positions(store, document, now - rig_rules.ABANDONED_S)
         return rig_rules.join(document, wanted, request.board, member, gone)
 
     try:

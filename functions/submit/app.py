@@ -36,10 +36,10 @@ def submit(call: application.Call) -> Response:
     who = contributor(secret, call.address, ticket.token)
     where = source(secret, call.address)
 
-    def change(document: SessionDocument) -> tuple[SessionDocument | None, tuple[SessionDocument, Judged]]:
+    def change(document: SessionDocument) -> tuple[SessionDocument | None, tuple[SessionDocument, Judgement]]:
         view = rig_rules.sent_view(document, request)
         if is_replay(service.store, document, view):
-            return None, (document, Judged())
+            return None, (document, Judgement())
         session_rules.validate_view(document, view)
         begun = service.clock()
         judged = judge(document, view, service.now, who, where)
@@ -137,7 +137,7 @@ def finish(call: application.Call) -> Response:
 
 
 @dataclass(frozen=True)
-class Judged:
+class Judgement:
     """Result of a view: the session document to store if it changes, and the reason of a refusal."""
 
     document: SessionDocument | None = None
@@ -145,7 +145,7 @@ class Judged:
     hint: Hint | None = None
 
 
-def judge(document: SessionDocument, view: ViewDocument, now: int, who: str, where: str) -> Judged:
+def judge(document: SessionDocument, view: ViewDocument, now: int, who: str, where: str) -> Judgement:
     """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
     rules, views, excluded = stored.parse(document.model_dump())
     target = None if rules.recorded else open_target(document, rules, views, excluded)
@@ -157,7 +157,7 @@ def judge(document: SessionDocument, view: ViewDocument, now: int, who: str, whe
     estimate = decision.estimate
     if not decision.accepted or estimate is None:
         hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
-        return Judged(refused_document(document, view, decision), decision.reason, hint)
+        return Judgement(refused_document(document, view, decision), decision.reason, hint)
     everything = [*views, seen]
     following = None
     if not (estimate.converged or rules.recorded):
@@ -167,7 +167,7 @@ def judge(document: SessionDocument, view: ViewDocument, now: int, who: str, whe
     changed = session_rules.with_view(document, view, known, stored.view_statuses(estimate), following)
     if estimate.converged:
         changed = end(changed, estimate, everything, now, who, where)
-    return Judged(changed)
+    return Judgement(changed)
 
 
 def open_target(
@@ -204,7 +204,7 @@ def refused_document(
     return document if decision.seed_rejected else None
 
 
-def measure(begun: float, ended: float, judged: Judged) -> None:
+def measure(begun: float, ended: float, judged: Judgement) -> None:
     """Have the judgement counted; `begun`, `ended`: unix seconds."""
     counted: dict[str, float] = {"Views": 1, "FitTime": round((ended - begun) * 1e3, 1)}
     if judged.reason is not None:

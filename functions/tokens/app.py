@@ -74,7 +74,7 @@ def create(call: application.Call) -> Response:
 
 def show(call: application.Call) -> Response:
     """Answer with the token's facts and use."""
-    return _managed(call, _living(call))
+    return _token_response(call, _living(call))
 
 
 def change(call: application.Call) -> Response:
@@ -87,7 +87,7 @@ def change(call: application.Call) -> Response:
             known = _with_origins(known, request.origins)
         return known if request.name is None else replace(known, name=request.name)
 
-    return _managed(call, _updated(call.service.store.tokens.update(token.id, changed)))
+    return _token_response(call, _require_valid(call.service.store.tokens.update(token.id, changed)))
 
 
 def verify(call: application.Call) -> Response:
@@ -106,8 +106,10 @@ def verify(call: application.Call) -> Response:
         failures = {origin: one.failure for origin, one in answers.items() if one.failure is not None}
         proved = set(answers) - set(failures)
         if proved:
-            token = _updated(service.store.tokens.update(token.id, lambda known: _with_proved(known, proved)))
-    return _managed(call, token, failures)
+            token = _require_valid(
+                service.store.tokens.update(token.id, lambda known: _with_proved(known, proved))
+            )
+    return _token_response(call, token, failures)
 
 
 def rotate(call: application.Call) -> Response:
@@ -115,7 +117,7 @@ def rotate(call: application.Call) -> Response:
     token = _living(call)
     request = call.json(RotationRequest) if call.body else RotationRequest()
     now, secret = call.service.now, call.service.random_hex(_SECRET_BYTES)
-    rotated = _updated(
+    rotated = _require_valid(
         call.service.store.tokens.update(
             token.id, lambda known: with_secret(known, secret_hash(secret), now, request.grace_s)
         )
@@ -158,13 +160,13 @@ def _living(call: application.Call) -> ApiToken:
     return token
 
 
-def _updated(token: ApiToken | None) -> ApiToken:
+def _require_valid(token: ApiToken | None) -> ApiToken:
     if token is None:
         raise ForbiddenError("The token was revoked; make a new one.", kind="token-revoked")
     return token
 
 
-def _managed(
+def _token_response(
     call: application.Call, token: ApiToken, failures: dict[str, ProofFailure] | None = None
 ) -> Response:
     now = call.service.now

@@ -21,7 +21,7 @@ class Track(Protocol):
         """Yield the items; `what` names the work."""
 
 
-def untracked(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
+def pass_through(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
     """Yield the items and show nothing."""
     del what, total
     yield from items

@@ -23,7 +23,7 @@ def _say(text: str) -> None:
     print(text, flush=True)
 
 
-def announced(
+def announce(
     work: str,
     steps: Sequence[Step],
     text: Callable[[Step], str],
@@ -47,7 +47,7 @@ def announced(
     texts = [text(step) for step in steps]
     for number, step in enumerate(steps):
         expected = [former.get(known) for known in texts[number:]]
-        say(f"{number + 1}/{len(texts)} {texts[number]}{_left(expected)}")
+        say(f"{number + 1}/{len(texts)} {texts[number]}{_describe_time_left(expected)}")
         begun = clock()
         yield step
         former[texts[number]] = round(clock() - begun, 1)
@@ -62,7 +62,7 @@ def format_duration(seconds: float) -> str:
     return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
 
 
-def _left(expected: Sequence[float | None]) -> str:
+def _describe_time_left(expected: Sequence[float | None]) -> str:
     """Describe the time left, of which a step that never ran makes a lower bound."""
     known = [seconds for seconds in expected if seconds is not None]
     if not known:

@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 
 import boto3
 
-from infra.console.steps import announced
+from infra.console.steps import announce
 from infra.deploy import account_check, aws, page_token, smoke, smoke_capture
 from infra.deploy.aws import DeployError
 from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_template, release_digest
@@ -40,7 +40,7 @@ def deploy(target: Target, template: str | None = None, leave_out: Collection[st
     source = complete_template(written) if template is None else template
     target = find_out(target)
     wanted = [step for step in steps(target) if step.kind not in leave_out]
-    for step in announced(f"deploy {target.stack}", wanted, lambda step: step.text):
+    for step in announce(f"deploy {target.stack}", wanted, lambda step: step.text):
         _do(step, target, source)
 
 

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from infra.console.steps import announced
+from infra.console.steps import announce
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILT = ROOT / ".build" / "layers"
@@ -25,7 +25,7 @@ _FOREIGN = ("x86_64", "win32", "darwin")
 
 
 @dataclass(frozen=True)
-class Built:
+class BuiltLayer:
     """One layer as it lies in its folder.
 
     Attributes
@@ -43,7 +43,7 @@ class Built:
     foreign: tuple[str, ...]
 
     @classmethod
-    def of(cls, folder: Path) -> Built:
+    def of(cls, folder: Path) -> BuiltLayer:
         """Look through a layer's folder."""
         files = [path for path in folder.rglob("*") if path.is_file()]
         sources = [path for path in files if path.suffix == ".py"]
@@ -59,7 +59,7 @@ class Built:
         )
 
 
-def problems(service: Built, solver: Built, functions: float) -> Iterator[str]:
+def problems(service: BuiltLayer, solver: BuiltLayer, functions: float) -> Iterator[str]:
     """Find what prevents a deployment of the layers; `functions`: MB of the functions' own code."""
     sizes = {
         "functions with the solver": service.megabytes + solver.megabytes + functions,
@@ -83,7 +83,7 @@ def build() -> None:
     # `make` sets PYTHONPATH to the layers' sources, which the build must not see.
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     wanted = [("service", "build-ServiceLayer"), ("solver", "build-SolverLayer")]
-    for name, target in announced("layers", wanted, lambda step: f"install and compile the {step[0]} layer"):
+    for name, target in announce("layers", wanted, lambda step: f"install and compile the {step[0]} layer"):
         command = [
             *("make", "--silent", "-C", str(ROOT / "layers" / name), target),
             f"ARTIFACTS_DIR={BUILT / name}",
@@ -103,8 +103,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except subprocess.CalledProcessError as error:
             print(f"calibDB: {error}", file=sys.stderr)
             return 1
-    layers = {name: Built.of(BUILT / name) for name in ("service", "solver")}
-    functions = Built.of(ROOT / "functions").megabytes
+    layers = {name: BuiltLayer.of(BUILT / name) for name in ("service", "solver")}
+    functions = BuiltLayer.of(ROOT / "functions").megabytes
     for name, layer in layers.items():
         print(f"{name:8} {layer.megabytes:6.1f} MB, {100 * layer.compiled:.0f} % compiled")
     found = list(problems(layers["service"], layers["solver"], functions))

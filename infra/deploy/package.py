@@ -85,14 +85,14 @@ def release_digest(complete: str, parameters: Mapping[str, str], code: Iterable[
     whole = hashlib.sha256(json.dumps([complete, [(n, values[n]) for n in named]]).encode())
     for folder in code:
         for path in sorted(folder.rglob("*")):
-            if path.is_file() and not set(path.relative_to(folder).parts) & set(_skipped(folder)):
+            if path.is_file() and not set(path.relative_to(folder).parts) & set(_excluded_folders(folder)):
                 content = path.read_bytes()
                 whole.update(f"\0{path.relative_to(folder).as_posix()}\0{len(content)}\0".encode())
                 whole.update(content)
     return whole.hexdigest()[:_RELEASE_DIGITS]
 
 
-def _skipped(folder: Path) -> tuple[str, ...]:
+def _excluded_folders(folder: Path) -> tuple[str, ...]:
     """Names of folders that are no part of the code; in the layers, compiled modules are."""
     return _UNCOUNTED if folder.name == "functions" else ()
 

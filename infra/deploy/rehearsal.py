@@ -57,7 +57,7 @@ def main() -> int:
             return 1
         finally:
             _CHANGED.unlink(missing_ok=True)
-        found = [*problems(), *_unpublished(first, second, third)]
+        found = [*problems(), *_find_unpublished(first, second, third)]
         if _settings() != settings:
             found.append("the second deployment gave the pages another token")
     print(f"left out: {', '.join((*UNSUPPORTED, *_ONLY_ON_AWS))}")
@@ -79,7 +79,7 @@ def _live() -> dict[str, tuple[str, str]]:
     return found
 
 
-def _unpublished(
+def _find_unpublished(
     first: dict[str, tuple[str, str]], second: dict[str, tuple[str, str]], third: dict[str, tuple[str, str]]
 ) -> Iterator[str]:
     """Find the functions that a change in a layer alone did not reach, or that nothing new published."""

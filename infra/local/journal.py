@@ -130,7 +130,7 @@ class Journal:
         execute(f"PRAGMA user_version = {_JOURNAL_VERSION}")
         execute("COMMIT")
         if not salvage.is_sound(self._connection):
-            raise _malformed()
+            raise _malformed_error()
 
     def _salvage(self, path: Path, error: sqlite3.DatabaseError) -> None:
         """Begin a new database with what can be read of the damaged one."""
@@ -164,7 +164,7 @@ class Journal:
         for number, *row in rows:
             change = _change(*row)
             if change is None:
-                lost.append(_described(number, *row[:3]))
+                lost.append(_record_name(number, *row[:3]))
             else:
                 yield change
         self.leave_out(lost)
@@ -259,7 +259,7 @@ def _empty(path: Path | None) -> JournalError:
     )
 
 
-def _malformed() -> sqlite3.DatabaseError:
+def _malformed_error() -> sqlite3.DatabaseError:
     error = sqlite3.DatabaseError("its pages do not fit together")
     error.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
     return error
@@ -284,7 +284,7 @@ def _change(
     return change if checksum is None or checksum == _checksum(change) else None
 
 
-def _described(number: int, kind: object, container: object, key: object) -> str:
+def _record_name(number: int, kind: object, container: object, key: object) -> str:
     """Name a damaged record: by kind, container and key as far as they can be read."""
     texts = [part.decode(errors="replace") for part in (kind, container, key) if isinstance(part, bytes)]
     return " ".join(texts)[:120] or f"row {number}"

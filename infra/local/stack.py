@@ -157,7 +157,7 @@ class LocalStack:
         services: dict[str, Service] = {}
         if self.storage:
             stack.callback(self.storage.close)
-            services = {name: _bound(self.storage, name) for name in ("dynamodb", "s3")}
+            services = {name: _bind_service(self.storage, name) for name in ("dynamodb", "s3")}
         invokes = Invokes(
             self.functions,
             self.storage,
@@ -300,5 +300,5 @@ def _elsewhere(template: Template, variables: Mapping[str, str], given: Mapping[
     return {name: given[name] for name in variables if name in given}
 
 
-def _bound(storage: Storage, service: str) -> Service:
+def _bind_service(storage: Storage, service: str) -> Service:
     return lambda operation, request: storage.handle(service, operation, request)

@@ -251,7 +251,7 @@ def main(say: Callable[[str], None] = print) -> int:
     return 1 if over or expensive or sum(cost.usd for cost in fixed) > MAX_FIXED_USD else 0
 
 
-def measured_at_edge(uses: Mapping[str, Usage], prices: Mapping[str, Any]) -> edge_month.Measured:
+def measured_at_edge(uses: Mapping[str, Usage], prices: Mapping[str, Any]) -> edge_month.MeasuredCosts:
     """Collect what a simulated month needs of the measurements."""
     lookup, alias = uses[LOOKUPS], price_of(ALIAS, uses[ALIAS], prices)
     sent = lookup.sent / lookup.requests
@@ -259,7 +259,7 @@ def measured_at_edge(uses: Mapping[str, Usage], prices: Mapping[str, Any]) -> ed
     # Every source that is needed is reported by itself; the objects are written once.
     times = Thresholds().min_contributors
     written = times * sum(alias.values()) - (times - 1) * alias["objects"]
-    return edge_month.Measured(asked / 1e6, written, sent)
+    return edge_month.MeasuredCosts(asked / 1e6, written, sent)
 
 
 if __name__ == "__main__":

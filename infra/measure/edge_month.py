@@ -76,7 +76,7 @@ def simulate(locations: int, *, known: bool, lookups: int = LOOKUPS, seed: int =
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredCosts:
     """Measured prices and sizes that a month is made of.
 
     Attributes
@@ -94,7 +94,7 @@ class Measured:
     sent: float
 
 
-def price_month(month: Month, measured: Measured, prices: Mapping[str, Any]) -> dict[str, float]:
+def price_month(month: Month, measured: MeasuredCosts, prices: Mapping[str, Any]) -> dict[str, float]:
     """Price a month; USD by kind of cost. `prices`: list prices and assumptions."""
     size = measured.sent + prices["assumed"]["edge_header_bytes"]
     return {
@@ -106,7 +106,7 @@ def price_month(month: Month, measured: Measured, prices: Mapping[str, Any]) -> 
     }
 
 
-def report(measured: Measured, prices: Mapping[str, Any]) -> Iterator[str]:
+def report(measured: MeasuredCosts, prices: Mapping[str, Any]) -> Iterator[str]:
     """Yield the first month of a deployment and a later one, line by line."""
     locations = prices["assumed"]["edge_locations"]
     alone = LOOKUPS * measured.by_function_usd
@@ -125,7 +125,7 @@ def report(measured: Measured, prices: Mapping[str, Any]) -> Iterator[str]:
             yield f"  {part:28} {usd:.6f}"
 
 
-def later_month_usd(measured: Measured, prices: Mapping[str, Any]) -> float:
+def later_month_usd(measured: MeasuredCosts, prices: Mapping[str, Any]) -> float:
     """Compute the price of a month in which every alias is known, USD."""
     month = simulate(prices["assumed"]["edge_locations"], known=True)
     return sum(price_month(month, measured, prices).values())

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from calibdb.settings import Settings
 from calibdb.store import Objects, Store, clients
 from calibdb.store.keys import WITHDRAWN
-from infra.console.progress import Track, untracked
+from infra.console.progress import Track, pass_through
 from infra.ops.index import Index
 from infra.ops.replica import ReplicatedObjects
 
@@ -30,7 +30,7 @@ class OpsContext:
     now: int  # unix seconds
     random_hex: Callable[[int], str]  # of so many bytes
     echo: Callable[[str], None]
-    track: Track = untracked
+    track: Track = pass_through
 
     @classmethod
     def of(
@@ -39,7 +39,7 @@ class OpsContext:
         *,
         secret_known: bool,
         echo: Callable[[str], None] = print,
-        track: Track = untracked,
+        track: Track = pass_through,
     ) -> OpsContext:
         """Make the context of the deployment that `environment` names."""
         settings = Settings.from_environment(environment)

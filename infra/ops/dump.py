@@ -102,7 +102,7 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     ):
         count = 0
         batch: list[CalibrationDocument] = []
-        for document in _selected(context, select):
+        for document in _select_documents(context, select):
             lines.write(document.model_dump_json() + "\n")
             count += 1
             batch.append(document)
@@ -118,7 +118,7 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     return count, votes
 
 
-def _selected(context: OpsContext, select: Select) -> Iterator[CalibrationDocument]:
+def _select_documents(context: OpsContext, select: Select) -> Iterator[CalibrationDocument]:
     total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
     for document, withdrawn in context.track(context.store.calibrations.everything(), "calibrations", total):
         copy = None if withdrawn else select(document)

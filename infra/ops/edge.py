@@ -39,7 +39,7 @@ def rebuild(context: OpsContext, borne: Set[Name], *, forget_pending: bool = Fal
         context.echo("WEB_BUCKET_NAME is not set: the answers at the edge stay as they are")
         return EdgeResult()
     # First: what is written from here on has been written down before it is.
-    listed = _listed(context, answers.bucket)
+    listed = _list_objects(context, answers.bucket)
     me = f"ops-{context.random_hex(8)}"
     publication = Publication(context.store, context.settings, time.time, me)
     expected: set[str] = set()
@@ -52,7 +52,7 @@ def rebuild(context: OpsContext, borne: Set[Name], *, forget_pending: bool = Fal
     return EdgeResult(len(expected), len(orphans))
 
 
-def _listed(context: OpsContext, bucket: str) -> dict[str, str]:
+def _list_objects(context: OpsContext, bucket: str) -> dict[str, str]:
     """List the objects in the bucket with their ETags."""
     with clients.available():
         pages = (

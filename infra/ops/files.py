@@ -7,21 +7,21 @@ from pathlib import Path
 from calibdb.rules.calibration_file import FormError, parse
 from calibsolver import CalibrationError
 from calibsolver.formats import ImportedFile
-from calibsolver.formats.hints import Hints
+from calibsolver.formats.reader_options import ReaderOptions
 from calibsolver.formats.reading import READERS, is_text_kind
 from infra.ops.errors import OpsError
 
 _MAX_JSON_BYTES = 64 * 2**20  # bytes; keypoints make files large
 
 
-def read_file(path: Path, hints: Hints = Hints()) -> ImportedFile:  # noqa: B008 - a value that never changes
+def read_file(path: Path, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
     """Read a calibration file of any kind that `calibsolver.formats.reading` knows.
 
     Raises OpsError, which says what is wrong with it.
     """
     try:
         parsed = parse(_bytes(path), path.suffix, is_text_kind)
-        return READERS[parsed.form](parsed.content, hints)
+        return READERS[parsed.form](parsed.content, options)
     except (CalibrationError, FormError) as error:
         raise OpsError(f"{path}: {error}") from error
     except RecursionError:

@@ -17,7 +17,7 @@ from calibdb.schema.session import SetAside
 from calibsolver import CalibrationError, Camera, View, fit, models
 from calibsolver.formats import ImportedFile
 from calibsolver.formats.grid import grid
-from calibsolver.formats.hints import Hints
+from calibsolver.formats.reader_options import ReaderOptions
 from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
 from infra.ops import reindex
@@ -57,7 +57,7 @@ def import_file(
     context: OpsContext,
     path: Path,
     reported: ReportedCamera,
-    hints: Hints = Hints(),  # noqa: B008 - a value that never changes
+    options: ReaderOptions = ReaderOptions(),  # noqa: B008 - a value that never changes
     model: str = "",
     *,
     dry_run: bool = False,
@@ -72,13 +72,13 @@ def import_file(
     """
     if model and model not in models.NAMES:
         raise OpsError(f"there is no distortion model {model!r}")
-    read = read_file(path, replace(hints, model=model))
+    read = read_file(path, replace(options, model=model))
     identity = identify(reported.camera, reported.platform)
     if identity.ambiguous or identity.virtual:
         raise OpsError(f"{reported.camera!r} does not say which camera it is")
     if not read.views:
-        return _guess(context, path, reported, read, hints.number, dry_run=dry_run)
-    size = read.camera.img_size if read.camera else read.img_size or hints.img_size
+        return _guess(context, path, reported, read, options.number, dry_run=dry_run)
+    size = read.camera.img_size if read.camera else read.img_size or options.img_size
     if size is None:
         raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
     document = _document(context, path, reported, read.views, size, model)

@@ -25,7 +25,9 @@ def publish_dump(context: OpsContext) -> Dump:
     store, least = context.store, context.settings.thresholds.min_contributors
     dump = WeeklyDump(
         dumps=dumps,
-        figures=Figures(dumps, store.cameras, store.asked, store.aliases, store.calibrations.licence, least),
+        figures=Figures(
+            dumps, store.cameras, store.miss_counts, store.aliases, store.calibrations.licence, least
+        ),
         now=lambda: context.now,
         random_hex=context.random_hex,
         seconds_left=lambda: math.inf,

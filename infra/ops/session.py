@@ -29,7 +29,7 @@ class Run:
 
 
 @contextmanager
-def opened(*, as_json: bool = False) -> Iterator[Run]:
+def open_run(*, as_json: bool = False) -> Iterator[Run]:
     """Open the deployment that the environment names, for one command.
 
     An error ends the command with its text and the exit status 1.
@@ -53,16 +53,16 @@ def opened(*, as_json: bool = False) -> Iterator[Run]:
             try:
                 yield Run(context, output)
             except CalibdbError as error:
-                raise _failed(error.detail) from error
+                raise _failure_exit(error.detail) from error
             output.finish()
     except BrokenPipeError:
         # Who reads has read enough. What is left in the buffer must not be written at the end either.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(0) from None
     except (JournalError, SecretsError, ValueError, OSError) as error:
-        raise _failed(str(error)) from error
+        raise _failure_exit(str(error)) from error
 
 
-def _failed(detail: str) -> typer.Exit:
+def _failure_exit(detail: str) -> typer.Exit:
     print(f"calibDB: {detail}", file=sys.stderr)
     return typer.Exit(1)

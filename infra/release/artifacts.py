@@ -11,7 +11,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from infra.console.steps import announced
+from infra.console.steps import announce
 from infra.release import changelog
 from infra.release.checkout import ROOT, version
 
@@ -33,7 +33,7 @@ def build() -> list[Path]:
         "build the layers": lambda: _layers(name),
         "write notes and checksums": _summaries,
     }
-    for _, part in announced("release", list(parts.items()), lambda step: step[0]):
+    for _, part in announce("release", list(parts.items()), lambda step: step[0]):
         part()
     return sorted(RELEASE.iterdir())
 
@@ -71,12 +71,12 @@ def _layers(name: str) -> None:
 
 def _summaries() -> None:
     text = changelog.notes((ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), version())
-    sums = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in _built()]
+    sums = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in _list_built()]
     (RELEASE / "NOTES.md").write_text(text, encoding="utf-8")
     (RELEASE / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
 
 
-def _built() -> list[Path]:
+def _list_built() -> list[Path]:
     return sorted(path for path in RELEASE.iterdir() if path.is_file())
 
 

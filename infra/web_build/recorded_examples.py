@@ -148,15 +148,15 @@ def examples() -> dict[str, Any]:
 
 def text() -> str:
     """Return the file's content. Its tokens were those of a stack in memory, which is gone."""
-    return json.dumps(_shortened(examples()), indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(_shorten(examples()), indent=1, ensure_ascii=False) + "\n"
 
 
-def _shortened(node: Any) -> Any:
+def _shorten(node: Any) -> Any:
     """Cut long lists, and round numbers, to what somebody reads."""
     if isinstance(node, dict):
-        return {key: _shortened(value) for key, value in node.items()}
+        return {key: _shorten(value) for key, value in node.items()}
     if isinstance(node, list):
-        return [_shortened(value) for value in (node if len(node) <= _MAX_ITEMS else node[:_KEPT_ITEMS])]
+        return [_shorten(value) for value in (node if len(node) <= _MAX_ITEMS else node[:_KEPT_ITEMS])]
     return round(node, _DIGITS) if isinstance(node, float) else node
 
 

@@ -75,7 +75,7 @@ def import_map(web: Path, site: str) -> str:
 
 def integrity(sources: Mapping[str, bytes]) -> dict[str, str]:
     """Return the hash of each module as it lies in the version's folder."""
-    modules = {name: _moved(name, content) for name, content in sources.items() if name.endswith(".js")}
+    modules = {name: _move_module(name, content) for name, content in sources.items() if name.endswith(".js")}
     return {name: sri(content) for name, content in sorted(modules.items())}
 
 
@@ -104,7 +104,7 @@ def _version(sources: Mapping[str, bytes]) -> str:
     return f"{__version__}{mark}"
 
 
-def _moved(name: str, content: bytes) -> bytes:
+def _move_module(name: str, content: bytes) -> bytes:
     """Return a module as it lies one folder deeper than in `/sdk/`."""
     if name != "request.js":
         return content
@@ -120,7 +120,7 @@ def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
     at = f"{SDK_FOLDER}{version}/"
     facts = json.dumps({"version": version, "files": integrity(known)}, indent=1).encode() + b"\n"
     modules = {
-        f"{at}{name}": _moved(name, content) for name, content in known.items() if name.endswith(".js")
+        f"{at}{name}": _move_module(name, content) for name, content in known.items() if name.endswith(".js")
     }
     packed = _package(known, version)
     newest = {

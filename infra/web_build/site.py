@@ -103,11 +103,11 @@ def sources(web: Path = WEB) -> dict[str, str]:
         path.relative_to(web).as_posix(): path.read_text(encoding="utf-8")
         for path in sorted(web.rglob("*.html"))
     }
-    pages = {key: text for key, text in generated(web).items() if key.endswith(".html")}
+    pages = {key: text for key, text in generate_pages(web).items() if key.endswith(".html")}
     return {key: text for key, text in (pages | written).items() if not key.startswith(_SKIPPED)}
 
 
-def generated(web: Path = WEB) -> dict[str, str]:
+def generate_pages(web: Path = WEB) -> dict[str, str]:
     """Return all that the generators make."""
     return {key: text for generate in GENERATORS for key, text in generate(web).items()}
 
@@ -117,12 +117,12 @@ def _at_origin(web: Path, told: str, state: str, origin: str) -> Mapping[str, by
     """Put the site's own address in: one build serves stacks on any port."""
     return {
         key: content.replace(_ANY_ORIGIN.encode(), origin.encode()) if key.endswith(".html") else content
-        for key, content in _made(web, told, state).items()
+        for key, content in _make_files(web, told, state).items()
     }
 
 
 @lru_cache(maxsize=8)
-def _made(web: Path, told: str, state: str) -> Mapping[str, bytes]:
+def _make_files(web: Path, told: str, state: str) -> Mapping[str, bytes]:
     kept = _CACHE / f"{hashlib.sha256(f'{state}{told}'.encode()).hexdigest()[:24]}.json"
     try:
         made = json.loads(kept.read_text(encoding="utf-8"))
@@ -153,7 +153,7 @@ def _build(web: Path, told: str) -> dict[str, str]:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
     files: dict[str, str] = json.loads(made.stdout)
-    return {key: text for key, text in generated(web).items() if not key.endswith(".html")} | files
+    return {key: text for key, text in generate_pages(web).items() if not key.endswith(".html")} | files
 
 
 def _repository() -> str | None:

@@ -7,7 +7,7 @@ import pkgutil
 import sys
 from collections.abc import Callable, Iterable
 
-from infra.console.steps import announced
+from infra.console.steps import announce
 from tests import bench
 from tests.bench.table import Row, render
 
@@ -19,7 +19,7 @@ def main() -> int:
     wanted = [name for name in names if not only or name.removeprefix("bench_") in only]
     rows: list[Row] = []
     say = functools.partial(print, file=sys.stderr, flush=True)
-    for name in announced("bench", wanted, lambda name: name.removeprefix("bench_"), say=say):
+    for name in announce("bench", wanted, lambda name: name.removeprefix("bench_"), say=say):
         measure: Callable[[], Iterable[Row]] = importlib.import_module(f"tests.bench.{name}").rows
         rows += measure()
     print(render(rows))

@@ -14,7 +14,7 @@ import numpy as np
 from calibsolver import Board, Camera
 from calibsolver.capture import MAX_VIEWS
 from calibsolver.guidance import FixedPlan, ProjectionUncertainty
-from infra.console.steps import announced
+from infra.console.steps import announce
 from tests.bench import document
 from tests.bench.bound import bound
 from tests.bench.plots import Line, plot
@@ -192,7 +192,7 @@ def main() -> int:
     """Run the parts asked for; each writes its own table."""
     only = set(filter(None, os.environ.get("ONLY", "").split(",")))
     seeds = int(os.environ.get("SEEDS", "10"))
-    for name, part in announced(f"guidance {seeds}", list(chosen(only)), lambda step: step[0]):
+    for name, part in announce(f"guidance {seeds}", list(chosen(only)), lambda step: step[0]):
         begin = time.monotonic()
         text = part(seeds)
         print(f"\n{name}, {seeds} captures a camera, {time.monotonic() - begin:.0f} s\n\n{text}\n")

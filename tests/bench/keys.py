@@ -19,7 +19,7 @@ from calibdb.camera_key import Identity, identify
 from calibdb.camera_key.system import system_of
 from calibsolver import Camera
 from calibsolver.consensus.agreement import compare
-from infra.console.steps import announced
+from infra.console.steps import announce
 from tests.bench import document
 from tests.helpers.data import ROOT, data_dir
 
@@ -178,7 +178,7 @@ def main() -> None:
         "facts": lambda: document.table(["", ""], facts(found)),
         "lenses": lambda: document.table(LENSES, lenses()),
     }
-    for name, table in announced("keys", list(parts.items()), lambda step: step[0]):
+    for name, table in announce("keys", list(parts.items()), lambda step: step[0]):
         document.replace(name, table(), DOCUMENT)
 
 

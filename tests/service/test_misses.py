@@ -56,8 +56,8 @@ def test_misses_are_counted_by_camera_and_written_later(clock: Clock) -> None:
             sk: int(item["asked"]["N"]) for (pk, sk), item in items(stack).items() if pk.startswith("ASKED#")
         }
         assert written == {f"CAMERA#{known.camera_key}": 4, "CAMERA#usb#046d:0825": 1}
-        assert store(stack).asked.most(int(clock())) == [(known.camera_key, 4), ("usb#046d:0825", 1)]
-        assert store(stack).asked.most(int(clock()) + 92 * 86_400) == []
+        assert store(stack).miss_counts.most(int(clock())) == [(known.camera_key, 4), ("usb#046d:0825", 1)]
+        assert store(stack).miss_counts.most(int(clock()) + 92 * 86_400) == []
 
 
 def test_miss_counter_is_bounded() -> None:

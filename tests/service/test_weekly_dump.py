@@ -15,8 +15,8 @@ from calibdb.schema import CalibrationDocument, VoteDocument
 from calibdb.schema.dump import Dump
 from calibdb.store import Store
 from calibdb.store.aliases import Alias
-from calibdb.store.asked import USB
 from calibdb.store.dumps import LATEST, Dumps
+from calibdb.store.miss_counts import USB
 from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.context import OpsContext
@@ -70,7 +70,7 @@ def writer(
 ) -> WeeklyDump:
     dumps, store = dumps_of(context), context.store
     assert dumps is not None
-    figures = Figures(dumps, store.cameras, store.asked, store.aliases, store.calibrations.licence, 3)
+    figures = Figures(dumps, store.cameras, store.miss_counts, store.aliases, store.calibrations.licence, 3)
     return WeeklyDump(dumps, figures, lambda: now, context.random_hex, left, **options)
 
 
@@ -222,11 +222,11 @@ def test_wanted_cameras_are_named_by_no_strangers_words(stack: LocalStack, conte
         keys[label] = document.camera_key
         store.calibrations.publish(document)
         put(store, consensus(camera=label, platform=LINUX, reason=reason, calibrations=calibrations))
-    store.asked.add(
+    store.miss_counts.add(
         {keys[known]: 9, keys[doubted]: 5, keys[single]: 90, USB + "046d:0825": 7, USB + "fffe:0001": 99}, NOW
     )
-    store.asked.add({keys[doubted]: 4, USB + "046d:0003": 50}, NOW - 80 * 86_400)
-    store.asked.add({keys[doubted]: 1000}, NOW - 100 * 86_400)
+    store.miss_counts.add({keys[doubted]: 4, USB + "046d:0003": 50}, NOW - 80 * 86_400)
+    store.miss_counts.add({keys[doubted]: 1000}, NOW - 100 * 86_400)
     writer(context).run()
     statistics = json.loads(read(stack, "statistics.json") or b"")
     named = [(one["camera"], one["key"], one["asked"]) for one in statistics["wanted"]]

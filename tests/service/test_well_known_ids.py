@@ -9,7 +9,7 @@ from calibdb.camera_key import camera_key, identify
 from calibdb.lookup import well_known_ids
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
-from calibdb.store.cameras import Standing, rivals
+from calibdb.store.cameras import IdSupport, rivals
 from infra.local import LocalStack
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
 from tests.helpers.service.stores import with_methods
@@ -45,17 +45,17 @@ def test_overtaken_refresh_reads_again(store: Store, reliable: bool) -> None:
         well_known_ids.refresh_well_known(store, key, RULES)
     overtaken: list[bool] = []
 
-    def slow(camera: str, names: Iterable[str], standing: Standing | None) -> bool:
+    def slow(camera: str, names: Iterable[str], support: IdSupport | None) -> bool:
         if not overtaken:
-            overtaken.append(standing is not None)
+            overtaken.append(support is not None)
             if reliable:
                 put(store, stored)
             else:
                 assert store.consensuses.drop(stored)
             well_known_ids.refresh_well_known(store, key, RULES)
-        return store.cameras.set_standing(camera, names, standing)
+        return store.cameras.set_id_support(camera, names, support)
 
-    slowed = replace(store, cameras=with_methods(store.cameras, set_standing=slow))
+    slowed = replace(store, cameras=with_methods(store.cameras, set_id_support=slow))
     well_known_ids.refresh_well_known(slowed, key, RULES)
     assert overtaken == [not reliable], "it had seen what was there before"
     assert well_known(store, label) is reliable
@@ -90,14 +90,14 @@ def test_id_whose_calibrations_disagree_is_not_well_known(store: Store) -> None:
 @pytest.mark.parametrize(
     ("leader", "rival", "both"),
     [
-        (Standing(True, 5), Standing(False, 4), False),
-        (Standing(True, 20), Standing(True, 3), False),
-        (Standing(True, 9), Standing(True, 3), True),
-        (Standing(False, 3), Standing(False, 3), True),
+        (IdSupport(True, 5), IdSupport(False, 4), False),
+        (IdSupport(True, 20), IdSupport(True, 3), False),
+        (IdSupport(True, 9), IdSupport(True, 3), True),
+        (IdSupport(False, 3), IdSupport(False, 3), True),
     ],
 )
 def test_rival_needs_reliability_and_a_third_of_the_contributors(
-    leader: Standing, rival: Standing, both: bool
+    leader: IdSupport, rival: IdSupport, both: bool
 ) -> None:
     assert rivals({"a": leader, "b": rival}) == (("a", "b") if both else ("a",))
     assert rivals({}) == ()

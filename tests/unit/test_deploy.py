@@ -247,7 +247,7 @@ def test_rehearsal_leaves_out_its_listed_resources_alone() -> None:
 
 
 def test_oversized_layers_are_named() -> None:
-    fine = layers.Built(20.0, 1.0, ())
-    assert list(layers.problems(fine, layers.Built(148.0, 1.0, ()), 0.1)) == []
-    found = list(layers.problems(fine, layers.Built(181.0, 0.5, ("a.x86_64-linux-gnu.so",)), 0.1))
+    fine = layers.BuiltLayer(20.0, 1.0, ())
+    assert list(layers.problems(fine, layers.BuiltLayer(148.0, 1.0, ()), 0.1)) == []
+    found = list(layers.problems(fine, layers.BuiltLayer(181.0, 0.5, ("a.x86_64-linux-gnu.so",)), 0.1))
     assert len(found) == 3

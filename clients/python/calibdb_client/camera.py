@@ -83,7 +83,7 @@ def open_camera(
     capture = cv2.VideoCapture(found.index, found.backend)
     try:
         if not capture.isOpened():
-            raise CameraError(_closed(found))
+            raise CameraError(_access_problem(found))
         if size is not None:
             w, h = size
             # Most cameras give their large sizes, at a usable rate, as JPEG alone.
@@ -113,7 +113,7 @@ def _first_size(capture: Any) -> tuple[int, int] | None:
     return None
 
 
-def _closed(device: Device) -> str:
+def _access_problem(device: Device) -> str:
     path = Path(device.path)
     if device.path.startswith("/dev/"):
         try:

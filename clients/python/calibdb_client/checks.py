@@ -86,17 +86,12 @@ def most_different(recording: Recording, count: int = CHECK_VIEWS) -> Sequence[R
     from .capture.outline import difference, outline_of
 
     outlines = [outline_of(recording.board, view.ids, view.points) for view in recording.views]
-    usable = [i for i, outline in enumerate(outlines) if outline is not None]
-    if not usable:
+    shapes = {i: outline for i, outline in enumerate(outlines) if outline is not None}
+    if not shapes:
         raise CaptureError("no picture shows the board: show it, tilted, and try again")
-    shapes = {i: outlines[i] for i in usable}
-    chosen = [usable[0]]
-    while len(chosen) < min(count, len(usable)):
-        left = [i for i in usable if i not in chosen]
-        distance = [min(difference(_known(shapes[i]), _known(shapes[k])) for k in chosen) for i in left]
+    chosen = [next(iter(shapes))]
+    while len(chosen) < min(count, len(shapes)):
+        left = [i for i in shapes if i not in chosen]
+        distance = [min(difference(shapes[i], shapes[k]) for k in chosen) for i in left]
         chosen.append(left[int(np.argmax(distance))])
     return [recording.views[i] for i in sorted(chosen)]
-
-
-def _known(outline: Any) -> Any:
-    return outline

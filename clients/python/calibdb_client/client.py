@@ -23,7 +23,7 @@ from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
 from .recording import Recording, ignore
 from .rig import Rig
 from .session import CaptureResult, Progress
-from .wire import Failure, Reply, Request, checked, pause
+from .wire import Failure, Reply, Request, pause, require_success
 
 if TYPE_CHECKING:
     from .board import Board
@@ -303,7 +303,7 @@ class Client:
             if wait is None or attempt + 1 == attempts:
                 break
             self._sleep(wait)
-        return checked(outcome, self.site)
+        return require_success(outcome, self.site)
 
     def _send(self, message: dict[str, Any]) -> Reply | Failure:
         body = Body()

@@ -11,7 +11,7 @@ from .capture.source import is_video
 from .capture.video import read_video
 from .errors import CaptureError
 from .key import CameraKey, HasLabel, key_of
-from .pictures import MIN_VIEWS, Found
+from .pictures import MIN_VIEWS, FoundViews
 from .recording import Recording
 
 
@@ -29,7 +29,7 @@ def recording_of(
 
     Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
     """
-    found = Found()
+    found = FoundViews()
     given = [paths] if isinstance(paths, (str, Path)) else list(paths)
     if len(given) == 1 and is_video(given[0]):
         chosen = read_video(given[0], board, found)
@@ -45,7 +45,7 @@ def recording_of(
 
 def board_of(files: list[Path]) -> Board:
     """Return the board that pictures show. Raises CaptureError if they do not tell."""
-    board = pictures.recognised(files)
+    board = pictures.recognise_board(files)
     if board is None:
         raise CaptureError(
             "no board was recognised in the pictures: describe it by --kind, --squares, --marker-ratio and "

@@ -31,7 +31,7 @@ MIN_VIEWS = 4
 
 
 @dataclass
-class Found:
+class FoundViews:
     """Views found in pictures so far, and names of pictures without one.
 
     Attributes
@@ -107,7 +107,7 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
 
 
 def read(
-    paths: Sequence[Path], board: Board, found: Found, progress: Callable[[int, int], None] | None = None
+    paths: Sequence[Path], board: Board, found: FoundViews, progress: Callable[[int, int], None] | None = None
 ) -> None:
     """Find the board in pictures, and add to `found` one by one: an interruption loses nothing.
 
@@ -130,7 +130,7 @@ def read(
             progress(n + 1, len(chosen))
 
 
-def recognised(paths: Sequence[Path]) -> Board | None:
+def recognise_board(paths: Sequence[Path]) -> Board | None:
     """Return the board in pictures, of which some, spread evenly, are looked at; None if they do not tell."""
     chosen = _spread(list(paths), 2 * MAX_LOOKED_AT)
     for some in (chosen[::2], chosen[1::2]):

@@ -105,7 +105,7 @@ def pause(outcome: Reply | Failure, attempt: int, jitter: float) -> float | None
     return asked if asked <= MAX_WAIT_S else None
 
 
-def checked(outcome: Reply | Failure, site: str) -> Reply:
+def require_success(outcome: Reply | Failure, site: str) -> Reply:
     """Return a reply whose status is below 400. Raises the error that fits any other outcome."""
     if isinstance(outcome, Failure):
         raise ServiceUnavailableError(

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from infra.ops.options import DryRun, complete_reason
-from infra.ops.session import opened
+from infra.ops.session import open_run
 
 app = typer.Typer(help="Withdraw and restore single calibrations.", no_args_is_help=True)
 Ids = Annotated[list[str], typer.Argument(metavar="ID", help="As `camera show` prints them.")]
@@ -26,7 +26,7 @@ def withdraw(
     dry_run: DryRun = False,
 ) -> None:
     """Exclude calibrations from all consensuses."""
-    with opened() as run:
+    with open_run() as run:
         from infra.ops import withdrawal
 
         for calibration_id in run.context.track(ids, "calibrations", len(ids)):
@@ -40,7 +40,7 @@ def withdraw(
 @app.command("restore")
 def restore(ids: Ids, dry_run: DryRun = False) -> None:
     """Include withdrawn calibrations again."""
-    with opened() as run:
+    with open_run() as run:
         from infra.ops import withdrawal
 
         for calibration_id in run.context.track(ids, "calibrations", len(ids)):

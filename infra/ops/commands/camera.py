@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from infra.ops.options import Json
-from infra.ops.session import Run, opened
+from infra.ops.session import Run, open_run
 
 if TYPE_CHECKING:
     from infra.ops.cameras import CameraDetail
@@ -24,7 +24,7 @@ def list_cameras(
     as_json: Json = False,
 ) -> None:
     """List the cameras that were calibrated."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops import cameras
 
         found = cameras.count_all(run.context, text)
@@ -47,7 +47,7 @@ def show_camera(
     as_json: Json = False,
 ) -> None:
     """Show consensuses and calibrations of one camera."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops import cameras
 
         found = cameras.detail(run.context, key)

@@ -11,7 +11,7 @@ import typer
 from infra.console.output import confirm
 from infra.ops.errors import OpsError
 from infra.ops.options import DryRun, Json, Yes
-from infra.ops.session import Run, opened
+from infra.ops.session import Run, open_run
 
 if TYPE_CHECKING:
     from infra.ops.withdrawal import ForgetResult
@@ -42,25 +42,25 @@ def forget(
     as_json: Json = False,
 ) -> None:
     """Remove everything that a contributor sent, for good."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops import withdrawal
 
         contributors = _find(run, contributor_id, address, token, receipt)
         ask = not yes and sys.stdin.isatty()
         if dry_run or ask:
             counted = withdrawal.forget(run.context, contributors, dry_run=True)
-            found = _described(counted)
+            found = _describe(counted)
             run.output.value(asdict(counted))
             if dry_run:
                 run.output.line(f"would be removed: {found}")
                 return
             confirm(f"Remove {found} for good?", yes=yes)
         done = withdrawal.forget(run.context, contributors)
-        run.output.line(f"removed {_described(done)}")
+        run.output.line(f"removed {_describe(done)}")
         run.output.value(asdict(done))
 
 
-def _described(counts: ForgetResult) -> str:
+def _describe(counts: ForgetResult) -> str:
     return (
         f"{counts.calibrations} calibrations, {counts.sessions} sessions, {counts.votes} votes, "
         f"{counts.rigs} rigs"

@@ -11,7 +11,7 @@ import typer
 
 from infra.ops.errors import OpsError
 from infra.ops.options import DryRun, Json, Size, complete_model, parse_size
-from infra.ops.session import opened
+from infra.ops.session import open_run
 
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER")]
 
@@ -25,7 +25,7 @@ def dump(
     as_json: Json = False,
 ) -> None:
     """Write all calibrations and keypoints that were given under CC0 to a new folder."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops.dump import dump
 
         calibrations, votes = dump(run.context, folder, private=private)
@@ -35,7 +35,7 @@ def dump(
 
 def publish_dump(as_json: Json = False) -> None:
     """Write the public dump of the site now, as its schedule does once a week."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops.public_dump import publish_dump
 
         dump = publish_dump(run.context)
@@ -49,7 +49,7 @@ def publish_dump(as_json: Json = False) -> None:
 
 def load(folder: Folder, dry_run: DryRun = False, as_json: Json = False) -> None:
     """Store the content of a dump."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops.restore import load
 
         calibrations, votes = load(run.context, folder, dry_run=dry_run)
@@ -64,7 +64,7 @@ def bundle(
     as_json: Json = False,
 ) -> None:
     """Write the reliable calibrations of the most common cameras to one file."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops.bundle import bundle
 
         done = bundle(run.context, file, most)
@@ -122,18 +122,18 @@ def import_files(
 
     Of several files each is stored or refused by itself.
     """
-    with opened(as_json=as_json) as run:
-        from calibsolver.formats.hints import Hints
+    with open_run(as_json=as_json) as run:
+        from calibsolver.formats.reader_options import ReaderOptions
         from infra.ops.imports import ReportedCamera, import_file, licence_of
 
         reported = ReportedCamera(camera, platform, zoom, licence_of(licence))
-        hints = Hints(img_size, camera_number, squares)
+        options = ReaderOptions(img_size, camera_number, squares)
         told: list[dict[str, str]] = []
         run.output.value(told)
         failed: list[str] = []
         for file in run.context.track(files, "files", len(files)):
             try:
-                done = import_file(run.context, file, reported, hints, model, dry_run=dry_run)
+                done = import_file(run.context, file, reported, options, model, dry_run=dry_run)
             except (OpsError, OSError) as error:
                 if len(files) == 1:
                     raise
@@ -162,7 +162,7 @@ def seed(
     as_json: Json = False,
 ) -> None:
     """Store published calibrations (CSV) as first guesses."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops.seed import seed
 
         told = []

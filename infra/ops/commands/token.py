@@ -8,7 +8,7 @@ import typer
 
 from infra.console.output import confirm
 from infra.ops.options import DryRun, Json, Yes, complete_plan
-from infra.ops.session import opened
+from infra.ops.session import open_run
 
 app = typer.Typer(help="Issue, list, rotate and revoke API tokens.", no_args_is_help=True)
 TokenId = Annotated[str, typer.Argument(metavar="ID", help="As `token list` prints it.")]
@@ -25,7 +25,7 @@ def create_token(
     as_json: Json = False,
 ) -> None:
     """Issue a token; it is shown once."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops import tokens
 
         token = tokens.create(run.context, origin or [], plan)
@@ -36,7 +36,7 @@ def create_token(
 @app.command("list")
 def list_tokens(as_json: Json = False) -> None:
     """List all tokens, without their secrets."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops import tokens
 
         found = tokens.list_all(run.context)
@@ -64,7 +64,7 @@ def list_tokens(as_json: Json = False) -> None:
 @app.command("show")
 def show_token(token_id: TokenId, as_json: Json = False) -> None:
     """Show a token and its use: by hour for two days, by day for thirty."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops import tokens
 
         token = tokens.get(run.context, token_id)
@@ -88,7 +88,7 @@ def show_token(token_id: TokenId, as_json: Json = False) -> None:
 @app.command("made")
 def count_made(as_json: Json = False) -> None:
     """Count the tokens that people made for themselves, day by day."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         days = list(run.context.store.quotas.issued())
         rows = [(day, str(count)) for day, count in days]
         run.output.table(("day (UTC)", "tokens"), rows, ("  ".join(row) for row in rows))
@@ -98,7 +98,7 @@ def count_made(as_json: Json = False) -> None:
 @app.command("revoke")
 def revoke_token(token_id: TokenId, dry_run: DryRun = False, yes: Yes = False) -> None:
     """Revoke a token for good, within a minute."""
-    with opened() as run:
+    with open_run() as run:
         from infra.ops import tokens
 
         token = tokens.get(run.context, token_id)
@@ -122,7 +122,7 @@ def rotate_token(
     as_json: Json = False,
 ) -> None:
     """Give a token a new secret; it is shown once."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops import tokens
 
         token = tokens.get(run.context, token_id)

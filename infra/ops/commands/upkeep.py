@@ -9,12 +9,12 @@ import typer
 
 from infra.ops.errors import OpsError
 from infra.ops.options import DryRun, Json
-from infra.ops.session import opened
+from infra.ops.session import open_run
 
 
 def reindex(dry_run: DryRun = False, as_json: Json = False) -> None:
     """Rebuild the index from the bucket, the source of truth."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops.reindex import reindex
 
         done = reindex(run.context, dry_run=dry_run)
@@ -40,7 +40,7 @@ def backfill(
     as_json: Json = False,
 ) -> None:
     """Recompute outdated consensuses: after a new model, another solver or other thresholds."""
-    with opened(as_json=as_json) as run:
+    with open_run(as_json=as_json) as run:
         from infra.ops.backfill import backfill
 
         done = backfill(run.context, after, dry_run=dry_run)

@@ -103,15 +103,15 @@ def kind(node: Node, schemas: Mapping[str, Node]) -> str:
     if null:
         said += ", or null"
     if default is not None and not isinstance(default, dict | list):
-        said += f"; {_written(default)} unless given"
+        said += f"; {_format_value(default)} unless given"
     return said
 
 
 def _single(node: Node, schemas: Mapping[str, Node]) -> str:
     if "const" in node:
-        return _written(node["const"])
+        return _format_value(node["const"])
     if "enum" in node:
-        return "one of " + ", ".join(_written(value) for value in node["enum"])
+        return "one of " + ", ".join(_format_value(value) for value in node["enum"])
     if node.get("type") == "array":
         return _list(node, schemas)
     if node.get("type") == "object" or "properties" in node:
@@ -146,7 +146,7 @@ def _list(node: Node, schemas: Mapping[str, Node]) -> str:
     return f"list, {bounds}: {items}" if bounds else f"list: {items}"
 
 
-def _written(value: Any) -> str:
+def _format_value(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     return _number(value) if isinstance(value, int | float) else str(value)

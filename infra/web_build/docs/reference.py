@@ -10,7 +10,7 @@ from infra.web_build.docs.fields import Node, Row, kind, rows, table
 from infra.web_build.docs.fill import fill
 from infra.web_build.docs.markdown import Heading, Section, code_block, inline
 from infra.web_build.docs.page import page
-from infra.web_build.docs.samples import SAMPLE_LANGUAGES, SAMPLE_NAMES, samples, written
+from infra.web_build.docs.samples import SAMPLE_LANGUAGES, SAMPLE_NAMES, format_json, samples
 from infra.web_build.example_calls import Call, calls
 
 REFERENCE = f"{FOLDER}reference/index.html"
@@ -168,7 +168,7 @@ def _answer(node: Node, schemas: Mapping[str, Node], shown: dict[str, str]) -> s
     first = next(iter(node["responses"].values()))
     content = first.get("content", {}).get(_JSON, {})
     if "example" in content:
-        block = code_block(written(content["example"]), "json")
+        block = code_block(format_json(content["example"]), "json")
         parts.append(f'<details class="example"><summary>Example of an answer</summary>{block}</details>')
     if schema := content.get("schema"):
         parts.append(_fields(schema["anyOf"][0] if "anyOf" in schema else schema, schemas, shown, node))
@@ -197,7 +197,7 @@ def _trial(name: str, call: Call, node: Node) -> str:
             given = {**call.query, **_PATH_VALUES}.get(each["name"], "")
             inputs.append(_input(name, f"{each['in']}-{each['name']}", each["name"], given))
     if call.body is not None:
-        inputs.append(_body_input(name, written(call.body)))
+        inputs.append(_body_input(name, format_json(call.body)))
     accept = f' data-accept="{call.accept}"' if call.accept else ""
     return (
         f'<details class="trial"><summary>Try it</summary><form data-operation="{name}" '

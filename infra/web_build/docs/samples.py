@@ -69,14 +69,14 @@ def python(call: Call) -> str:
     return f"import httpx\n\nresponse = {function}({given})\nprint(response.status_code, response.text)"
 
 
-def written(value: Any, pad: str = "") -> str:
+def format_json(value: Any, pad: str = "") -> str:
     """Write JSON with a member of an object a line, and lists of numbers or texts on one."""
     inner = f"{pad}  "
     if isinstance(value, dict) and value:
-        members = (f"{inner}{json.dumps(name)}: {written(each, inner)}" for name, each in value.items())
+        members = (f"{inner}{json.dumps(name)}: {format_json(each, inner)}" for name, each in value.items())
         return "{\n" + ",\n".join(members) + f"\n{pad}}}"
     if isinstance(value, list) and any(isinstance(each, dict) for each in value):
-        items = (f"{inner}{written(each, inner)}" for each in value)
+        items = (f"{inner}{format_json(each, inner)}" for each in value)
         return "[\n" + ",\n".join(items) + f"\n{pad}]"
     return json.dumps(value, ensure_ascii=False)
 

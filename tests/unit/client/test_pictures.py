@@ -12,7 +12,7 @@ import pytest
 from calibdb_client import Board, Calibration, CaptureError, Recording, UsageError, pictures
 from calibdb_client.cli import main
 from calibdb_client.detection import Detector
-from calibdb_client.pictures import Found, picture_paths, read
+from calibdb_client.pictures import FoundViews, picture_paths, read
 from calibsolver.capture.rules import MAX_POINTS
 from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
@@ -83,7 +83,7 @@ def test_service_that_is_not_there_loses_no_corner(
 def test_interruption_keeps_what_was_found(
     folder: Path, working: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def stop(paths: Any, board: Board, found: Found, progress: Callable[[int, int], None]) -> None:
+    def stop(paths: Any, board: Board, found: FoundViews, progress: Callable[[int, int], None]) -> None:
         read(paths[:5], board, found, progress)
         raise KeyboardInterrupt
 
@@ -135,7 +135,7 @@ def test_ten_thousand_files_are_sampled_evenly(tmp_path: Path) -> None:
     paths = picture_paths([tmp_path])
     assert len(paths) == 10_000
     done: list[tuple[int, int]] = []
-    found = Found()
+    found = FoundViews()
     read(paths, Board(), found, lambda *each: done.append(each))
     assert done[-1] == (pictures.MAX_PICTURES, pictures.MAX_PICTURES)
     assert found.unreadable[1] == "00025.jpg"

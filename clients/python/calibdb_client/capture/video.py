@@ -10,7 +10,7 @@ from ..board import Board
 from ..detection import Corners, Detector, recognise
 from ..detection.recognition import MAX_LOOKED_AT
 from ..errors import CaptureError
-from ..pictures import Found
+from ..pictures import FoundViews
 from ..recording import RecordedView
 from .source import open_source
 from .stillness import REFERENCE_WIDTH_PX, motion
@@ -26,7 +26,7 @@ _POSITION, _COUNT = 1, 7  # of cv2.VideoCapture
 def read_video(
     path: str | Path,
     board: Board | None,
-    found: Found,
+    found: FoundViews,
     progress: Callable[[int, int], None] | None = None,
 ) -> Board:
     """Find the board in a video, and add to `found` the views where it moves least, all over its places.
@@ -68,7 +68,7 @@ def read_video(
     return chosen
 
 
-def _choose(seen: list[tuple[int, tuple[int, int], Corners]], step: int, found: Found) -> None:
+def _choose(seen: list[tuple[int, tuple[int, int], Corners]], step: int, found: FoundViews) -> None:
     """Add the stillest views first, each at a distance from those before it, in the video's order."""
     motions: list[float] = []
     for i, (number, _, corners) in enumerate(seen):

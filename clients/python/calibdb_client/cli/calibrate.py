@@ -11,7 +11,7 @@ from ..board import opencv
 from ..errors import CalibDBError, CaptureError, MissingPackageError, UsageError
 from ..files import write_whole
 from ..key import UNNAMED, CameraKey
-from ..pictures import MAX_PICTURES, PLATFORM, Found, picture_paths, read
+from ..pictures import MAX_PICTURES, PLATFORM, FoundViews, picture_paths, read
 from ..recording import Recording
 from ..session import CaptureResult, calibrate_offline
 from . import options
@@ -51,12 +51,12 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         raise UsageError("which camera took them? Say --label, or --offline to calibrate for yourself alone")
     chosen.licence = None if chosen.offline else licence_of(chosen, output)
     opencv()  # says what is missing before anything is read
-    found = Found()
+    found = FoundViews()
     board, interrupted = None, False
     paths = picture_paths(chosen.source) if kind == "pictures" else []
     if len(paths) > MAX_PICTURES:
         output.note(f"{len(paths)} pictures: {MAX_PICTURES} of them are read, spread evenly over their names")
-    board = chosen_board(chosen) or recognised(kind, chosen.source[0], paths, output)
+    board = chosen_board(chosen) or recognise_board(kind, chosen.source[0], paths, output)
     board.check_opencv()
     try:
         with progress("frames" if kind == "video" else "pictures") as advance:
@@ -84,7 +84,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     return finish(recording, path, chosen, output)
 
 
-def recognised(kind: str, source: str, paths: list[Path], output: Output) -> Any:
+def recognise_board(kind: str, source: str, paths: list[Path], output: Output) -> Any:
     """Return the board that pictures or a video show, and say which it is."""
     if kind == "video":
         from ..capture.video import board_in_video
@@ -134,7 +134,7 @@ def conclude(recording: Recording, result: CaptureResult, path: Path, output: Ou
     return 0
 
 
-def _describe(found: Found, size: tuple[int, int], output: Output) -> None:
+def _describe(found: FoundViews, size: tuple[int, int], output: Output) -> None:
     if others := found.other_sizes(size):
         output.note(
             f"left out {others} pictures of another size than {size[0]}x{size[1]}: calibrate them apart"

@@ -69,7 +69,7 @@ def _list(chosen: argparse.Namespace, output: Output) -> int:
         output.note("set CALIBDB_URL and CALIBDB_TOKEN to see which of them the database knows")
     else:
         with client:
-            known = _known(client, found, chosen.size)
+            known = _lookup_outcomes(client, found, chosen.size)
     if output.json:
         output.document(
             {
@@ -98,7 +98,7 @@ def _list(chosen: argparse.Namespace, output: Output) -> int:
     return 0 if found else 1
 
 
-def _known(client: Client, found: Any, size: tuple[int, int]) -> dict[str, str]:
+def _lookup_outcomes(client: Client, found: Any, size: tuple[int, int]) -> dict[str, str]:
     """Return in a word what the database knows of each label: ``known``, or a lookup's reason."""
     known: dict[str, str] = {}
     each: Device

@@ -34,9 +34,11 @@ class AprilGridFinder:
         if len(ids) < 2:
             return None
         corners = (4 * ids[:, None] + np.arange(4)).reshape(-1)
-        return corners, self._smoothed(ids, self._numbered(ids, tags)).reshape(-1, 2).astype(np.float32)
+        return corners, self._smooth_corners(ids, self._number_corners(ids, tags)).reshape(-1, 2).astype(
+            np.float32
+        )
 
-    def _numbered(self, ids: Any, tags: Array) -> Array:
+    def _number_corners(self, ids: Any, tags: Array) -> Array:
         """Return the corners (n, 4, 2) px of tags, anticlockwise from the lower left on the upright board.
 
         Detectors begin with the corner that is first in the tag's code, which prints turn as they like. The
@@ -56,7 +58,7 @@ class AprilGridFinder:
         best = int(np.argmax(agreement))
         return np.roll(tags[:, ::-1], best, axis=1)
 
-    def _smoothed(self, ids: Any, tags: Array) -> Array:
+    def _smooth_corners(self, ids: Any, tags: Array) -> Array:
         """Return the corners (n, 4, 2) px where the tags around each say that they are.
 
         Contours run from a tag into the squares that are printed into the corners between tags: single

@@ -142,7 +142,7 @@ def _board(
     try:
         if layout.first is None:
             grid = Board((layout.columns, rows), 0.65, family, False, "aprilgrid", inverted, 1 / side - 1)
-            return _spaced(grid, greys)
+            return _with_best_spacing(grid, greys)
         rows = max(rows, 3)
         if layout.first and rows % 2:  # the old layout differs where the number of rows is even
             rows += 1
@@ -168,7 +168,7 @@ def _sides(layout: Layout, seen: Markers, inverted: bool) -> list[float]:
     return [float(each) for each in edges * (pixels + (-1 if inverted else 1)) / pixels]
 
 
-def _spaced(grid: Board, greys: Sequence[Any]) -> Board:
+def _with_best_spacing(grid: Board, greys: Sequence[Any]) -> Board:
     """Return an AprilGrid with the spacing at which its refined corners lie in planes best."""
     spacing = grid.tag_spacing
     for width in (0.15, 0.05, 0.02):

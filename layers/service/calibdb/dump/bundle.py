@@ -21,7 +21,7 @@ from calibdb.lookup.camera_lookup import resolve, unanswerable_reason
 from calibdb.lookup.selection import choose
 from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.fields import ImgSize
-from calibdb.store import Known
+from calibdb.store import CameraRecords
 
 #: platforms to which cameras can be attached, one of each system
 DESKTOP_PLATFORMS = {
@@ -79,7 +79,7 @@ class Source:
         Shows how far a loop is.
     """
 
-    read: Callable[[str], Known]
+    read: Callable[[str], CameraRecords]
     licence: Callable[[str], str | None]
     private: bool
     created: int
@@ -134,7 +134,7 @@ def names_of(label: str, platform: str) -> set[Name]:
 
 def _meanings(
     source: Source,
-    read: Callable[[str], Known],
+    read: Callable[[str], CameraRecords],
     cameras: dict[str, tuple[set[Name], list[ConsensusDocument]]],
 ) -> dict[str, dict[str, str]]:
     """Map label and platform to the camera that a lookup finds; none where it finds two."""

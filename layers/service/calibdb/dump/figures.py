@@ -15,9 +15,9 @@ from calibdb.dump.bundle import Source, build_bundle, names_of, rank
 from calibdb.lookup.camera_search import display_name, is_listed
 from calibdb.schema.dump import BundleFile, DumpDraft, Snapshot, Statistics, WantedCamera
 from calibdb.store.aliases import Aliases
-from calibdb.store.asked import USB, Asked
 from calibdb.store.cameras import Cameras
 from calibdb.store.dumps import FOLDER, STATISTICS, Dumps
+from calibdb.store.miss_counts import USB, MissCounts
 from calibdb.store.objects import READERS
 
 BUNDLE = "bundle.json"
@@ -36,14 +36,14 @@ class Figures:
 
     dumps: Dumps
     cameras: Cameras
-    asked: Asked
+    miss_counts: MissCounts
     aliases: Aliases
     licence: Callable[[str], str | None]
     min_contributors: int
 
     def write(self, draft: DumpDraft) -> Statistics:
         """Write the figures of a dump that is whole, and return them."""
-        known, popular = self._known()
+        known, popular = self._count_known()
         tally = draft.tally
         snapshot = Snapshot(
             date=datetime.fromtimestamp(draft.started, UTC).date().isoformat(),
@@ -58,13 +58,13 @@ class Figures:
         statistics = Statistics(
             created=draft.started,
             history=(*history, snapshot)[-MAX_HISTORY:],
-            wanted=tuple(self._wanted(draft.started)),
+            wanted=tuple(self._most_wanted(draft.started)),
             bundle=self._bundle(popular, draft.started),
         )
         self.dumps.write(STATISTICS, statistics.model_dump_json(indent=1).encode())
         return statistics
 
-    def _known(self) -> tuple[int, list[str]]:
+    def _count_known(self) -> tuple[int, list[str]]:
         """Count the cameras that a lookup answers, and choose those with the most contributors."""
         known, after = 0, None
         popular: list[tuple[Any, str]] = []
@@ -95,13 +95,13 @@ class Figures:
         digest = hashlib.sha256(made.content).hexdigest()
         return BundleFile(name=BUNDLE, cameras=len(made.cameras), size=len(made.content), sha256=digest)
 
-    def _wanted(self, now: int) -> list[WantedCamera]:
+    def _most_wanted(self, now: int) -> list[WantedCamera]:
         """Name the cameras most asked for that are not known.
 
         By a label only where two contributors calibrated it: a label is whatever its sender wrote.
         """
         wanted: list[WantedCamera] = []
-        for camera, count in self.asked.most(now):
+        for camera, count in self.miss_counts.most(now):
             if len(wanted) == MAX_WANTED:
                 break
             usb_id = camera.removeprefix(USB) if camera.startswith(USB) else None

@@ -13,7 +13,7 @@ from calibdb.camera_key import Identity
 from calibdb.lookup.selection import Choice, choose
 from calibdb.schema import ConsensusDocument
 from calibdb.schema.lookup import CROPPED
-from calibdb.store import Known
+from calibdb.store import CameraRecords
 
 VIRTUAL = "This is a virtual camera: a program without a lens of its own."
 AMBIGUOUS = "Many cameras have this name. Send a label with a USB id, or a platform with the device's model."
@@ -49,7 +49,7 @@ def unanswerable_reason(identity: Identity, *, private: bool, resize_mode: str |
 
 
 def resolve(
-    read: Callable[[str], Known],
+    read: Callable[[str], CameraRecords],
     identity: Identity,
     img_size: tuple[int, int],
     zoom: float,
@@ -75,7 +75,7 @@ class _Search:
 
     def __init__(
         self,
-        read: Callable[[str], Known],
+        read: Callable[[str], CameraRecords],
         identity: Identity,
         img_size: tuple[int, int],
         zoom: float,
@@ -89,7 +89,7 @@ class _Search:
         self.known = read(identity.key)
         self.own = self.match(identity.key, self.known)
 
-    def match(self, key: str, known: Known | None = None) -> CameraMatch:
+    def match(self, key: str, known: CameraRecords | None = None) -> CameraMatch:
         """Choose what answers among all that is known under `key`, read now unless given."""
         known = known or self.read(key)
         return CameraMatch(key, known.consensuses, choose(known.consensuses, *self._wanted))

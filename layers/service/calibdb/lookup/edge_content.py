@@ -12,14 +12,14 @@ import functools
 from collections.abc import Callable, Iterable, Iterator
 
 from calibdb.camera_key import Identity, identify, public_label, public_platform
-from calibdb.lookup.finding import Wanted, find
+from calibdb.lookup.calibration_lookup import LookupQuery, find
 from calibdb.schema import ConsensusDocument, LookupAnswer
 from calibdb.schema.fields import size_text, zoom_text
-from calibdb.store import Known, Store
+from calibdb.store import CameraRecords, Store
 from calibdb.store.keys import answer_object
 
 Name = tuple[str, str]  # label, platform
-Read = Callable[[str], Known]
+Read = Callable[[str], CameraRecords]
 Answers = dict[str, tuple[str, bytes]]  # text of size, zoom and model -> name of the object, its content
 
 
@@ -72,18 +72,18 @@ def name_keys(names: Iterable[Name]) -> set[str]:
     return {key for one in identities if one.usb_id is not None for key in one.name_keys}
 
 
-def _hits(read: Read, name: Name, *, private: bool) -> Iterator[tuple[Wanted, LookupAnswer]]:
+def _hits(read: Read, name: Name, *, private: bool) -> Iterator[tuple[LookupQuery, LookupAnswer]]:
     identity = identify(*name)
-    stored = list(_stored(read, identity))
+    stored = list(_stored_consensuses(read, identity))
     modes = {(c.img_size, c.zoom, c.distortion_model) for c in stored if c.reliable}
     for img_size, zoom, model in sorted(modes):
-        wanted = Wanted(*name, img_size, zoom, model)
+        wanted = LookupQuery(*name, img_size, zoom, model)
         found = find(read, wanted, private=private, compute=_never)
         if found.answer is not None and (found.key == identity.key or _travels(identity)):
             yield wanted, found.answer
 
 
-def _stored(read: Read, identity: Identity) -> Iterator[ConsensusDocument]:
+def _stored_consensuses(read: Read, identity: Identity) -> Iterator[ConsensusDocument]:
     known = read(identity.key)
     yield from known.consensuses
     if _travels(identity):

@@ -137,10 +137,10 @@ class Publication:
         """
         if self._store.edge_answers.bucket is None:
             return
-        with self._locked(camera_key):
+        with self._hold_lock(camera_key):
             read = reader(self._store)
             for alias in self._store.aliases.of(camera_key):
-                wanted = self._wanted(read, alias)
+                wanted = self._required_objects(read, alias)
                 gone = alias.name not in borne if alias.seen else alias.confirmed and not wanted
                 if gone or (forget_pending and not alias.confirmed):
                     self._evict(camera_key, alias)
@@ -154,7 +154,7 @@ class Publication:
             return
         if not has_hit(reader(self._store), name, private=self._private):
             return
-        with self._locked(key):
+        with self._hold_lock(key):
             aliases = self._store.aliases.of(key)
             merged = self._with_sighting(aliases, sighting)
             if merged is not None:
@@ -168,20 +168,20 @@ class Publication:
         unchanged = not changed and not self._store.locks.is_held(key, self._now)
         if unchanged and not self._is_outdated(key, seen):
             return
-        with self._locked(key):
+        with self._hold_lock(key):
             self._rewrite(key, seen)
 
     def _is_outdated(self, key: str, seen: Sequence[Name]) -> bool:
         read, aliases = reader(self._store), self._store.aliases.of(key)
         if set(seen) - {alias.name for alias in aliases if alias.seen} and len(aliases) < MAX_ALIASES:
             return True
-        return any(_etags(self._wanted(read, alias)) != dict(alias.objects) for alias in aliases)
+        return any(_etags(self._required_objects(read, alias)) != dict(alias.objects) for alias in aliases)
 
     def _rewrite(self, key: str, seen: Sequence[Name], etags: Mapping[str, str] | None = None) -> None:
         """Make the objects of every alias of the key what lookups answer. The lock is held."""
         aliases = self._admit(key, seen)
         read = reader(self._store)  # only now: whoever changes the index sees the aliases, and waits
-        wanted = {alias.digest: self._wanted(read, alias) for alias in aliases}
+        wanted = {alias.digest: self._required_objects(read, alias) for alias in aliases}
         writes: list[_Write] = []
         removals: list[str] = []
         changed: list[Alias] = []
@@ -288,7 +288,7 @@ class Publication:
             return None
         return replace(known or asked, sources=sources, time=self._now)
 
-    def _wanted(self, read: Read, alias: Alias) -> Answers:
+    def _required_objects(self, read: Read, alias: Alias) -> Answers:
         """Return the objects that the alias must have."""
         return answers(read, alias.name, private=self._private) if self._on and alias.confirmed else {}
 
@@ -297,7 +297,7 @@ class Publication:
         return self._thresholds.min_contributors == 1
 
     @contextmanager
-    def _locked(self, key: str) -> Iterator[None]:
+    def _hold_lock(self, key: str) -> Iterator[None]:
         """Hold the lock of a camera key within the block; raises UnavailableError if others do not let go."""
         waited, pause = 0.0, _MIN_PAUSE_S
         while not self._store.locks.take(key, self._me, self._now):

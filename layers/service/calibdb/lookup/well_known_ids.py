@@ -2,7 +2,7 @@
 
 Anybody can invent a USB id. So an id counts under its name, beside others, only once the database has a
 reliable consensus for it, or once as many contributors agree on one as a reliable one needs; and only by the
-number of those contributors (`calibdb.store.cameras.Known`). Every new consensus refreshes this.
+number of those contributors (`calibdb.store.cameras.CameraRecords`). Every new consensus refreshes this.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from calibdb.camera_key import identify
 from calibdb.settings import Thresholds
 from calibdb.store import Store
-from calibdb.store.cameras import Standing
+from calibdb.store.cameras import IdSupport
 
 _MAX_ROUNDS = 5  # others that are overtaken, one after the other
 
@@ -31,11 +31,11 @@ def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool
     modes = store.calibrations.modes(camera_key)
     if not modes:
         return False  # its names are gone
-    standing, some = Standing(), ""
+    support, some = IdSupport(), ""
     for mode in modes:
         for known in store.consensuses.at(mode):
             if known.calibration and (known.reliable or known.reason == "too_few"):
-                standing = max(standing, Standing(known.reliable, known.calibration.contributors))
+                support = max(support, IdSupport(known.reliable, known.calibration.contributors))
         counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
         some = some or next((calibration.id for calibration in counted), "")
     document = store.calibrations.get(some) if some else None
@@ -44,5 +44,5 @@ def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool
     identity = identify(document.camera, document.platform)
     if not (identity.usb_id and identity.distinct):
         return False
-    counts = standing.reliable or standing.contributors >= thresholds.min_contributors
-    return store.cameras.set_standing(camera_key, identity.name_keys, standing if counts else None)
+    counts = support.reliable or support.contributors >= thresholds.min_contributors
+    return store.cameras.set_id_support(camera_key, identity.name_keys, support if counts else None)

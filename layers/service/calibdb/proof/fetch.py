@@ -70,17 +70,17 @@ def read_proof(
     """
     deadline = clock() + max_s
     addresses = _public_addresses(host, resolve, deadline - clock())
-    connection = _connected(addresses, connect, clock, deadline)
+    connection = _connect_to_any(addresses, connect, clock, deadline)
     trusted = context or ssl.create_default_context()
     try:
         with connection:
             _check_peer(connection)
-            connection.settimeout(_left(deadline, clock))
+            connection.settimeout(_seconds_left(deadline, clock))
             with trusted.wrap_socket(
                 connection, server_hostname=host, do_handshake_on_connect=False
             ) as secured:
                 _shake_hands(secured, clock, deadline)
-                secured.settimeout(_left(deadline, clock))
+                secured.settimeout(_seconds_left(deadline, clock))
                 secured.sendall(_request(host))
                 return _text(_receive(secured, clock, deadline))
     except TimeoutError as error:
@@ -110,14 +110,14 @@ def _public_addresses(host: str, resolve: Resolve, timeout_s: float) -> Sequence
     return addresses
 
 
-def _connected(
+def _connect_to_any(
     addresses: Sequence[str], connect: Connect, clock: Callable[[], float], deadline: float
 ) -> socket.socket:
     # IPv4 first: functions outside of a VPC have no IPv6.
     tried = sorted(addresses, key=lambda address: ":" in address)[:_MAX_ADDRESSES]
     for left, address in zip(range(len(tried), 0, -1), tried, strict=True):
         try:
-            return connect(address, _left(deadline, clock) / left)
+            return connect(address, _seconds_left(deadline, clock) / left)
         except TimeoutError:
             failed: ProofFailure = "timeout"
         except OSError:
@@ -130,7 +130,7 @@ def _check_peer(connection: socket.socket) -> None:
         raise ProofError("address")
 
 
-def _left(deadline: float, clock: Callable[[], float]) -> float:
+def _seconds_left(deadline: float, clock: Callable[[], float]) -> float:
     """Return the s that are left; ProofError where there are none."""
     left = deadline - clock()
     if left <= 0:
@@ -154,7 +154,7 @@ def _shake_hands(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: f
 
 def _wait(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float, *, reading: bool) -> None:
     waited = [secured]
-    select.select(waited if reading else [], [] if reading else waited, [], _left(deadline, clock))
+    select.select(waited if reading else [], [] if reading else waited, [], _seconds_left(deadline, clock))
 
 
 def _request(host: str) -> bytes:
@@ -173,7 +173,7 @@ def _receive(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float
     """Read the answer to its end; ProofError where it is too large or too slow."""
     received = bytearray()
     while True:
-        secured.settimeout(_left(deadline, clock))
+        secured.settimeout(_seconds_left(deadline, clock))
         try:
             part = secured.recv(4096)
         except ssl.SSLEOFError:
@@ -185,7 +185,7 @@ def _receive(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float
             raise ProofError("size")
 
 
-class _Received:
+class _ReceivedBytes:
     """Answer that was read, as `http.client` wants a socket."""
 
     def __init__(self, content: bytes) -> None:
@@ -196,7 +196,7 @@ class _Received:
 
 
 def _text(received: bytes) -> str:
-    answer = http.client.HTTPResponse(cast("socket.socket", _Received(received)), method="GET")
+    answer = http.client.HTTPResponse(cast("socket.socket", _ReceivedBytes(received)), method="GET")
     try:
         answer.begin()
         content = answer.read(MAX_PROOF_BYTES + 1)

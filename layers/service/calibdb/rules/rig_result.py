@@ -107,7 +107,7 @@ def _result(rig: Rig, fit: RigFit, endings: Sequence[EndingDocument], now: int) 
 def _extrinsics(document: RigDocument, fit: RigFit) -> list[Extrinsics]:
     scale = document.square_size or 1.0
     return [
-        Extrinsics(position=i, rvec=pose[:3], tvec=_times(pose[3:], scale), std=_scaled(std, scale))
+        Extrinsics(position=i, rvec=pose[:3], tvec=_times(pose[3:], scale), std=_scale_motion(std, scale))
         for i, (pose, std) in enumerate(zip(fit.poses, fit.std, strict=True))
     ]
 
@@ -116,7 +116,7 @@ def _times(t: tuple[float, float, float], scale: float) -> tuple[float, float, f
     return t[0] * scale, t[1] * scale, t[2] * scale
 
 
-def _scaled(motion: Motion, scale: float) -> Motion:
+def _scale_motion(motion: Motion, scale: float) -> Motion:
     return (*motion[:3], *_times(motion[3:], scale))
 
 

@@ -77,7 +77,7 @@ class Rig:
     def basis(self, solver: str) -> str:
         """Compute the digest of everything that the fit follows from: the views that take part, and whose."""
         cameras = [[position, session.session, session.first_version] for position, session in self.present]
-        views = [[name, sorted((p, v.index) for p, v in seen.items())] for name, seen in self._used()]
+        views = [[name, sorted((p, v.index) for p, v in seen.items())] for name, seen in self._used_moments()]
         text = json.dumps([solver, len(self.sessions), cameras, views])
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
@@ -98,13 +98,13 @@ class Rig:
             "cameras": [_camera(session) for session in self.sessions],
             "moments": [
                 {"id": name, "views": {p: {"ids": v.ids, "points": v.points} for p, v in seen.items()}}
-                for name, seen in self._used()
+                for name, seen in self._used_moments()
             ],
             "skipped": skips.poses if skips else (),
             "missed": skips.missed if skips else 0,
         }
 
-    def _used(self) -> list[tuple[str, dict[int, ViewDocument]]]:
+    def _used_moments(self) -> list[tuple[str, dict[int, ViewDocument]]]:
         """List the moments with those of their views that no session has set aside."""
         used = [
             (name, {p: v for p, v in seen.items() if v.set_aside is None}) for name, seen in self.moments()
@@ -115,7 +115,7 @@ class Rig:
         """Count the views of each camera that agree with the others."""
         out = {(one.moment, one.position) for one in fit.set_aside} if fit else set()
         counts = [0] * len(self.sessions)
-        for name, seen in self._used():
+        for name, seen in self._used_moments():
             for position in seen:
                 counts[position] += (name, position) not in out
         return counts

@@ -19,12 +19,12 @@ from calibdb.schema.fields import (
 )
 from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import ResizeMode
-from calibdb.schema.seen import Seen
+from calibdb.schema.observed_corners import ObservedCorners
 
 MAX_VIEWS = 5
 
 
-class CheckView(Seen):
+class CheckView(ObservedCorners):
     """One frame: the board corners seen."""
 
 

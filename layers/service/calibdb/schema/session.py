@@ -24,7 +24,7 @@ from calibdb.schema.fields import (
 )
 from calibdb.schema.licence import Licence, LicenceVersion, Licensed
 from calibdb.schema.membership import MomentId, RigJoin, RigMembership
-from calibdb.schema.seen import Seen
+from calibdb.schema.observed_corners import ObservedCorners
 
 Fact = Annotated[str, Field(max_length=64)]
 Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
@@ -102,7 +102,7 @@ class SessionRequest(Strict, Licensed):
     )
 
 
-class ViewRequest(Seen):
+class ViewRequest(ObservedCorners):
     """One captured frame: the board corners seen, and the pose that it answers."""
 
     index: Index | None = Field(

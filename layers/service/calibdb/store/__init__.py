@@ -2,7 +2,7 @@
 
 from calibdb.store.aliases import Alias, Aliases
 from calibdb.store.calibrations import Calibrations
-from calibdb.store.cameras import Cameras, Known
+from calibdb.store.cameras import CameraRecords, Cameras
 from calibdb.store.consensus import Consensuses
 from calibdb.store.edge_answers import EdgeAnswers
 from calibdb.store.keys import StreamMode
@@ -25,12 +25,12 @@ __all__ = [
     "Alias",
     "Aliases",
     "Calibrations",
+    "CameraRecords",
     "Cameras",
     "Condition",
     "Consensuses",
     "EdgeAnswers",
     "IndexedVote",
-    "Known",
     "Leases",
     "Locks",
     "Objects",

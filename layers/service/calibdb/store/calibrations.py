@@ -167,9 +167,9 @@ class Calibrations:
         Raises DeniedReadError where one that the index names is not there.
         """
         if len(ids) < 2:
-            return [document for name in ids if (document := self._indexed(name)) is not None]
+            return [document for name in ids if (document := self._read_indexed(name)) is not None]
         with ThreadPoolExecutor(min(READERS, len(ids))) as readers:
-            return [document for document in readers.map(self._indexed, ids) if document is not None]
+            return [document for document in readers.map(self._read_indexed, ids) if document is not None]
 
     def all(self) -> Iterator[CalibrationDocument]:
         """Yield every calibration in the bucket, withdrawn or not."""
@@ -193,7 +193,7 @@ class Calibrations:
     def _names(self) -> list[str]:
         return sorted(self._objects.names("calibrations/"))
 
-    def _indexed(self, calibration_id: str) -> CalibrationDocument | None:
+    def _read_indexed(self, calibration_id: str) -> CalibrationDocument | None:
         content = self._objects.get(_name(calibration_id))
         if content is None:  # an object is written before its item
             raise DeniedReadError("A calibration that the index names could not be read.")

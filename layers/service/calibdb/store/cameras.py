@@ -23,31 +23,31 @@ MIN_RIVAL_SHARE = 1 / 3  # contributors of an id / of the best known one of its 
 
 
 @dataclass(frozen=True, order=True)
-class Standing:
-    """Standing of a USB id among those of its name: its camera's best consensus, and who agrees on it."""
+class IdSupport:
+    """Support of a USB id among those of its name: its camera's best consensus, and who agrees on it."""
 
     reliable: bool = False
     contributors: int = 0
 
 
-def rivals(standings: Mapping[str, Standing]) -> tuple[str, ...]:
+def rivals(supports: Mapping[str, IdSupport]) -> tuple[str, ...]:
     """Select the ids that a name may mean.
 
     Where one of them is reliable only reliable ones, and of those whoever has a third of the contributors
     that the best known has: an invented id takes no name from a camera that many know.
     """
-    if not standings:
+    if not supports:
         return ()
-    best = max(standings.values())
+    best = max(supports.values())
     return tuple(
         key
-        for key, standing in standings.items()
-        if standing.reliable >= best.reliable and standing.contributors >= MIN_RIVAL_SHARE * best.contributors
+        for key, support in supports.items()
+        if support.reliable >= best.reliable and support.contributors >= MIN_RIVAL_SHARE * best.contributors
     )
 
 
 @dataclass(frozen=True)
-class Known:
+class CameraRecords:
     """Entries under one camera key.
 
     Attributes
@@ -81,22 +81,22 @@ class Cameras:
     def __init__(self, table: Table) -> None:
         self._table = table
 
-    def known(self, camera_key: str, *, consistent: bool = False) -> Known:
+    def known(self, camera_key: str, *, consistent: bool = False) -> CameraRecords:
         """Return all that is known under a key: one Query."""
         items = self._table.query(camera_pk(camera_key), "CONSENSUS", consistent=consistent)
         others = {
-            sk.removeprefix(SAME_AS): _standing(item)
+            sk.removeprefix(SAME_AS): _id_support(item)
             for item in items
             if (sk := str(item["sk"])).startswith(SAME_AS)
         }
-        return Known(
+        return CameraRecords(
             documents(item for item in items if "document" in item),
             tuple(others),
-            rivals({key: standing for key, standing in others.items() if standing}),
+            rivals({key: support for key, support in others.items() if support}),
             next((parse_list(item) for item in items if item["sk"] == LIST_SK), NO_ALIASES),
         )
 
-    def set_standing(self, camera_key: str, names: Iterable[str], standing: Standing | None) -> bool:
+    def set_id_support(self, camera_key: str, names: Iterable[str], support: IdSupport | None) -> bool:
         """Write down under the keys `names` how the camera stands beside others of them; None: not at all.
 
         False where it was written there already.
@@ -105,10 +105,10 @@ class Cameras:
         for name in sorted(names):
             item: Item = {"pk": camera_pk(name), "sk": SAME_AS + camera_key}
             stored = self._table.get(str(item["pk"]), str(item["sk"]))
-            if stored is not None and _standing(stored) != standing:
+            if stored is not None and _id_support(stored) != support:
                 mark: Item = {}
-                if standing is not None:
-                    mark = {"well_known": standing.contributors, "reliable": int(standing.reliable)}
+                if support is not None:
+                    mark = {"well_known": support.contributors, "reliable": int(support.reliable)}
                 self._table.put(item | mark, _IF_EXISTS)
                 written = True
         return written
@@ -137,10 +137,10 @@ class Cameras:
         return [member for item in counted if (member := _member(item, group)) is not None]
 
 
-def _standing(item: Item) -> Standing | None:
+def _id_support(item: Item) -> IdSupport | None:
     if "well_known" not in item:
         return None
-    return Standing(bool(item.get("reliable", 0)), int(str(item["well_known"])))
+    return IdSupport(bool(item.get("reliable", 0)), int(str(item["well_known"])))
 
 
 def is_place(word: str, after: str) -> bool:

@@ -29,7 +29,7 @@ _OWN_ID = re.compile(r"-[0-9a-f]{20}$")  # what a calibration's id adds to the k
 
 
 @dataclass(frozen=True)
-class _Named:
+class _NamedCamera:
     key: str
     aliases: frozenset[str]
     identity: Identity
@@ -40,7 +40,7 @@ class Names:
 
     def __init__(self, table: Table) -> None:
         self._table = table
-        self._written: set[_Named] = set()
+        self._written: set[_NamedCamera] = set()
 
     def publish(self, document: CalibrationDocument) -> None:
         """Let the camera be found; what a camera that is known already is called is known, too."""
@@ -72,11 +72,11 @@ class Names:
                 self._table.delete(str(item["pk"]), str(item["sk"]))
         self._written.discard(named)
 
-    def _alias(self, named: _Named) -> None:
+    def _alias(self, named: _NamedCamera) -> None:
         for item in _aliases(named):
             self._table.put(item, IF_NOT_EXISTS)  # what it is worth is written there later
 
-    def _search(self, named: _Named) -> None:
+    def _search(self, named: _NamedCamera) -> None:
         for item in _search_items(named):
             self._table.put(item)
 
@@ -90,19 +90,19 @@ def with_current_key(document: CalibrationDocument) -> CalibrationDocument:
     return document.model_copy(update={"camera_key": key, "camera": label, "platform": platform})
 
 
-def _name_of(document: CalibrationDocument) -> _Named:
+def _name_of(document: CalibrationDocument) -> _NamedCamera:
     identity = identify(document.camera, document.platform)
     key = current_key(document.camera_key, document.camera, document.platform)
     made_under = _OWN_ID.sub("", document.id)
     others = {document.camera_key, made_under, *(identity.name_keys if identity.usb_id else ())}
-    return _Named(key, frozenset(k for k in others if k != key and PATTERN.fullmatch(k)), identity)
+    return _NamedCamera(key, frozenset(k for k in others if k != key and PATTERN.fullmatch(k)), identity)
 
 
-def _aliases(named: _Named) -> list[Item]:
+def _aliases(named: _NamedCamera) -> list[Item]:
     return [{"pk": camera_pk(other), "sk": SAME_AS + named.key} for other in sorted(named.aliases)]
 
 
-def _search_items(named: _Named) -> list[Item]:
+def _search_items(named: _NamedCamera) -> list[Item]:
     found = list(dict.fromkeys(words(named.identity.name)))[:_MAX_NAME_WORDS]
     if named.identity.usb_id:
         found += [*named.identity.usb_id.split(":"), *vendor_words(named.identity.usb_id)]

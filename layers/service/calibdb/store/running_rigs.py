@@ -33,7 +33,7 @@ def load(store: Store, rig_id: str, solver: str) -> tuple[Rig, str]:
     return Rig(document, tuple(session for session, _ in sessions)), _tag(solver, version, versions)
 
 
-def computed(store: Store, rig: Rig, solver: str, compute: Compute) -> RigEstimateDocument:
+def ensure_estimate(store: Store, rig: Rig, solver: str, compute: Compute) -> RigEstimateDocument:
     """Return fit and target of a rig, computed now if nobody has yet."""
     basis = rig.basis(solver)
     digest = rig.digest(basis)
@@ -44,7 +44,7 @@ def computed(store: Store, rig: Rig, solver: str, compute: Compute) -> RigEstima
     return known
 
 
-def abandoned(store: Store, document: RigDocument, before: int) -> list[int]:
+def abandoned_positions(store: Store, document: RigDocument, before: int) -> list[int]:
     """List the positions of members whose session was forgotten, or not started until a unix time."""
     found = []
     for position, member in enumerate(document.members):

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from calibdb.settings import Settings
 from calibdb.store import clients
 from calibdb.store.aliases import Aliases
-from calibdb.store.asked import Asked
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import Cameras
 from calibdb.store.consensus import Consensuses
 from calibdb.store.edge_answers import EdgeAnswers
 from calibdb.store.leases import Leases
 from calibdb.store.locks import Locks
+from calibdb.store.miss_counts import MissCounts
 from calibdb.store.objects import Objects
 from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
@@ -48,7 +48,7 @@ class Store:
     edge_answers: EdgeAnswers
     refit: Refit
     proofs: Proofs
-    asked: Asked
+    miss_counts: MissCounts
 
     @classmethod
     def of(cls, settings: Settings) -> Store:
@@ -68,7 +68,7 @@ class Store:
             votes=Votes(table, objects),
             priors=Priors(table, objects),
             leases=Leases(table),
-            asked=Asked(table),
+            miss_counts=MissCounts(table),
             proofs=Proofs(
                 table, functools.partial(clients.lambda_, settings.region), settings.verify_function
             ),

@@ -85,7 +85,7 @@ class Location:
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class FittedMember:
     """A member and the calibration fitted to its views."""
 
     member: Member
@@ -103,7 +103,7 @@ class Contributions:
         Where they are linearized: near all of them that belong together.
     """
 
-    def __init__(self, fitted: Sequence[Fitted], camera: Camera) -> None:
+    def __init__(self, fitted: Sequence[FittedMember], camera: Camera) -> None:
         self.fitted = fitted
         self.camera = camera
         self.model = models.get(camera.model)
@@ -126,18 +126,18 @@ class Contributions:
         self.sigmas: Array = np.sqrt([cost for _, _, cost in linear])
         """(c,) root of the cost of each calibration's views where they are linearized, in its sigmas."""
         precision = 1 / np.array(
-            [np.sum(self._scaled(f.calibration.covariance) * self.metric) for f in fitted]
+            [np.sum(self._scale_covariance(f.calibration.covariance) * self.metric) for f in fitted]
         )
         self.precision: Array = np.bincount(self.owner, precision).astype(np.float64)
         """(c,) precision of each contributor, 1 / px^2, as mean square error over the image."""
         r, j = prior.residuals(self.model, k, camera.img_size)
         self.prior = (j * self.scale).T @ (j * self.scale), -(j * self.scale).T @ r
 
-    def _scaled(self, covariance: Array) -> Array:
+    def _scale_covariance(self, covariance: Array) -> Array:
         """Covariance (p, p) of scaled intrinsics."""
         return covariance / self.scale[:, None] / self.scale
 
-    def _linearize(self, f: Fitted) -> tuple[Array, Array, float]:
+    def _linearize(self, f: FittedMember) -> tuple[Array, Array, float]:
         """Information (p, p) of a calibration's inliers, poses eliminated, half its descent (p,), and cost.
 
         The noise is what the calibration's covariance says, be it more than that of the corners. Of views
@@ -155,13 +155,13 @@ class Contributions:
         off = rows[-1].transpose(1, 0, 2).reshape(len(left), -1) * np.sqrt([[share] for _, share in chosen])
         s = np.einsum("vnp,vnq->pq", left, left)
         b = -np.einsum("vnp,vn->p", left, off)
-        covariance = self._scaled(f.calibration.covariance)
+        covariance = self._scale_covariance(f.calibration.covariance)
         ridged = s + self.prior_ridge(f)
         white = np.sum(symmetric_inverse(ridged) * self.metric)
         noise2 = max(float(np.sum(covariance * self.metric) / white), f.calibration.noise**2)
         return s / noise2, b / noise2, float(np.sum(off**2)) / noise2
 
-    def prior_ridge(self, f: Fitted) -> Array:
+    def prior_ridge(self, f: FittedMember) -> Array:
         """Information (p, p) that a fit of its own adds to the views of a calibration at unit noise."""
         information = prior.information(self.model, self.camera.intrinsics, self.camera.img_size)
         return f.calibration.noise**2 * information * self.scale[:, None] * self.scale
@@ -170,7 +170,7 @@ class Contributions:
         """Whether the location of some calibrations lies about where they are linearized."""
         return bool(self.length(self.locate(members).y) < self.huber_px)
 
-    def relinearized(self, members: Sequence[int]) -> "Contributions":
+    def relinearize(self, members: Sequence[int]) -> "Contributions":
         """Linearize anew until the location of some calibrations lies where they are linearized."""
         found = self
         for _ in range(MAX_LINEARIZATIONS):

@@ -12,13 +12,13 @@ from ..fitting.fit import fit, refine
 from ..fitting.resection import MIN_POSE_POINTS, reprojection_score
 from ..rotation import matrix
 from ..view import View
-from .location import Contributions, Fitted
+from .location import Contributions, FittedMember
 
 FOLDS = 5
 """Parts of a group that are left out in turn."""
 
 
-def fit_views(group: Sequence[Fitted], img_size: tuple[int, int], model: str) -> Calibration:
+def fit_views(group: Sequence[FittedMember], img_size: tuple[int, int], model: str) -> Calibration:
     """Fit one camera to the views of all members of a group; raises as `fit` does."""
     return fit([view for f in group for view in f.member.views], img_size, model)
 
@@ -29,7 +29,7 @@ def fit_location(group: Sequence[int], of: Contributions) -> Calibration:
     return describe(of.camera_at(location), [of.fitted[i] for i in group], of.covariance(group, location))
 
 
-def describe(camera: Camera, group: Sequence[Fitted], covariance: Array) -> Calibration:
+def describe(camera: Camera, group: Sequence[FittedMember], covariance: Array) -> Calibration:
     """Describe a camera by the views of a group: poses by their inliers, errors over all points."""
     views = [view for f in group for view in f.member.views]
     used = [mask for f in group for mask in f.calibration.used]
@@ -58,7 +58,7 @@ def describe(camera: Camera, group: Sequence[Fitted], covariance: Array) -> Cali
     )
 
 
-def _points(group: Sequence[Fitted]) -> list[int]:
+def _points(group: Sequence[FittedMember]) -> list[int]:
     return [sum(len(view) for view in f.member.views) for f in group]
 
 
@@ -69,7 +69,7 @@ def _inliers(view: View, used: Mask) -> View:
     return View(view.object_points[used], view.image_points[used])
 
 
-def cross_validate_views(group: Sequence[Fitted], pooled: Camera) -> Array:
+def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array:
     """Rms (m,), px, of each member's views under intrinsics fitted without it, the poses alone fitted anew.
 
     At most FOLDS fits, each from where that of all, `pooled`, ended: with a member up to a fifth of the group

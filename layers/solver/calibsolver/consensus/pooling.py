@@ -16,7 +16,7 @@ from ..fitting.fit import fit
 from ..fitting.validation import check, degenerate_views, pack
 from ..view import View
 from .agreement import Projections, compare, densest_half, displacement_fields, grow, split_into_groups
-from .location import Contributions, Fitted, Member
+from .location import Contributions, FittedMember, Member
 from .pooled_fit import cross_validate_contributors, cross_validate_views, fit_location, fit_views
 
 __all__ = ["Consensus", "Member", "Rule", "pool"]
@@ -124,13 +124,13 @@ def pool(
     Raises CalibrationError (``no_members``, or what `fit` raises) where nothing believable comes out.
     """
     rule = rule or Rule()
-    fits: list[Fitted] = []
+    fits: list[FittedMember] = []
     dropped: dict[str, str] = {}
     failure = CalibrationError("no_members", "there is no calibration to pool")
     for member in members:
         try:
             member = replace(member, views=without_degenerate_views(member.views, img_size))
-            fits.append(Fitted(member, fit(member.views, img_size, model)))
+            fits.append(FittedMember(member, fit(member.views, img_size, model)))
         except CalibrationError as error:
             dropped[member.id], failure = error.code, error
     if not fits:
@@ -201,7 +201,7 @@ def locate_contributors(
 class _Agreement:
     """Agreement of the members of one camera under a rule."""
 
-    def __init__(self, fits: Sequence[Fitted], img_size: tuple[int, int], rule: Rule) -> None:
+    def __init__(self, fits: Sequence[FittedMember], img_size: tuple[int, int], rule: Rule) -> None:
         self.fits = fits
         self.rule = rule
         self.limits = rule.max_projection_spread * img_size[0], rule.max_harmless_spread * img_size[0]
@@ -220,7 +220,7 @@ class _Agreement:
         group = self.groups[0]
         try:
             start = Contributions(self.fits, self.fits[self.reference].calibration.camera)
-            found = start.relinearized(group)
+            found = start.relinearize(group)
         except CalibrationError:
             found = None
         if found is not None and found.is_settled(group):
@@ -228,7 +228,7 @@ class _Agreement:
         # One calibration may lie far along a valley of the model; all of them together do not.
         camera = self.fits[self.reference].calibration.camera
         pooled = fit_views([self.fits[i] for i in group], camera.img_size, camera.model)
-        return Contributions(self.fits, pooled.camera).relinearized(group)
+        return Contributions(self.fits, pooled.camera).relinearize(group)
 
     @cached_property
     def displacements(self) -> Array:
@@ -259,7 +259,7 @@ class _Agreement:
 
 
 def unreliable_reason(
-    group: Sequence[Fitted],
+    group: Sequence[FittedMember],
     errors: Array,
     members: Sequence[Member],
     img_size: tuple[int, int],
@@ -292,7 +292,7 @@ def unreliable_reason(
     return None if is_stable else "disagree"
 
 
-def count_contributors(group: Sequence[Fitted]) -> int:
+def count_contributors(group: Sequence[FittedMember]) -> int:
     """Count the contributors of a group, those of the largest family alone."""
     different = {(f.member.family, f.member.contributor) for f in group}
     return max(Counter(family for family, _ in different).values())
@@ -316,19 +316,19 @@ def member_weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
     return {member.id: 1 / counts[member.contributor] for member in members}
 
 
-def _weights(fits: Sequence[Fitted], rule: Rule) -> Array:
+def _weights(fits: Sequence[FittedMember], rule: Rule) -> Array:
     """Weights (m,) as of `member_weights`."""
     weights = member_weights([f.member for f in fits], rule)
     return np.array([weights[f.member.id] for f in fits])
 
 
-def rms_spread(pooled: Calibration, group: Sequence[Fitted], weights: Array) -> float:
+def rms_spread(pooled: Calibration, group: Sequence[FittedMember], weights: Array) -> float:
     """Weighted root mean square of the differences of the members' projections from the pooled ones, px."""
     away = compare([pooled, *(f.calibration for f in group)])[0, 1:]
     return float(np.sqrt(np.average(away**2, weights=weights)))
 
 
-def is_spread_within(group: Sequence[Fitted], img_size: tuple[int, int], rule: Rule) -> bool:
+def is_spread_within(group: Sequence[FittedMember], img_size: tuple[int, int], rule: Rule) -> bool:
     """Whether focal lengths, px per radian at the axis, and principal points vary no more than allowed."""
     cameras = [f.calibration.camera for f in group]
     k = np.stack([[*camera.focal, *camera.intrinsics[2:4]] for camera in cameras])

@@ -9,8 +9,8 @@ from typing import Any
 from ..errors import CalibrationError
 from . import agisoft, colmap, generic, gyroflow, kalibr, opensfm, photonvision, text
 from .base import ImportedFile
-from .hints import Hints
 from .members import Members, image_size, normalise
+from .reader_options import ReaderOptions
 from .spellings import DISTORTION, MATRIX
 
 MAX_DEPTH = 8
@@ -32,7 +32,7 @@ class FoundCamera:
     """
 
     name: str
-    read: Callable[[Hints], ImportedFile]
+    read: Callable[[ReaderOptions], ImportedFile]
 
 
 def cameras(data: object) -> list[FoundCamera]:
@@ -71,16 +71,16 @@ def _walk(
     elif generic.is_camera(members):
         yield FoundCamera(name, _generic(data, around, index))
     else:
-        for key, value in _undotted(data).items():
+        for key, value in _nest_dotted_names(data).items():
             yield from _walk(value, (*path, key), around, 0)
 
 
 def _generic(
     data: Mapping[Any, Any], around: tuple[Members, ...], index: int
-) -> Callable[[Hints], ImportedFile]:
-    def read(hints: Hints) -> ImportedFile:
+) -> Callable[[ReaderOptions], ImportedFile]:
+    def read(options: ReaderOptions) -> ImportedFile:
         sizes = (_size(members, index) for members in reversed(around))
-        return generic.read(data, hints, next((size for size in sizes if size), None))
+        return generic.read(data, options, next((size for size in sizes if size), None))
 
     return read
 
@@ -164,7 +164,7 @@ def _stems(key: str) -> Iterator[tuple[str, str]]:
         yield key[1:], {"l": "left", "r": "right"}[key[0]]
 
 
-def _undotted(data: Mapping[Any, Any]) -> dict[str, Any]:
+def _nest_dotted_names(data: Mapping[Any, Any]) -> dict[str, Any]:
     """Gather members whose names are paths (`Camera1.fx` of ORB-SLAM) below the first part of the path."""
     found: dict[str, Any] = {}
     shared = {}

@@ -13,9 +13,9 @@ from ..arrays import Array
 from . import text
 from .base import ImportedFile
 from .coefficients import camera_from_opencv, make_camera, pad_coefficients
-from .hints import Hints
 from .members import Members, image_size
 from .model_names import stated_model
+from .reader_options import ReaderOptions
 from .spellings import (
     CENTRE,
     CENTRE_PAIRS,
@@ -38,10 +38,12 @@ def is_camera(members: Members) -> bool:
     return _matrix_key(members) is not None or _scalar_intrinsics(_flat(members)) is not None
 
 
-def read(data: Mapping[Any, Any], hints: Hints, size: tuple[int, int] | None = None) -> ImportedFile:
+def read(
+    data: Mapping[Any, Any], options: ReaderOptions, size: tuple[int, int] | None = None
+) -> ImportedFile:
     """Read one camera; `size` counts where the camera itself states none. CalibrationError ``malformed``."""
     members = Members(data)
-    size = image_size(members) or image_size(_flat(members)) or size or hints.img_size
+    size = image_size(members) or image_size(_flat(members)) or size or options.img_size
     if size is None:
         raise text.refuse("the file does not say the size of the pictures: give it (--img-size 1280x720)")
     flat = _flat(members)
@@ -52,14 +54,14 @@ def read(data: Mapping[Any, Any], hints: Hints, size: tuple[int, int] | None = N
         matrix[:2, 2] -= 1  # MATLAB's: pixels are counted from 1
         size = _matlab_size(members) or size
     d, named = _distortion(members, flat)
-    model = stated_model(flat, distorted=bool(np.any(d)) or any(named.values())) or hints.model or None
+    model = stated_model(flat, distorted=bool(np.any(d)) or any(named.values())) or options.model or None
     if xi is None and "xi" in flat:
         xi = float(text.floats(_data(flat.get("xi")), "xi", 1, 1)[0])
     _check_focal(matrix, size)
     matrix = _without_skew(matrix, size)
     name = flat.get("cameraname", "name", "camera", "label")
     camera = _camera(
-        matrix, _ordered(named, model, d), size, "omnidirectional" if xi is not None else model, xi
+        matrix, _order_coefficients(named, model, d), size, "omnidirectional" if xi is not None else model, xi
     )
     return ImportedFile(camera, name=name if isinstance(name, str) else "")
 
@@ -235,7 +237,7 @@ def _distortion(members: Members, flat: Members) -> tuple[Array, dict[str, float
     return np.zeros(0), named
 
 
-def _ordered(named: dict[str, float], model: str | None, d: Array) -> Array:
+def _order_coefficients(named: dict[str, float], model: str | None, d: Array) -> Array:
     """Put named coefficients into OpenCV's order."""
     if not named:
         return d

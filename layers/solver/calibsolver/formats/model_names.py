@@ -81,8 +81,8 @@ def stated_model(members: Members, *, distorted: bool = True) -> str | None:
     Without distortion the variants of Brown's model are all the same.
     Raises CalibrationError ``malformed`` for a model that none of ours is.
     """
-    distortion = _named(members, _STATED, strict=True, distorted=distorted)
-    camera = _named(members, _CAMERA, strict=False, distorted=distorted)
+    distortion = _our_named_model(members, _STATED, strict=True, distorted=distorted)
+    camera = _our_named_model(members, _CAMERA, strict=False, distorted=distorted)
     if camera == "omnidirectional" and distortion not in (None, camera):
         if distortion == "rectilinear":  # the mirror's model, radial and tangential terms after it
             return camera
@@ -110,7 +110,7 @@ def _plain(name: str) -> str:
     return plain.removesuffix("model").removesuffix("distortion")
 
 
-def _named(members: Members, keys: tuple[str, ...], *, strict: bool, distorted: bool) -> str | None:
+def _our_named_model(members: Members, keys: tuple[str, ...], *, strict: bool, distorted: bool) -> str | None:
     for key in keys:
         value = members.get(key)
         if not isinstance(value, str) or not value.strip():

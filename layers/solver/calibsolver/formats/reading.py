@@ -6,10 +6,10 @@ from typing import Any
 
 from . import colmap, document, mrcal, native, numpy_archive, plain_text, storage_xml, text
 from .base import ImportedFile
-from .hints import Hints
+from .reader_options import ReaderOptions
 
 
-def read(data: object, hints: Hints = Hints()) -> ImportedFile:  # noqa: B008 - a value that never changes
+def read(data: object, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
     """Read a camera of parsed JSON, YAML, XML or other structure, whichever of the known kinds it is.
 
     Raises CalibrationError ``malformed``, which says what is missing or wrong.
@@ -19,18 +19,17 @@ def read(data: object, hints: Hints = Hints()) -> ImportedFile:  # noqa: B008 - 
     found = document.cameras(data)
     if not found:
         raise document.describe_unknown(data)
-    if not 0 <= hints.number < len(found):
+    if not 0 <= options.number < len(found):
         raise text.refuse(
-            f"there is no camera {hints.number}: the file has {len(found)}, counted from 0 "
+            f"there is no camera {options.number}: the file has {len(found)}, counted from 0 "
             f"({', '.join(each.name or 'unnamed' for each in found[:8])})"
         )
-    read_camera = found[hints.number]
-    imported = read_camera.read(hints)
-    if imported.camera and hints.img_size and imported.camera.img_size != hints.img_size:
+    read_camera = found[options.number]
+    imported = read_camera.read(options)
+    if imported.camera and options.img_size and imported.camera.img_size != options.img_size:
         w, h = imported.camera.img_size
-        raise text.refuse(
-            f"the file says that its pictures are {w} x {h}, not {hints.img_size[0]} x {hints.img_size[1]}"
-        )
+        told = " x ".join(map(str, options.img_size))
+        raise text.refuse(f"the file says that its pictures are {w} x {h}, not {told}")
     names = tuple(each.name for each in found) if len(found) > 1 else ()
     return replace(imported, cameras=names)
 
@@ -57,38 +56,38 @@ def is_mrcal(content: str) -> bool:
     ) or ('"lensmodel":  ' in content)
 
 
-def read_text(content: str, hints: Hints = Hints()) -> ImportedFile:  # noqa: B008 - a value that never changes
+def read_text(content: str, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
     """Read a text of another form: XML, mrcal's .cameramodel, ROS's .ini and ost.txt, COLMAP's cameras.txt,
     `name = value` lines, a matrix of numbers alone, or a table of corners.
 
     Raises CalibrationError ``malformed``.
     """  # noqa: D205 - a list of names
     if content.lstrip().startswith("<"):
-        return read(storage_xml.parse(content), hints)
+        return read(storage_xml.parse(content), options)
     if is_mrcal(content):
         return mrcal.read(content)
     if plain_text.is_ros_ini(content):
-        return read(plain_text.ros_ini(content), hints)
+        return read(plain_text.ros_ini(content), options)
     if cameras := colmap.lines_of_cameras(content):
-        return read(cameras, hints)
+        return read(cameras, options)
     if plain_text.is_assignments(content):
-        return read(plain_text.assignments(content), hints)
+        return read(plain_text.assignments(content), options)
     if camera := plain_text.numbers_alone(content):
-        return read(camera, hints)
-    if hints.squares is None:
+        return read(camera, options)
+    if options.squares is None:
         raise text.refuse(
             "a table of corners does not say what board it is of: give its squares (--squares 9x6), one more "
             "each way than there are corners"
         )
-    return mrcal.read_corners(content, hints.squares)
+    return mrcal.read_corners(content, options.squares)
 
 
-def read_archive(raw: bytes, hints: Hints = Hints()) -> ImportedFile:  # noqa: B008 - a value that never changes
+def read_archive(raw: bytes, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
     """Read an archive of numpy arrays (.npz); CalibrationError ``malformed``."""
-    return read(numpy_archive.parse(raw), hints)
+    return read(numpy_archive.parse(raw), options)
 
 
-READERS: Mapping[str, Callable[[Any, Hints], ImportedFile]] = {
+READERS: Mapping[str, Callable[[Any, ReaderOptions], ImportedFile]] = {
     "values": read,
     "text": read_text,
     "archive": read_archive,

@@ -37,16 +37,16 @@ def _value(element: ElementTree.Element, depth: int) -> object:
     found: dict[str, object] = dict(attributes)
     for child in children:
         tag, value = child.tag.rpartition("}")[2], _value(child, depth + 1)
-        if tag in found and isinstance(found[tag], list) and tag in repeated(element):
+        if tag in found and isinstance(found[tag], list) and tag in repeated_names(element):
             found[tag].append(value)  # type: ignore[attr-defined]
-        elif tag in repeated(element):
+        elif tag in repeated_names(element):
             found[tag] = [value]
         else:
             found[tag] = value
     return found
 
 
-def repeated(element: ElementTree.Element) -> set[str]:
+def repeated_names(element: ElementTree.Element) -> set[str]:
     """Return the names that several children have."""
     counts = Counter(child.tag.rpartition("}")[2] for child in element)
     return {tag for tag, count in counts.items() if count > 1}

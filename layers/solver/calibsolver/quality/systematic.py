@@ -223,7 +223,7 @@ class _Regression:
     @property
     def share(self) -> float:
         """Adjusted R^2, 0 where nothing was added."""
-        return _adjusted(self.before, self.after, self.freedom, self.explained)
+        return _adjusted_r_squared(self.before, self.after, self.freedom, self.explained)
 
 
 class _SharedRegression:
@@ -244,10 +244,10 @@ class _SharedRegression:
         r, z = np.concatenate(self.r), np.concatenate(self.z)
         left = r - z @ np.linalg.lstsq(z, r, rcond=1e-6)[0]
         freedom = len(r) - POSE_SIZE * len(self.r)
-        return _adjusted(float(r @ r), float(left @ left), freedom, z.shape[1])
+        return _adjusted_r_squared(float(r @ r), float(left @ left), freedom, z.shape[1])
 
 
-def _adjusted(before: float, after: float, freedom: int, explained: int) -> float:
+def _adjusted_r_squared(before: float, after: float, freedom: int, explained: int) -> float:
     if freedom <= explained or before <= 0:
         return 0.0
     return float(np.clip(1 - after / (freedom - explained) / (before / freedom), 0, 1))

@@ -13,7 +13,7 @@ from ..fitting import outliers
 from ..fitting.levenberg_marquardt import NOISE_FLOOR, State
 from ..fitting.multistart import TOWARDS_OPTIMUM
 from ..fitting.robust_homography import medians
-from .problem import RigProblem
+from .problem import RigProblem, unlinked_cameras
 
 MAX_JOINT_NOISE_RATIO = 1.5
 """Noise of the rig / noise of its cameras alone from which a view is looked for that contradicts it."""
@@ -81,22 +81,18 @@ def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -
 
 def is_linked(problem: RigProblem, good: Mask) -> bool:
     """Tell whether points `good` (m, n) link every camera to camera 0."""
-    return not unlinked(problem, good)
+    return not find_unlinked(problem, good)
 
 
-def unlinked(problem: RigProblem, good: Mask) -> list[int]:
+def find_unlinked(problem: RigProblem, good: Mask) -> tuple[int, ...]:
     """Positions that no chain of moments leads to from camera 0, of points `good` (m, n)."""
     seen = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
-    reached = {0}
-    for _ in seen.T:
-        linked = seen[seen[:, sorted(reached)].any(axis=1)].any(axis=0)
-        reached |= set(np.flatnonzero(linked).tolist())
-    return [i for i in range(seen.shape[1]) if i not in reached]
+    return unlinked_cameras(len(problem.members), [np.flatnonzero(moment).tolist() for moment in seen])
 
 
 def check_links(problem: RigProblem, good: Mask) -> None:
     """Raise CalibrationError where what is left, `good` (m, n), does not link the cameras."""
-    lost = unlinked(problem, good)
+    lost = find_unlinked(problem, good)
     if lost:
         raise CalibrationError(
             "unlinked", f"what camera {lost[0]} saw contradicts the others: too few moments are left"

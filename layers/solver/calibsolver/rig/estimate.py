@@ -16,9 +16,9 @@ from ..guidance.hints import Hint, Placement, largest_difference
 from ..guidance.target import TargetPose
 from .calibration import RigCalibration
 from .fit import fit
-from .guidance import RigTarget, next_moment, unlinked
+from .guidance import RigTarget, next_moment
 from .held_out import held_out_rms
-from .problem import Moment
+from .problem import Moment, unlinked_cameras
 from .start import RigidMotion
 from .thinning import MAX_ONLINE_POINTS, thin
 
@@ -79,7 +79,7 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
         camera 0; `target` and `target_pose`, board -> camera 0. Lengths are in board units.
     """
     rig = _Rig.from_record(record)
-    lost = {rig.positions[n] for n in unlinked(len(rig.positions), rig.moments)}
+    lost = {rig.positions[n] for n in unlinked_cameras(len(rig.positions), rig.moments)}
     lost |= set(range(rig.count)) - set(rig.positions)
     found, problem = None, None
     if not lost and rig.moments:

@@ -32,7 +32,7 @@ from .contradictions import (
 )
 from .problem import Member, Moment, RigProblem, pack_moments
 from .single import Single, Specification, fit_alone
-from .start import Resected, RigidMotion, Start
+from .start import ResectedMoment, RigidMotion, Start
 from .thinning import thin
 from .validation import check
 
@@ -92,7 +92,7 @@ def fit(
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
         alone = [fit_alone(moments, i, each, robust, (starts or {}).get(i)) for i, each in enumerate(cameras)]
         resected = [
-            Resected(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
+            ResectedMoment(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
             for m, moment in enumerate(moments)
         ]
         linked = [m for m, moment in enumerate(resected) if moment.poses]
@@ -275,7 +275,7 @@ class _Fit:
         for member in problem.members:
             square[:, member.slots] /= member.weight**2
         aside = self._set_aside(good)
-        left = self._explained(square, aside)
+        left = self._points_with_pose(square, aside)
         board_poses = np.full((len(self.given), 6), np.nan)
         board_poses[list(self.linked)] = np.concatenate([vector(state.poses.r), state.poses.t], axis=1)
         return RigCalibration(
@@ -314,7 +314,7 @@ class _Fit:
                     reasons.setdefault((m, i), "contradicts")
         return reasons
 
-    def _explained(self, square: Array, aside: Mapping[tuple[int, int], str]) -> Mask:
+    def _points_with_pose(self, square: Array, aside: Mapping[tuple[int, int], str]) -> Mask:
         """Mask (m, n) of the points given, but for those of views set aside, which have no board pose."""
         left = self.problem.obs.mask & np.isfinite(square)
         for row, m in enumerate(self.linked):

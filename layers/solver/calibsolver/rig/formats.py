@@ -84,7 +84,7 @@ def write(source: RigSource, name: str) -> ExportedFile:
 
 
 @dataclass(frozen=True)
-class _Written:
+class _RigFiles:
     """Files by name, and the largest error of a converted camera, px."""
 
     files: dict[str, bytes]
@@ -124,7 +124,7 @@ def _worst(converted: Sequence[tuple[ExportSource, Conversion]]) -> float:
     return max(conversion.error for _, conversion in converted)
 
 
-def _opencv(source: RigSource) -> _Written:
+def _opencv(source: RigSource) -> _RigFiles:
     """Stereo YAML of camera 0 and each other camera, with the matrices that cv2.stereoRectify returns."""
     converted = _convert(source, opencv.OpenCvYaml())
     files = {}
@@ -165,10 +165,10 @@ def _opencv(source: RigSource) -> _Written:
                 f"   data: [ {text.numbers(value.ravel())} ]",
             ]
         files[f"stereo-0-{i}.yml"] = text.lines("%YAML:1.0", "---", body)
-    return _Written(files, "application/yaml", _worst(converted))
+    return _RigFiles(files, "application/yaml", _worst(converted))
 
 
-def _ros(source: RigSource) -> _Written:
+def _ros(source: RigSource) -> _RigFiles:
     """CameraInfo YAML of each camera; of two cameras rectified, as stereo_image_proc wants it."""
     form = ros.Ros()
     converted = _convert(source, form)
@@ -189,10 +189,10 @@ def _ros(source: RigSource) -> _Written:
                 ).decode()
             )
         files[f"{('left', 'right')[i] if len(source.cameras) == 2 else f'cam{i}'}.yaml"] = content.encode()
-    return _Written(files, "application/yaml", _worst(converted))
+    return _RigFiles(files, "application/yaml", _worst(converted))
 
 
-def _kalibr(source: RigSource) -> _Written:
+def _kalibr(source: RigSource) -> _RigFiles:
     """Camchain: each camera with the pose from the one before it, T_cn_cnm1."""
     form = kalibr.Kalibr()
     converted = _convert(source, form)
@@ -206,12 +206,12 @@ def _kalibr(source: RigSource) -> _Written:
             chain += "  T_cn_cnm1:\n" + "".join(f"  - [{text.numbers(row)}]\n" for row in rows)
         parts.append(chain)
     note = f"# translations in {source.unit}\n"
-    return _Written(
+    return _RigFiles(
         {"camchain.yaml": (note + "".join(parts)).encode()}, "application/yaml", _worst(converted)
     )
 
 
-def _colmap(source: RigSource) -> _Written:
+def _colmap(source: RigSource) -> _RigFiles:
     """cameras.txt and rig_config.json; its poses are those of cameras in the rig, camera 0 the reference."""
     form = colmap.Colmap()
     converted = _convert(source, form)
@@ -235,7 +235,7 @@ def _colmap(source: RigSource) -> _Written:
         "# Camera list with one line of data per camera:",
         "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]",
     ]
-    return _Written(
+    return _RigFiles(
         {
             "cameras.txt": text.lines(head, rows),
             "rig_config.json": (json.dumps([{"cameras": cameras}], indent=2) + "\n").encode(),
@@ -245,7 +245,7 @@ def _colmap(source: RigSource) -> _Written:
     )
 
 
-def _mrcal(source: RigSource) -> _Written:
+def _mrcal(source: RigSource) -> _RigFiles:
     """Model of each camera, `rt_cam_ref` the pose from camera 0."""
     form = formats.FORMATS["mrcal"]
     converted = _convert(source, form)
@@ -254,10 +254,10 @@ def _mrcal(source: RigSource) -> _Written:
         pose = f"[ {text.numbers(source.poses[i])}]"
         content = form.write(single, conversion).decode()
         files[f"cam{i}.cameramodel"] = content.replace("[ 0, 0, 0, 0, 0, 0,]", pose).encode()
-    return _Written(files, "text/plain; charset=utf-8", _worst(converted))
+    return _RigFiles(files, "text/plain; charset=utf-8", _worst(converted))
 
 
-def _gltf(source: RigSource) -> _Written:
+def _gltf(source: RigSource) -> _RigFiles:
     """Scene with a node for each camera; glTF's cameras look along -z with y up."""
     form = web.Gltf()
     flip = np.diag([1.0, -1.0, -1.0])
@@ -277,10 +277,10 @@ def _gltf(source: RigSource) -> _Written:
         "nodes": nodes,
         "cameras": cameras,
     }
-    return _Written({"rig.gltf": text.dump(scene)}, "model/gltf+json")
+    return _RigFiles({"rig.gltf": text.dump(scene)}, "model/gltf+json")
 
 
-def _json(source: RigSource) -> _Written:
+def _json(source: RigSource) -> _RigFiles:
     """Record of the service, or plain values of cameras and poses."""
     record = source.record or {
         "cameras": [
@@ -298,7 +298,7 @@ def _json(source: RigSource) -> _Written:
         ],
         "unit": source.unit,
     }
-    return _Written({"rig.json": text.dump(dict(record))}, "application/json")
+    return _RigFiles({"rig.json": text.dump(dict(record))}, "application/json")
 
 
 def _rectification(one: Camera, other: Camera, motion: RigidMotion) -> Rectification | None:
@@ -316,7 +316,7 @@ def _quaternion(rvec: Array) -> Array:
     return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * axis])
 
 
-WRITERS: Mapping[str, Callable[[RigSource], _Written]] = {
+WRITERS: Mapping[str, Callable[[RigSource], _RigFiles]] = {
     "json": _json,
     "opencv-yaml": _opencv,
     "ros": _ros,

@@ -27,7 +27,7 @@ from ..guidance.projection_uncertainty import ProjectionUncertainty
 from ..guidance.target import TargetPose
 from . import transfer
 from .calibration import RigCalibration
-from .problem import Member, Moment, RigProblem
+from .problem import Member, Moment, RigProblem, unlinked_cameras
 from .single import Specification
 from .start import RigidMotion
 
@@ -94,7 +94,7 @@ def next_moment(
     missed
         Targets given up since the last moment while cameras were still to be linked.
     """
-    lost = unlinked(len(cameras), moments)
+    lost = unlinked_cameras(len(cameras), moments)
     if calibration is None or lost:
         return _link(board, cameras, moments, lost, missed)
     with np.errstate(all="ignore"):
@@ -110,16 +110,6 @@ def next_moment(
         if target.ids:
             views[i] = target
     return RigTarget(frozen(pose.vector()), views, "to join the cameras")
-
-
-def unlinked(count: int, moments: Sequence[Moment]) -> tuple[int, ...]:
-    """Positions that no chain of shared moments leads to from camera 0."""
-    reached = {0}
-    for _ in range(count):
-        for moment in moments:
-            if reached & set(moment):
-                reached |= set(moment)
-    return tuple(i for i in range(count) if i not in reached)
 
 
 def _link(

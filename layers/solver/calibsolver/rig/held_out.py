@@ -16,7 +16,7 @@ from .calibration import RigCalibration
 from .fit import fit
 from .problem import Member, Moment, RigProblem, pack_moments
 from .single import Specification, fit_alone
-from .start import Resected, RigidMotion
+from .start import ResectedMoment, RigidMotion
 
 FOLDS = 5
 """Parts of a cross-validation: moment m is in part m mod FOLDS."""
@@ -85,7 +85,7 @@ def _score(rig: RigCalibration, moments: Sequence[Moment]) -> tuple[float, int]:
         if any(i in moment for moment in moments)
     }
     seen = [
-        Resected(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
+        ResectedMoment(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
         for m, moment in enumerate(moments)
     ]
     turns = start.symmetries([view for moment in moments for view in moment.values()])

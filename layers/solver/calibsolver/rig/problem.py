@@ -5,7 +5,7 @@ then the poses rvec|tvec of cameras 1, 2, ... The points of one moment in all ca
 arrays: each camera has its own columns in it, its slots, so that the solver of one camera does for rigs.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,6 +24,19 @@ from ..view import View
 
 Moment = Mapping[int, View]
 """Views of one still board pose, by the positions of their cameras."""
+
+
+def unlinked_cameras(count: int, moments: Sequence[Iterable[int]]) -> tuple[int, ...]:
+    """Positions of `count` cameras to which no chain of shared moments leads from camera 0.
+
+    Each moment is given by the positions of the cameras that have a view of it.
+    """
+    reached = {0}
+    for _ in range(count):
+        for moment in moments:
+            if not reached.isdisjoint(moment):
+                reached.update(moment)
+    return tuple(i for i in range(count) if i not in reached)
 
 
 @dataclass(frozen=True, eq=False)

@@ -83,7 +83,7 @@ class Start:
 
 
 @dataclass(frozen=True, eq=False)
-class Resected:
+class ResectedMoment:
     """A moment's views with the pose of the board in each camera alone (position -> motion)."""
 
     views: Moment
@@ -91,7 +91,7 @@ class Resected:
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class SettledMoment:
     """A moment: motion board -> camera 0, views turned back, and the positions of those that were turned."""
 
     board: RigidMotion
@@ -99,7 +99,7 @@ class Settled:
     turned: tuple[int, ...]
 
 
-def start(cameras: Sequence[Camera], moments: Sequence[Resected]) -> Start:
+def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> Start:
     """Find the relative poses of `cameras`, which are nearly known, from moments.
 
     Raises CalibrationError ``unlinked`` where some cameras share no moment with the others, directly or by
@@ -147,7 +147,7 @@ def turn_back(view: View, turn: RigidMotion) -> View:
     return View(turn(view.object_points), view.image_points)
 
 
-def _links(moments: Sequence[Resected]) -> dict[tuple[int, int], int]:
+def _links(moments: Sequence[ResectedMoment]) -> dict[tuple[int, int], int]:
     """Count the moments that each pair of cameras shares."""
     links: dict[tuple[int, int], int] = {}
     for moment in moments:
@@ -159,7 +159,7 @@ def _links(moments: Sequence[Resected]) -> dict[tuple[int, int], int]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
+class _PaddedViews:
     """Views of one camera as padded arrays, under each turn of the board.
 
     Attributes
@@ -175,7 +175,7 @@ class _Seen:
     pixels: Array
 
     @classmethod
-    def of(cls, camera: Camera, views: Sequence[View], turns: Sequence[RigidMotion]) -> "_Seen":
+    def of(cls, camera: Camera, views: Sequence[View], turns: Sequence[RigidMotion]) -> "_PaddedViews":
         """Pack views of one camera."""
         obs = Observations.of(views)
         pixels = np.where(obs.mask[:, None], obs.pixels, np.nan)
@@ -204,12 +204,12 @@ def _relative_pose(
     cameras: Sequence[Camera],
     one: int,
     other: int,
-    moments: Sequence[Resected],
+    moments: Sequence[ResectedMoment],
     turns: Sequence[RigidMotion],
 ) -> RigidMotion:
     """Pose camera `one` -> camera `other` that most of the moments they share agree on."""
     shared = [moment for moment in moments if one in moment.poses and other in moment.poses]
-    seen = _Seen.of(cameras[other], [moment.views[other] for moment in shared], turns)
+    seen = _PaddedViews.of(cameras[other], [moment.views[other] for moment in shared], turns)
     width = cameras[other].img_size[0]
     tried = []
     for hypothesis in shared[:: -(-len(shared) // MAX_HYPOTHESES)]:
@@ -233,9 +233,9 @@ def _relative_pose(
 def settle(
     cameras: Sequence[Camera],
     motions: Sequence[RigidMotion],
-    moments: Sequence[Resected],
+    moments: Sequence[ResectedMoment],
     turns: Sequence[RigidMotion],
-) -> list[Settled]:
+) -> list[SettledMoment]:
     """Find where the board is in each moment, and which views number it from another side.
 
     The view with which most of the others agree says where the board is. The fewest turns are believed; of
@@ -251,7 +251,7 @@ def settle(
             shared = [m for m in with_pose if position in moments[m].views]
             if not shared:
                 continue
-            seen = _Seen.of(camera, [moments[m].views[position] for m in shared], turns)
+            seen = _PaddedViews.of(camera, [moments[m].views[position] for m in shared], turns)
             errors, turned = seen.errors([motions[position] @ boards[m] for m in shared])
             for m, error, turn in zip(
                 shared, (errors / camera.img_size[0]).tolist(), turned.tolist(), strict=True
@@ -282,5 +282,5 @@ def settle(
             position: turn_back(view, turns[turned_by[position]]) if turned_by.get(position) else view
             for position, view in moment.views.items()
         }
-        settled.append(Settled(board, views, tuple(i for i, turn in turned_by.items() if turn)))
+        settled.append(SettledMoment(board, views, tuple(i for i, turn in turned_by.items() if turn)))
     return settled

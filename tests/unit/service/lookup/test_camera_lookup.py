@@ -7,7 +7,7 @@ import pytest
 from calibdb.camera_key import identify
 from calibdb.lookup import camera_lookup
 from calibdb.schema import ConsensusDocument
-from calibdb.store import Known
+from calibdb.store import CameraRecords
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 
 FIREFOX = identify("HD Pro Webcam C920", "Windows NT 10.0; Win64; x64")
@@ -17,13 +17,13 @@ SIZE = (1280, 720)
 
 
 def resolve(
-    index: dict[str, Known], identity: object = FIREFOX, *, private: bool = False
+    index: dict[str, CameraRecords], identity: object = FIREFOX, *, private: bool = False
 ) -> tuple[str, object, int]:
     asked: list[str] = []
 
-    def read(key: str) -> Known:
+    def read(key: str) -> CameraRecords:
         asked.append(key)
-        return index.get(key, Known([]))
+        return index.get(key, CameraRecords([]))
 
     found = camera_lookup.resolve(read, identity, SIZE, 0.0, "rectilinear", private=private)  # type: ignore[arg-type]
     assert len(asked) <= 2
@@ -33,26 +33,29 @@ def resolve(
 
 def test_a_camera_known_under_its_own_key_is_one_query() -> None:
     known = consensus()
-    assert resolve({CHROME.key: Known([known])}, CHROME) == (CHROME.key, known, 1)
+    assert resolve({CHROME.key: CameraRecords([known])}, CHROME) == (CHROME.key, known, 1)
 
 
 def test_name_finds_its_only_usb_id() -> None:
     known = consensus()
-    index = {FIREFOX.key: Known([], (CHROME.key,)), CHROME.key: Known([known])}
+    index = {FIREFOX.key: CameraRecords([], (CHROME.key,)), CHROME.key: CameraRecords([known])}
     assert resolve(index) == (CHROME.key, known, 2)
 
 
 def test_name_of_two_usb_ids_finds_neither() -> None:
-    index = {FIREFOX.key: Known([], (CHROME.key, OTHER.key)), CHROME.key: Known([consensus()])}
+    index = {
+        FIREFOX.key: CameraRecords([], (CHROME.key, OTHER.key)),
+        CHROME.key: CameraRecords([consensus()]),
+    }
     assert resolve(index) == (FIREFOX.key, None, 1)
 
 
 def test_calibrations_of_the_name_come_first() -> None:
     known = consensus(camera="HD Pro Webcam C920")
-    index = {FIREFOX.key: Known([known], (CHROME.key,)), CHROME.key: Known([consensus()])}
+    index = {FIREFOX.key: CameraRecords([known], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
     assert resolve(index) == (FIREFOX.key, known, 1)
     few = consensus(camera="HD Pro Webcam C920", reason="too_few", calibrations=2)
-    index = {FIREFOX.key: Known([few], (CHROME.key,)), CHROME.key: Known([consensus()])}
+    index = {FIREFOX.key: CameraRecords([few], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
     assert resolve(index)[0] == CHROME.key
 
 
@@ -67,39 +70,45 @@ def test_few_calibrations_of_the_name_do_not_outvote_the_usb_id() -> None:
     for contributors, wins in ((12, True), (4, True), (3, False)):
         many = of(contributors)
         index = {
-            FIREFOX.key: Known([few], (CHROME.key,), well_known=(CHROME.key,)),
-            CHROME.key: Known([many]),
+            FIREFOX.key: CameraRecords([few], (CHROME.key,), well_known=(CHROME.key,)),
+            CHROME.key: CameraRecords([many]),
         }
         assert resolve(index) == ((CHROME.key, many, 2) if wins else (FIREFOX.key, few, 2))
         assert resolve(index, private=True) == (FIREFOX.key, few, 1)
-    elsewhere = {**index, CHROME.key: Known([of(12, of=fit((640, 360)))])}
+    elsewhere = {**index, CHROME.key: CameraRecords([of(12, of=fit((640, 360)))])}
     assert resolve(elsewhere) == (FIREFOX.key, few, 2), "another size says nothing of this one"
-    two = {**index, FIREFOX.key: Known([few], (CHROME.key, OTHER.key), well_known=(CHROME.key, OTHER.key))}
+    two = {
+        **index,
+        FIREFOX.key: CameraRecords([few], (CHROME.key, OTHER.key), well_known=(CHROME.key, OTHER.key)),
+    }
     assert resolve(two) == (FIREFOX.key, few, 1), "which of the two it is nobody can say"
 
 
 def test_name_with_contradictory_calibrations_finds_nothing() -> None:
     split = consensus(camera="HD Pro Webcam C920", reason="disagree")
-    index = {FIREFOX.key: Known([split], (CHROME.key,)), CHROME.key: Known([consensus()])}
+    index = {FIREFOX.key: CameraRecords([split], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
     assert resolve(index) == (FIREFOX.key, None, 1)
 
 
 def test_uncalibrated_usb_id_finds_its_name() -> None:
     known = consensus(camera="HD Pro Webcam C920")
-    assert resolve({CHROME.name_key: Known([known])}, CHROME) == (CHROME.name_key, known, 2)
+    assert resolve({CHROME.name_key: CameraRecords([known])}, CHROME) == (CHROME.name_key, known, 2)
     # an id that anybody may have invented does not change that
-    assert resolve({CHROME.name_key: Known([known], (OTHER.key,))}, CHROME)[1:] == (known, 2)
+    assert resolve({CHROME.name_key: CameraRecords([known], (OTHER.key,))}, CHROME)[1:] == (known, 2)
     # but not where the name is another id's, and that is well known
-    taken = Known([known], (OTHER.key,), well_known=(OTHER.key,))
+    taken = CameraRecords([known], (OTHER.key,), well_known=(OTHER.key,))
     assert resolve({CHROME.name_key: taken}, CHROME) == (CHROME.key, None, 2)
     # nor where the id itself is known, and not to be relied on
-    index = {CHROME.key: Known([consensus(reason="disagree")]), CHROME.name_key: Known([known])}
+    index = {
+        CHROME.key: CameraRecords([consensus(reason="disagree")]),
+        CHROME.name_key: CameraRecords([known]),
+    }
     assert resolve(index, CHROME) == (CHROME.key, None, 1)
 
 
 def test_generic_name_is_found_on_private_deployments_only() -> None:
     named, with_id = identify("Integrated Camera", LINUX), identify("Integrated Camera (04f2:b6d0)", LINUX)
-    index = {named.key: Known([], (with_id.key,)), with_id.key: Known([consensus()])}
+    index = {named.key: CameraRecords([], (with_id.key,)), with_id.key: CameraRecords([consensus()])}
     assert resolve(index, named) == (named.key, None, 1)
     assert resolve(index, named, private=True)[0] == with_id.key
 
@@ -126,7 +135,7 @@ def test_unanswerable_cameras_have_a_reason(
 
 def test_computable_model_is_an_answer() -> None:
     index = {
-        FIREFOX.key: Known([], (CHROME.key,)),
-        CHROME.key: Known([consensus(fit(model="rational", distortion=(0.0,) * 8))]),
+        FIREFOX.key: CameraRecords([], (CHROME.key,)),
+        CHROME.key: CameraRecords([consensus(fit(model="rational", distortion=(0.0,) * 8))]),
     }
     assert resolve(index)[0] == CHROME.key

@@ -7,7 +7,7 @@ import pytest
 
 from calibsolver import Camera, fit
 from calibsolver.consensus import Member, Rule, difference, pool
-from calibsolver.consensus.location import MAX_VIEW_POINTS, Contributions, Fitted, thin
+from calibsolver.consensus.location import MAX_VIEW_POINTS, Contributions, FittedMember, thin
 from tests.helpers.solver import populations, synthetic, worlds
 
 CAMERA = synthetic.rectilinear_cameras()[6]
@@ -24,29 +24,29 @@ def scaled(factor: float) -> Camera:
     return Camera.from_intrinsics(CAMERA.model, k, SIZE)
 
 
-def fitted(camera: Camera, contributor: str, seed: int, corners: int = 40) -> Fitted:
+def fitted(camera: Camera, contributor: str, seed: int, corners: int = 40) -> FittedMember:
     rng = np.random.default_rng(seed)
     board = worlds.draw_board(rng, corners)
     views = tuple(worlds.views(board, camera, rng, 0.05, 6))
-    return Fitted(Member(f"{contributor}{seed}", contributor, views), fit(views, SIZE))
+    return FittedMember(Member(f"{contributor}{seed}", contributor, views), fit(views, SIZE))
 
 
 @pytest.fixture(scope="module")
-def honest() -> list[Fitted]:
+def honest() -> list[FittedMember]:
     """Specimens 0.1 % apart, the last three of one contributor."""
     factors = (0.999, 1.001, 1.0, 1.001, 1.002)
     return [fitted(scaled(f), "abccc"[i], i) for i, f in enumerate(factors)]
 
 
-def test_location_is_the_mean_of_contributors(honest: list[Fitted]) -> None:
+def test_location_is_the_mean_of_contributors(honest: list[FittedMember]) -> None:
     """Three calibrations of one contributor are one voice."""
-    found = Contributions(honest, CAMERA).relinearized(range(5))
+    found = Contributions(honest, CAMERA).relinearize(range(5))
     location = found.locate(range(5))
     assert location.weights.min() > 0.8
     assert difference(found.camera_at(location), scaled(1 + (-0.001 + 0.001 + 0.001) / 3)) < 0.1
 
 
-def test_names_of_contributors_change_nothing(honest: list[Fitted]) -> None:
+def test_names_of_contributors_change_nothing(honest: list[FittedMember]) -> None:
     """In a copy of the database, contributors have other names in another order: not one bit changes."""
     renamed = [
         replace(f, member=replace(f.member, contributor={"a": "z", "b": "y", "c": "x"}[f.member.contributor]))
@@ -61,7 +61,7 @@ def test_liar_however_far_or_dense_pulls_no_harder(lie: float, corners: int) -> 
     """Five alike and one or two liars: the answer moves by a share of HUBER_WIDTHS."""
     members = [fitted(CAMERA, f"h{i}", i) for i in range(5)]
     members += [fitted(scaled(lie), f"l{i}", 5 + i, corners) for i in range(2)]
-    found = Contributions(members, members[0].calibration.camera).relinearized(range(7))
+    found = Contributions(members, members[0].calibration.camera).relinearize(range(7))
     alone = found.locate(range(5)).y
     assert found.length(found.locate(range(6)).y - alone) < 0.25
     assert found.length(found.locate(range(7)).y - alone) < 0.5

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from calibsolver.formats import ImportedFile
-from calibsolver.formats.hints import Hints
+from calibsolver.formats.reader_options import ReaderOptions
 from infra.ops.errors import OpsError
 from infra.ops.files import read_file
 from tests.helpers.data import data_dir, external_data
@@ -22,10 +22,12 @@ SIZE = (1280, 720)
 INTRINSICS = [900.0, 905.0, 630.0, 350.0]
 
 
-def imported(tmp_path: Path, name: str, content: str | bytes, hints: Hints | None = None) -> ImportedFile:
+def imported(
+    tmp_path: Path, name: str, content: str | bytes, options: ReaderOptions | None = None
+) -> ImportedFile:
     path = tmp_path / name
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return read_file(path, hints or Hints())
+    return read_file(path, options or ReaderOptions())
 
 
 def holds(found: ImportedFile, model: str, d: list[float]) -> None:
@@ -82,7 +84,7 @@ def test_archive_of_arrays_is_read_with_the_size_given(tmp_path: Path) -> None:
     np.savez(path, mtx=NESTED, dist=[D], rvecs=views, tvecs=np.zeros((2, 3, 1)))
     with pytest.raises(OpsError, match="--img-size"):
         read_file(path)
-    holds(read_file(path, Hints(img_size=SIZE)), "rectilinear", D)
+    holds(read_file(path, ReaderOptions(img_size=SIZE)), "rectilinear", D)
     np.savez(path, mtx=views)
     with pytest.raises(OpsError, match="pickled"):
         read_file(path)
@@ -90,13 +92,13 @@ def test_archive_of_arrays_is_read_with_the_size_given(tmp_path: Path) -> None:
 
 def test_matrix_of_numbers_alone_is_read(tmp_path: Path) -> None:
     content = "9.0e+02 0.0e+00 6.3e+02\n0 905 350\n0 0 1\n-0.2 0.05 0.001 -0.001 0.01\n"
-    holds(imported(tmp_path, "k.txt", content, Hints(img_size=SIZE)), "rectilinear", D)
+    holds(imported(tmp_path, "k.txt", content, ReaderOptions(img_size=SIZE)), "rectilinear", D)
 
 
 def test_coefficients_without_a_name_are_of_the_model_asked_for(tmp_path: Path) -> None:
     content = json.dumps({"K": NESTED, "D": FISHEYE, "size": SIZE})
     holds(imported(tmp_path, "c.json", content), "rectilinear", [*FISHEYE, 0])
-    holds(imported(tmp_path, "c.json", content, Hints(model="fisheye")), "fisheye", FISHEYE)
+    holds(imported(tmp_path, "c.json", content, ReaderOptions(model="fisheye")), "fisheye", FISHEYE)
 
 
 SEVERAL = {
@@ -114,12 +116,12 @@ def test_cameras_of_one_file_are_asked_for_by_number(name: str) -> None:
     names, focals = SEVERAL[name]
     size = SIZE if name == "stereo.yml" else None
     for number, focal in enumerate(focals):
-        found = read_file(FILES / "several" / name, Hints(number=number, img_size=size))
+        found = read_file(FILES / "several" / name, ReaderOptions(number=number, img_size=size))
         assert found.cameras == names
         assert found.camera is not None
         assert (found.camera.img_size, found.camera.matrix[0, 0]) == (SIZE, focal)
     with pytest.raises(OpsError, match=f"no camera {len(focals)}.*counted from 0"):
-        read_file(FILES / "several" / name, Hints(number=len(focals), img_size=size))
+        read_file(FILES / "several" / name, ReaderOptions(number=len(focals), img_size=size))
 
 
 def gyroflow(**members: object) -> str:
@@ -203,7 +205,7 @@ def test_what_is_no_camera_known_here_is_refused_in_words(tmp_path: Path, name: 
 
 def test_size_that_contradicts_the_file_is_refused() -> None:
     with pytest.raises(OpsError, match="1280 x 720, not 640 x 480"):
-        read_file(FILES / "rectilinear" / "camera.yml", Hints(img_size=(640, 480)))
+        read_file(FILES / "rectilinear" / "camera.yml", ReaderOptions(img_size=(640, 480)))
 
 
 @pytest.mark.parametrize(
@@ -234,14 +236,14 @@ def test_table_with_pictures_without_a_board_is_read(tmp_path: Path) -> None:
             "img2.jpg - - -",
         ]
     )
-    found = imported(tmp_path, "corners.vnl", content, Hints(squares=(8, 8)))
+    found = imported(tmp_path, "corners.vnl", content, ReaderOptions(squares=(8, 8)))
     assert [len(view) for view in found.views] == [49]
     with pytest.raises(OpsError, match="49 lines"):
         imported(
             tmp_path,
             "corners.vnl",
             content.replace("img2.jpg - - -", "img2.jpg 1 2 0"),
-            Hints(squares=(8, 8)),
+            ReaderOptions(squares=(8, 8)),
         )
 
 
@@ -255,7 +257,9 @@ def test_genuine_calibrations_are_accepted_and_others_refused() -> None:
     refused = {}
     for path in files:
         try:
-            found = read_file(path, Hints(squares=(8, 8)) if path.suffix == ".vnl" else Hints())
+            found = read_file(
+                path, ReaderOptions(squares=(8, 8)) if path.suffix == ".vnl" else ReaderOptions()
+            )
         except OpsError as error:
             refused[path.name] = str(error)
         else:

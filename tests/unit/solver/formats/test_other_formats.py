@@ -19,7 +19,7 @@ from calibsolver import Camera, formats, image_transform, models
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import lensfun as lensfun_format
 from calibsolver.formats.grid import grid
-from calibsolver.formats.hints import Hints
+from calibsolver.formats.reader_options import ReaderOptions
 from calibsolver.formats.reading import read, read_text
 from calibsolver.formats.web import projection_matrix
 from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject
@@ -124,7 +124,11 @@ def test_measurements_stay_with_a_turned_and_mirrored_picture() -> None:
     for name in ("mrcal", "corners-vnl", "photonvision"):
         file = formats.write(mine, name, turned)
         text = file.content.decode()
-        found = read(json.loads(text)) if name == "photonvision" else read_text(text, Hints(squares=(9, 6)))
+        found = (
+            read(json.loads(text))
+            if name == "photonvision"
+            else read_text(text, ReaderOptions(squares=(9, 6)))
+        )
         assert grid(found.views).squares == (9, 6)
         assert sum(len(view) for view in found.views) == sum(len(view) for view in mine.views)
         assert reprojection_score(turned.camera(mine.camera), found.views).rms == pytest.approx(

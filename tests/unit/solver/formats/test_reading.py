@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from calibsolver import CalibrationError, View, formats, models
 from calibsolver.formats.grid import grid
-from calibsolver.formats.hints import Hints
+from calibsolver.formats.reader_options import ReaderOptions
 from calibsolver.formats.reading import read, read_text
 from infra.ops.errors import OpsError
 from infra.ops.files import read_file
@@ -60,11 +60,11 @@ def same_keypoints(found: tuple[View, ...], sent: tuple[View, ...]) -> None:
 def test_table_of_corners_is_read(tmp_path: Path) -> None:
     path = tmp_path / "corners.vnl"
     path.write_bytes(formats.write(subject("fisheye"), "corners-vnl").content)
-    same_keypoints(read_file(path, Hints(squares=(9, 6))).views, subject("fisheye").views)
+    same_keypoints(read_file(path, ReaderOptions(squares=(9, 6))).views, subject("fisheye").views)
     with pytest.raises(OpsError, match="squares"):
         read_file(path)
     with pytest.raises(OpsError, match="70 lines"):
-        read_file(path, Hints(squares=(11, 8)))
+        read_file(path, ReaderOptions(squares=(11, 8)))
 
 
 @pytest.mark.parametrize("unit", [0.0254, 25.4, 3.0])
@@ -186,7 +186,7 @@ def test_arbitrary_files_are_read_or_refused(
     path = tmp_path_factory.mktemp("fuzz") / f"file{READABLE.get(name, '.vnl')}"
     path.write_text(content, encoding="utf-8", errors="replace")
     try:
-        found = read_file(path, Hints(squares=(9, 6)))
+        found = read_file(path, ReaderOptions(squares=(9, 6)))
         if found.views:
             grid(found.views)
     except (OpsError, CalibrationError):

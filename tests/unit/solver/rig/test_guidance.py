@@ -3,7 +3,7 @@
 import numpy as np
 
 from calibsolver import Board, View, rig
-from calibsolver.rig.guidance import unlinked
+from calibsolver.rig.problem import unlinked_cameras
 from tests.bench import rigs as bench
 from tests.helpers.solver import rigs, synthetic
 
@@ -48,4 +48,4 @@ def test_targets_of_known_lenses_are_seen_by_both_and_skipped_ones_do_not_return
 
 def test_chains_of_shared_moments_link_cameras() -> None:
     view = View(BOARD.points, np.zeros((BOARD.corner_count, 2)))
-    assert unlinked(4, [{0: view, 1: view}, {2: view, 1: view}, {3: view}]) == (3,)
+    assert unlinked_cameras(4, [{0: view, 1: view}, {2: view, 1: view}, {3: view}]) == (3,)

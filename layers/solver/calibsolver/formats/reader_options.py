@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Hints:
+class ReaderOptions:
     """Facts beside a file.
 
     Attributes

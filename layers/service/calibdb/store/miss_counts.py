@@ -18,7 +18,7 @@ _WEEK_S = 7 * 86_400
 _CAMERA = "CAMERA#"
 
 
-class Asked:
+class MissCounts:
     """Counters of lookups that found nothing reliable."""
 
     def __init__(self, table: Table) -> None:

@@ -13,7 +13,7 @@ from calibdb.lookup import camera_lookup
 from calibdb.lookup.answer import bracketing_zooms, build_answer, interpolate_zoom
 from calibdb.schema import ConsensusDocument, LookupAnswer
 from calibdb.schema.lookup import Reason
-from calibdb.store import Known
+from calibdb.store import CameraRecords
 
 _NO_CALIBRATION = "The database has no reliable calibration of this camera."
 _MISS_DETAILS = {
@@ -28,7 +28,7 @@ Compute = Callable[[str, tuple[int, int]], ConsensusDocument | None]
 
 
 @dataclass(frozen=True)
-class Wanted:
+class LookupQuery:
     """Camera, size, zoom and model that are looked up."""
 
     camera: str
@@ -40,7 +40,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Found:
+class LookupResult:
     """Answer of a lookup, or the reason why there is none.
 
     Attributes
@@ -59,7 +59,9 @@ class Found:
     detail: str = _NO_CALIBRATION
 
 
-def find(read: Callable[[str], Known], wanted: Wanted, *, private: bool, compute: Compute) -> Found:
+def find(
+    read: Callable[[str], CameraRecords], wanted: LookupQuery, *, private: bool, compute: Compute
+) -> LookupResult:
     """Find what a lookup answers.
 
     Parameters
@@ -77,7 +79,7 @@ def find(read: Callable[[str], Known], wanted: Wanted, *, private: bool, compute
     identity = identify(wanted.camera, wanted.platform)
     why = camera_lookup.unanswerable_reason(identity, private=private, resize_mode=wanted.resize_mode)
     if why is not None:
-        return Found("", None, detail=why)
+        return LookupResult("", None, detail=why)
     resolved = camera_lookup.resolve(read, identity, size, zoom, model, private=private)
     found, reason = resolved.choice.found, resolved.choice.reason
     if resolved.choice.missing_at is not None:
@@ -85,9 +87,9 @@ def find(read: Callable[[str], Known], wanted: Wanted, *, private: bool, compute
         found = compute(resolved.key, resolved.choice.missing_at)
         reason = found.reason if found and found.reason else reason
     if found is not None and found.reliable and found.calibration is not None:
-        return Found(resolved.key, build_answer(found.calibration, resolved.known, size))
+        return LookupResult(resolved.key, build_answer(found.calibration, resolved.known, size))
     around = bracketing_zooms(resolved.known, size, zoom, model)
     if around is not None:
-        return Found(resolved.key, interpolate_zoom(*around, zoom))
+        return LookupResult(resolved.key, interpolate_zoom(*around, zoom))
     detail = camera_lookup.SEVERAL if resolved.several else _MISS_DETAILS[reason]
-    return Found(resolved.key, None, reason, detail)
+    return LookupResult(resolved.key, None, reason, detail)

@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 from calibdb.schema.fields import MAX_CORNERS, CornerId, Point, Strict
 
 
-class Seen(Strict):
+class ObservedCorners(Strict):
     """One frame: the board corners seen."""
 
     ids: tuple[CornerId, ...] = Field(min_length=1, max_length=MAX_CORNERS)
