@@ -1,4 +1,4 @@
-// Before anything is drawn: leads who reads German or Ukrainian from a page's English address to the page in that language.
+// Redirect before anything is drawn: it leads who reads German or Ukrainian from a page's English address to the page in that language.
 //
 // An address with a language ("/de/board/") decides; one without is English unless "?lang=", the language chosen before, or
 // the browser's own says otherwise. A classic script, for it must run before the page.

@@ -71,11 +71,11 @@ class Checks:
 
 
 def void(_: object) -> None:
-    """Take a value for nothing but that there is one."""
+    """Ignore a value: the check was that it could be read."""
 
 
 class Unredirected(urllib.request.HTTPRedirectHandler):
-    """Follows nothing: the site answers itself."""
+    """Handler that follows no redirect: the site answers itself."""
 
     def redirect_request(self, *_: Any) -> None:
         """Return no request to go on with."""

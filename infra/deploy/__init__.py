@@ -1,1 +1,1 @@
-"""Puts calibDB into an AWS account: `python -m infra.deploy`."""
+"""Deployment of calibDB to an AWS account: `python -m infra.deploy`."""

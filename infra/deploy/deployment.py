@@ -72,7 +72,7 @@ def _do(step: Step, target: Target, source: str) -> None:
                 raise DeployError(f"there is no stack {stack}")
             made, given = described.outputs, described.parameters
             s3, bucket = boto3.client("s3", region), made["WebBucketName"]
-            token = page_token.current(made, region, aws.settings(s3, bucket))
+            token = page_token.current_token(made, region, aws.settings(s3, bucket))
             if made["Canary"] == "on":
                 page_token.give_canary(made, region, boto3.client("ssm", region), stack)
             settings = public_settings("/v1", token, made["EdgeAnswers"], given)

@@ -17,7 +17,7 @@ _CANARY_PARAMETER = "CANARY_TOKEN"
 _ID_BYTES, _SECRET_BYTES = 8, 24
 
 
-def current(made: Mapping[str, str], region: str, settings: Mapping[str, str] | None) -> str:
+def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, str] | None) -> str:
     """Return the token that the pages of a stack are given, valid on every address of the site.
 
     Parameters

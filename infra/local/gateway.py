@@ -23,7 +23,7 @@ _log = logging.getLogger("infra.local.gateway")
 
 
 class Gateway:
-    """Turns requests into events, calls the functions, and turns their answers into responses.
+    """Gateway that turns requests into events, calls the functions, and turns their answers into responses.
 
     `answers_preflights`: whether every preflight is answered here, as API Gateway's guide can be read. By
     default one that a route matches, and `ANY` matches it, goes to the function, as users report, and with

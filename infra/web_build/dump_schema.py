@@ -1,4 +1,4 @@
-"""Builds `web/data/schema.json`, the JSON Schema of a dump, of the models that write it: `make openapi`."""
+"""JSON Schema of a dump, `web/data/schema.json`, built from the models that write it: `make openapi`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Builds `web/openapi.json` from the models that the functions check requests with: `make openapi`."""
+"""OpenAPI document `web/openapi.json`, of the models that functions check requests with: `make openapi`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lists the files of the web client with the hashes of their contents: what its service worker goes by.
+"""Precache manifest of the service worker: files of the web client with the hashes of their contents.
 
     python -m infra.web_build.precache_manifest > shell.json
 

@@ -1,4 +1,4 @@
-"""Writes tests/web/rigs.json: pairs of cameras of every model, and how the solver rectifies them.
+"""Test vectors tests/web/rigs.json: pairs of cameras of every model, and how the solver rectifies them.
 
     python -m infra.web_build.rig_vectors
 

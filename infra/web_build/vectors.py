@@ -1,4 +1,4 @@
-"""Writes tests/web/vectors.json: rays and pixels of every camera model, as the solver computes them.
+"""Test vectors tests/web/vectors.json: rays and pixels of every camera model, as the solver computes them.
 
     python -m infra.web_build.vectors
 

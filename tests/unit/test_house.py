@@ -87,3 +87,26 @@ def test_no_path_of_a_machine_in_a_tracked_file() -> None:
         ):
             continue
         assert not pattern.search(path.read_text()), path
+
+
+def folders(below: str) -> set[str]:
+    """Names of the folders with tracked files directly below a folder."""
+    paths = (path.relative_to(ROOT / below) for path in tracked(below))
+    return {path.parts[0] for path in paths if len(path.parts) > 1}
+
+
+@pytest.mark.parametrize(
+    ("below", "mark"),
+    [
+        ("functions", "| `{}` |"),
+        ("layers/solver/calibsolver", "| `{}` |"),
+        ("layers/service/calibdb", "`{}`"),
+        ("infra", "  {}/ "),
+        ("web", "`web/{}`"),
+    ],
+)
+def test_architecture_names_every_package(below: str, mark: str) -> None:
+    text = (ROOT / "docs/architecture.md").read_text()
+    packages = folders(below) - {"images"}
+    assert packages
+    assert {name for name in packages if mark.format(name) not in text} == set()

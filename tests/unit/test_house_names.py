@@ -14,7 +14,8 @@ import pytest
 ROOT = Path(__file__).parents[2]
 #: opening words that leave out the noun that a docstring describes
 RIDDLE = re.compile(
-    r"(What|Who|Whose|Whom|Where|Which|How)\b|(Returns?|Says?|Gives?) (what|who|which|how|where)\b"
+    r"(What|Who|Whose|Whom|Where|Which|How|Why|Whoever|Whatever|From|In which|Asking)\b"
+    r"|(Returns?|Says?|Gives?) (what|who|which|how|where)\b"
 )
 CONSTANT = re.compile(r"_?[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
 JS_CONSTANT = re.compile(

@@ -23,7 +23,7 @@ const HAIR = 0.012; // squares: before the wall that it is in
  */
 export function house(columns, rows) {
   const size = Math.min(columns, rows) / 6;
-  /** From units of the house, z towards who looks at it, to the board's frame. @type {(x: number, y: number, z: number) => Point} */
+  /** Units of the house, z towards who looks at it, to the board's frame. @type {(x: number, y: number, z: number) => Point} */
   const at = (x, y, z) => [columns / 2 + x * size, rows / 2 + y * size, -z * size];
   const [w, d, eaves, ridge, jut] = [0.95, 0.75, 0.85, 1.6, 0.14];
   // The walls end a hair below the roof: in its plane the two would flicker.

@@ -23,7 +23,7 @@ export async function loadPlan() {
 }
 
 /** Views from which an estimate may tell where the board is seen: one of two can be wild. */
-const ENOUGH = 3;
+const MIN_TRUSTED_VIEWS = 3;
 /** Part of the board's corners that a target must have in the picture. */
 const IN_SIGHT = 0.6;
 
@@ -32,7 +32,7 @@ const IN_SIGHT = 0.6;
  * @param {{calibration: Intrinsics | null, views: {set_aside?: object | null}[]} | null} session
  */
 export function trusted(session) {
-  return session && session.views.filter(({ set_aside }) => !set_aside).length >= ENOUGH ? session.calibration : null;
+  return session && session.views.filter(({ set_aside }) => !set_aside).length >= MIN_TRUSTED_VIEWS ? session.calibration : null;
 }
 
 /**

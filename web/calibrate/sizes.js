@@ -4,7 +4,7 @@ import { t } from "../lib/i18n.js";
 /** @typedef {[number, number]} Size px */
 
 /** More than any camera has: the nearest to it is the camera's own largest. */
-const LARGEST = /** @type {Size} */ ([15360, 8640]);
+const MAX_SIZE = /** @type {Size} */ ([15360, 8640]);
 const OFFERED = /** @type {Size[]} */ ([[1280, 720], [1920, 1080], [640, 480]]);
 
 export class Sizes {
@@ -16,7 +16,7 @@ export class Sizes {
   constructor(select, asked) {
     this.#select = select;
     const others = OFFERED.filter((size) => String(size) !== String(asked));
-    this.#offered = [asked, ...others, LARGEST];
+    this.#offered = [asked, ...others, MAX_SIZE];
     this.write();
   }
 
@@ -28,7 +28,7 @@ export class Sizes {
   /** In the visitor's language. */
   write() {
     const { selectedIndex } = this.#select;
-    this.#select.replaceChildren(...this.#offered.map((size) => new Option(size === LARGEST ? t("capture.largest") : size.join(" × "))));
+    this.#select.replaceChildren(...this.#offered.map((size) => new Option(size === MAX_SIZE ? t("capture.largest") : size.join(" × "))));
     this.#select.selectedIndex = Math.max(0, selectedIndex);
   }
 }

@@ -71,7 +71,7 @@ export function counts(state) {
   ].filter(Boolean);
 }
 
-/** Why it goes on before the fourth view. @param {State} state @param {number} missing views */
+/** Reason why it goes on before the fourth view. @param {State} state @param {number} missing views */
 const leastViews = (state, missing) =>
   (isAccurate(state) ? t("capture.goal_early", { count: missing }) : t("capture.at_least", { count: MIN_VIEWS }));
 

@@ -63,7 +63,7 @@ function callToAction({ camera, platform }, mode) {
     el("div", { class: "actions" }, el("a", { class: ready ? "button" : "button primary", id: "calibrate-this", href }, t(ready ? "cameras.calibrate_again" : "cameras.calibrate_this"))));
 }
 
-/** Why it is not known. @param {Mode} mode */
+/** Reason why it is not known. @param {Mode} mode */
 const reasonText = ({ reason }) => t(reason && known(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
 
 /** @param {CameraPage} page @param {Mode} mode @param {boolean} open @param {(error: unknown) => string} explain */

@@ -87,7 +87,7 @@ async function showFigures() {
   ].join(" · "));
 }
 
-/** Why there is nothing to show, and where to go from here. */
+/** Reason why there is nothing to show, and the way on. */
 function leadOn() {
   const ways = el("div", { class: "actions" });
   liveRegion(ways)(() => [el("a", { class: "button primary", href: "./" }, t("cameras.search_all")),

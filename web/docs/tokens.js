@@ -2,7 +2,7 @@
 
 /** @typedef {{id: string, token: string, management_token?: string, name?: string | null, origins?: unknown[], api?: string}} KeptToken */
 
-const KEPT = "calibdb.tokens";
+const TOKENS_KEY = "calibdb.tokens";
 const CHOSEN = "calibdb.docs.token";
 /** Accepted by a service on the visitor's own machine, and there alone. */
 export const DEVELOPMENT_TOKEN = "cdb_dev_local";
@@ -29,7 +29,7 @@ export function chooseToken(id) {
 
 /** @returns {KeptToken[]} */
 function read() {
-  const text = stored(() => localStorage.getItem(KEPT)) ?? "[]";
+  const text = stored(() => localStorage.getItem(TOKENS_KEY)) ?? "[]";
   try {
     const tokens = JSON.parse(text);
     return Array.isArray(tokens) ? tokens.filter((each) => typeof each?.id === "string" && typeof each?.token === "string" && isHere(each.api)) : [];

@@ -18,7 +18,7 @@ import { MalformedError } from "./malformed.js";
 
 const OFF = 0.02; // squares by which a point may lie off its corner
 const MAX_SIDE_SQUARES = 64; // squares on a side of a board
-const FEWEST_CORNERS = 6; // of a board
+const MIN_BOARD_CORNERS = 6; // of a board
 
 /** @param {View[]} views @returns {Grid} throws MalformedError where the points are not those of a flat board of squares */
 export function grid(views) {
@@ -30,7 +30,7 @@ export function grid(views) {
   const unit = Math.min(step(x), step(y));
   if (span(z) > OFF * unit) throw new MalformedError("flat");
   const [columns, rows] = [x, y].map((axis) => Math.round(span(axis) / unit) + 1);
-  if (Math.max(columns, rows) >= MAX_SIDE_SQUARES || columns * rows < FEWEST_CORNERS) throw new MalformedError("board", { columns, rows });
+  if (Math.max(columns, rows) >= MAX_SIDE_SQUARES || columns * rows < MIN_BOARD_CORNERS) throw new MalformedError("board", { columns, rows });
   return {
     squares: [columns + 1, rows + 1],
     views: upright.map(({ name, object, image }) => {

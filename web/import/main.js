@@ -19,7 +19,7 @@ import photos from "../messages/photos.js";
 import { Converter } from "./converter.js";
 import { MAX_CHARACTERS, sourceOf, unpackCorners } from "./conversion.js";
 import { MalformedError } from "./malformed.js";
-import { FEWEST_CORNERS, MAX_BYTES, prepare, read } from "./read.js";
+import { MIN_VIEW_CORNERS, MAX_BYTES, prepare, read } from "./read.js";
 import { table } from "./table.js";
 import { decode } from "./text.js";
 import { card, guessView } from "./views.js";
@@ -210,7 +210,7 @@ async function start(without = new Set()) {
       zoom: webcam ? 0 : Number(parts.focal.value) || 0, board,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value),
     };
-    const usable = views.filter((each) => each.points.length >= FEWEST_CORNERS && !without.has(each));
+    const usable = views.filter((each) => each.points.length >= MIN_VIEW_CORNERS && !without.has(each));
     tell(() => t("photos.calibrating", { done: judgements.size, all: usable.length }));
     const onRetry = (/** @type {object | null} */ retry) => {
       if (mine === turn) tell(() => (retry ? t("faults.retry") : t("photos.calibrating", { done: judgements.size, all: usable.length })));

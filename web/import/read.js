@@ -27,10 +27,10 @@ import { cameraIn } from "./text.js";
  */
 
 export const MAX_BYTES = 64_000_000; // bytes of a file
-export const FEWEST_CORNERS = 6; // of a view
+export const MIN_VIEW_CORNERS = 6; // of a view
 const SMALL = 100; // squares that a dictionary of 50 markers has room for
-const MOST_SQUARES = 2000; // that any has
-const BEYOND = 1; // px outside of the picture that a corner may have been found
+const MAX_BOARD_SQUARES = 2000; // that any has
+const MAX_OUTSIDE_PX = 1; // px outside of the picture that a corner may have been found
 
 /** @param {string} text a file's content @returns {Keypoints | Table | Guess} throws MalformedError */
 export function read(text) {
@@ -67,6 +67,9 @@ function parsed(content) {
   }
 }
 
+/** @param {number} at @param {number} length px @returns {boolean} */
+const isWithin = (at, length) => at >= -MAX_OUTSIDE_PX && at <= length - 1 + MAX_OUTSIDE_PX;
+
 /**
  * The views as a session takes them, and the board that they are of. Which markers it had nobody asks any more, but a
  * board must have enough of them.
@@ -76,11 +79,11 @@ function parsed(content) {
 export function prepare(views, [width, height]) {
   if (views.length === 0) throw new MalformedError("empty");
   for (const { name, image } of views) {
-    const inside = image.every(([x, y]) => x >= -BEYOND && y >= -BEYOND && x <= width - 1 + BEYOND && y <= height - 1 + BEYOND);
+    const inside = image.every(([x, y]) => isWithin(x, width) && isWithin(y, height));
     if (!inside) throw new MalformedError("outside", { name, size: `${width} × ${height}` });
   }
   const { squares, views: numbered } = grid(views);
   const count = squares[0] * squares[1];
-  if (count > MOST_SQUARES) throw new MalformedError("board", { columns: squares[0] - 1, rows: squares[1] - 1 });
+  if (count > MAX_BOARD_SQUARES) throw new MalformedError("board", { columns: squares[0] - 1, rows: squares[1] - 1 });
   return { board: { ...DEFAULT_BOARD, squares, dictionary: count <= SMALL ? "DICT_4X4_50" : "DICT_4X4_1000" }, views: numbered };
 }

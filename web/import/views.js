@@ -3,7 +3,7 @@ import { el } from "../lib/dom.js";
 import { number, t } from "../lib/i18n.js";
 import { imagePlot, make, short } from "../lib/svg.js";
 import { viewOutcome } from "../lib/view-outcome.js";
-import { FEWEST_CORNERS } from "./read.js";
+import { MIN_VIEW_CORNERS } from "./read.js";
 
 /**
  * @typedef {import("./read.js").Numbered} Numbered
@@ -15,7 +15,7 @@ const DOT = 5; // plot units
 
 /** @param {Numbered} view @param {[number, number]} size px @param {Judgement | undefined} judgement */
 export function card({ name, points }, size, judgement) {
-  const usable = points.length >= FEWEST_CORNERS;
+  const usable = points.length >= MIN_VIEW_CORNERS;
   const { svg, area, x, y } = imagePlot(size, t("import.view_label", { name, count: points.length }), { plain: true });
   area.append(...points.map(([u, v]) => make("circle", { cx: short(x(u)), cy: short(y(v)), r: DOT, class: "seen" })));
   const what = judgement ? viewOutcome(judgement) : usable ? t("photos.corners", { count: points.length }) : t("photos.too_few");

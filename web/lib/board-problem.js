@@ -1,4 +1,4 @@
-// Why a board cannot be, in the language of the page.
+// Reasons why a board cannot be, in the language of the page.
 import { addMessages, onLanguage, t } from "./i18n.js";
 import words from "../messages/impossible.js";
 

@@ -12,7 +12,7 @@ const SIZES = {
   APRILTAG_36h10: { side: 6, count: 2320 }, APRILTAG_36h11: { side: 6, count: 587 },
 };
 const COUNTS = [50, 100, 250, 1000]; // of markers, that OpenCV cuts its own dictionaries to
-const [FEWEST_SQUARES, MOST_SQUARES] = [3, 50]; // a side, that the service takes
+const [MIN_SQUARES, MAX_SQUARES] = [3, 50]; // a side, that the service takes
 const MAX_CORNERS = 2401; // of a board, likewise
 const MIN_CORNERS = 6;
 const [MIN_TAG_SPACING, MAX_TAG_SPACING] = [0.05, 2]; // of a tag's side
@@ -91,7 +91,7 @@ export const isSameBoard = (a, b) => boardQuery(a).toString() === boardQuery(b).
 export const kindOf = ({ kind }) => kind ?? "charuco";
 
 /**
- * Why there is no such board, by the limits of the service; null where there may be.
+ * Reason why there is no such board, by the limits of the service; null where there may be.
  * @param {Board} board
  * @returns {Problem | null}
  */
@@ -99,8 +99,8 @@ export function impossible(board) {
   const { squares, marker_ratio: ratio, dictionary, tag_spacing: spacing = DEFAULT_TAG_SPACING } = board;
   const kind = kindOf(board);
   if (!KINDS.includes(kind)) return { code: "kind", values: { kind } };
-  const fewest = kind === "aprilgrid" ? 1 : FEWEST_SQUARES;
-  if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= fewest && count <= MOST_SQUARES)) {
+  const fewest = kind === "aprilgrid" ? 1 : MIN_SQUARES;
+  if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= fewest && count <= MAX_SQUARES)) {
     return { code: "squares", values: { fewest } };
   }
   const count = cornerCount(board);

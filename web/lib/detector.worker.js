@@ -1,5 +1,5 @@
-// Finds the board in camera frames and photographs. Runs in a Worker of its own: OpenCV.js blocks while it computes, and its
-// bindings need `unsafe-eval`, which this file alone is served with.
+// Worker that finds the board in camera frames and photographs: OpenCV.js blocks while it computes, and its bindings
+// need `unsafe-eval`, which this file alone is served with.
 import createOpenCV from "../vendor/opencv/opencv.js";
 import { createFinder } from "./board-finder.js";
 import { Recogniser } from "./recogniser.js";

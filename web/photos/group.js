@@ -15,10 +15,10 @@
  *   members: numbers of the pictures that show the board
  */
 
-export const FEWEST = 6; // corners of a view
+export const MIN_VIEW_CORNERS = 6; // corners of a view
 
 /** @template {Found} F @param {F} picture */
-export const isView = ({ ids }) => ids.length >= FEWEST;
+export const isView = ({ ids }) => ids.length >= MIN_VIEW_CORNERS;
 
 /** @param {Found[]} pictures @returns {Group[]} that with most views first; only those with any */
 export function groups(pictures) {

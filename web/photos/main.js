@@ -32,7 +32,7 @@ import { MAX_VIEWS, calibrate } from "../lib/series.js";
  * @typedef {import("../lib/series.js").Outcome} Outcome
  */
 
-const ENOUGH_PHOTOS = 10; // that agree: who took as many as the page asks for is asked for no more
+const MIN_SUFFICIENT_PHOTOS = 10; // that agree: who took as many as the page asks for is asked for no more
 const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
 
 openPage({ photos: words, capture });
@@ -257,7 +257,7 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   showPictures();
   const taken = views.filter((each) => judgements.get(each)?.accepted);
   const id = state.calibration_id;
-  const isFolded = taken.length >= ENOUGH_PHOTOS && Boolean(id);
+  const isFolded = taken.length >= MIN_SUFFICIENT_PHOTOS && Boolean(id);
   const helpful = () => (wanted ? [wantedFigure(board, wanted, state.img_size, { addMore: () => parts.files.click(), isFolded })] : []);
   if (!id) {
     const { uncertainty } = state;

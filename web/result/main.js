@@ -25,7 +25,7 @@ function entitle({ calibration, report }) {
   write();
 }
 
-/** Why there is nothing to show, and where to go from here. @param {() => string} why */
+/** Reason why there is nothing to show, and the way on. @param {() => string} why */
 function leadOn(why) {
   const ways = el("div", { class: "actions" });
   liveRegion(ways)(() => [el("a", { class: "button primary", href: "../cameras/" }, t("result.search")),

@@ -1,4 +1,4 @@
-// Before anything is drawn: how the visitor came here, so that the page is laid out for it from the start. A classic script,
+// Arrival of the visitor, looked at before anything is drawn, so that the page is laid out for it from the start. A classic script,
 // for it must run before the page.
 (() => {
   const query = new URLSearchParams(location.search);

@@ -122,7 +122,7 @@ export class Setup {
     return this.own + Number(this.#parts.others.value);
   }
 
-  /** Why it cannot begin so; "" where it can. @param {boolean} virtual simulated cameras are used */
+  /** Reason why it cannot begin so; "" where it can. @param {boolean} virtual simulated cameras are used */
   problem(virtual) {
     if (this.#joins && !CODE.test(this.code)) return t("rig.need_code");
     if (virtual) return "";

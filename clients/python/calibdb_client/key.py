@@ -20,7 +20,7 @@ UNNAMED = "unnamed camera"
 
 @runtime_checkable
 class HasLabel(Protocol):
-    """Whatever knows its camera: an open camera, or one of the list of cameras."""
+    """Interface of what knows its camera: an open camera, or one of the list of cameras."""
 
     @property
     def label(self) -> str:

@@ -24,7 +24,7 @@ class FieldError:
 
 
 class CalibdbError(Exception):
-    """Anything a caller can be told: HTTP status, problem type and title by class, the detail by instance.
+    """Base of all errors that a caller is told: status, problem type and title by class, detail by instance.
 
     Parameters
     ----------

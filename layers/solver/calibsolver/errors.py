@@ -7,7 +7,7 @@ from numpy.linalg import LinAlgError
 
 
 class CalibrationError(Exception):
-    """A calibration that cannot be believed is never returned: this says why.
+    """Reason why there is no calibration: one that cannot be believed is never returned.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class undetermined(ContextDecorator):  # noqa: N801 (used as a function, as cont
 
 
 class DeadlineError(Exception):
-    """The time that the caller allotted (`deadline.limit`) is up before the computation ended.
+    """End of the time that the caller allotted (`deadline.limit`), before the computation ended.
 
     It says nothing of the views, so it is no CalibrationError: whoever tries several fits must not take it
     for a fit that failed.

@@ -5,7 +5,7 @@
 
 /** Defaults, before anybody has chosen. @type {Record<Sense, boolean>} */
 const AT_FIRST = { sound: true, vibration: true, voice: false };
-const KEPT = "calibdb.senses";
+const SENSES_KEY = "calibdb.senses";
 const SPEECH_PAUSE_MS = 1_800; // ms between two spoken hints: a person must be able to follow
 const NOTES = { hold: [659.3], taken: [1046.5, 1568], refused: [311.1], done: [784, 1046.5, 1568] }; // Hz
 const NOTE = 0.09; // s
@@ -91,7 +91,7 @@ export class Feedback {
 /** @returns {Partial<Record<Sense, boolean>>} */
 function kept() {
   try {
-    return JSON.parse(localStorage.getItem(KEPT) ?? "{}");
+    return JSON.parse(localStorage.getItem(SENSES_KEY) ?? "{}");
   } catch (error) {
     if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;
     return {};
@@ -101,7 +101,7 @@ function kept() {
 /** @param {Record<Sense, boolean>} senses */
 function keep(senses) {
   try {
-    localStorage.setItem(KEPT, JSON.stringify(senses));
+    localStorage.setItem(SENSES_KEY, JSON.stringify(senses));
   } catch (error) {
     if (!(error instanceof DOMException)) throw error; // not kept, then
   }

@@ -86,7 +86,7 @@ export function recordPart(calibration, suffix = "") {
 }
 
 /**
- * Why there is no such file; of the service's own words, which are English, only the number.
+ * Reason why there is no such file; of the service's own words, which are English, only the number.
  * @param {string} format
  * @param {ApiError} error
  */

@@ -55,7 +55,7 @@ export class ResultView {
     void this.#follow(result);
   }
 
-  /** Whoever made it here finds it again; practice is nobody's camera. @param {Result} result */
+  /** Keep it in this browser, so that its maker finds it again; practice is nobody's camera. @param {Result} result */
   #keep({ calibration, report, origin, pending }) {
     const { id, camera, img_size, calibration_time: time, uncertainty: { rms } } = calibration;
     if (!id || pending || origin === "stored" || isVirtual(camera)) return;

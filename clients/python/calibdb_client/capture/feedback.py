@@ -40,7 +40,7 @@ class Scene:
 
 
 class Feedback(Protocol):
-    """Whoever tells the person about a capture."""
+    """Interface of what tells the person about a capture."""
 
     def show(self, scene: Scene) -> Command:
         """Show one frame's state, and return what the person wants."""

@@ -19,7 +19,7 @@ _FRAME_COUNT, _POSITION_MSEC = 7, 0  # of cv2.VideoCapture
 
 
 class Source(Protocol):
-    """Whatever delivers pictures, as `cv2.VideoCapture` does."""
+    """Interface of what delivers pictures, as `cv2.VideoCapture` does."""
 
     def read(self) -> tuple[bool, Any]:
         """Return whether there is a picture, and the picture (h, w) or (h, w, 3), 8 bits."""

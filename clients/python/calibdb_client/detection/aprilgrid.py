@@ -18,7 +18,7 @@ MIN_CERTAIN_TAGS = 4
 
 
 class AprilGridFinder:
-    """Finds the tags of one board, whichever border and whichever way up they were printed."""
+    """Finder of the tags of one board, whichever border and whichever way up they were printed."""
 
     def __init__(self, board: Board) -> None:
         self.board = board

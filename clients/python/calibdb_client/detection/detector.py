@@ -16,7 +16,7 @@ Finder = Callable[[Any], tuple[Any, Any] | None]
 
 
 class Detector:
-    """Finds one board in pictures. Raises as `Board.check_opencv` does."""
+    """Finder of one board in pictures. Raises as `Board.check_opencv` does."""
 
     def __init__(self, board: Board) -> None:
         self._cv2 = opencv()

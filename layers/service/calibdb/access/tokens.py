@@ -157,7 +157,7 @@ class _Signer(TimestampSigner):
 
 
 class SessionIds:
-    """Issues and verifies session ids.
+    """Issuer and verifier of session ids.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""In which tool's format a calibration is wanted, and of which picture made of the camera's."""
+"""Query of an export: the format, and the picture made of the camera's of which the file is to be."""
 
 from __future__ import annotations
 

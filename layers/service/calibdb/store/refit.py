@@ -1,4 +1,4 @@
-"""Asking `refit` for a consensus: for later, or for now."""
+"""Invocations of `refit`, which computes consensuses: queued, or awaited."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ MAX_INVISIBLE_PX = 0.1
 
 @dataclass(frozen=True, eq=False)
 class ExportSource:
-    """ExportSource of an export.
+    """Calibration to be written, with its measurements and its origin.
 
     Attributes
     ----------

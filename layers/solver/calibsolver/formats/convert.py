@@ -1,4 +1,4 @@
-"""From the model that was fitted to one that a format can hold, exactly or by a fit to the same keypoints."""
+"""Conversion of a camera to a model that a format can hold, exactly or by a fit to the same keypoints."""
 
 import math
 from collections.abc import Sequence

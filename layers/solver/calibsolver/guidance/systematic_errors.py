@@ -1,4 +1,4 @@
-"""Systematic errors within a view: a board that bends, and a hand that moves while rows are read out.
+"""Fisher information of candidate views, limited by systematic errors: bend of the board, motion of the hand.
 
 A view that carries information N about the intrinsics and a systematic error of its own that would move them
 by a covariance T tells (N^-1 + T)^-1, however low the noise of its corners. T differs from view to view: a

@@ -67,7 +67,7 @@ class Fisheye(Model):
         return u, by_d, by_p
 
     def domain_half_angle(self, d: Array) -> float:
-        """Up to where the image radius grows."""
+        """Angle up to which the image radius grows."""
         return float(np.sqrt(first_root(tuple((d * (3, 5, 7, 9)).tolist()), np.pi**2)))
 
     def undistort(self, d: Array, u: Array) -> Array:

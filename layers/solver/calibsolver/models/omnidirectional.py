@@ -79,7 +79,7 @@ class Omnidirectional(Planar):
         return u, by_d, by_p
 
     def undistort(self, d: Array, u: Array) -> Array:
-        """Back to the plane, then to the sphere in closed form (Mei & Rives 2007, eq. 4)."""
+        """Undistort the plane, then lift to the sphere in closed form (Mei & Rives 2007, eq. 4)."""
         x, y = self.undistort_plane(d, u)
         with np.errstate(invalid="ignore"):
             along = distance(float(d[0]), x * x + y * y)

@@ -61,7 +61,7 @@ MAX_OUTLIER_SHARE = (0.05, 0.2)
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a calibration is not good: a code for programs, a sentence for people."""
+    """Reason why a calibration is not good: a code for programs, a sentence for people."""
 
     code: Code
     text: str

@@ -89,7 +89,7 @@ def _score(rig: RigCalibration, moments: Sequence[Moment]) -> tuple[float, int]:
         for m, moment in enumerate(moments)
     ]
     turns = start.symmetries([view for moment in moments for view in moment.values()])
-    settled = start.settle(rig.cameras, motions, [moment for moment in seen if moment.poses], turns)
+    settled = start.locate_boards(rig.cameras, motions, [moment for moment in seen if moment.poses], turns)
     if not settled:
         return 0.0, 0
     boards, views = [each.board for each in settled], [each.views for each in settled]

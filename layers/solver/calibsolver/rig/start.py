@@ -91,7 +91,7 @@ class ResectedMoment:
 
 
 @dataclass(frozen=True, eq=False)
-class SettledMoment:
+class LocatedMoment:
     """A moment: motion board -> camera 0, views turned back, and the positions of those that were turned."""
 
     board: RigidMotion
@@ -120,7 +120,7 @@ def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> Start
         known, new = pair if pair[0] in to_rig else pair[::-1]
         to_rig[new] = _relative_pose(cameras, known, new, moments, turns) @ to_rig[known]
     motions = tuple(to_rig[i] for i in range(len(cameras)))
-    settled = settle(cameras, motions, moments, turns)
+    settled = locate_boards(cameras, motions, moments, turns)
     return Start(
         motions,
         tuple(each.board for each in settled),
@@ -230,12 +230,12 @@ def _relative_pose(
     return RigidMotion(r, np.median([each.t for each in agreed], axis=0))
 
 
-def settle(
+def locate_boards(
     cameras: Sequence[Camera],
     motions: Sequence[RigidMotion],
     moments: Sequence[ResectedMoment],
     turns: Sequence[RigidMotion],
-) -> list[SettledMoment]:
+) -> list[LocatedMoment]:
     """Find where the board is in each moment, and which views number it from another side.
 
     The view with which most of the others agree says where the board is. The fewest turns are believed; of
@@ -282,5 +282,5 @@ def settle(
             position: turn_back(view, turns[turned_by[position]]) if turned_by.get(position) else view
             for position, view in moment.views.items()
         }
-        settled.append(SettledMoment(board, views, tuple(i for i, turn in turned_by.items() if turn)))
+        settled.append(LocatedMoment(board, views, tuple(i for i, turn in turned_by.items() if turn)))
     return settled
