@@ -83,7 +83,7 @@ function addresses(key, language, translated, origin) {
   return [canonical, ...alternates, `<link rel="alternate" hreflang="x-default" href="${origin}${addressOf(key, "en")}">`];
 }
 
-/** From this page to another one in the same language. @param {string} page "board/" @param {Place} place */
+/** Path from this page to another one in the same language. @param {string} page "board/" @param {Place} place */
 function toPage(page, { key, inAllLanguages, translated }) {
   // 404.html is shown at any address.
   if (!key.endsWith("index.html") || !translated || !inAllLanguages.has(`${page}index.html`)) return `/${page}`;

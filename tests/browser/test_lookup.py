@@ -1,4 +1,4 @@
-"""From the page's calibrations to an answer for everybody."""
+"""Lookups by pages: from calibrations made there to an answer for everybody."""
 
 import json
 from urllib.parse import parse_qs, urlsplit

@@ -26,7 +26,7 @@ class Block:
 
     @property
     def reason(self) -> str | None:
-        """Why it is not run, None where it is."""
+        """Reason why it is not run, None where it is."""
         return self.mark.removeprefix("not-run:").strip() if self.mark.startswith("not-run") else None
 
 

@@ -1,4 +1,4 @@
-"""Whatever happens, and whenever it is cut off, the edge answers byte for byte as a lookup does, or not.
+"""Random histories, cut off at any time: the edge answers byte for byte as a lookup does, or not.
 
 `CALIBDB_HISTORIES` random histories (6 unless told otherwise), half of them cut off by a crash.
 """

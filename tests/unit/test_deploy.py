@@ -157,7 +157,7 @@ def test_stack_with_one_edge_secret_keeps_it() -> None:
 
 @pytest.mark.usefixtures("cloud")
 def test_a_rotation_of_the_edge_loses_no_address() -> None:
-    """Whatever the edge sends until it learns of the rotation, functions take, the early and the late."""
+    """Functions, the early and the late, take all that the edge sends until it learns of the rotation."""
     ssm = boto3.client("ssm")
     aws.make_secrets(ssm, "one")
     sent, taken = [values(ssm)["EDGE_SECRET"]], [values(ssm)["EDGE_SECRETS"].split(",")]

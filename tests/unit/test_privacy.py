@@ -97,7 +97,7 @@ def test_pages_agree_on_the_text_of_the_licence() -> None:
 
 
 def test_receipt_names_its_session_and_no_other() -> None:
-    """Whoever shows the session id made the calibration; a forged one names nothing."""
+    """The session id proves who made the calibration; a forged one names nothing."""
     ids = SessionIds(("new", "old"), lambda: 1_000_000.0)
     receipt, _ = SessionIds(("old",), lambda: 0.0).issue(Ticket("65543210aaaaaaaaaaaaaaaa", "token"))
     assert ids.sid_of(receipt) == "65543210aaaaaaaaaaaaaaaa", "long expired, and signed by the key before"

@@ -28,7 +28,7 @@ globalThis.found = [calibration.project([0.1, 0, 1]), typeof applyCalibration, t
 `;
 const EXPECTED = [[370, 240], "function", "function", 16, [0, 0, 0], "function"];
 
-/** Why the bundlers are not there; empty where they are. */
+/** Reason why the bundlers are not there; empty where they are. */
 let missing = "";
 /** @type {string} */
 let folder;
