@@ -106,7 +106,7 @@ def test_withdrawal_needs_a_share_of_the_contributors() -> None:
 def test_two_colluders_neither_confirm_nor_withdraw(
     honest: int, agree: int, disagree: int, contributors: int
 ) -> None:
-    """The honest may say anything: without the three that the rule asks for, two more change nothing wrong."""
+    """The honest may say anything: without the three that the rule asks for, two change nothing wrong."""
     before = decide_reliability("too_few", Votes(), RULE, confirmable=True, contributors=contributors)
     assert (
         decide_reliability("too_few", Votes(agree=min(agree, 2)), RULE, confirmable=True, contributors=3)
