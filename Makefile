@@ -93,9 +93,9 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge 
 	CALIBDB_HISTORIES=$(or $(HISTORIES),500) $(PYTEST) $(TWO) tests/service/test_edge_histories.py \
 		tests/service/test_killed_while_publishing.py
 
-# As many requests made of the OpenAPI document, and values of every schema, as CASES
+# As many requests made of the OpenAPI document, and values of every schema, as CASES; others with SEED=1
 .thorough-fuzz:
-	CASES=$(or $(CASES),5000) $(PYTEST) tests/service/test_openapi_fuzz.py tests/unit/service/schema/test_schema_fuzz.py \
+	CASES=$(or $(CASES),5000) SEED=$(or $(SEED),0) $(PYTEST) tests/service/test_openapi_fuzz.py tests/unit/service/schema/test_schema_fuzz.py \
 		tests/service/test_raw_requests.py
 
 kills fuzz edge:

@@ -1,12 +1,11 @@
 """Conversion of a camera to a model that a format can hold, exactly or by a fit to the same keypoints."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from .. import models, rotation
+from .. import models
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
@@ -14,10 +13,11 @@ from ..fitting import resection
 from ..fitting.fit import fit
 from ..fitting.levenberg_marquardt import Options, Problem
 from ..fitting.observations import Observations
-from ..models import Model
+from ..fitting.plausibility import MAX_SHARE_OUTSIDE_DOMAIN
 from ..phrasing import format_px_error
 from ..view import View
 from .base import Conversion, ExportSource, ModelConstraint
+from .ray_fit import fit_to_rays, free_directions, sampled_rays
 
 LEAST_SQUARES = Options(with_prior=False, tolerance=1e-17, damping=1e-6)
 MAX_EQUAL_RMS_RATIO, MAX_EQUAL_RMS_PX = 1.05, 1e-3
@@ -26,10 +26,6 @@ MAX_LOST_COVERAGE = 0.01
 """Share of the image that one constraint may leave out beyond what the others do."""
 MAX_ERROR_WIDTHS = 0.05
 """Image widths: a conversion that is further off somewhere is none."""
-SAMPLE_GRID = (33, 25)
-"""Columns and rows of the pixels at which cameras are fitted to each other, the image's edge among them."""
-SYNTHETIC_GRID = (19, 15)
-"""Columns and rows of the pixels of noise-free views: eighteen views see each of them several times."""
 IMAGE_ERROR_GRID = (129, 97)
 """Columns and rows of the points of the image, its border among them, at which two cameras are compared."""
 EDGE_POINTS = 1025
@@ -46,8 +42,8 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     """Return the camera closest to the source's that one of `constraints` can hold.
 
     The source's own, where it can be written. Otherwise each constraint is fitted to the views (without
-    any, to noise-free views that its camera would have had), and the first wins that explains them about as
-    well as the best: what a tool is used to comes first among its constraints.
+    any, to the rays of the image), and the first wins that explains them about as well as the best: what a
+    tool is used to comes first among its constraints.
 
     Raises CalibrationError ``not_representable`` where none comes near.
     """
@@ -58,12 +54,12 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     found: list[tuple[float, Conversion]] = []
     reasons = []
     # Of what none can hold no constraint is to be chosen.
-    views = source.views or synthetic(source.camera, max(models.get(s.model).max_angle for s in constraints))
+    widest = max(models.get(constraint.model).max_angle for constraint in constraints)
     for constraint in constraints:
         try:
             camera, used = fitted(source, constraint)
             conversion = replace(compare(source.camera, camera), used=used if source.views else ())
-            found.append((resection.reprojection_score(camera, views).rms, conversion))
+            found.append((_rms(source, camera, widest), conversion))
         except CalibrationError as error:
             reasons.append(str(error))
     if not found:
@@ -79,6 +75,16 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
             "not_representable", f"the closest camera this format can hold is {away} somewhere in the image"
         )
     return conversion
+
+
+def _rms(source: ExportSource, camera: Camera, widest: float) -> float:
+    """Rms px of the source's views, or of its rays up to `widest` radians, under a camera."""
+    if source.views:
+        return resection.reprojection_score(camera, source.views).rms
+    rays, q = sampled_rays(source.camera, widest)
+    with np.errstate(all="ignore"):  # beyond what the camera holds
+        away = models.get(camera.model).project(camera.intrinsics, rays) - q
+    return float(np.nan_to_num(np.sqrt(np.square(away).sum(axis=0).mean()), nan=np.inf))
 
 
 def embed(camera: Camera, model: str) -> Camera | None:
@@ -189,38 +195,30 @@ def fit_in_image(camera: Camera, constraint: ModelConstraint) -> Conversion:
     """Fit the camera of a constraint on the camera's own model that draws the picture most alike.
 
     For files that correct pictures: there a turn of the camera, which a fit to keypoints is free to make, is
-    a shift of what is seen. Least squares of the distance over the image, Gauss-Newton.
+    a shift of what is seen.
     """
     if satisfies(camera, constraint):
         return Conversion(camera)
-    model = models.get(camera.model)
-    free = _directions(model, constraint)
-    w, h = camera.img_size
-    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
-    q = np.stack([x.ravel(), y.ravel()])
-    rays = model.unproject(camera.intrinsics, q)
-    seen = np.isfinite(rays).all(axis=0)
-    a = np.linalg.lstsq(free, camera.intrinsics, rcond=None)[0]
-    for _ in range(10):
-        there, by_k, _ = model.jacobian(free @ a, rays[:, seen])
-        rows = np.tensordot(by_k, free, axes=(0, 0)).transpose(2, 0, 1).reshape(free.shape[1], -1)
-        a = a - np.linalg.lstsq(rows.T, (there - q[:, seen]).ravel(), rcond=None)[0]
-    return compare(camera, Camera.from_intrinsics(model.name, free @ a, camera.img_size))
+    return compare(camera, fit_to_rays(camera, constraint))
 
 
 def fitted(source: ExportSource, constraint: ModelConstraint) -> tuple[Camera, tuple[Mask, ...]]:
-    """Fit a camera of some constraint to the source's views; also return the points used.
+    """Fit a camera of some constraint to the source's views, or rays; also return the points used.
 
     Raises CalibrationError where no believable one fits.
     """
-    measured = bool(source.views)
-    views = source.views or synthetic(source.camera, models.get(constraint.model).max_angle)
+    if not source.views:
+        closest = fit_to_rays(embed(source.camera, constraint.model) or source.camera, constraint)
+        model = models.get(constraint.model)
+        rays, _ = sampled_rays(source.camera, model.max_angle)
+        if (~model.valid(np.asarray(closest.distortion), rays)).mean() > MAX_SHARE_OUTSIDE_DOMAIN:
+            raise CalibrationError("not_representable", "the simpler model folds the image over")
+        return closest, ()
+    views = source.views
     first = embed(source.camera, constraint.model)
     used: tuple[Mask, ...] = tuple(np.ones(len(view), dtype=bool) for view in views)
     if first is None:
-        calibration = fit(
-            views, source.camera.img_size, constraint.model, robust=measured, start=source.camera
-        )
+        calibration = fit(views, source.camera.img_size, constraint.model, start=source.camera)
         first, used = calibration.camera, calibration.used
         if not (constraint.zero or constraint.equal_focal):
             return first, used
@@ -237,7 +235,7 @@ def fit_constrained(
     Raises CalibrationError ``not_representable`` where nothing comes of it.
     """
     model = models.get(camera.model)
-    basis = _directions(model, constraint)
+    basis = free_directions(model, constraint)
     k = basis @ np.linalg.lstsq(basis, camera.intrinsics, rcond=None)[0]
     obs = Observations.of(views)
     weights = np.zeros(obs.mask.shape)
@@ -250,60 +248,3 @@ def fit_constrained(
     if not (np.isfinite(state.k).all() and np.isfinite(state.square[weights > 0]).all()):
         raise CalibrationError("not_representable", "the fit of the simpler model ran away")
     return Camera.from_intrinsics(model.name, state.k, camera.img_size)
-
-
-def _directions(model: Model, constraint: ModelConstraint) -> Array:
-    """T (p, a): fx fy cx cy and the coefficients that a constraint leaves free."""
-    kept = [
-        i
-        for i, name in enumerate(("fx", "fy", "cx", "cy", *model.coefficients))
-        if name not in constraint.zero
-    ]
-    free = np.eye(model.size)[:, kept]
-    if constraint.equal_focal:
-        free = np.delete(free, 1, axis=1)
-        free[1, 0] = 1
-    return free
-
-
-def synthetic(camera: Camera, widest: float = math.pi) -> tuple[View, ...]:
-    """Make views without noise, as the camera would have them of a plane: they stand in for measurements.
-
-    Planes facing nine directions over the image, each turned to two sides; of points up to `widest` radians
-    off the axis.
-    """
-    w, h = camera.img_size
-    columns, rows = SYNTHETIC_GRID
-    x, y = np.meshgrid(np.linspace(0, w - 1, columns), np.linspace(0, h - 1, rows))
-    q = np.stack([x.ravel(), y.ravel()], axis=1)
-    rays = camera.unproject(q)
-    good = rays[:, 2] > np.cos(widest)  # false, too, where there is no ray
-    q, rays = q[good], rays[good]
-    views = []
-    for cx in (0.2, 0.5, 0.8):
-        for cy in (0.2, 0.5, 0.8):
-            centre = camera.unproject(np.array([[cx * (w - 1), cy * (h - 1)]]))[0]
-            if not np.isfinite(centre).all():
-                continue
-            for turn in ([0.0, 0.5, 0.0], [0.5, -0.3, 0.0]):
-                view = _plane(rays, q, centre, np.array(turn))
-                if view is not None:
-                    views.append(view)
-    if not views:
-        raise CalibrationError("not_representable", "the camera has no rays")
-    return tuple(views)
-
-
-def _plane(rays: Array, q: Array, centre: Array, turn: Array) -> View | None:
-    """Where the rays near `centre` meet a plane one unit away, tilted by `turn`."""
-    near = rays @ centre > np.cos(0.6)
-    frame = rotation.rotation_to_ray(centre) @ rotation.matrix(turn[None])[0]
-    depth = rays[near] @ frame[:, 2]
-    distance = float(centre @ frame[:, 2])
-    ahead = depth > 0.1
-    if ahead.sum() < 12:
-        return None
-    p = rays[near][ahead] * (distance / depth[ahead])[:, None]
-    plane = (p - centre) @ frame
-    plane[:, 2] = 0.0
-    return View(plane, q[near][ahead])

@@ -1,0 +1,110 @@
+"""Ray fit: the camera of another model whose projections of an image's rays are closest to their pixels.
+
+In the frame of that camera: a turn, which a fit to keypoints is free to make, would be a shift of all that
+is seen, and in a rig would contradict the poses of the cameras.
+"""
+
+import numpy as np
+
+from .. import deadline, models
+from ..arrays import Array
+from ..camera import Camera
+from ..errors import CalibrationError
+from ..models import Model
+from .base import ModelConstraint
+
+SAMPLE_GRID = (33, 25)
+"""Columns and rows of the pixels at which cameras are fitted to each other, the image's edge among them."""
+MAX_STEPS = 100
+"""Steps of one fit at most: valleys of denominators are long."""
+MIN_PROGRESS = 1e-6
+"""Share of the sum of squares below which a step is the last."""
+MAX_FOLLOWED = 3
+"""Starts that are followed to their optimum."""
+MAX_DAMPING = 1e9
+
+
+def sampled_rays(camera: Camera, max_angle: float = np.pi) -> tuple[Array, Array]:
+    """Return unit rays (3, n) of pixels all over an image, and the pixels (2, n), up to an angle in radians.
+
+    Raises CalibrationError ``not_representable`` where there are none.
+    """
+    w, h = camera.img_size
+    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
+    q = np.stack([x.ravel(), y.ravel()])
+    rays = models.get(camera.model).unproject(camera.intrinsics, q)
+    seen = rays[2] > np.cos(max_angle)  # false, too, where there is no ray
+    if seen.sum() < models.get(camera.model).size:
+        raise CalibrationError("not_representable", "the camera has no rays")
+    return rays[:, seen], q[:, seen]
+
+
+def fit_to_rays(camera: Camera, constraint: ModelConstraint) -> Camera:
+    """Fit the camera of a constraint that draws the picture most alike, by least squares over the image.
+
+    Raises CalibrationError ``not_representable`` where none comes of it.
+    """
+    model = models.get(constraint.model)
+    rays, q = sampled_rays(camera, model.max_angle)
+    basis = free_directions(model, constraint)
+    own = camera.model == model.name
+    starts = [camera.intrinsics] if own else _starts(model, camera, rays, q)
+    with np.errstate(all="ignore"):  # a step too far is tested before it is taken
+        found = [_descend(model, basis, np.linalg.lstsq(basis, k, rcond=None)[0], rays, q) for k in starts]
+    square, k = min(found, key=lambda one: one[0])
+    if not np.isfinite(square):
+        raise CalibrationError("not_representable", "the fit of the simpler model ran away")
+    return Camera.from_intrinsics(model.name, k, camera.img_size)
+
+
+def free_directions(model: Model, constraint: ModelConstraint) -> Array:
+    """T (p, a): fx fy cx cy and the coefficients that a constraint leaves free; intrinsics are T a."""
+    kept = [
+        i
+        for i, name in enumerate(("fx", "fy", "cx", "cy", *model.coefficients))
+        if name not in constraint.zero
+    ]
+    free = np.eye(model.size)[:, kept]
+    if constraint.equal_focal:
+        free = np.delete(free, 1, axis=1)
+        free[1, 0] = 1
+    return free
+
+
+def _starts(model: Model, camera: Camera, rays: Array, q: Array) -> list[Array]:
+    """Return the best intrinsics (p,) with each of the model's initial coefficients; focal lengths follow."""
+    found = []
+    initial = [model.start(1.0, camera.img_size), *model.initial_intrinsics(camera.img_size)]
+    for d in {tuple(k[4:].tolist()) for k in initial}:
+        with np.errstate(all="ignore"):
+            u = model.distort(np.array(d), rays)
+        if not np.isfinite(u).all():
+            continue
+        lines = [np.polyfit(u[axis], q[axis], 1) for axis in (0, 1)]
+        k = np.array([lines[0][0], lines[1][0], lines[0][1], lines[1][1], *d])
+        found.append((float(np.square(model.project(k, rays) - q).sum()), k))
+    return [k for _, k in sorted(found, key=lambda one: one[0])[:MAX_FOLLOWED]]
+
+
+def _descend(model: Model, basis: Array, a: Array, rays: Array, q: Array) -> tuple[float, Array]:
+    """Return the sum of squares and the intrinsics T a at the optimum near a, by Levenberg-Marquardt."""
+    damping = 1e-6
+    square = float(np.square(model.project(basis @ a, rays) - q).sum())
+    for _ in range(MAX_STEPS):
+        deadline.check()
+        there, by_k, _ = model.jacobian(basis @ a, rays)
+        rows = np.tensordot(by_k, basis, axes=(0, 0)).transpose(2, 0, 1).reshape(basis.shape[1], -1)
+        scale = np.sqrt(np.square(rows).sum(axis=1)) + 1e-300
+        rows = rows / scale[:, None]
+        normal, gradient = rows @ rows.T, rows @ (there - q).ravel()
+        before = square
+        while damping < MAX_DAMPING:
+            step = np.linalg.lstsq(normal + damping * np.eye(len(a)), gradient, rcond=None)[0] / scale
+            tried = float(np.square(model.project(basis @ (a - step), rays) - q).sum())
+            if tried <= square:
+                a, square, damping = a - step, tried, max(damping / 10, 1e-12)
+                break
+            damping *= 10
+        if before - square <= MIN_PROGRESS * square:
+            break
+    return square, basis @ a
