@@ -123,7 +123,8 @@ def undo_moment(call: application.Call) -> Response:
 
     def without(session: SessionDocument) -> tuple[SessionDocument | None, None]:
         left = tuple(view for view in session.views if view.moment != moment)
-        if len(left) == len(session.views) or session.finish is not None:
+        elsewhere = session.rig is None or session.rig.id != rig_id
+        if elsewhere or len(left) == len(session.views) or session.finish is not None:
             return None, None
         rules, views, excluded = stored.parse(session.model_copy(update={"views": left}).model_dump())
         found = rules.reconcile(views, excluded)
@@ -200,7 +201,8 @@ def forget(call: application.Call) -> Response:
             store.rig_codes.remove(code.digest)
         for member in document.members:
             session = store.sessions.find(member.session) if member else None
-            if member is not None and session is not None and session.rig is not None:
+            # A session that left may be a camera of another rig by now.
+            if member is not None and session is not None and session.rig and session.rig.id == rig_id:
                 store.sessions.forget(member.session, now)
     if not store.rigs.forget(rig_id, now):
         raise NotFoundError("There is no rig with this id.", kind="no-rig")

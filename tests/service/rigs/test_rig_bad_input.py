@@ -249,6 +249,18 @@ def test_rig_whose_cameras_all_left_waits_for_them(stack: LocalStack) -> None:
     assert (state["target"], state["uncertainty"], state["unlinked"]) == (None, None, [0, 1])
 
 
+def test_forgotten_rig_leaves_sessions_alone_that_are_in_another(stack: LocalStack) -> None:
+    first, second = RigTruth(stack, seed=31).open(), RigTruth(stack, seed=32, count=3).open()
+    moved = first.clients[1]
+    assert moved.call("DELETE", "/v1/session").status == 204
+    wanted = {"code": second.join_code}
+    second.clients[2].call("DELETE", "/v1/session")
+    assert moved.call("POST", "/v1/session", {**second.request(2), "rig": wanted}).status == 201
+    assert first.call("DELETE").status == 204
+    assert moved.call("GET", "/v1/session").status == 200
+    assert second.state()["cameras"][2]["status"] == "capturing"
+
+
 def test_forgotten_rig_leaves_nothing_running(stack: LocalStack) -> None:
     rig = RigTruth(stack, seed=8).open()
     rig.moment("m0")

@@ -4,11 +4,13 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
+from unittest import mock
 
 import pytest
 from botocore.awsrequest import AWSPreparedRequest
 from botocore.exceptions import ReadTimeoutError
 
+from calibdb.errors import UnavailableError
 from infra.local import LocalStack
 from infra.local.storage import Answer
 from tests.helpers.service.client import CAMERA, TOKEN, Client
@@ -117,6 +119,21 @@ def test_forgetting_a_rig_survives_a_crash_at_every_write(stack: LocalStack) -> 
     completed(lambda: rig.call("DELETE"))
     for client in rig.clients:
         assert client.call("GET", "/v1/session").status == 404
+
+
+def test_session_started_anew_while_its_rig_ends_is_another_capture(stack: LocalStack) -> None:
+    rig = RigTruth(stack, seed=22).open()
+    for n in range(5):
+        rig.moment(f"m{n}")
+    with mock.patch("calibdb.store.endings.publish_rig", side_effect=UnavailableError("killed")):
+        assert rig.call("POST", "/finish").status == 503
+    assert rig.state()["status"] == "finished"
+    moved = rig.clients[1]
+    assert moved.call("DELETE", "/v1/session").status == 204
+    assert moved.call("POST", "/v1/session", CAMERA).status == 201
+    assert rig.call("POST", "/finish").status == 200
+    state = moved.state()
+    assert (state["status"], state["calibration_id"]) == ("capturing", None)
 
 
 def test_place_of_a_camera_that_never_came_is_given_away(stack: LocalStack) -> None:

@@ -276,8 +276,11 @@ def ending_of(session: SessionDocument, outcome: Mapping[str, Any], solver: str,
 
 
 def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocument | None:
-    """End a session as its rig ended; None where it has ended. Views that came too late are dropped."""
-    if session.finish is not None:
+    """End a session as its rig ended; None where it has ended. Views that came too late are dropped.
+
+    None, too, where it was started anew after that was decided: it is another capture.
+    """
+    if session.finish is not None or session_rules.calibration_id(session) != ending.finish.calibration_id:
         return None
     statuses = {index: {"rms": rms, "set_aside": aside} for index, rms, aside in ending.views}
     views = [view.model_copy(update=statuses[view.index]) for view in session.views if view.index in statuses]

@@ -271,9 +271,8 @@ def with_finish(
     The calibration's id follows from the session, and sorts by the time at which it was started: however
     often it is published, it is one calibration.
     """
-    name = calibration_name(document.session, document.first_version)
     finish = Finish(
-        calibration_id=f"{document.camera_key}-{name}",
+        calibration_id=calibration_id(document),
         time=now,
         contributor=contributor,
         source=source,
@@ -282,6 +281,11 @@ def with_finish(
     )
     ended = {"finish": finish, "target": None, "skipped": (), "unreached": (), "doubted": ()}
     return document.model_copy(update=ended)
+
+
+def calibration_id(document: SessionDocument) -> str:
+    """Return the id of the calibration that a session leads to, were it to end."""
+    return f"{document.camera_key}-{calibration_name(document.session, document.first_version)}"
 
 
 def calibration_name(sid: str, first_version: int) -> str:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..arrays import Array
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv, make_camera
@@ -21,9 +22,13 @@ class Ros(Format):
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the members in the order that ROS writes them."""
+        k = np.asarray(conversion.camera.matrix)
+        return self.write_rectified(source, conversion, np.eye(3), np.column_stack([k, np.zeros(3)]))
+
+    def write_rectified(self, source: ExportSource, conversion: Conversion, r: Array, p: Array) -> bytes:
+        """Write the camera with the rotation (3, 3) that rectifies it and the projection (3, 4) after it."""
         c = conversion.camera
         k = np.asarray(c.matrix)
-        p = np.concatenate([k, np.zeros((3, 1))], axis=1)
         name = "".join(ch if ch.isascii() and ch.isalnum() else "_" for ch in source.name) or "camera"
         return text.lines(
             self.comment(source, conversion),
@@ -33,12 +38,12 @@ class Ros(Format):
             self._matrix("camera_matrix", 3, 3, k.ravel()),
             f"distortion_model: {ROS_MODELS[c.model]}",
             self._matrix("distortion_coefficients", 1, len(c.distortion), c.distortion),
-            self._matrix("rectification_matrix", 3, 3, np.eye(3).ravel()),
+            self._matrix("rectification_matrix", 3, 3, r.ravel()),
             self._matrix("projection_matrix", 3, 4, p.ravel()),
         )
 
     @staticmethod
-    def _matrix(name: str, rows: int, columns: int, data: np.typing.NDArray[np.float64]) -> list[str]:
+    def _matrix(name: str, rows: int, columns: int, data: Array) -> list[str]:
         return [f"{name}:", f"  rows: {rows}", f"  cols: {columns}", f"  data: [{text.numbers(data)}]"]
 
 

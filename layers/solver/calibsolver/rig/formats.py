@@ -177,18 +177,12 @@ def _ros(source: RigSource) -> _RigFiles:
         found = _rectification(converted[0][1].camera, converted[1][1].camera, source.motion(1))
     files = {}
     for i, (single, conversion) in enumerate(converted):
-        content = form.write(single, conversion).decode()
-        if found is not None:
+        if found is None:
+            content = form.write(single, conversion)
+        else:
             r, p = ((found.r1, found.p1), (found.r2, found.p2))[i]
-            head = content.split("rectification_matrix:")[0]
-            content = (
-                head
-                + text.lines(
-                    form._matrix("rectification_matrix", 3, 3, r.ravel()),
-                    form._matrix("projection_matrix", 3, 4, p.ravel()),
-                ).decode()
-            )
-        files[f"{('left', 'right')[i] if len(source.cameras) == 2 else f'cam{i}'}.yaml"] = content.encode()
+            content = form.write_rectified(single, conversion, r, p)
+        files[f"{('left', 'right')[i] if len(source.cameras) == 2 else f'cam{i}'}.yaml"] = content
     return _RigFiles(files, "application/yaml", _worst(converted))
 
 

@@ -4,6 +4,7 @@ import io
 import json
 import time
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +90,25 @@ def test_ros_has_the_projection_of_a_stereo_pair() -> None:
     for each in (left, right):
         r = np.reshape(each["rectification_matrix"]["data"], (3, 3))
         assert r @ r.T == pytest.approx(np.eye(3))
+
+
+def test_label_of_a_camera_is_no_member_of_a_file() -> None:
+    """Labels are strangers' words: none takes a part of a file away, or stands for one."""
+    labels = [
+        "x rectification_matrix: y",
+        "cam0: [ 0, 0, 0, 0, 0, 0,] } /cam0/",
+        "a\nimage_width: 7 # {a} %s",
+    ]
+    for label in labels:
+        named = replace(source(), names=[label] * 2)
+        for name, content in unpack(formats.write(named, "ros").content).items():
+            plain = yaml.safe_load(unpack(formats.write(source(), "ros").content)[name])
+            assert yaml.safe_load(content) | {"camera_name": ""} == plain | {"camera_name": ""}
+        chains = [yaml.safe_load(formats.write(rig, "kalibr").content) for rig in (named, source())]
+        assert chains[0] == chains[1]
+        for name, content in unpack(formats.write(named, "mrcal").content).items():
+            plain = eval(unpack(formats.write(source(), "mrcal").content)[name], {})
+            assert eval(content, {}) == plain
 
 
 def test_kalibr_chains_each_camera_to_the_one_before() -> None:
