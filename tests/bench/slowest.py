@@ -263,7 +263,7 @@ def search(seconds: float, seed: int) -> Slowest:
             else:
                 client.lookup(camera=camera, platform=PLATFORM, distortion_model=scenario.model)
                 client.call("GET", "/v1/cameras", token=TOKEN, query="query=c")
-            stack.wait_until_idle(60)
+            stack.wait_until_idle(600)
     return slowest
 
 

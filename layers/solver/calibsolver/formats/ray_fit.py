@@ -50,7 +50,7 @@ def fit_to_rays(camera: Camera, constraint: ModelConstraint) -> Camera:
     own = camera.model == model.name
     starts = [camera.intrinsics] if own else _starts(model, camera, rays, q)
     with np.errstate(all="ignore"):  # a step too far is tested before it is taken
-        found = [_descend(model, basis, np.linalg.lstsq(basis, k, rcond=None)[0], rays, q) for k in starts]
+        found = [_descend(model, basis, k, rays, q) for k in starts]
     square, k = min(found, key=lambda one: one[0])
     if not np.isfinite(square):
         raise CalibrationError("not_representable", "the fit of the simpler model ran away")
@@ -86,8 +86,9 @@ def _starts(model: Model, camera: Camera, rays: Array, q: Array) -> list[Array]:
     return [k for _, k in sorted(found, key=lambda one: one[0])[:MAX_FOLLOWED]]
 
 
-def _descend(model: Model, basis: Array, a: Array, rays: Array, q: Array) -> tuple[float, Array]:
-    """Return the sum of squares and the intrinsics T a at the optimum near a, by Levenberg-Marquardt."""
+def _descend(model: Model, basis: Array, k: Array, rays: Array, q: Array) -> tuple[float, Array]:
+    """Return the sum of squares and the intrinsics T a at the optimum near k, by Levenberg-Marquardt."""
+    a = np.linalg.lstsq(basis, k, rcond=None)[0].astype(np.float64)
     damping = 1e-6
     square = float(np.square(model.project(basis @ a, rays) - q).sum())
     for _ in range(MAX_STEPS):
