@@ -3,7 +3,7 @@ import { addCopyButton } from "../lib/copy-button.js";
 import { el } from "../lib/dom.js";
 import { splitLabel, systemName } from "../lib/camera-name.js";
 import { jsonText } from "../lib/json-text.js";
-import { known, t } from "../lib/i18n.js";
+import { dotted, known, t } from "../lib/i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { againAddress } from "../lib/result/card.js";
 import { downloadPart } from "../lib/result/download.js";
@@ -79,7 +79,7 @@ function modeView(page, mode, open, explain) {
   const agreed = Object.values(mode.consensus)[0] ?? null;
   const body = el("div", { class: "inside" });
   const fill = () => body.replaceChildren(
-    el("p", { class: "number" }, [...facts, ...(ready ? [] : [reasonText(mode)])].join(" · ")),
+    el("p", { class: "number" }, dotted([...facts, ...(ready ? [] : [reasonText(mode)])])),
     ...(agreed ? [modelView(page, mode, explain)] : []),
     ...(mode.members.length ? [membersView(mode, agreed, id, explain)] : []),
     badgeView(page.key, mode.img_size, splitLabel(page.camera).name));

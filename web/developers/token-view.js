@@ -1,6 +1,6 @@
 // View of one token: secrets, origins with their proofs, code, use, limits, and its end.
 import { el } from "../lib/dom.js";
-import { known, language, t } from "../lib/i18n.js";
+import { dotted, known, language, t } from "../lib/i18n.js";
 import { copyButton, saveFile } from "./copying.js";
 import { isLoopback } from "./origins.js";
 import { limitsTable } from "./plans.js";
@@ -62,7 +62,7 @@ function factsLine({ plan, created, expires, former_until: until }) {
   const facts = [t("developers.plan", { plan }), t("developers.created", { time: dateOf(created) }),
     ...(expires ? [t("developers.expires", { time: dateOf(expires) })] : []),
     ...(until ? [t("developers.former_until", { time: dateOf(until) })] : [])];
-  return el("p", { class: "muted", id: "token-facts" }, facts.join(" · "));
+  return el("p", { class: "muted", id: "token-facts" }, dotted(facts));
 }
 
 /** @param {KeptToken} token @param {Choices} choices @param {Actions} actions */

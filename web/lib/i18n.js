@@ -112,6 +112,9 @@ export function number(value, digits) {
 /** A size as it is written, on one line. @param {readonly number[]} size */
 export const sized = (size) => size.join("\u00a0×\u00a0");
 
+/** "4 views · ChArUco 9 × 6": no line begins with a dot. @param {string[]} facts */
+export const dotted = (facts) => facts.join("\u00a0· ");
+
 /** As many digits as a measured error is worth: two. @param {number} value */
 export function rough(value) {
   const digits = value > 0 ? Math.min(4, Math.max(0, 1 - Math.floor(Math.log10(value)))) : 1;

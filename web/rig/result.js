@@ -4,7 +4,7 @@ import { addCopyButton } from "../lib/copy-button.js";
 import { ApiError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { number, onLanguage, rough, sized, t } from "../lib/i18n.js";
+import { dotted, number, onLanguage, rough, sized, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { Rig } from "../sdk/rig.js";
 import { rectifiedPart } from "./rectified-part.js";
@@ -121,7 +121,7 @@ function head({ cameras, rig_id: id, moments }, { verdict, rms, held_out_rms: he
     ...(uncertainty ? [el("p", { class: "lead" }, t("rig.uncertainty", {
       rms: rough(uncertainty.rms), rotation: rough(uncertainty.rotation_deg), translation: rough(uncertainty.translation_percent),
     }))] : []),
-    el("p", { class: "muted small" }, figures.join(" · ")),
+    el("p", { class: "muted small" }, dotted(figures)),
     el("div", { class: "actions" }, copyButton(t("rig.copy_link"), () => new URL(`?id=${encodeURIComponent(id)}`, location.href).href), el("a", { class: "button", href: "./" }, t("rig.another"))));
 }
 

@@ -159,7 +159,7 @@ def example_pages(web: Path) -> Mapping[str, str]:
 
 
 def _page(web: Path, example: Example) -> str:
-    others = " · ".join(
+    others = "&nbsp;· ".join(
         f'<a href="../{one.folder}/">{one.name}</a>' for one in ENGINES if one.folder != example.folder
     )
     style = f'\n  <link rel="stylesheet" href="../../{example.style}">' if example.style else ""

@@ -1,7 +1,7 @@
 // Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
 import { el } from "../dom.js";
 import { splitLabel } from "../camera-name.js";
-import { language, pageUrl, rough, sized, t } from "../i18n.js";
+import { dotted, language, pageUrl, rough, sized, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
 import { copyButton, hint } from "./menu.js";
 import { levelOf } from "./numbers.js";
@@ -109,11 +109,11 @@ function returning({ returnTo, returnOrigins = [] }, id) {
 /** "4 views · ChArUco 9 × 6 · 22 Nov 2026". @param {Calibration} calibration @param {Report | null} report @param {any} board */
 function factsText(calibration, report, board) {
   const date = new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(calibration.calibration_time * 1000));
-  return [
+  return dotted([
     ...(report ? [t("result.views_count", { count: report.views.length })] : []),
     ...(board ? [`${BOARDS[board.kind ?? "charuco"] ?? board.kind} ${sized(board.squares)}`] : []),
     date, calibration.distortion_model,
-  ].join(" · ");
+  ]);
 }
 
 /**
