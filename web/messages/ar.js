@@ -49,7 +49,7 @@ export default {
       "Auf die Tafel vor Ihrer Kamera werden ein Gitter und ein Haus gezeichnet. Ohne Korrektur des Objektivs "
         + "driften sie zum Bildrand hin ab. Mit ihr bleiben sie, wo sie hingehören.",
     need_board:
-      "Sie brauchen die <0>Kalibriertafel</0> auf einem zweiten Bildschirm, auf Telefon oder Tablet oder auf Papier.",
+      "Sie brauchen die <0>Kalibriertafel</0> auf einem zweiten Bildschirm, auf Handy oder Tablet oder auf Papier.",
     privacy:
       "<0>Bilder verlassen dieses Gerät nie.</0> Um Ihre Kamera nachzuschlagen, sendet diese Seite deren "
         + "Namen, Auflösung und Zoom sowie Ihr Betriebssystem.",

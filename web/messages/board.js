@@ -56,24 +56,24 @@ export default {
   de: {
     title: "Kalibriertafel · calibDB",
     description:
-      "Die Kalibriertafel für Bildschirm, Telefon oder Drucker, und umgekehrt: die Kamera eines Telefons, "
+      "Die Kalibriertafel für Bildschirm, Handy oder Drucker, und umgekehrt: die Kamera eines Handys, "
         + "kalibriert mit Ihrem Bildschirm.",
     heading: "Kalibriertafel",
     lead:
-      "Zeigen Sie die Tafel auf einem zweiten Bildschirm, Tablet oder Telefon, oder drucken Sie sie. "
+      "Zeigen Sie die Tafel auf einem zweiten Bildschirm, Tablet oder Handy, oder drucken Sie sie. "
         + "Bildschirme sind völlig eben. Wirkt die Tafel überstrahlt, verringern Sie die Helligkeit.",
     full_screen: "Im Vollbild zeigen",
-    on_phone: "Auf Telefon oder Tablet",
+    on_phone: "Auf Handy oder Tablet",
     on_phone_text:
-      "Scannen Sie diesen Code mit dem Telefon oder Tablet. Es zeigt die Tafel dann so groß wie möglich und "
+      "Scannen Sie diesen Code mit dem Handy oder Tablet. Es zeigt die Tafel dann so groß wie möglich und "
         + "lässt den Bildschirm an.",
-    phone_camera: "Die Kamera eines Telefons mit diesem Bildschirm kalibrieren",
+    phone_camera: "Die Kamera eines Handys mit diesem Bildschirm kalibrieren",
     phone_camera_text:
-      "Dieser Bildschirm zeigt die Tafel, und das Telefon sieht sie an. Scannen Sie den Code mit dem Telefon: "
+      "Dieser Bildschirm zeigt die Tafel, und das Handy sieht sie an. Scannen Sie den Code mit dem Handy: "
         + "Die Seite, die sich öffnet, verwendet die Rückkamera und kennt diese Tafel.",
     full_screen_code: "Mit diesem Code im Vollbild zeigen",
-    qr_phone: "QR-Code, der die Kalibrierung auf einem Telefon öffnet",
-    scan_me: "Mit dem Telefon scannen und kalibrieren",
+    qr_phone: "QR-Code, der die Kalibrierung auf einem Handy öffnet",
+    scan_me: "Mit dem Handy scannen und kalibrieren",
     only_here:
       "Die eigene Adresse dieses Computers gilt auf keinem anderen Gerät. Öffnen Sie diese Seite unter einer "
         + "Adresse, die das andere Gerät erreicht.",

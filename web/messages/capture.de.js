@@ -113,7 +113,7 @@ export default {
   say_moire: "Streifen im Bild",
   say_moving: "Langsamer bewegen",
 
-  do_show: "Noch keine Tafel? Zeigen Sie sie auf dem Telefon oder einem zweiten Bildschirm, oder drucken Sie sie.",
+  do_show: "Noch keine Tafel? Zeigen Sie sie auf dem Handy oder einem zweiten Bildschirm, oder drucken Sie sie.",
   do_dark: "Machen Sie Licht, oder drehen Sie die Tafel zum Fenster.",
   do_bright: "Drehen Sie die Tafel vom Licht weg, oder verringern Sie die Helligkeit ihres Bildschirms.",
   do_blurred:
@@ -189,7 +189,7 @@ export default {
   at_least: "mindestens {count}",
   goal_early: "genau genug; noch {count} zur Bestätigung",
   finish: "Jetzt fertigstellen",
-  turn_device: "Drehen Sie das Telefon quer: Das Bild wird größer.",
+  turn_device: "Drehen Sie das Handy quer: Das Bild wird größer.",
   fact_camera: "Kamera",
   fact_platform: "Betriebssystem",
   fact_img_size: "Auflösung",

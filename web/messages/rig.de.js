@@ -29,7 +29,7 @@ export default {
   step_others: "Andere Geräte hinzufügen",
   others: "Kameras an anderen Geräten",
   others_text: "Sie nehmen mit einem QR-Code oder einem Code aus sechs Zeichen teil, den Sie im nächsten Schritt bekommen.",
-  square: "Seite eines Felds in mm (freiwillig)",
+  square: "Seite eines Felds in mm (optional)",
   square_text: "Wenn Sie ein Feld messen, erhalten Sie Abstände in Metern statt in Feldern.",
   step_code: "Code eingeben",
   code: "Code auf dem ersten Gerät",

@@ -21,7 +21,7 @@ export default {
     reverse: "Calibrate a phone's camera with this screen",
   },
   de: {
-    phone: "Telefon oder Tablet",
+    phone: "Handy oder Tablet",
     phone_why: "Scannen Sie damit diesen Code. Schnell und völlig eben.",
     computer: "Computer oder Tablet",
     computer_why: "Öffnen Sie dort diese Adresse, und zeigen Sie die Tafel im Vollbild. Groß und völlig eben.",
@@ -34,10 +34,10 @@ export default {
     paper_file: "PDF, {paper}",
     qr: "QR-Code, der die Tafel auf einem anderen Gerät öffnet",
     only_here: "Die eigene Adresse dieses Computers: Andere Geräte können sie nicht öffnen.",
-    scan: "Scannen Sie diesen Code mit Telefon oder Tablet, um die Tafel dort zu zeigen.",
+    scan: "Scannen Sie diesen Code mit Handy oder Tablet, um die Tafel dort zu zeigen.",
     type: "Öffnen Sie diese Adresse auf einem Computer oder Tablet, um die Tafel dort zu zeigen:",
-    on_other_screen: "Die Tafel ist auf Ihrem anderen Bildschirm. Richten Sie die Rückkamera dieses Telefons darauf.",
-    reverse: "Die Kamera eines Telefons mit diesem Bildschirm kalibrieren",
+    on_other_screen: "Die Tafel ist auf Ihrem anderen Bildschirm. Richten Sie die Rückkamera dieses Handys darauf.",
+    reverse: "Die Kamera eines Handys mit diesem Bildschirm kalibrieren",
   },
   uk: {
     phone: "Телефон або планшет",
