@@ -58,7 +58,8 @@ function showStatistics() {
   const rows = [...history].reverse().map((snapshot) => el("tr", {}, el("th", { scope: "row" }, snapshot.date), ...FIGURES.map((name) => el("td", {}, count(snapshot[name])))));
   part("history", HTMLElement).replaceChildren(el("thead", {}, head), el("tbody", {}, ...rows));
   part("wanted-rows", HTMLElement).replaceChildren(...wanted.map(({ key, camera, asked, calibrations }) => el("tr", {},
-    el("th", { scope: "row" }, key ? el("a", { href: `../cameras/?key=${encodeURIComponent(key)}` }, camera) : camera), el("td", {}, count(asked)), el("td", {}, count(calibrations)))));
+    el("th", { scope: "row" }, key ? el("a", { href: `../cameras/?key=${encodeURIComponent(key)}` }, camera) : camera),
+    el("td", { "data-label": t("data.asked") }, count(asked)), el("td", { "data-label": t("data.so_far") }, count(calibrations)))));
   reveal("chart-table", true);
   reveal("wanted-table", wanted.length > 0);
   reveal("nothing-wanted", wanted.length === 0);

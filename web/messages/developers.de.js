@@ -112,7 +112,7 @@ export default {
   refresh: "Aktualisieren",
   total_hours: "{what} in den letzten 48 Stunden: {total}; höchstens {most} in einer Stunde",
   total_days: "{what} in den letzten 30 Tagen: {total}; höchstens {most} an einem Tag (UTC)",
-  about_use: "Abfragen im Tarif free erscheinen nach bis zu zehn Minuten. Kameras, die der Netzrand beantwortet, werden nicht gezählt.",
+  about_use: "Abfragen im Tarif free erscheinen nach bis zu zehn Minuten. Was die Auslieferung (CDN) aus dem Zwischenspeicher beantwortet, wird nicht gezählt.",
   as_table: "Als Tabelle",
   table_hours: "Aufrufe je Stunde, die neueste zuerst",
   table_days: "Aufrufe je Tag (UTC), der neueste zuerst",
