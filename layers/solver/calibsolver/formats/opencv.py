@@ -23,14 +23,7 @@ class OpenCvYaml(Format):
         """Write plain members, then the matrices; omnidirectional cameras have `xi` and four coefficients."""
         body = [f"{key}: {_scalar(value)}" for key, value in members(source, conversion).items()]
         for key, value in matrices(conversion).items():
-            rows, columns = value.shape
-            body += [
-                f"{key}: !!opencv-matrix",
-                f"   rows: {rows}",
-                f"   cols: {columns}",
-                "   dt: d",
-                f"   data: [ {text.numbers(value.ravel())} ]",
-            ]
+            body += yaml_matrix(key, value)
         return text.lines("%YAML:1.0", "---", self.comment(source, conversion), body)
 
 
@@ -56,6 +49,18 @@ class OpenCvJson(Format):
                 "data": matrix.ravel().tolist(),
             }
         return text.dump(value, conversion.warning)
+
+
+def yaml_matrix(key: str, matrix: Array) -> list[str]:
+    """Return the lines of a matrix in OpenCV's YAML."""
+    rows, columns = matrix.shape
+    return [
+        f"{key}: !!opencv-matrix",
+        f"   rows: {rows}",
+        f"   cols: {columns}",
+        "   dt: d",
+        f"   data: [ {text.numbers(matrix.ravel())} ]",
+    ]
 
 
 def members(source: ExportSource, conversion: Conversion) -> dict[str, str | int | float]:

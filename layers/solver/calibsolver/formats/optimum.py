@@ -10,15 +10,13 @@ from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting import resection
-from ..fitting.fit import refine
-from ..fitting.levenberg_marquardt import Options, Problem
+from ..fitting.fit import FREE, refine
+from ..fitting.levenberg_marquardt import Problem
 from ..fitting.observations import Observations
 from ..view import View
 from .base import Conversion, ExportSource
 from .convert import compare
 
-FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
-"""Least squares alone may wind through long valleys."""
 MIN_USED = 6
 """Points of a view with which it counts."""
 

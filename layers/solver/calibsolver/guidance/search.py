@@ -49,9 +49,10 @@ class Candidates:
         return Candidates(self.unit[index], self.information[index])
 
 
-def whitening(information: Array) -> Array:
+def cholesky_whitening(information: Array) -> Array:
     """Whitening matrix M (p, p) of an information matrix A (p, p): M A M' = 1.
 
+    Unlike `arrays.whitening` it is triangular: Cholesky's decomposition of the matrix with a ridge of 1e-13.
     Corners with hardly any noise leave some directions known so much better than others that rounding makes
     A indefinite; then the eigenvalues of the worst directions are raised to a small positive number.
     """
@@ -98,7 +99,7 @@ class Search:
         self.skipped = skipped
         self.history = history
         self.corners = CornerGrid.of(board, 5)
-        self._whiten = whitening(posterior.information)
+        self._whiten = cholesky_whitening(posterior.information)
         self._metric = self._whiten @ posterior.error_metric @ self._whiten.T
         self._offsets = candidates.r_sequence(SAMPLES_PER_ELITE * ELITE_COUNT, 1) - 0.5
 

@@ -156,14 +156,7 @@ def _opencv(source: RigSource) -> _RigFiles:
             f"unit: {text.quote(source.unit)}",
         ]
         for key, value in members.items():
-            rows, columns = value.shape
-            body += [
-                f"{key}: !!opencv-matrix",
-                f"   rows: {rows}",
-                f"   cols: {columns}",
-                "   dt: d",
-                f"   data: [ {text.numbers(value.ravel())} ]",
-            ]
+            body += opencv.yaml_matrix(key, value)
         files[f"stereo-0-{i}.yml"] = text.lines("%YAML:1.0", "---", body)
     return _RigFiles(files, "application/yaml", _worst(converted))
 
