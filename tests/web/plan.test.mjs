@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { observedOutline } from "../../web/lib/board-outline.js";
-import { nextPlanned, plannedPose, trusted } from "../../web/calibrate/plan.js";
+import { nextPlanned, plannedPose, trustedCalibration } from "../../web/calibrate/plan.js";
 
 const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
 const camera = ([width, height], k1, k2 = 0, f = 0.8) => ({
@@ -45,10 +45,10 @@ test("the plan's own camera can draw all of it", () => {
 test("an estimate of fewer than three views draws nothing", () => {
   const calibration = camera([1280, 720], -0.2);
   const views = (count, aside = 0) => Array.from({ length: count }, (_, index) => ({ set_aside: index < aside ? {} : null }));
-  assert.equal(trusted(null), null);
-  assert.equal(trusted({ calibration, views: views(2) }), null);
-  assert.equal(trusted({ calibration, views: views(3, 1) }), null);
-  assert.equal(trusted({ calibration, views: views(3) }), calibration);
+  assert.equal(trustedCalibration(null), null);
+  assert.equal(trustedCalibration({ calibration, views: views(2) }), null);
+  assert.equal(trustedCalibration({ calibration, views: views(3, 1) }), null);
+  assert.equal(trustedCalibration({ calibration, views: views(3) }), calibration);
 });
 
 test("a target without the service is as large for every model of the same focal length at the axis", () => {

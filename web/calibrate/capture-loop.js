@@ -4,7 +4,7 @@ import { DetectorError, grab } from "../lib/detector.js";
 import { Pace, nextFrame } from "../lib/frames.js";
 import { nextProbe } from "../lib/capture/diagnosis.js";
 import { decide, isSettled, lenience } from "./hold.js";
-import { nextPlanned, trusted } from "./plan.js";
+import { nextPlanned, trustedCalibration } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
 import { isEnough, isFinishable, isOfSize, viewCount } from "./state.js";
 import { motion } from "../lib/capture/stillness.js";
@@ -215,7 +215,7 @@ export class CaptureLoop {
   #setPlannedTarget() {
     const { board, capture: { key, session } } = this.#state;
     if (isEnough(this.#state)) return;
-    const planned = key && nextPlanned(this.#plan, this.#planned, board, key.img_size, trusted(session));
+    const planned = key && nextPlanned(this.#plan, this.#planned, board, key.img_size, trustedCalibration(session));
     if (!planned) return;
     this.#planned = planned.next;
     this.#setTarget(planned.pose, null);

@@ -31,7 +31,7 @@ const IN_SIGHT = 0.6;
  * Known lens of the camera, as far as targets can be drawn with it.
  * @param {{calibration: Intrinsics | null, views: {set_aside?: object | null}[]} | null} session
  */
-export function trusted(session) {
+export function trustedCalibration(session) {
   return session && session.views.filter(({ set_aside }) => !set_aside).length >= MIN_TRUSTED_VIEWS ? session.calibration : null;
 }
 

@@ -6,7 +6,7 @@ import { t } from "../lib/i18n.js";
  * @param {{heading: string, text: string, yes: string, no?: string}} question in words
  * @returns {Promise<boolean>} false, too, where the question is closed
  */
-export function confirmed({ heading, text, yes, no = t("developers.keep_it") }) {
+export function askConfirmation({ heading, text, yes, no = t("developers.keep_it") }) {
   const [agree, decline] = [el("button", { type: "submit", value: "yes", class: "danger" }, yes), el("button", { type: "submit", value: "no", autofocus: true }, no)];
   const dialog = el("dialog", { class: "question", "aria-labelledby": "question-heading", "aria-describedby": "question-text" },
     el("form", { method: "dialog" }, el("h2", { id: "question-heading" }, heading), el("p", { id: "question-text" }, text), el("div", { class: "actions" }, decline, agree)));

@@ -6,7 +6,7 @@ import { OfflineError } from "../lib/network.js";
 import { openPage } from "../lib/page.js";
 import { SettingsError, loadSettings, storedSettings } from "../lib/settings.js";
 import words from "../messages/developers.js";
-import { confirmed } from "./confirmation.js";
+import { askConfirmation } from "./confirmation.js";
 import { saveFile } from "./copying.js";
 import { failureText, originsRefused } from "./errors.js";
 import { KeptTokens, STORAGE_KEY, TokenFileError, browserStorage, fileOf, tokensInFile } from "./kept-tokens.js";
@@ -192,7 +192,7 @@ function actionsOf(token) {
 }
 
 /** @param {KeptToken} token @param {"revoke" | "forget"} what */
-const ask = (token, what) => confirmed({
+const ask = (token, what) => askConfirmation({
   heading: t(`developers.ask_${what}`, { name: titleOf(token) }), text: t(`developers.ask_${what}_text`), yes: t(`developers.yes_${what}`),
 });
 
@@ -287,7 +287,7 @@ file.addEventListener("change", async () => {
 async function load(token) {
   const before = kept.all.find(({ id }) => id === token.id);
   const other = before && before.token !== token.token;
-  if (other && !await confirmed({ heading: t("developers.ask_replace", { name: titleOf(before) }), text: t("developers.ask_replace_text"), yes: t("developers.yes_replace") })) return;
+  if (other && !await askConfirmation({ heading: t("developers.ask_replace", { name: titleOf(before) }), text: t("developers.ask_replace_text"), yes: t("developers.yes_replace") })) return;
   keep({ ...before, ...token, management_token: token.management_token ?? before?.management_token });
 }
 

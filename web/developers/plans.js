@@ -1,7 +1,7 @@
 // Limits of the plans that people can have by themselves, as `layers/service/calibdb/access/plans.py` sets them.
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
-import { KINDS, counted } from "./use-chart.js";
+import { KINDS, formatCount } from "./use-chart.js";
 
 /** @typedef {import("../vendor/api.js").HourlyLimits} HourlyLimits */
 
@@ -15,11 +15,11 @@ export const PLANS = {
 
 /** Rows of the table that compares the plans. */
 export const planRows = () => KINDS.map((kind) =>
-  el("tr", {}, el("th", { scope: "row" }, t(`developers.kind_${kind}`)), ...PLANS[kind].map((limit) => el("td", {}, counted(limit)))));
+  el("tr", {}, el("th", { scope: "row" }, t(`developers.kind_${kind}`)), ...PLANS[kind].map((limit) => el("td", {}, formatCount(limit)))));
 
 /** Limits of one token as a table. @param {HourlyLimits} limits */
 export function limitsTable({ each, together }) {
-  const written = (/** @type {number | null} */ limit) => (limit === null ? t("developers.unlimited") : counted(limit));
+  const written = (/** @type {number | null} */ limit) => (limit === null ? t("developers.unlimited") : formatCount(limit));
   return el("table", {}, el("caption", {}, t("developers.limits_of_token")),
     el("thead", {}, el("tr", {}, el("th", { scope: "col" }, t("developers.an_hour")),
       el("th", { scope: "col", class: "number" }, t("developers.each")), el("th", { scope: "col", class: "number" }, t("developers.together")))),

@@ -29,7 +29,7 @@ const whole = ({ sessions = 0, views = 0, poses = 0, lookups = 0 }) => ({ sessio
 const timeOf = (instant, form) => new Intl.DateTimeFormat(language(), form).format(new Date(instant));
 
 /** @param {number} count */
-export const counted = (count) => count.toLocaleString(language());
+export const formatCount = (count) => count.toLocaleString(language());
 
 /** @param {TokenUse} use @param {Period} period @param {Kind} kind */
 export function useChart(use, period, kind) {
@@ -41,15 +41,15 @@ export function useChart(use, period, kind) {
   const top = Math.max(most, steps.at(-1) ?? 4);
   const up = (/** @type {number} */ value) => HEIGHT - BOTTOM - (value / top) * (HEIGHT - TOP - BOTTOM);
   const place = (WIDTH - LEFT) / series.length;
-  const caption = t(`developers.total_${period}`, { what: t(`developers.kind_${kind}`), total: counted(total), most: counted(most) });
+  const caption = t(`developers.total_${period}`, { what: t(`developers.kind_${kind}`), total: formatCount(total), most: formatCount(most) });
   const svg = make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": caption, class: "use-chart" });
   for (const step of steps) {
     svg.append(make("path", { d: `M${LEFT} ${short(up(step))}H${WIDTH}`, class: "grid" }),
-      make("text", { x: LEFT - 8, y: short(up(step) + 4), "text-anchor": "end" }, [counted(step)]));
+      make("text", { x: LEFT - 8, y: short(up(step) + 4), "text-anchor": "end" }, [formatCount(step)]));
   }
   values.forEach((value, index) => {
     const [x, y] = [LEFT + (index + GAP / 2) * place, up(value)];
-    if (value > 0) svg.append(make("rect", { x: short(x), y: short(y), width: short((1 - GAP) * place), height: short(HEIGHT - BOTTOM - y), class: "bar" }, [make("title", {}, [`${series[index].name}: ${counted(value)}`])]));
+    if (value > 0) svg.append(make("rect", { x: short(x), y: short(y), width: short((1 - GAP) * place), height: short(HEIGHT - BOTTOM - y), class: "bar" }, [make("title", {}, [`${series[index].name}: ${formatCount(value)}`])]));
     if ((series.length - 1 - index) % (2 * NAMED) === NAMED) svg.append(make("text", { x: short(x + place / 2), y: HEIGHT - 7, "text-anchor": "middle" }, [series[index].name]));
   });
   svg.append(make("path", { d: `M${LEFT} ${HEIGHT - BOTTOM}H${WIDTH}`, class: "axis" }));
@@ -63,5 +63,5 @@ export function useTable(use, period) {
     ...KINDS.map((kind) => el("th", { scope: "col", class: "number" }, t(`developers.kind_${kind}`))));
   return el("table", { class: "use-table" }, el("caption", {}, t(`developers.table_${period}`)), el("thead", {}, head),
     el("tbody", {}, ...rows.map(({ name, counts }) =>
-      el("tr", {}, el("th", { scope: "row" }, name), ...KINDS.map((kind) => el("td", {}, counted(counts[kind])))))));
+      el("tr", {}, el("th", { scope: "row" }, name), ...KINDS.map((kind) => el("td", {}, formatCount(counts[kind])))))));
 }

@@ -10,11 +10,11 @@ const LIMIT = 50; // cameras of one answer
 export async function countCameras() {
   const { api, token } = await loadSettings();
   const { cameras, next } = await new Api(api, {}).json("GET", `/cameras?limit=${LIMIT}`, token);
-  return counted(cameras, next !== null);
+  return countsOf(cameras, next !== null);
 }
 
 /** @param {{sizes: {reliable: boolean, calibrations: number}[]}[]} cameras @param {boolean} more @returns {Counts} */
-export function counted(cameras, more) {
+export function countsOf(cameras, more) {
   return {
     cameras: cameras.length,
     ready: cameras.filter(({ sizes }) => sizes.some(({ reliable }) => reliable)).length,

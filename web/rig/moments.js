@@ -94,7 +94,7 @@ export function requiredHold(sights, patience) {
 }
 
 /** Time for which the board has been still in the camera that sees it best, ms. @param {Sight[]} sights */
-export function held(sights) {
+export function holdTime(sights) {
   const steady = sights.filter((sight) => isSeen(sight) && sight.stillness.frames >= MIN_HELD_FRAMES);
   return Math.max(0, ...steady.map(({ stillness }) => stillness.held));
 }
@@ -105,13 +105,13 @@ export const remoteHold = (unanswered) => Math.min(MAX_REMOTE_HOLD_MS, REMOTE_HO
 /** Share of the hold that is done, 0…1. @param {Sight[]} sights @param {number} patience ms */
 export function holdProgress(sights, patience) {
   const required = requiredHold(sights, patience);
-  return required === null ? 0 : Math.min(1, held(sights) / required);
+  return required === null ? 0 : Math.min(1, holdTime(sights) / required);
 }
 
 /** Whether the leader opens a moment now. @param {Sight[]} sights of its own cameras @param {number} patience ms */
 export function isReady(sights, patience) {
   const required = requiredHold(sights, patience);
-  return required !== null && held(sights) >= required;
+  return required !== null && holdTime(sights) >= required;
 }
 
 /**

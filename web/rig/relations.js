@@ -136,7 +136,7 @@ function extentOf(points) {
  * @param {readonly number[]} point @param {{middle: number[], radius: number}} scene @param {number} yaw rad @param {number} pitch rad
  * @returns {[number, number, number]} x right and y down, -1 to 1; depth
  */
-export function drawn(point, { middle, radius }, yaw, pitch) {
+export function drawnPoint(point, { middle, radius }, yaw, pitch) {
   const [x, y, z] = point.map((value, axis) => (value - middle[axis]) / radius);
   const [cosYaw, sinYaw, cosPitch, sinPitch] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
   const [u, w] = [cosYaw * x + sinYaw * z, -sinYaw * x + cosYaw * z];

@@ -2,7 +2,7 @@
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
-import { drawn } from "./relations.js";
+import { drawnPoint } from "./relations.js";
 
 /** @typedef {ReturnType<typeof import("./relations.js").sceneOf>} Scene */
 
@@ -46,7 +46,7 @@ function slider(title, min, max, value) {
 /** @param {Scene} scene @param {number} yaw rad @param {number} pitch rad @returns {SVGElement[]} the farthest first */
 function bodies(scene, yaw, pitch) {
   const scale = HALF * ASPECT * 0.96;
-  const place = (/** @type {readonly number[]} */ point) => drawn(point, scene, yaw, pitch);
+  const place = (/** @type {readonly number[]} */ point) => drawnPoint(point, scene, yaw, pitch);
   return scene.bodies.map(({ kind, position, lines, label }) => {
     const depth = Math.max(...lines.flat().map((point) => place(point)[2]));
     const paths = lines.map((line) => `M${line.map((point) => place(point).slice(0, 2).map((value) => short(value * scale)).join(" ")).join("L")}`);
