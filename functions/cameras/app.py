@@ -114,7 +114,7 @@ def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocumen
         zoom=mode.zoom,
         calibrations=max(c.total for c in known),
         contributors=best.calibration.contributors if best.calibration else 0,
-        agreeing=camera_search.agreeing(best),
+        agreeing=camera_search.count_agreeing(best),
         required=call.service.settings.thresholds.min_calibrations,
         reason=None if best.reliable else best.reason,
         groups=groups,

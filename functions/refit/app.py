@@ -53,7 +53,7 @@ WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same com
 MAX_ATTEMPTS = 5  # while other writers keep winning the conditional put
 MIN_PUBLISHING_S = 8.0  # of an invocation, kept for storage, the edge and the answer
 
-METHOD = 4  # of pooling and counting: what another one computed is computed anew
+POOLING_VERSION = 4  # of pooling and counting: what another one computed is computed anew
 
 Consensuses = dict[str, ConsensusDocument | None]
 Stored = Mapping[str, ConsensusDocument]
@@ -168,7 +168,7 @@ def _try_once(
     if not counted:
         return _drop(service, mode, models, stored, edge)
     votes = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
-    pooled = pool_digest(METHOD, [c.id for c in counted], thresholds, FIT_VERSION)
+    pooled = pool_digest(POOLING_VERSION, [c.id for c in counted], thresholds, FIT_VERSION)
     basis = input_digest(pooled, [vote.id for vote in votes])
     steps = plan_refit(models, stored, pooled, basis)
     if not compute and any(step.action != "keep" for step in steps):

@@ -16,7 +16,7 @@ from http import HTTPStatus
 from urllib.parse import urlsplit
 
 _SMOKE_TIMEOUT_S = 29.0  # s: the first request of all starts a function
-_PATIENCE_S = 45.0  # s in which functions learn of a token that was changed
+_PROPAGATION_TIMEOUT_S = 45.0  # s in which functions learn of a token that was changed
 _ELSEWHERE = "https://elsewhere.example"
 _PREFLIGHT = {
     "Origin": _ELSEWHERE,
@@ -104,7 +104,7 @@ def make_requester(url: str, via: str | None = None) -> Ask:
     return ask
 
 
-def problems(ask: Ask, site: Site, patience_s: float = _PATIENCE_S) -> Iterator[str]:
+def problems(ask: Ask, site: Site, patience_s: float = _PROPAGATION_TIMEOUT_S) -> Iterator[str]:
     """Find the problems of the deployment."""
     try:
         yield from _paths(ask)

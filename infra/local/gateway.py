@@ -17,7 +17,7 @@ from infra.local.template import CorsSpec, Template
 MAX_BODY_BYTES = 6 * 1024 * 1024
 # An HTTP API's integration timeout, seconds. Source: Amazon API Gateway developer guide, "Quotas for HTTP
 # APIs".
-INTEGRATION_TIMEOUT = 30.0
+INTEGRATION_TIMEOUT_S = 30.0
 
 _log = logging.getLogger("infra.local.gateway")
 

@@ -24,7 +24,7 @@ from starlette.routing import Mount, Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from infra.local.events import Request, Response
-from infra.local.gateway import INTEGRATION_TIMEOUT, MAX_BODY_BYTES, Gateway
+from infra.local.gateway import INTEGRATION_TIMEOUT_S, MAX_BODY_BYTES, Gateway
 from infra.local.known_answers import PREFIXES
 from infra.local.loopback import is_loopback
 from infra.local.pages import FOR_EVERYONE, Pages
@@ -74,7 +74,7 @@ class GatewayApp:
         workers: ThreadPoolExecutor,
         web: Path,
         settings: Mapping[str, Any],
-        timeout: float = INTEGRATION_TIMEOUT,
+        timeout: float = INTEGRATION_TIMEOUT_S,
         known: ASGIApp | None = None,
         options: Options | None = None,
     ):
@@ -221,7 +221,7 @@ def serving(app: ASGIApp, listener: socket.socket) -> Iterator[None]:
         access_log=False,
         server_header=False,
         proxy_headers=False,
-        timeout_graceful_shutdown=round(INTEGRATION_TIMEOUT) + 5,
+        timeout_graceful_shutdown=round(INTEGRATION_TIMEOUT_S) + 5,
     )
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, args=([listener],), name="server")

@@ -19,7 +19,7 @@ from infra.local import environment as env
 from infra.local import secrets
 from infra.local.events import Request, Response, message
 from infra.local.functions import Function, FunctionError
-from infra.local.gateway import INTEGRATION_TIMEOUT, Gateway
+from infra.local.gateway import INTEGRATION_TIMEOUT_S, Gateway
 from infra.local.intercept import Service, intercepting
 from infra.local.intrinsics import TemplateError
 from infra.local.invokes import SHUTDOWN_GRACE_S, Invokes
@@ -260,7 +260,7 @@ class LocalStack:
         host = {"host": self.url.removeprefix("http://")}
         request = Request(method, path, query, tuple((host | dict(headers or {})).items()), body)
         try:
-            return self.workers.submit(self.gateway.handle, request).result(INTEGRATION_TIMEOUT)
+            return self.workers.submit(self.gateway.handle, request).result(INTEGRATION_TIMEOUT_S)
         except TimeoutError:
             return message(503, "Service Unavailable")
 

@@ -33,7 +33,7 @@ from infra.console.progress import track
 
 FAULT_RATE = 0.2  # share of the requests
 _TIMEOUT_S = 60.0  # s for one answer
-_ATTEMPTS = 10  # where the stack says that it has no time
+_MAX_BUSY_ATTEMPTS = 10  # where the stack says that it has no time
 _TARGET_ERROR_PX = 100.0  # px: the fourth accepted view ends the capture
 _NOISE_PX = 0.15  # px
 _IMG_SIZE = (1280, 720)
@@ -108,7 +108,7 @@ class Line:
     def _ask(self, method: str, path: str, credential: str, content: bytes) -> Any:
         """Ask as a page does: a stack that has no time just now is asked again."""
         status, answer = 0, b""
-        for _ in range(_ATTEMPTS):
+        for _ in range(_MAX_BUSY_ATTEMPTS):
             start = time.perf_counter()
             status, answer = self._send(method, path, credential, content)
             self.latencies.append((time.perf_counter() - start) * 1e3)

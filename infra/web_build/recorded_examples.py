@@ -27,7 +27,7 @@ IMG_SIZE = (1280, 720)
 CALIBRATIONS = 5
 _VIEWS = 6
 _CORNER_NOISE_PX = 0.1
-_CONSENSUS_PATIENCE_S = 60.0
+_CONSENSUS_TIMEOUT_S = 60.0
 _MAX_ITEMS, _KEPT_ITEMS = 8, 3  # of a list in the file
 _DIGITS = 6
 _TRUTH = Camera(
@@ -43,7 +43,7 @@ def prepare(stack: LocalStack) -> None:
     for index in range(CALIBRATIONS):
         session = record(stack, index)
         send(stack, "POST", "/v1/session/finish", session)
-    end = time.monotonic() + _CONSENSUS_PATIENCE_S
+    end = time.monotonic() + _CONSENSUS_TIMEOUT_S
     while json.loads(send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, TEXTS["lookup"].body)).get(
         "reason"
     ):

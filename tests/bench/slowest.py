@@ -230,7 +230,7 @@ def check(client: Client, scenario: Scenario, camera: str) -> None:
 def search(seconds: float, seed: int) -> Slowest:
     rng, slowest = random.Random(seed), Slowest()
     with (
-        mock.patch("infra.local.stack.INTEGRATION_TIMEOUT", 600),
+        mock.patch("infra.local.stack.INTEGRATION_TIMEOUT_S", 600),
         LocalStack(environment={"MIN_CONTRIBUTORS": "1"}) as stack,
         measured(slowest),
     ):

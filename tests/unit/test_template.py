@@ -14,7 +14,7 @@ from calibdb.access import token_cache
 from calibdb.store import clients
 from infra.deploy import package
 from infra.local import pages
-from infra.local.gateway import INTEGRATION_TIMEOUT
+from infra.local.gateway import INTEGRATION_TIMEOUT_S
 from tests.helpers.sam import as_created, complete, parsed
 from tests.helpers.service.iam import statements
 
@@ -320,5 +320,5 @@ def test_who_waits_gives_up_after_whom_it_waits_for(source: dict) -> None:
     assert waits is not None
     turn = sum(map(float, waits[1].split(",")))
     invoke = clients._INVOKE.read_timeout
-    assert turn < invoke < default < INTEGRATION_TIMEOUT
+    assert turn < invoke < default < INTEGRATION_TIMEOUT_S
     assert invoke < refit

@@ -15,7 +15,7 @@ from .camera import Camera
 from .errors import CalibrationError
 from .view import View
 
-SIDE = 65_536
+MAX_SIDE_PX = 65_536
 """px, beyond which no picture's side lies."""
 
 
@@ -144,6 +144,6 @@ def apply(transform: Transform, camera: Camera, views: Sequence[View]) -> tuple[
 
 def _size(size: tuple[int, int]) -> tuple[int, int]:
     w, h = int(size[0]), int(size[1])
-    if not (1 <= w <= SIDE and 1 <= h <= SIDE):
+    if not (1 <= w <= MAX_SIDE_PX and 1 <= h <= MAX_SIDE_PX):
         raise CalibrationError("out_of_range", f"a picture of {w} x {h} px is none")
     return w, h

@@ -31,7 +31,7 @@ _FAMILIES = re.compile(
 )
 # What an iPhone writes into its photographs: the model, which no browser tells.
 _OWN_NAME = re.compile(r"\biphone (?:[0-9]{1,2}|x|se)\b|\bipad (?:[a-z]+ )?[0-9]{1,2}\b")
-_LONGEST_WORD = 64  # they are written into the names of items, which have an end
+_MAX_WORD_LENGTH = 64  # they are written into the names of items, which have an end
 _NAME_WORD = re.compile(r"[^\W_]+(?:\.[0-9]+)?")
 # 2, 2.0, 720p, 4k, 5mp, usb2.0: counts, versions and sizes.
 _MEASURE = re.compile(r"(?:usb)?[0-9]+(?:\.[0-9]+)?(?:p|k|mp|m|fps|x[0-9]+)?|0x[0-9a-f]+")
@@ -40,7 +40,7 @@ _STRIPPED = re.compile(r"^(?:logitech|logi|microsoft)\b[ ,.:-]*")
 
 def words(name: str) -> list[str]:
     """Return the words of a name (lower case): letters and digits of any script, cut where nobody would."""
-    return [word[:_LONGEST_WORD] for word in _NAME_WORD.findall(name)]
+    return [word[:_MAX_WORD_LENGTH] for word in _NAME_WORD.findall(name)]
 
 
 def is_generic(word: str) -> bool:

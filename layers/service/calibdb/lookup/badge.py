@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from typing import Literal
 from xml.sax.saxutils import escape, quoteattr
 
-from calibdb.lookup.camera_search import agreeing, best_consensus, group_by_mode, is_listed
+from calibdb.lookup.camera_search import best_consensus, count_agreeing, group_by_mode, is_listed
 from calibdb.schema import ConsensusDocument
 
 Colour = Literal["green", "amber", "grey"]
 _COLOURS: dict[Colour, str] = {"green": "#2a6b2f", "amber": "#8a5a00", "grey": "#5d6468"}
 _BADGE_FILE = re.compile(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})\.svg")
 _USB_ID_END = re.compile(r"\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$", re.IGNORECASE)
-_MAX_NAME = 40  # characters of a label that are shown
+_MAX_NAME_LENGTH = 40  # characters of a label that are shown
 _NARROW, _WIDE = frozenset("fijlrt.,:;'|!()[] "), frozenset("mwMW@%ABCDEFGHKNOQRSUVXYZ±×")
 
 
@@ -64,14 +64,14 @@ def badge_of(
     if not is_listed(known, min_contributors):
         return NOT_CALIBRATED
     name = _USB_ID_END.sub("", camera)
-    short = name if len(name) <= _MAX_NAME else name[: _MAX_NAME - 1] + "…"
+    short = name if len(name) <= _MAX_NAME_LENGTH else name[: _MAX_NAME_LENGTH - 1] + "…"
     left = f"{short} {img_size[0]}×{img_size[1]}"
     here = [found for (size, _), found in group_by_mode(known) if size == img_size]
     if not here:
         return Badge(left, "not calibrated", "grey")
-    best = max((best_consensus(found) for found in here), key=lambda c: (c.reliable, agreeing(c)))
+    best = max((best_consensus(found) for found in here), key=lambda c: (c.reliable, count_agreeing(c)))
     if not best.reliable or best.calibration is None:
-        return Badge(left, f"{agreeing(best)} of {min_calibrations} calibrations", "amber")
+        return Badge(left, f"{count_agreeing(best)} of {min_calibrations} calibrations", "amber")
     return Badge(left, f"calibrated ± {_rough(best.calibration.uncertainty.rms)} px", "green")
 
 

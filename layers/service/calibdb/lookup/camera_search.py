@@ -14,7 +14,7 @@ from calibdb.schema.cameras import CameraEntry, CameraSize
 
 SizeAndZoom = tuple[tuple[int, int], float]
 _MAX_QUERY_WORDS = 8
-_LISTED = 2  # contributors
+_MIN_LISTED_CONTRIBUTORS = 2
 AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"
 """Place in the list of all cameras behind the simulated ones, which are next to each other."""
 
@@ -45,7 +45,7 @@ def is_listed(known: Sequence[ConsensusDocument], min_contributors: int) -> bool
     of another contributor agree. Where one contributor suffices for everything, as at home, its first
     consensus suffices: until that is there, nothing is known but a name.
     """
-    enough = min(_LISTED, min_contributors)
+    enough = min(_MIN_LISTED_CONTRIBUTORS, min_contributors)
     return (enough == 1 and bool(known)) or any(
         c.reliable or (c.calibration is not None and c.calibration.contributors >= enough) for c in known
     )
@@ -79,7 +79,7 @@ def best_consensus(known: Sequence[ConsensusDocument]) -> ConsensusDocument:
     return max(known, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
 
 
-def agreeing(best: ConsensusDocument) -> int:
+def count_agreeing(best: ConsensusDocument) -> int:
     """Count the calibrations that agree in the best consensus of a size."""
     return best.calibration.calibrations if best.calibration else 0
 
@@ -105,7 +105,7 @@ def camera_entry(
                 models=tuple(c.distortion_model for c in here),
                 calibrations=max(c.total for c in here),
                 contributors=best.calibration.contributors if best.calibration else 0,
-                agreeing=agreeing(best),
+                agreeing=count_agreeing(best),
                 required=min_calibrations,
                 reliable=best.reliable,
                 fx=best.calibration.camera_matrix[0][0] if best.calibration else None,

@@ -14,12 +14,12 @@ Vector = tuple[float, float]
 
 _AZIMUTHS, _STEPS = 16, 24
 # Largest angle off the axis, rad, by the models that this module can project by.
-_MAX_ANGLE = {"rectilinear": 1.4, "rational": 1.4, "fisheye": 1.9, "omnidirectional": 1.9}
+_MAX_ANGLE_RAD = {"rectilinear": 1.4, "rational": 1.4, "fisheye": 1.9, "omnidirectional": 1.9}
 
 
 def is_projectable(camera: Calibration) -> bool:
     """Tell whether this module knows the formulas of the camera's model."""
-    return camera.distortion_model in _MAX_ANGLE
+    return camera.distortion_model in _MAX_ANGLE_RAD
 
 
 def axis_focal(camera: Calibration) -> Vector:
@@ -67,11 +67,11 @@ def rays_in_view(camera: Calibration) -> Iterator[tuple[float, float, Vector]]:
     w, h = camera.img_size
     model, d = camera.distortion_model, camera.distortion_coefficients
     # No step is longer than a twelfth of the picture, however narrow the lens.
-    step = min(_MAX_ANGLE[model] / _STEPS, max(w / fx, h / fy) / _STEPS)
+    step = min(_MAX_ANGLE_RAD[model] / _STEPS, max(w / fx, h / fy) / _STEPS)
     for i in range(_AZIMUTHS):
         phi = (i + 0.5) * 2 * math.pi / _AZIMUTHS
         theta, farthest = 0.0, 0.0
-        while (theta := theta + step) < _MAX_ANGLE[model]:
+        while (theta := theta + step) < _MAX_ANGLE_RAD[model]:
             if model == "omnidirectional" and math.cos(theta) + d[0] <= 0:
                 break
             x, y = distort_ray(model, d, theta, phi)

@@ -33,7 +33,7 @@ def require_finishable(rig: Rig, estimate: RigEstimateDocument) -> RigFit:
             f"{lost} shared no moment with the others: hold the board where both see it.", kind="unlinked"
         )
     fit = estimate.fit
-    few = [i for i, n in enumerate(rig.agreeing(fit)) if n < MIN_AGREEING_VIEWS]
+    few = [i for i, n in enumerate(rig.count_agreeing(fit)) if n < MIN_AGREEING_VIEWS]
     few += [i for i, s in enumerate(rig.sessions) if i not in few and (s is None or s.estimate.fit is None)]
     if few:
         raise ConflictError(

@@ -111,7 +111,7 @@ class Rig:
         ]
         return [(name, seen) for name, seen in used if seen]
 
-    def agreeing(self, fit: RigFit | None) -> list[int]:
+    def count_agreeing(self, fit: RigFit | None) -> list[int]:
         """Count the views of each camera that agree with the others."""
         out = {(one.moment, one.position) for one in fit.set_aside} if fit else set()
         counts = [0] * len(self.sessions)
@@ -162,7 +162,7 @@ def unit(document: RigDocument) -> Any:
 
 def is_converged(rig: Rig, fit: RigFit | None) -> bool:
     """Tell whether the rig is as sure as it is to be."""
-    enough = min(rig.agreeing(fit)) >= MIN_AGREEING_VIEWS
+    enough = min(rig.count_agreeing(fit)) >= MIN_AGREEING_VIEWS
     return fit is not None and enough and fit.uncertainty.rms <= rig.target_error
 
 
@@ -176,7 +176,7 @@ def progress(rig: Rig, estimate: RigEstimateDocument) -> float:
         return LINKED_SHARE * max(linked, 0) / (len(rig.sessions) - 1)
     start = INITIAL_ERROR_PER_WIDTH / TARGET_ERROR_PER_WIDTH * rig.target_error
     near = math.log(start / max(fit.uncertainty.rms, 1e-9)) / math.log(start / rig.target_error)
-    least = min(near, min(rig.agreeing(fit)) / MIN_AGREEING_VIEWS, MAX_UNFINISHED_PROGRESS)
+    least = min(near, min(rig.count_agreeing(fit)) / MIN_AGREEING_VIEWS, MAX_UNFINISHED_PROGRESS)
     return max(LINKED_SHARE, least)
 
 
@@ -235,7 +235,7 @@ def _advice(rig: Rig, estimate: RigEstimateDocument) -> Iterator[RigAdvice]:
     if turned:
         text = "In some views the board was numbered from another side; this was mended."
         yield RigAdvice(code="turned", text=text, positions=turned)
-    few = tuple(i for i, n in enumerate(rig.agreeing(fit)) if n < MIN_AGREEING_VIEWS)
+    few = tuple(i for i, n in enumerate(rig.count_agreeing(fit)) if n < MIN_AGREEING_VIEWS)
     if few:
         text = f"{named(few)} fewer than {MIN_AGREEING_VIEWS} views that agree."
         yield RigAdvice(code="too_few_views", text=text, positions=few)

@@ -29,9 +29,9 @@ from calibdb.schema.fields import size_text, zoom_text
 from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
 
-_NOISE_FLOOR = 1e-4  # of the image's width: errors below it are nobody's concern
-_MAX_EXCESS = 5e-4  # of the width: error beyond the noise that no ratio excuses
-_SPECIMEN_SPREAD = 4e-3  # of the width: specimens of one product differ by that, rms over the image
+_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width: errors below it are nobody's concern
+_MAX_EXCESS_WIDTHS = 5e-4  # of the width: error beyond the noise that no ratio excuses
+_SPECIMEN_SPREAD_WIDTHS = 4e-3  # of the width: specimens of one product differ by that, rms over the image
 _MAX_SIGMAS = 3.0  # standard deviations of the views' own camera
 MAX_INFORMATIVE_UNCERTAINTY = (
     2e-3  # of the width: predicted error of a camera from few views, up to which it says which it is
@@ -69,12 +69,12 @@ def is_explained(error: float, noise: float, width: int, ratio: float) -> bool:
     ratio
         Of the error to the noise, up to which it fits.
     """
-    return error <= min(ratio * expected_error(noise, width), math.hypot(noise, _MAX_EXCESS * width))
+    return error <= min(ratio * expected_error(noise, width), math.hypot(noise, _MAX_EXCESS_WIDTHS * width))
 
 
 def expected_error(noise: float, width: int) -> float:
     """Predict the error, px rms, that views of this noise are expected to have under their own camera."""
-    return max(noise, _NOISE_FLOOR * width)
+    return max(noise, _NOISE_FLOOR_WIDTHS * width)
 
 
 def is_same_camera(difference: float, uncertainty: float, width: int) -> bool:
@@ -89,7 +89,7 @@ def is_same_camera(difference: float, uncertainty: float, width: int) -> bool:
     width
         Of the image, px.
     """
-    return difference <= math.hypot(_SPECIMEN_SPREAD * width, _MAX_SIGMAS * uncertainty)
+    return difference <= math.hypot(_SPECIMEN_SPREAD_WIDTHS * width, _MAX_SIGMAS * uncertainty)
 
 
 def decide_vote(

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from calibdb.schema.fields import LARGEST_SIDE, Index, Open, Whole, camera_like
+from calibdb.schema.fields import MAX_IMAGE_SIDE_PX, Index, Open, Whole, camera_like
 
 # The names are the API's. `calibsolver.formats` has a class for each.
 FormatName = Literal[
@@ -53,8 +53,8 @@ def _indices(value: Any) -> Any:
 
 MIN_SIDE_PX = 64
 """Side of a part that is cut out, and of a picture after a resize: of less no lens can be told."""
-Position = Annotated[int, Field(ge=0, le=LARGEST_SIDE)]
-Side = Annotated[int, Field(strict=True, ge=MIN_SIDE_PX, le=LARGEST_SIDE), Whole]
+Position = Annotated[int, Field(ge=0, le=MAX_IMAGE_SIDE_PX)]
+Side = Annotated[int, Field(strict=True, ge=MIN_SIDE_PX, le=MAX_IMAGE_SIDE_PX), Whole]
 Size = Annotated[tuple[Side, Side], AfterValidator(camera_like)]
 
 

@@ -20,9 +20,9 @@ from pydantic_core import PydanticCustomError
 from calibdb.camera_key.visible import visible
 
 MAX_CORNERS = 49 * 49  # of the largest board
-SMALLEST_SIDE, LARGEST_SIDE = 16, 16384  # px
+MIN_IMAGE_SIDE_PX, MAX_IMAGE_SIDE_PX = 16, 16384
 MAX_PIXELS = 2**26  # an overlay is drawn at the size of the image
-LONGEST = 8  # sides of an image: no camera's is a strip
+MAX_ASPECT = 8  # sides of an image: no camera's is a strip
 MAX_INDEX = 100_000
 MAX_LABEL, MAX_RAW_LABEL = 256, 4096  # characters of a label, and of one that holds invisible ones, too
 IPV6_SOURCE = "v6-"  # beginning of a contributor's source that is an IPv6 site
@@ -91,7 +91,7 @@ def _whole(value: object) -> object:
 
 # JSON does not tell 1280 from 1280.0, and many a program's sizes are the latter.
 Whole = BeforeValidator(_whole)
-Side = Annotated[int, Field(strict=True, ge=SMALLEST_SIDE, le=LARGEST_SIDE), Whole]
+Side = Annotated[int, Field(strict=True, ge=MIN_IMAGE_SIDE_PX, le=MAX_IMAGE_SIDE_PX), Whole]
 
 
 def camera_like(size: tuple[int, int]) -> tuple[int, int]:
@@ -100,9 +100,9 @@ def camera_like(size: tuple[int, int]) -> tuple[int, int]:
         raise PydanticCustomError(
             "too_many_pixels", "the image has too many pixels; {most} are allowed", {"most": MAX_PIXELS}
         )
-    if max(size) > LONGEST * min(size):
+    if max(size) > MAX_ASPECT * min(size):
         raise PydanticCustomError(
-            "strip", "one side is more than {longest} times the other", {"longest": LONGEST}
+            "strip", "one side is more than {longest} times the other", {"longest": MAX_ASPECT}
         )
     return size
 
@@ -118,7 +118,7 @@ Zoom = Annotated[
 TargetError = Annotated[float, Field(ge=1e-3, le=100, description="px")]
 Index = Annotated[int, Field(strict=True, ge=0, le=MAX_INDEX), Whole]
 CornerId = Annotated[int, Field(strict=True, ge=0, lt=MAX_CORNERS), Whole]
-Coordinate = Annotated[float, Field(ge=-1.0, le=LARGEST_SIDE)]
+Coordinate = Annotated[float, Field(ge=-1.0, le=MAX_IMAGE_SIDE_PX)]
 Point = tuple[Coordinate, Coordinate]
 Pixel = tuple[float, float]
 Row = tuple[float, float, float]

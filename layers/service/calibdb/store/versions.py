@@ -18,7 +18,7 @@ from calibdb.store.objects import Objects
 from calibdb.store.table import IF_NOT_EXISTS, Condition, Item, Table, Value
 
 LIFETIME_S = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
-_ATTEMPTS = 5  # of a change that others keep overtaking
+_MAX_UPDATE_ATTEMPTS = 5  # of a change that others keep overtaking
 _MAX_ORPHANS = 16  # versions written and never pointed to, one after the other
 _SK = "META"
 
@@ -96,7 +96,7 @@ class Versions(Generic[Document]):
 
     def start(self, name: str, now: int, make: Callable[[int], Document]) -> tuple[Document, bool]:
         """Return the running document and False; or store `make(first version)`, and return it and True."""
-        for _ in range(_ATTEMPTS):
+        for _ in range(_MAX_UPDATE_ATTEMPTS):
             head = self.head(name)
             if head is not None and not head.forgotten:
                 found = self.find_version(name)
@@ -120,7 +120,7 @@ class Versions(Generic[Document]):
         again, with what another request made of the document meanwhile; what it raises leaves everything as
         it is.
         """
-        for _ in range(_ATTEMPTS):
+        for _ in range(_MAX_UPDATE_ATTEMPTS):
             document, version = self.get_version(name)
             changed, answer = change(document)
             if changed is None or self._write(name, version, changed, now):
@@ -129,7 +129,7 @@ class Versions(Generic[Document]):
 
     def forget(self, name: str, now: int) -> bool:
         """Forget the document; False when there was nothing to forget."""
-        for _ in range(_ATTEMPTS):
+        for _ in range(_MAX_UPDATE_ATTEMPTS):
             head = self.head(name)
             if head is None or head.forgotten:
                 return head is not None
@@ -177,7 +177,7 @@ class Versions(Generic[Document]):
 
     def find_version(self, name: str) -> tuple[Document, int] | None:
         """Return the document as it stands and its version; None as `find`."""
-        for _ in range(_ATTEMPTS):
+        for _ in range(_MAX_UPDATE_ATTEMPTS):
             head = self.head(name)
             if head is None or head.forgotten:
                 return None

@@ -20,7 +20,7 @@ VERSION = 0x01030000
 """Of the specification that introduced both."""
 OPTIONAL = 1
 """Flag: a reader that does not know the opcode may leave it out."""
-MAX_ANGLE = math.pi / 4
+MAX_ANGLE_RAD = math.pi / 4
 """Angle from the axis that WarpFisheye reaches: in the corrected picture the radius is m tan(angle) <= m."""
 
 
@@ -74,7 +74,7 @@ def refit_without_k4(camera: Camera) -> Camera:
     """Return the fisheye camera with k4 = 0 that is closest over the angles that the opcode reaches."""
     if camera.distortion[3] == 0:
         return camera
-    t = np.linspace(0, MAX_ANGLE, 200)[1:]
+    t = np.linspace(0, MAX_ANGLE_RAD, 200)[1:]
     powers = np.stack([t, t**3, t**5, t**7], axis=1)
     radius = t * (1 + t**2 * np.polynomial.polynomial.polyval(t**2, camera.distortion))
     terms = np.linalg.lstsq(powers, radius, rcond=None)[0]
@@ -86,10 +86,10 @@ def refit_without_k4(camera: Camera) -> Camera:
 
 def _within(camera: Camera, other: Camera) -> float:
     """Largest distance, px, between two cameras' projections of what the corrected picture shows."""
-    a, r = np.meshgrid(np.linspace(0, 2 * np.pi, 361), np.linspace(0.01, MAX_ANGLE, 101))
+    a, r = np.meshgrid(np.linspace(0, 2 * np.pi, 361), np.linspace(0.01, MAX_ANGLE_RAD, 101))
     rays: Array = np.stack([np.sin(r) * np.cos(a), np.sin(r) * np.sin(a), np.cos(r)], axis=-1).reshape(-1, 3)
     of_image = camera.unproject(samples(camera.img_size))
-    reached = np.isfinite(of_image).all(axis=1) & (of_image[:, 2] >= np.cos(MAX_ANGLE))
+    reached = np.isfinite(of_image).all(axis=1) & (of_image[:, 2] >= np.cos(MAX_ANGLE_RAD))
     rays = np.concatenate([rays, of_image[reached]])
     q = camera.project(rays)
     inside = ((q >= -0.5) & (q <= np.array(camera.img_size) - 0.5)).all(axis=1) & camera.valid(rays)

@@ -19,7 +19,7 @@ from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv
 from .format import Format
-from .optimum import MIN_USED, at_optimum, resect_used
+from .optimum import MIN_USED_POINTS, at_optimum, resect_used
 
 SIZES = {
     "LENSMODEL_PINHOLE": 0,
@@ -82,7 +82,7 @@ class Mrcal(Format):
         # Corners that were not seen have a negative weight: mrcal's mark of a point to be left out.
         used = conversion.used or tuple(np.ones(len(view), dtype=bool) for view in source.views)
         # A frame without points would have no pose.
-        kept = [i for i, mask in enumerate(used) if mask.sum() >= MIN_USED]
+        kept = [i for i, mask in enumerate(used) if mask.sum() >= MIN_USED_POINTS]
         views, used = [source.views[i] for i in kept], tuple(used[i] for i in kept)
         seen = np.full((len(views), down, across, 3), (0.0, 0.0, -1.0))
         for grid, view, mask in zip(seen, views, used, strict=True):

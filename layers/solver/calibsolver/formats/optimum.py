@@ -17,7 +17,7 @@ from ..view import View
 from .base import Conversion, ExportSource
 from .convert import compare
 
-MIN_USED = 6
+MIN_USED_POINTS = 6
 """Points of a view with which it counts."""
 
 
@@ -31,7 +31,7 @@ def at_optimum(source: ExportSource, conversion: Conversion) -> Conversion:
     if conversion.error == 0:
         return replace(conversion, used=used)
     views = [View(v.object_points[m], v.image_points[m]) for v, m in zip(source.views, used, strict=True)]
-    views = [view for view in views if len(view) >= MIN_USED]
+    views = [view for view in views if len(view) >= MIN_USED_POINTS]
     model, obs = models.get(camera.model), Observations.of(views)
     try:
         with np.errstate(all="ignore"):  # a step too far is tested before it is taken
@@ -61,7 +61,7 @@ def used_points(camera: Camera, views: Sequence[View]) -> tuple[Mask, ...]:
 def resect_used(camera: Camera, views: Sequence[View], used: Sequence[Mask]) -> Array:
     """Return the poses (v, 6) of views by the points of each that count."""
     kept = [
-        View(view.object_points[mask], view.image_points[mask]) if mask.sum() >= MIN_USED else view
+        View(view.object_points[mask], view.image_points[mask]) if mask.sum() >= MIN_USED_POINTS else view
         for view, mask in zip(views, used, strict=True)
     ]
     return np.array(resection.reprojection_score(camera, kept).poses)

@@ -20,13 +20,13 @@ from .posterior import IntrinsicsPosterior
 from .projection_uncertainty import ProjectionUncertainty
 from .target import TargetPose
 
-LENGTH = 10
+PLAN_LENGTH = 10
 PLAN_LIMITS = PoseLimits(width=(0.35, 1.1), max_tilt_deg=50.0, max_roll_deg=45.0, min_visible=0.75)
 """Narrower than usual: no server checks that the board was found."""
 
 
 class FixedPlan:
-    """`LENGTH` poses, always the same for a board, an image size and a model."""
+    """`PLAN_LENGTH` poses, always the same for a board, an image size and a model."""
 
     def __init__(self, board: Board, img_size: tuple[int, int], model: str = "rectilinear") -> None:
         self.board = board
@@ -41,7 +41,7 @@ class FixedPlan:
         chosen: list[TargetPose] = []
         last: Placement | None = None
         with np.errstate(all="ignore"):
-            for index in range(LENGTH):
+            for index in range(PLAN_LENGTH):
                 first = index == 0
                 target = (
                     self._chooser.first_pose(posterior)
@@ -63,4 +63,4 @@ class FixedPlan:
     ) -> TargetPose:
         """Next pose after those that were answered or skipped; `calibration` changes nothing."""
         del calibration, unreached
-        return self.poses[(len(views) + len(skipped)) % LENGTH]
+        return self.poses[(len(views) + len(skipped)) % PLAN_LENGTH]
