@@ -22,7 +22,7 @@ from calibsolver.fitting.normal_equations import POSE_SIZE, Poses, projection_ja
 from calibsolver.formats import ExportSource
 from calibsolver.formats.grid import grid
 from calibsolver.formats.mrcal import Mrcal
-from calibsolver.formats.optimum import MIN_USED, resect_used
+from calibsolver.formats.optimum import MIN_USED_POINTS, resect_used
 from tests.bench.document import table
 from tests.helpers.data import available, corner_views
 from tests.helpers.solver.export_sources import captured, subject
@@ -92,7 +92,7 @@ def std_by_mrcals_definition(source: ExportSource) -> float:
     views = [
         View(v.object_points[m], v.image_points[m])
         for v, m in zip(source.views, conversion.used, strict=True)
-        if m.sum() >= MIN_USED
+        if m.sum() >= MIN_USED_POINTS
     ]
     poses = resect_used(camera, views, [np.ones(len(view), dtype=bool) for view in views])
     corner = poses[:, 3:] + rotation.matrix(poses[:, :3]) @ np.array([1.0, 1.0, 0.0])

@@ -18,7 +18,7 @@ Colour = Literal["green", "amber", "grey"]
 _COLOURS: dict[Colour, str] = {"green": "#2a6b2f", "amber": "#8a5a00", "grey": "#5d6468"}
 _BADGE_FILE = re.compile(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})\.svg")
 _USB_ID_END = re.compile(r"\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$", re.IGNORECASE)
-_MAX_NAME_LENGTH = 40  # characters of a label that are shown
+_MAX_SHOWN_LENGTH = 40  # characters of a label that are shown
 _NARROW, _WIDE = frozenset("fijlrt.,:;'|!()[] "), frozenset("mwMW@%ABCDEFGHKNOQRSUVXYZ±×")
 
 
@@ -64,7 +64,7 @@ def badge_of(
     if not is_listed(known, min_contributors):
         return NOT_CALIBRATED
     name = _USB_ID_END.sub("", camera)
-    short = name if len(name) <= _MAX_NAME_LENGTH else name[: _MAX_NAME_LENGTH - 1] + "…"
+    short = name if len(name) <= _MAX_SHOWN_LENGTH else name[: _MAX_SHOWN_LENGTH - 1] + "…"
     left = f"{short} {img_size[0]}×{img_size[1]}"
     here = [found for (size, _), found in group_by_mode(known) if size == img_size]
     if not here:
