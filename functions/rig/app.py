@@ -133,7 +133,7 @@ def undo_moment(call: application.Call) -> Response:
 
     store.rigs.update(rig_id, now, change)
     rig, _ = running_rigs.load(store, rig_id, SOLVER)
-    with in_time(call, rig):
+    with in_time(call):
         for _, session in rig.present:
             if any(view.moment == moment for view in session.views):
                 store.sessions.update(session.session, now, without)
@@ -167,7 +167,7 @@ def finish(call: application.Call) -> Response:
 
 def end(call: application.Call, rig: Rig) -> RigFinish:
     """Decide on everything that the end of a rig is to be."""
-    with in_time(call, rig):
+    with in_time(call):
         known = RigEstimateDocument(**estimate(rig.solver_record(rig.basis(SOLVER)), final=True))
         fit = rig_result.require_finishable(rig, known)
         try:
@@ -226,7 +226,7 @@ def result(call: application.Call) -> Response:
     if name == "json":
         return application.json_response(found)
     call.service.charge(token, "views", call.address)
-    call = call.with_time_for(len(found.cameras))
+    call = call.with_time_for_a_rig()
     source = formats.RigSource(
         cameras=[Camera.from_record(one.model_dump()) for one in found.calibrations],
         poses=np.array([[*one.rvec, *one.tvec] for one in found.extrinsics]),
@@ -275,14 +275,14 @@ def leading(call: application.Call, rig_id: str) -> Rig:
 
 def current_estimate(call: application.Call, rig: Rig) -> RigEstimateDocument:
     """Return fit and target of a rig, computed now if nobody has yet."""
-    with in_time(call, rig):
+    with in_time(call):
         return running_rigs.ensure_estimate(call.service.store, rig, SOLVER, estimate)
 
 
 @contextmanager
-def in_time(call: application.Call, rig: Rig) -> Iterator[None]:
+def in_time(call: application.Call) -> Iterator[None]:
     """Compute within the call's time; raises ConflictError or UnavailableError where that is too short."""
-    call = call.with_time_for(len(rig.sessions))
+    call = call.with_time_for_a_rig()
     try:
         with deadline.limit(call.seconds_left):
             yield

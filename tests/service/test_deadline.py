@@ -11,6 +11,7 @@ from calibdb.http import call as calls
 from calibdb.http.call import Call
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.rigs import RigTruth
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +79,18 @@ def test_check_that_takes_too_long_is_unprocessable(
     assert [error["field"] for error in answer.json["errors"]] == ["views"]
 
 
+def test_rig_that_takes_too_long_is_a_conflict_and_stays(
+    stack: LocalStack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = RigTruth(stack, seed=3).open()
+    rig.moment("m0")
+    with monkeypatch.context() as patch:
+        patch.setattr(calls, "MAX_RIG_COMPUTE_S", 0.0)
+        for answer in (rig.call("GET"), rig.call("POST", "/finish")):
+            assert (answer.status, answer.json["type"].rpartition("#")[2]) == (409, "too-slow")
+    assert [moment["positions"] for moment in rig.state()["moments"]] == [[0, 1]]
+
+
 def made(remaining_ms: int, used_s: float) -> Call:
     context = SimpleNamespace(get_remaining_time_in_millis=lambda: remaining_ms)
     request = Request({"type": "http", "headers": [], "aws.context": context})
@@ -93,6 +106,10 @@ def test_time_left_is_the_lesser_of_processor_and_invocation(
     remaining_ms: int, used_s: float, left: float
 ) -> None:
     assert made(remaining_ms, used_s).seconds_left() == pytest.approx(left)
+
+
+def test_request_about_a_rig_has_five_seconds_however_many_cameras() -> None:
+    assert made(29_000, 0.0).with_time_for_a_rig().seconds_left() == pytest.approx(5.2)
 
 
 def test_busy_machine_is_no_fault_of_the_request() -> None:

@@ -38,6 +38,8 @@ MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits
 
 MAX_COMPUTE_S = 2.8
 """Processor time of one request: no computation of a camera that anybody holds takes it."""
+MAX_RIG_COMPUTE_S = 5.2
+"""The same of a request about a rig, of up to eight cameras."""
 MIN_REMAINING_S = 1.5
 """Time of an invocation that is kept for storage and the answer."""
 RATE_LIMITS = "calibdb.rate_limits"
@@ -66,9 +68,9 @@ class Call:
         """
         return min(self._processor_s_left(), self._remaining_s_left())
 
-    def with_time_for(self, cameras: int) -> Call:
-        """Return the call with the processor time of a request for each of so many cameras."""
-        return replace(self, begun_s=self.begun_s + (cameras - 1) * MAX_COMPUTE_S)
+    def with_time_for_a_rig(self) -> Call:
+        """Return the call with the processor time of a request about a rig."""
+        return replace(self, begun_s=self.begun_s + MAX_RIG_COMPUTE_S - MAX_COMPUTE_S)
 
     def out_of_time(self, error: CalibdbError) -> CalibdbError:
         """Return the error of a computation that did not end: `error`, if it never would.
