@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
 
+from botocore import UNSIGNED
 from botocore.awsrequest import AWSPreparedRequest, AWSResponse
 from botocore.compat import HTTPHeaders
 from botocore.handlers import BUILTIN_HANDLERS
@@ -44,6 +45,12 @@ class _Interceptor:
         )
 
 
+def _leave_unsigned(event_name: str, **_: object) -> object:
+    """Let requests to the table go unsigned while they are answered here; moto's S3 wants a signature."""
+    service = event_name.split(".")[1]
+    return UNSIGNED if service == "dynamodb" and service in _interceptor.services else None
+
+
 class _Raw(BytesIO):
     """A response body as botocore reads it from urllib3."""
 
@@ -55,7 +62,7 @@ class _Raw(BytesIO):
 _interceptor = _Interceptor()
 # Clients take their handlers from here when they are made, so this must happen before; a client made earlier
 # would talk to AWS.
-BUILTIN_HANDLERS.append(("before-send", _interceptor))
+BUILTIN_HANDLERS += [("before-send", _interceptor), ("choose-signer", _leave_unsigned)]
 
 
 @contextmanager

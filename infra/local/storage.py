@@ -21,6 +21,7 @@ from xml.sax.saxutils import escape
 from botocore.awsrequest import AWSPreparedRequest
 from moto.core.botocore_stubber import BotocoreStubber
 
+from infra.local import dynamodb
 from infra.local.journal import ITEM, OBJECT, Address, Change, Journal, JournalError
 from infra.local.memory import Memory
 from infra.local.operations import Call, bucket_and_key, written_keys
@@ -91,7 +92,9 @@ class Storage:
             addresses = written_keys(Call(service, operation, request.url, body), self._memory.item_address)
         except LookupError as error:
             return _error(service, 400, "ValidationException", f"no such table, or no such key: {error}")
-        ask = self._denying_missing if operation == "GetObject" else self._ask_moto
+        ask = self._denying_missing if operation == "GetObject" else self._ask_s3
+        if service == "dynamodb":
+            ask = partial(_ask_dynamodb, operation)
         if operation == "TransactWriteItems":
             ask = partial(self._transact, addresses or ())
         if operation == "ListObjectVersions":
@@ -152,19 +155,16 @@ class Storage:
         names = self._memory.names(bucket, prefix_of(request.url))
         return Answer(200, {"content-type": "application/xml"}, listing(names))
 
-    def _ask_moto(self, request: AWSPreparedRequest) -> Answer:
+    def _ask_s3(self, request: AWSPreparedRequest) -> Answer:
         answer = self._moto.process_request(request)
-        if answer is None:
-            return Answer(404, {}, b"")
-        status, headers, body = answer
-        return Answer(status, headers, body.encode() if isinstance(body, str) else body)
+        return Answer(404, {}, b"") if answer is None else _answer(*answer)
 
     def _transact(self, addresses: Sequence[Address], request: AWSPreparedRequest) -> Answer:
         """Let moto make a transaction's writes, all of them or none."""
         before = self._changes_at(addresses)
         answer = None
         try:
-            answer = self._ask_moto(request)
+            answer = _ask_dynamodb("TransactWriteItems", request)
         finally:
             if answer is None or answer.status >= 300:
                 for change in before:
@@ -173,7 +173,7 @@ class Storage:
 
     def _denying_missing(self, request: AWSPreparedRequest) -> Answer:
         """Say of a missing object what S3 says to whom may not list the bucket, as no function may."""
-        answer = self._ask_moto(request)
+        answer = self._ask_s3(request)
         return _error("s3", 403, "AccessDenied", "Access Denied") if answer.status == 404 else answer
 
     def _apply(self, addresses: Sequence[Address], operation: Callable[[], Answer]) -> Answer:
@@ -289,6 +289,14 @@ def _gc_paused() -> Iterator[None]:
     finally:
         if was_enabled:
             gc.enable()
+
+
+def _ask_dynamodb(operation: str, request: AWSPreparedRequest) -> Answer:
+    return _answer(*dynamodb.ask(operation, request))
+
+
+def _answer(status: int, headers: Mapping[str, str], body: bytes | str) -> Answer:
+    return Answer(status, headers, body.encode() if isinstance(body, str) else body)
 
 
 def _error(service: str, status: int, code: str, text: str) -> Answer:
