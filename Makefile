@@ -95,7 +95,8 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge 
 
 # As many requests made of the OpenAPI document, and values of every schema, as CASES; others with SEED=1
 .thorough-fuzz:
-	CASES=$(or $(CASES),5000) SEED=$(or $(SEED),0) $(PYTEST) tests/service/test_openapi_fuzz.py tests/unit/service/schema/test_schema_fuzz.py \
+	CASES=$(or $(CASES),5000) SEED=$(or $(SEED),0) $(PYTEST) tests/service/test_openapi_fuzz.py \
+		tests/service/test_fuzz.py tests/unit/service/schema/test_schema_fuzz.py \
 		tests/service/test_raw_requests.py
 
 kills fuzz edge:

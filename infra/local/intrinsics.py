@@ -126,11 +126,14 @@ class Resolver:
         return re.sub(r"\$\{([^}]+)\}", replace, pattern)
 
 
-class _Loader(yaml.SafeLoader):
-    """YAML with CloudFormation's short forms: `!Ref X`, `!GetAtt X.Arn`, `!Sub …` become their long forms."""
+class _Loader(yaml.CSafeLoader):
+    """YAML with CloudFormation's short forms: `!Ref X`, `!GetAtt X.Arn`, `!Sub …` become their long forms.
+
+    libyaml's, as the template is read at each start of a stack.
+    """
 
 
-def _short_form(loader: yaml.SafeLoader, suffix: str, node: yaml.Node) -> dict[str, Any]:
+def _short_form(loader: _Loader, suffix: str, node: yaml.Node) -> dict[str, Any]:
     value: Any
     if isinstance(node, yaml.ScalarNode):
         value = loader.construct_scalar(node)

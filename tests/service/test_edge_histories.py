@@ -1,6 +1,6 @@
 """Random histories, cut off at any time: the edge answers byte for byte as a lookup does, or not.
 
-`CALIBDB_HISTORIES` random histories (6 unless told otherwise), half of them cut off by a crash.
+`CALIBDB_HISTORIES` random histories (4 unless told otherwise), half of them cut off by a crash.
 """
 
 import os
@@ -12,7 +12,7 @@ from calibdb.camera_key import identify
 from tests.helpers.service.edge import aliases, differences, killed_after, let_locks_expire, objects
 from tests.helpers.service.histories import QUESTIONS, History, history
 
-HISTORIES = int(os.environ.get("CALIBDB_HISTORIES", "6"))
+HISTORIES = int(os.environ.get("CALIBDB_HISTORIES", "4"))
 STEPS = 10
 MAX_STEPS = 60
 """Steps after which a history without a single answer at the edge would prove nothing."""

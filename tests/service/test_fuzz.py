@@ -1,5 +1,6 @@
 """Fuzzing of all calls: every answer is one that the OpenAPI document promises, and never a 500."""
 
+import os
 from typing import Any
 
 import cv2
@@ -10,8 +11,9 @@ from hypothesis import strategies as st
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, TOKEN, Client
 
+EXAMPLES = 4 * int(os.environ.get("CASES", "300")) // 20
 FUZZ = settings(
-    max_examples=120,
+    max_examples=EXAMPLES,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
@@ -111,7 +113,7 @@ PLACES = st.one_of(
 )
 
 
-@settings(FUZZ, max_examples=60)
+@settings(FUZZ, max_examples=EXAMPLES // 2)
 @given(
     views=st.lists(
         st.tuples(st.permutations(range(40)), PLACES) | st.tuples(st.just(list(range(40))), QUADS),

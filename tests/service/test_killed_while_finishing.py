@@ -1,6 +1,6 @@
 """kill -9 while captures end: afterwards all of a calibration is there or nothing, and a retry completes it.
 
-`CALIBDB_KILLS` says at how many moments; 12 unless told otherwise.
+`CALIBDB_KILLS` says at how many moments; 6 unless told otherwise.
 """
 
 import os
@@ -26,7 +26,7 @@ from tests.helpers.service.published import store
 from tests.helpers.stack.processes import LocalProcess
 
 AT_ONCE = 6  # captures that end when the server is killed: each is cut off at a moment of its own
-KILLS = max(1, int(os.environ.get("CALIBDB_KILLS", "12")) // AT_ONCE)
+KILLS = max(1, int(os.environ.get("CALIBDB_KILLS", "6")) // AT_ONCE)
 TOKEN = {"authorization": "Bearer cdb_dev_local"}
 Views = list[dict[str, Any]]
 

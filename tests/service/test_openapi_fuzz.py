@@ -26,7 +26,7 @@ from infra.local import LocalStack
 from tests.helpers.service.client import TOKEN, Client, Truth, until
 from tests.helpers.service.rigs import RigTruth
 
-CASES = int(os.environ.get("CASES", "500"))
+CASES = int(os.environ.get("CASES", "300"))
 SEED = int(os.environ.get("SEED", "0"))
 ROOT = Path(__file__).parents[2]
 CHECKS = [

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 
 from calibdb import schema
 
-EXAMPLES = int(os.environ.get("CASES", "500")) // 20
+EXAMPLES = int(os.environ.get("CASES", "300")) // 20
 FUZZ = settings(
     max_examples=EXAMPLES,
     deadline=None,
