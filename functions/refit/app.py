@@ -14,7 +14,7 @@ import json
 import math
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Any
 
@@ -253,9 +253,9 @@ def pool(
         pooled=pool_digest,
     )
     members = [one for d in documents if (one := member(d)) is not None]
-    rule = rule_of(thresholds)
+    pooled, rule = functools.partial(consensus.pool, members, mode.img_size, model), rule_of(thresholds)
     try:
-        agreed = consensus.pool(members, mode.img_size, model, rule)
+        agreed = pooled(rule)
     except CalibrationError:
         found = "too_few" if len(documents) < rule.min_calibrations else "disagree"
         return stored(found=found, reason=found), GroupsDocument(pooled=pool_digest)
@@ -275,7 +275,7 @@ def pool(
     )
     confirmable = quality_gates.is_confirmable(calibration) and (
         agreed.reason == "few_contributors"
-        or (agreed.reason == "too_few" and is_consistent(members, mode, model, rule))
+        or (agreed.reason == "too_few" and is_consistent(agreed, pooled, rule))
     )
     sizes = ((name, none_beyond_image(error, mode.img_size)) for name, error in agreed.member_errors.items())
     errors = {name: error for name, error in sizes if error is not None}
@@ -286,11 +286,11 @@ def pool(
 
 
 def is_consistent(
-    members: Sequence[consensus.Member], mode: StreamMode, model: str, rule: consensus.Rule
+    agreed: consensus.Consensus, pool: Callable[[consensus.Rule], consensus.Consensus], rule: consensus.Rule
 ) -> bool:
     """Tell whether few calibrations would make a reliable consensus if they were enough."""
     few = dataclasses.replace(rule, min_calibrations=1, min_contributors=1)
-    return consensus.pool(members, mode.img_size, model, few).reliable
+    return agreed.consistent if rule.min_contributors < 2 else pool(few).reliable
 
 
 def count(

@@ -7,6 +7,7 @@ anew for each request: more work than the operation. All three are known here.
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 from botocore.awsrequest import AWSPreparedRequest
 from moto.core import responses
@@ -24,14 +25,15 @@ responses.method_names_from_class = functools.cache(method_names_from_class)  # 
 class _Handler(DynamoHandler):
     """moto's handler of one request, with what it would have read from address and headers."""
 
-    def __init__(self, operation: str, body: bytes | str):
+    def __init__(self, operation: str, body: object):
         super().__init__()
         self.headers = {"Content-Type": "application/x-amz-json-1.0"}
         self.response_headers = {}
         self.current_account, self.region = ACCOUNT, REGION
         self._operation = operation
         model = get_service_model("dynamodb").operation_model(operation)
-        self.params = PROTOCOL_PARSERS["json"](model).parse({"body": body})
+        read: Any = {"body": body}  # of this protocol nothing else is read
+        self.params = PROTOCOL_PARSERS["json"](model).parse(read)
 
     def _get_action(self) -> str:
         return self._operation
@@ -45,6 +47,7 @@ class _Handler(DynamoHandler):
 def ask(operation: str, request: AWSPreparedRequest) -> tuple[int, dict[str, str], bytes | str]:
     """Answer a request: status, headers and body. Not safe from two threads at once."""
     try:
-        return _Handler(operation, request.body).call_action()
+        status, headers, body = _Handler(operation, request.body).call_action()
     except HTTPException as error:
         return error.code or 500, dict(error.get_headers()), error.get_body()
+    return status, headers, body

@@ -86,6 +86,7 @@ def pool(members: Any, img_size: tuple[int, int], model: str, rule: Any) -> Simp
         contributors=contributors,
         reliable=reason is None,
         reason=reason,
+        consistent=contributors >= rule.min_contributors,
         spread=0.3,
         held_out_error=0.3,
         groups=(tuple(ids),),

@@ -88,6 +88,8 @@ class Consensus:
         Number of all calibrations.
     reason
         Why it is not reliable; None where it is.
+    consistent
+        Whether the rule would hold if one calibration were enough.
     groups
         Ids of the members of every group that agrees, largest first: modes of the camera, or mistakes.
     dropped
@@ -108,6 +110,7 @@ class Consensus:
     reliable: bool
     total: int
     reason: UnreliableReason | None
+    consistent: bool
     groups: tuple[tuple[str, ...], ...]
     dropped: Mapping[str, str]
     spread: float
@@ -148,7 +151,11 @@ def pool(
         pooled = fit_views(group, img_size, model)
         errors = cross_validate_views(group, pooled.camera) if len(group) > 1 else np.empty(0)
         is_stable = rule.min_contributors < 2
-    reason = unreliable_reason(group, errors, members, img_size, rule, is_stable=is_stable)
+    any_number = replace(rule, min_calibrations=1)
+    reason, remaining = (
+        unreliable_reason(group, errors, members, img_size, r, is_stable=is_stable)
+        for r in (rule, any_number)
+    )
     return Consensus(
         calibration=pooled,
         members=tuple(f.member.id for f in group),
@@ -156,6 +163,7 @@ def pool(
         reliable=reason is None,
         total=len(members),
         reason=reason,
+        consistent=remaining is None,
         groups=tuple(tuple(fits[i].member.id for i in part) for part in agreement.groups),
         dropped=dropped,
         spread=rms_spread(pooled, group, shares) if len(group) > 1 else math.nan,

@@ -188,3 +188,13 @@ def test_nothing_to_pool_is_an_error() -> None:
     with pytest.raises(CalibrationError) as caught:
         pool([few], SIZE, "rectilinear")
     assert caught.value.code == "too_few_points"
+
+
+@pytest.mark.parametrize("focal", [1.0, 1.3])
+def test_few_members_are_consistent_where_they_would_be_reliable(honest: list[Member], focal: float) -> None:
+    members = [honest[0], member(1, focal)]
+    found = pool(members, SIZE, "rectilinear")
+    assert (found.reliable, found.reason) == (False, "too_few")
+    enough = pool(members, SIZE, "rectilinear", Rule(min_calibrations=1))
+    assert found.consistent == enough.consistent == enough.reliable == (focal == 1.0)
+    np.testing.assert_array_equal(found.calibration.camera.intrinsics, enough.calibration.camera.intrinsics)
