@@ -12,10 +12,10 @@ THOROUGH = bool(os.environ.get("THOROUGH"))  # `make thorough`
 #: markers whose tests run only on a condition
 SELECTED = {"thorough": THOROUGH, "external_data": EXTERNAL is not None}
 
-#: modules that take longest, a minute of processor time to a quarter of one: what begins last must be short
+#: modules that take longest, half a minute of processor time to ten seconds: what begins last must be short
 LONGEST = (
-    *("test_crowd", "test_bundle", "test_hostile", "test_reindex", "test_edge_histories", "test_guidance"),
-    *("test_loop", "test_ops", "test_killed_while_finishing", "test_durability", "test_convert"),
+    *("test_guidance", "test_reindex", "test_crowd", "test_hostile", "test_ops", "test_durability", "test_loop"),
+    *("test_pooling", "test_killed_while_finishing", "test_edge_histories", "test_bundle", "test_openapi_fuzz"),
 )
 
 # The same examples each time, however slow the machine is; new ones are looked for where there is time.

@@ -148,7 +148,8 @@ def both(
         patch.setenv("MIN_CONTRIBUTORS", request.param)
         environment = stack.environment | {"MIN_CONTRIBUTORS": request.param}
         written = bundle(OpsContext.of(environment, secret_known=True), path, max_cameras=500)
-        asked, client = requests(known), Client(stack)
+        # Of every second camera, in all ways: the file has them all.
+        asked, client = requests(known[::2]), Client(stack)
         answers = [client.lookup(**each, redirect=False) for each in asked]
     assert {answer.status for answer in answers} == {200, 404}
     told = [answer.json if answer.status == 200 else None for answer in answers]
@@ -172,7 +173,7 @@ def test_bundle_answers_as_the_service(both: Both) -> None:
                 assert found["adapted"] is None
                 told |= {"relation": found["relation"], "adapted": None}
             assert same(found, told), (asked, told, found)
-    assert compared > 200
+    assert compared > 0.31 * len(both.asked)
 
 
 def same(one: Any, other: Any) -> bool:

@@ -94,8 +94,15 @@ HOSTILE: dict[str, Hostile] = {
 }
 
 
-@pytest.mark.parametrize("kind", HOSTILE)
-@pytest.mark.parametrize("good_first", [0, 2])
+@pytest.mark.parametrize(
+    ("good_first", "kind"),
+    [
+        # Each of these sessions takes as long as all others together.
+        pytest.param(n, kind, marks=pytest.mark.thorough if n and kind == "moving principal point" else ())
+        for n in (0, 2)
+        for kind in HOSTILE
+    ],
+)
 def test_session_converges_after_hostile_views(kind: str, good_first: int) -> None:
     """Of ten that a session is sent at least three do not count, on average where some can be explained."""
     explained = kind == "moving principal point"  # which a turn of the board explains, up to a point
