@@ -14,8 +14,9 @@ SELECTED = {"thorough": THOROUGH, "external_data": EXTERNAL is not None}
 
 #: modules that take longest, half a minute of processor time to ten seconds: what begins last must be short
 LONGEST = (
-    *("test_guidance", "test_reindex", "test_crowd", "test_hostile", "test_ops", "test_durability", "test_loop"),
-    *("test_pooling", "test_killed_while_finishing", "test_edge_histories", "test_bundle", "test_openapi_fuzz"),
+    *("test_guidance", "test_reindex", "test_crowd", "test_hostile", "test_ops", "test_durability"),
+    *("test_loop", "test_pooling", "test_killed_while_finishing", "test_edge_histories", "test_bundle"),
+    "test_openapi_fuzz",
 )
 
 # The same examples each time, however slow the machine is; new ones are looked for where there is time.
