@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -138,6 +139,8 @@ def test_a_file_without_keypoints_is_converted_and_compared(page: Page, tmp_path
     page.locator("#compare-query").fill("nothing like it")
     page.locator("#compare-search").click()
     expect(page.locator("#compare-result")).to_contain_text("No camera of this name")
+    # Of a text that is not loaded, a page shows the name: "result.before".
+    assert re.findall(r"\b(?:result|formats|import)\.[a-z_]+", page.locator("main").inner_text()) == []
     picture(page, "import-converted", full=True, check=False)
     bodies = [json.loads(request.post_data) for request in sent if request.post_data]
     assert all(set(body) <= {"file", "encoding", "format", "camera", "img_size"} for body in bodies)
