@@ -14,16 +14,20 @@ from playwright.sync_api import (
     ConsoleMessage,
     Page,
     Playwright,
+    ViewportSize,
     expect,
     sync_playwright,
 )
 
+from tests.helpers.browser.executables import executable
+from tests.helpers.browser.firefox import InFirefox, firefox
 from tests.helpers.browser.waiting import TIMEOUT_S
 from tests.helpers.stack.processes import LocalProcess
 
 ROOT = Path(__file__).parents[2]
 OUTPUT = Path(__file__).parent / "output"
 TOKEN = "cdb_dev_local"
+WINDOW = ViewportSize(width=800, height=600)  # small: who draws in software pays for each pixel
 UNKEPT = "Service Worker registration blocked by Playwright"
 STALL = "GPU stall due to ReadPixels"  # what a GPU made of software says when its picture is taken
 CHROMIUM = [
@@ -45,14 +49,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if Path(__file__).parent in item.path.parents:
             item.add_marker(pytest.mark.browser)
-
-
-def executable(name: str) -> str:
-    """Path of a browser; the test is skipped where it is not installed."""
-    path = shutil.which(name)
-    if path is None:
-        pytest.skip(f"{name} is not installed")
-    return path
 
 
 def chromium_path() -> str:
@@ -93,6 +89,13 @@ def chromium(playwright: Playwright) -> Iterator[Browser]:
     browser.close()
 
 
+@pytest.fixture(scope="session")
+def in_firefox() -> Iterator[InFirefox]:
+    """Evaluator of functions in pages of one Firefox, each page a visit of its own."""
+    with firefox() as evaluate:
+        yield evaluate
+
+
 def close(context: BrowserContext) -> None:
     """End a visit, whatever is still being asked for."""
     for page in context.pages:
@@ -104,9 +107,7 @@ def close(context: BrowserContext) -> None:
 @pytest.fixture
 def context(chromium: Browser, stack: str) -> Iterator[BrowserContext]:
     # Without the service worker, which has tests of its own: what it answers, routes do not see.
-    context = chromium.new_context(
-        base_url=stack, viewport={"width": 1440, "height": 900}, service_workers="block"
-    )
+    context = chromium.new_context(base_url=stack, viewport=WINDOW, service_workers="block")
     context.set_default_timeout(1000 * TIMEOUT_S)
     yield context
     close(context)

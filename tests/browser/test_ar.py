@@ -16,7 +16,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Request, expect
 
 from tests.helpers.browser.captures import capture
-from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.specimens import answer, result
 from tests.helpers.browser.truth import Truth
@@ -138,7 +138,7 @@ def test_overlays_fit_once_the_lens_is_known(page: Page) -> None:
     check(page.evaluate(READ))
 
 
-def test_overlays_fit_in_firefox(stack: str) -> None:
+def test_overlays_fit_in_firefox(stack: str, in_firefox: InFirefox) -> None:
     check(in_firefox(f"{stack}{ADDRESS}", READ))
 
 

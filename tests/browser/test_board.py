@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
-from tests.helpers.browser.pictures import SIZES, picture
+from tests.helpers.browser.pictures import SCHEMES, SIZES, picture
 from tests.helpers.browser.waiting import address, until
 
 # A phone before permission: cameras without names; what was asked of them.
@@ -40,12 +40,12 @@ FOUND = """async (dictionaries) => {
 }"""
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_the_board_is_shown(page: Page, scheme: str) -> None:
-    page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+def test_the_board_is_shown(page: Page) -> None:
     page.goto("/board/")
     page.locator("#papers a").first.wait_for()
-    picture(page, f"board-{scheme}", full=True)
+    for scheme in SCHEMES:
+        page.emulate_media(color_scheme=scheme)
+        picture(page, f"board-{scheme}", full=True)
 
 
 def test_the_board_as_a_file(page: Page) -> None:
@@ -213,7 +213,7 @@ def test_a_phone_is_calibrated_with_this_screen(page: Page) -> None:
     until(page, lambda: page.evaluate("window.asked?.facingMode") == {"ideal": "environment"})
 
 
-@pytest.mark.parametrize("language", ["de", "uk"])
+@pytest.mark.parametrize("language", ["de", pytest.param("uk", marks=pytest.mark.thorough)])
 def test_the_pages_speak_other_languages(page: Page, language: str) -> None:
     words = {
         "de": ("Kalibriertafel", "Kameras", "Aus Fotos"),

@@ -19,7 +19,7 @@ from infra.web_build.rig_vectors import RIGS_PATH
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.truth import Truth
-from tests.helpers.browser.waiting import TIMEOUT_S
+from tests.helpers.browser.waiting import TIMEOUT_S, address
 from tests.helpers.documents import SITE, blocks
 
 from .conftest import CHROMIUM, ROOT, chromium_path, close
@@ -101,7 +101,7 @@ def test_quickstart_ends_with_a_page_that_knows_its_camera(
         json.loads(page.locator("#answer").inner_text())["camera_matrix"]
         == state["calibration"]["camera_matrix"]
     )
-    assert page.url == quickstart, "the address is clean again"
+    assert address(page) == quickstart, "the address is clean again"
     assert errors == []
     browser.close()
 

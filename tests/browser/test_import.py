@@ -184,7 +184,7 @@ def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> N
     assert telling(sent) == []
 
 
-@pytest.mark.parametrize("language", ["de", "uk"])
+@pytest.mark.parametrize("language", [pytest.param("de", marks=pytest.mark.thorough), "uk"])
 def test_other_languages(context: BrowserContext, tmp_path: Path, language: str) -> None:
     page = context.new_page()
     page.goto(f"/import/?lang={language}")

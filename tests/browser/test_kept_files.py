@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, BrowserContext, Page, Response, Route
 
 from tests.helpers.browser.waiting import TIMEOUT_S, until
 
-from .conftest import ROOT, close
+from .conftest import ROOT, WINDOW, close
 
 # Not localhost by name, where the network would come first; browsers take it to this machine all the same.
 HOST = "pages.localhost"
@@ -28,7 +28,7 @@ VERSION = "async () => (await (await caches.match('/shell.json')).json()).versio
 @pytest.fixture
 def visitor(chromium: Browser, stack: str) -> Iterator[BrowserContext]:
     address = stack.replace("127.0.0.1", HOST)
-    context = chromium.new_context(base_url=address, viewport={"width": 1440, "height": 900})
+    context = chromium.new_context(base_url=address, viewport=WINDOW)
     context.set_default_timeout(1000 * TIMEOUT_S)
     yield context
     close(context)

@@ -11,13 +11,13 @@ from calibdb.store.keys import answer_object
 from infra.local import LocalStack
 from infra.local.events import Response
 from tests.helpers.browser.captures import agreed, capture
-from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.truth import Truth
 from tests.helpers.service.client import TOKEN, until
 from tests.helpers.service.edge import objects
 from tests.helpers.service.histories import QUESTIONS, RULES, History, quick_solver
 
-TRUTH = Truth(fx=960, k1=-0.22)
+TRUTH = Truth(fx=480, cx=319.5 + 12, cy=179.5, k1=-0.22, size=(640, 360))
 
 
 def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack: str) -> None:
@@ -38,13 +38,13 @@ def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack:
     page.goto(location)
     wanted = page.locator("#wanted")
     expect(wanted).to_contain_text(key["camera"])
-    expect(wanted).to_contain_text("1280\u00a0×\u00a0720")
+    expect(wanted).to_contain_text("640\u00a0×\u00a0360")
 
     # A browser that navigates to the lookup is taken there.
     query = {
         "camera": key["camera"],
         "platform": key["platform"],
-        "img_size": "1280x720",
+        "img_size": "640x360",
         "key": "cdb_dev_local",
     }
     page.goto(str(httpx.URL(f"{stack}/v1/lookup", params=query)))
@@ -66,7 +66,7 @@ def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack:
     assert found["guidanceUrl"] is None
 
     # While every function fails, the edge answers for this camera, and says of others that it cannot.
-    object_name = answer_object(key["camera"], key["platform"], (1280, 720), 0.0, "rectilinear")
+    object_name = answer_object(key["camera"], key["platform"], TRUTH.size, 0.0, "rectilinear")
     until(lambda: httpx.get(f"{stack}/{object_name}").status_code == 200)
     page.route("**/v1/**", lambda route: route.fulfill(status=503, json={"detail": "Service Unavailable"}))
     asked = """async (key) => {
@@ -81,7 +81,7 @@ def test_five_captures_make_a_camera_known(page: Page, api: httpx.Client, stack:
     page.unroute_all()
 
 
-def test_firefox_is_answered_by_the_edge_while_every_function_fails() -> None:
+def test_firefox_is_answered_by_the_edge_while_every_function_fails(in_firefox: InFirefox) -> None:
     with quick_solver(), LocalStack(environment=RULES[0]) as stack:
         History(stack, 0)  # publishes calibrations of two cameras
         answers = {name: json.loads(content) for name, content in objects(stack).items()}

@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import pytest
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import BrowserContext
 
-from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.firefox import InFirefox
 
 from .test_rectifier import calibration
 
@@ -106,27 +105,19 @@ def test_what_was_on_the_gpu_is_made_anew(context: BrowserContext) -> None:
     check_drawn(page.evaluate(DRAWN, calibration("rectilinear")))
 
 
-def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str) -> None:
+def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str, in_firefox: InFirefox) -> None:
     check_drawn(in_firefox(f"{stack}/board/", f"() => ({DRAWN})({json.dumps(calibration('rectilinear'))})"))
 
 
-@pytest.fixture
-def overlays(context: BrowserContext) -> Page:
-    page = context.new_page()  # which tells that the GPU was lost
-    page.goto(ADDRESS)
-    page.locator("#rms:not(:empty)").wait_for()
-    return page
-
-
-def test_overlays_go_on_with_the_gpu(overlays: Page) -> None:
+def test_overlays_go_on_with_the_gpu_and_say_so_where_it_is_lost_for_good(context: BrowserContext) -> None:
+    overlays = context.new_page()  # which tells that the GPU was lost
+    overlays.goto(ADDRESS)
+    overlays.locator("#rms:not(:empty)").wait_for()
     counts = overlays.evaluate(ON_THE_PAGE)
     assert [each["mode"] for each in counts] == ["matrix", "rectified", "distorted"]
     for each in counts:
         assert each["before"] > 10_000, each
         assert each["after"] > 0.9 * each["before"], each
-
-
-def test_overlays_without_a_gpu_say_so(overlays: Page) -> None:
     overlays.evaluate(FOR_EVER)
     overlays.locator("#failure", has_text="The graphics processor stopped responding.").wait_for()
     overlays.locator("#again").click()

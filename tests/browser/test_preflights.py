@@ -10,12 +10,12 @@ from playwright.sync_api import Browser, Page
 
 from infra.local import LocalStack
 from tests.helpers.browser.elsewhere import serving_client
-from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.truth import SMALL, projection_errors
 from tests.helpers.browser.waiting import TIMEOUT_S, address
 from tests.helpers.stack.faults import watched_requests
 
-from .conftest import ROOT, TOKEN
+from .conftest import ROOT, TOKEN, WINDOW
 
 KEY = {"camera": "Elsewhere (1234:0009)", "platform": "X11; Linux x86_64", "img_size": [1280, 720], "zoom": 0}
 LOOKUP = """async ([key, token, api]) => {
@@ -23,6 +23,20 @@ LOOKUP = """async ([key, token, api]) => {
   const { calibration, reason } = await lookup(key, { token, api, cache: null });
   return calibration ? "found" : reason;
 }"""
+#: asks for a camera and for a session, and for what needs one, without a board
+ADMITTED = f"""async ([key, token, api]) => {{
+  const ask = (method, path, bearer) => fetch(`${{api}}/${{path}}`, {{
+    method, headers: {{ authorization: `Bearer ${{bearer}}`, "content-type": "application/json" }},
+    body: method === "POST" && bearer !== token ? "{{}}" : undefined,
+  }});
+  const reason = await ({LOOKUP})([key, token, api]);
+  const opened = await ask("POST", "auth", token);
+  const {{ session_id }} = await opened.json();
+  const others = [["POST", "session"], ["GET", "session/pose"], ["POST", "session/views"]];
+  const answers = await Promise.all(others.map(([method, path]) => ask(method, path, session_id)));
+  return [reason, opened.status, answers.map(({{ status }}) => status)];
+}}"""
+PREFLIGHTED = {"/v1/auth", "/v1/session", "/v1/session/pose", "/v1/session/views", "/v1/lookup"}
 EXPORT = """async ([id, token, api]) => {
   const headers = { authorization: `Bearer ${token}` };
   const response = await fetch(`${api}/calibrations/${id}?format=ros`, { headers });
@@ -36,13 +50,21 @@ def stack(request: pytest.FixtureRequest) -> Iterator[LocalStack]:
         yield stack
 
 
+@pytest.mark.parametrize(
+    "stack",
+    [
+        pytest.param(False, id="by the function"),
+        pytest.param(True, id="by the gateway", marks=pytest.mark.thorough),
+    ],
+    indirect=True,
+)
 def test_client_of_another_origin_calibrates_looks_up_and_exports(
     stack: LocalStack, chromium: Browser
 ) -> None:
     with stack.serve() as url, watched_requests(stack) as preflights:
         api = f"{url}/v1"
         with serving_client(ROOT / "web", {"api": api, "token": TOKEN}) as site:
-            page = chromium.new_page(base_url=site, viewport={"width": 1440, "height": 900})
+            page = chromium.new_page(base_url=site, viewport=WINDOW)
             page.set_default_timeout(1000 * TIMEOUT_S)
             identity = calibrated(page)
             assert page.evaluate(LOOKUP, [KEY, TOKEN, api]) == "unknown_camera"
@@ -51,7 +73,7 @@ def test_client_of_another_origin_calibrates_looks_up_and_exports(
             assert "camera_matrix" in text
             page.close()
     # Browsers remember what they were told of a path: not every request is preceded by one.
-    assert {"/v1/auth", "/v1/session", "/v1/session/pose", "/v1/session/views", "/v1/lookup"} <= preflights
+    assert preflights >= PREFLIGHTED
 
 
 def calibrated(page: Page) -> str:
@@ -65,14 +87,21 @@ def calibrated(page: Page) -> str:
     return identity
 
 
-def test_firefox_admits_the_page_of_another_origin(stack: LocalStack) -> None:
-    with stack.serve() as url:
+def test_browsers_admit_a_page_of_another_origin(
+    stack: LocalStack, chromium: Browser, in_firefox: InFirefox
+) -> None:
+    with stack.serve() as url, watched_requests(stack) as preflights:
         api = f"{url}/v1"
         with serving_client(ROOT / "web", {"api": api, "token": TOKEN}) as site:
-            function = f"""async () => {{
-              const look = {LOOKUP};
-              const headers = {{ authorization: "Bearer {TOKEN}", "content-type": "application/json" }};
-              const opened = await fetch("{api}/auth", {{ method: "POST", headers }});
-              return [await look([{KEY!r}, "{TOKEN}", "{api}"]), opened.status];
-            }}"""
-            assert in_firefox(f"{site}/board/", function) == ["unknown_camera", 201]
+            function = f"() => ({ADMITTED})({[KEY, TOKEN, api]!r})"
+            page = chromium.new_page()
+            page.set_default_timeout(1000 * TIMEOUT_S)
+            page.goto(f"{site}/board/")
+            for reason, opened, others in (page.evaluate(function), in_firefox(f"{site}/board/", function)):
+                assert (reason, opened) == ("unknown_camera", 201)
+                assert len(others) == 3
+                assert all(400 <= status < 500 for status in others), (
+                    "refused by the service, not the browser"
+                )
+            page.close()
+    assert preflights >= PREFLIGHTED

@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import Page
 
 from calibsolver import Camera
-from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.photographs import textured_board
 
 from .conftest import CHROMIUM, chromium_path
@@ -143,7 +143,9 @@ def test_every_model_is_warped_as_opencv_would(
     CHECKS[kind](made, model, picture)
 
 
-def test_every_model_is_warped_as_opencv_would_in_firefox(stack: str, picture: npt.NDArray[np.uint8]) -> None:
+def test_every_model_is_warped_as_opencv_would_in_firefox(
+    stack: str, picture: npt.NDArray[np.uint8], in_firefox: InFirefox
+) -> None:
     asked = [(kind, model) for kind in CHECKS for model in LENSES]
     made = in_firefox(f"{stack}/board/", f"() => ({WARPED})({json.dumps(asking(asked, picture))})")
     assert len(made) == 8

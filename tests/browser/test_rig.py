@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
-from tests.browser.conftest import executable
+from tests.helpers.browser.executables import executable
 from tests.helpers.browser.interruptions import HIDE
 from tests.helpers.browser.pictures import WIDE, picture
 from tests.helpers.browser.waiting import until

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.webxr import LABEL, TRUTH, calibrated, script
 
 NATIVE = """
@@ -197,7 +197,7 @@ def test_augmented_reality_on_a_webcam(page: Page) -> None:
     check_immersive(page.evaluate(script(IMMERSIVE)))
 
 
-def test_augmented_reality_on_a_webcam_in_firefox(stack: str) -> None:
+def test_augmented_reality_on_a_webcam_in_firefox(stack: str, in_firefox: InFirefox) -> None:
     check_immersive(in_firefox(f"{stack}/board/", script(IMMERSIVE)))
 
 

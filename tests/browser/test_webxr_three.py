@@ -8,9 +8,9 @@ import httpx
 import numpy as np
 import numpy.typing as npt
 import pytest
-from playwright.sync_api import Page, Route
+from playwright.sync_api import Page, Route, ViewportSize
 
-from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.waiting import until
 from tests.helpers.browser.webxr import LABEL, calibrated, script
 
@@ -107,6 +107,7 @@ def known(api: httpx.Client) -> dict[str, Any]:
 
 def shown(page: Page, marks: Array, *, rectify: bool) -> tuple[Array, Array]:
     """Run the application over a picture with green `marks`; give where these and its red balls are, px."""
+    page.set_viewport_size(ViewportSize(width=WINDOW[0], height=WINDOW[1]))
     page.route("**/three/*.js", serve)
     page.goto("/board/")
     constants = {"label": LABEL, "points": POINTS.tolist(), "marks": marks.tolist(), "rectify": rectify}
@@ -155,7 +156,7 @@ def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, A
     assert off.max() < 1
 
 
-def test_its_manager_runs_in_firefox_too(stack: str) -> None:
+def test_its_manager_runs_in_firefox_too(stack: str, in_firefox: InFirefox) -> None:
     seen = in_firefox(f"{stack}/board/", script(MANAGED))
     assert (seen["matrix"], seen["model"]) == ([500, 0, 0, 0, 505, 0, 325, 178, 1], "rectilinear")
     assert seen["three"] == pytest.approx(seen["p"], abs=1e-6)

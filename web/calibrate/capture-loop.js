@@ -42,6 +42,7 @@ export class CaptureLoop {
   #isFocused = false;
   #wasHidden = false;
   #isFirst = true;
+  #isFinishing = false;
   /** @type {number[]} of the last frames */
   #sharpness = [];
   #pace = new Pace();
@@ -59,7 +60,7 @@ export class CaptureLoop {
       dispatch: (event) => this.#dispatch(event),
       signal,
       onOffline: () => this.#setPlannedTarget(),
-      onOnline: () => this.#fetchTarget(),
+      onOnline: () => this.#return(),
     });
     const on = (/** @type {HTMLElement} */ button, /** @type {() => void} */ action) =>
       button.addEventListener("click", action, { signal });
@@ -232,9 +233,16 @@ export class CaptureLoop {
     if (this.#state.phase === "capturing") await this.#fetchTarget({ skip: true });
   }
 
-  /** Ends the capture with the views that are there. */
+  /** Goes on once the service is back, with what was asked of it last. */
+  async #return() {
+    if (this.#isFinishing) await this.#finish();
+    if (!this.#signal.aborted && this.#state.phase === "capturing") await this.#fetchTarget();
+  }
+
+  /** Ends the capture with the views that are there; while the service is away, as soon as it is back. */
   async #finish() {
     await this.#queue.drained();
+    this.#isFinishing = this.#state.link.offline;
     if (!isFinishable(this.#state)) return;
     await this.#queue.send(
       () => this.#session.finish(),

@@ -17,6 +17,7 @@ import { reach } from "./network.js";
 
 const START_TIMEOUT_MS = 20_000; // ms; a worker that a content policy stops never answers and never fails
 const FRAME_TIMEOUT_MS = 4_000; // ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
+const SIGHT_TIMEOUT_MS = 30_000; // ms for one picture in which boards of every kind are looked for, which takes much longer
 const CLOSE_TIMEOUT_MS = 1_000; // ms for the frames that are still there when it is closed
 const OPENCV = new URL("../vendor/opencv/", import.meta.url);
 
@@ -31,7 +32,7 @@ export class DetectorError extends Error {
 
 export class Detector {
   /**
-   * @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void, timer: ReturnType<typeof setTimeout>}>}
+   * @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void, timer: ReturnType<typeof setTimeout>, end: number}>}
    */
   #waiting = new Map();
   #next = 0;
@@ -87,7 +88,7 @@ export class Detector {
    * @param {import("./recogniser.js").Hints & {timeout?: number}} [options] timeout: ms
    * @returns {Promise<import("./board-recognition.js").Sighting>}
    */
-  sight(frame, { timeout = FRAME_TIMEOUT_MS, ...hints } = {}) {
+  sight(frame, { timeout = SIGHT_TIMEOUT_MS, ...hints } = {}) {
     if (this.closed) {
       frame.close();
       return Promise.reject(new DetectorError("The board detector was closed."));
@@ -133,9 +134,12 @@ export class Detector {
   /** @param {object} message @param {Transferable[]} transfer @param {number} timeout ms @returns {Promise<any>} */
   #ask(message, transfer, timeout = START_TIMEOUT_MS) {
     const id = this.#next++;
+    const now = performance.now();
+    // The worker answers one after the other: the time of this one begins when those before it have theirs.
+    const end = Math.max(now, ...[...this.#waiting.values()].map((each) => each.end)) + timeout;
     return new Promise((resolve, reject) => {
-      const timer = setTimeout(() => this.#silent(id), timeout);
-      this.#waiting.set(id, { resolve, reject, timer });
+      const timer = setTimeout(() => this.#silent(id), end - now);
+      this.#waiting.set(id, { resolve, reject, timer, end });
       this.#worker.postMessage({ id, ...message }, transfer);
     });
   }

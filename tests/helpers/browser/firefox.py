@@ -1,4 +1,4 @@
-"""Firefox, as far as its driver goes: one function in one page."""
+"""Firefox, as far as its driver goes: pages one after the other, and one function in each."""
 
 from __future__ import annotations
 
@@ -6,15 +6,19 @@ import json
 import os
 import select
 import subprocess
-from collections.abc import Iterator
-from contextlib import contextmanager
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from ...browser.conftest import executable
+from .executables import executable
 from .waiting import TIMEOUT_S
 
-SCRIPT = Path(__file__).with_name("firefox_evaluate.mjs")
+SCRIPT = Path(__file__).with_name("firefox_pages.mjs")
+
+#: result of an asynchronous JavaScript function in the page at an address; fails if the page complains
+InFirefox = Callable[[str, str], Any]
 
 
 @contextmanager
@@ -44,13 +48,11 @@ def screen() -> Iterator[str]:
         server.wait()
 
 
-def driven(script: Path, address: str, *, given: str = "", **environment: str) -> Any:
+def driven(script: Path, address: str) -> Any:
     """Output of a script that drives a page in Firefox; fails if the page complains."""
     command = ["node", str(script), executable("firefox-esr"), address]
     run = subprocess.run(
         command,
-        input=given,
-        env=os.environ | environment,
         capture_output=True,
         text=True,
         timeout=3 * TIMEOUT_S,
@@ -62,7 +64,37 @@ def driven(script: Path, address: str, *, given: str = "", **environment: str) -
     return outcome
 
 
-def in_firefox(address: str, function: str) -> Any:
-    """Result of an asynchronous JavaScript function in a page; fails if the page complains."""
-    with screen() as name:
-        return driven(SCRIPT, address, given=function, DISPLAY=name)["result"]
+@contextmanager
+def firefox() -> Iterator[InFirefox]:
+    """Give what evaluates functions in one Firefox, which starts with the first of them."""
+    with ExitStack() as stack:
+        started: list[subprocess.Popen[str]] = []
+
+        def start() -> subprocess.Popen[str]:
+            command = ["node", str(SCRIPT), executable("firefox-esr")]
+            environment = os.environ | {"DISPLAY": stack.enter_context(screen())}
+            process = subprocess.Popen(
+                command, env=environment, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+            )
+            stack.enter_context(process)  # closes its input, and waits for its end
+            return process
+
+        def evaluate(address: str, function: str) -> Any:
+            if not started:
+                started.append(start())
+            (process,) = started
+            assert process.stdin
+            assert process.stdout
+            process.stdin.write(json.dumps({"address": address, "source": function}) + "\n")
+            process.stdin.flush()
+            watchdog = threading.Timer(3 * TIMEOUT_S, process.kill)
+            watchdog.start()
+            line = process.stdout.readline()
+            watchdog.cancel()
+            assert line, "Firefox has ended"
+            outcome = json.loads(line)
+            assert "error" not in outcome, outcome["error"]
+            assert outcome["complaints"] == []
+            return outcome["result"]
+
+        yield evaluate

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from playwright.sync_api import Page, ViewportSize
 
@@ -14,6 +14,8 @@ SIZES: dict[str, ViewportSize] = {
     "tablet": {"width": 820, "height": 1180},
     "hand": {"width": 390, "height": 844},
 }
+#: of colours; in both a state is held to the same
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 FINGER = 44  # px, WCAG 2.5.5
 INLINE = 24  # px, WCAG 2.5.8: within a line of text
 WIDE = """() => {
@@ -52,7 +54,8 @@ def remaining(page: Page, faults: Callable[[], T], seconds: float = 5.0) -> T:
 
 def violations(page: Page) -> list[str]:
     # Evaluated rather than added as a script: the policy of the pages rightly refuses that.
-    page.evaluate(f"() => {{ if (!window.axe) {{ {AXE.read_text()} }} }}")
+    if not page.evaluate("'axe' in window"):
+        page.evaluate(f"() => {{ {AXE.read_text()} }}")
     found = page.evaluate("async () => (await window.axe.run()).violations")
     return [f"{v['id']}: {v['help']}: {[n['html'] for n in v['nodes']]}" for v in found]
 

@@ -16,7 +16,8 @@ export { labelOf, setupFrom } from "./setup.js";
  * @typedef {import("./setup.js").Setup} Setup
  */
 
-const FRAME_INTERVAL_MS = 50; // ms; a canvas that nobody paints on delivers no frames
+const FRAME_RATE_HZ = 30; // Hz of the stream: what is painted sooner nobody sees
+const REFRESH_INTERVAL_MS = 50; // ms; a canvas that nobody paints on delivers no frames
 
 export class VirtualCamera {
   #canvas;
@@ -25,8 +26,10 @@ export class VirtualCamera {
   #setup;
   #hand;
   #board;
-  /** Is a picture being painted? */
+  /** Is a picture being painted, or about to be? */
   #asked = false;
+  /** When the last one was asked for, ms. */
+  #askedAt = -Infinity;
   /** Has the last picture of a hand that does not move been asked for? */
   #settled = false;
   /** @type {ImageData | null} */
@@ -39,6 +42,8 @@ export class VirtualCamera {
   #shown = null;
   /** @type {ReturnType<typeof setInterval> | undefined} */
   #timer;
+  /** @type {ReturnType<typeof setTimeout> | undefined} of the next picture */
+  #next;
   /** @type {MediaStream | null} */
   #stream = null;
 
@@ -94,15 +99,15 @@ export class VirtualCamera {
       this.#worker.postMessage({ open: { board, lens, size, fault: FAULTS.includes(fault) ? fault : "" } });
     });
     this.#worker.onmessage = ({ data }) => this.#show(data.picture);
-    const stream = this.#canvas.captureStream(30);
+    const stream = this.#canvas.captureStream(FRAME_RATE_HZ);
     const [track] = stream.getVideoTracks();
     Object.defineProperty(track, "label", { value: this.label });
-    const settings = { width: size[0], height: size[1], frameRate: 30, resizeMode: "none" };
+    const settings = { width: size[0], height: size[1], frameRate: FRAME_RATE_HZ, resizeMode: "none" };
     Object.defineProperty(track, "getSettings", { value: () => settings });
     track.addEventListener("ended", () => this.close());
     this.#stream = stream;
     this.#ask();
-    this.#timer = setInterval(() => this.#refresh(), FRAME_INTERVAL_MS);
+    this.#timer = setInterval(() => this.#refresh(), REFRESH_INTERVAL_MS);
     return stream;
   }
 
@@ -127,6 +132,7 @@ export class VirtualCamera {
 
   close() {
     clearInterval(this.#timer);
+    clearTimeout(this.#next);
     this.#worker.terminate();
     for (const track of this.#stream?.getTracks() ?? []) track.stop();
     this.#canvas.remove();
@@ -136,6 +142,7 @@ export class VirtualCamera {
     const now = performance.now();
     this.#settled = this.#held !== null || !this.#hand.moves(now);
     this.#asked = true;
+    this.#askedAt = now;
     this.#painted = this.#held ?? this.#hand.pose(now);
     this.#worker.postMessage({ pose: this.#painted, blur: this.#held ? 0 : this.#hand.blur() });
   }
@@ -145,8 +152,8 @@ export class VirtualCamera {
     this.#picture = picture;
     this.#shown = this.#painted;
     this.#context.putImageData(picture, 0, 0);
-    this.#asked = false;
-    if (!this.#settled) this.#ask();
+    this.#asked = !this.#settled;
+    if (!this.#settled) this.#next = setTimeout(() => this.#ask(), this.#askedAt + 1000 / FRAME_RATE_HZ - performance.now());
   }
 
   #refresh() {
