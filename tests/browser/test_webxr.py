@@ -193,6 +193,7 @@ def test_the_browsers_own_inline_session(context: BrowserContext, api: httpx.Cli
 
 
 def test_augmented_reality_on_a_webcam(page: Page) -> None:
+    page.set_viewport_size({"width": 1440, "height": 900})
     page.goto("/board/")
     check_immersive(page.evaluate(script(IMMERSIVE)))
 
