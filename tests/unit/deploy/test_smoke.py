@@ -9,6 +9,7 @@ import pytest
 
 from infra.deploy import page_token, smoke, smoke_capture
 from infra.local import LocalStack
+from infra.web_build.site import made_files
 from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.service.published import store
 
@@ -23,6 +24,7 @@ def stack() -> Iterator[LocalStack]:
 
 @pytest.fixture(scope="module")
 def address(stack: LocalStack) -> Iterator[str]:
+    made_files()  # else the first request waits for them, on a busy machine for longer than it may
     with stack.serve() as url:
         yield url
 
