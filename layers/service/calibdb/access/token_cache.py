@@ -27,7 +27,7 @@ _MAX_TOKENS = 1024
 _MAX_SOURCES = 4096  # of one token and hour
 
 
-class Tokens(Protocol):
+class TokenStore(Protocol):
     """Store of tokens."""
 
     def get(self, token_id: str) -> ApiToken | None:
@@ -37,7 +37,7 @@ class Tokens(Protocol):
         """Note that the token was used: it does not expire."""
 
 
-class Quotas(Protocol):
+class QuotaStore(Protocol):
     """Store of use counts."""
 
     def add(self, token_id: str, kind: Kind, now: int, amount: int) -> int:
@@ -78,8 +78,8 @@ class TokenCache:
 
     def __init__(
         self,
-        tokens: Tokens,
-        quotas: Quotas,
+        tokens: TokenStore,
+        quotas: QuotaStore,
         clock: Callable[[], float],
         ttl_s: float = TOKEN_TTL_S,
         plans: Mapping[str, Plan] = PLANS,

@@ -1,6 +1,6 @@
 """Joint fit of a rig: intrinsics, relative poses and board poses, by the solver of one camera.
 
-The rig's noise is one number: residuals of a camera with more of it weigh less in proportion (`Member`).
+The rig's noise is one number: residuals of a camera with more of it weigh less in proportion (`RigMember`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,9 +30,9 @@ from .contradictions import (
     near_start,
     without_contradicting_view,
 )
-from .problem import Member, Moment, RigProblem, pack_moments
+from .problem import Moment, RigMember, RigProblem, pack_moments
 from .single import Single, Specification, fit_alone
-from .start import ResectedMoment, RigidMotion, Start
+from .start import ResectedMoment, RigidMotion, RigStart
 from .thinning import thin
 from .validation import check
 
@@ -97,17 +97,17 @@ def fit(
         ]
         linked = [m for m, moment in enumerate(resected) if moment.poses]
         began = rig_start.start([each.camera for each in alone], [resected[m] for m in linked])
-        return _Fit(moments, alone, linked, began, robust).run()
+        return _RigFit(moments, alone, linked, began, robust).run()
 
 
 @dataclass(frozen=True, eq=False)
-class _Fit:
+class _RigFit:
     """One joint fit: moments, the cameras by themselves, moments that have a pose, the start."""
 
     given: Sequence[Moment]
     alone: Sequence[Single]
     linked: Sequence[int]
-    began: Start
+    began: RigStart
     robust: bool
 
     @cached_property
@@ -130,7 +130,7 @@ class _Fit:
         starts = np.cumsum([0, *lengths]).tolist()
         noises, common = self.noises, self.noise if self.robust else 1.0
         members = tuple(
-            Member(
+            RigMember(
                 models.get(each.camera.model),
                 each.camera.img_size,
                 each.camera.intrinsics if each.is_held else None,

@@ -27,7 +27,7 @@ from ..guidance.projection_uncertainty import ProjectionUncertainty
 from ..guidance.target import TargetPose
 from . import transfer
 from .calibration import RigCalibration
-from .problem import Member, Moment, RigProblem, unlinked_cameras
+from .problem import Moment, RigMember, RigProblem, unlinked_cameras
 from .single import Specification
 from .start import RigidMotion
 
@@ -158,7 +158,7 @@ class _Search:
         self.skipped = [RigidMotion.of_vector(np.asarray(pose)) for pose in skipped]
         count = self.corners.points.shape[1]
         self.members = tuple(
-            Member(
+            RigMember(
                 models.get(camera.model),
                 camera.img_size,
                 camera.intrinsics if isinstance(given, Camera) else None,

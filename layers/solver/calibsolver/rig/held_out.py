@@ -14,7 +14,7 @@ from ..models import get
 from . import start
 from .calibration import RigCalibration
 from .fit import fit
-from .problem import Member, Moment, RigProblem, pack_moments
+from .problem import Moment, RigMember, RigProblem, pack_moments
 from .single import Specification, fit_alone
 from .start import ResectedMoment, RigidMotion
 
@@ -98,7 +98,7 @@ def _score(rig: RigCalibration, moments: Sequence[Moment]) -> tuple[float, int]:
     ]
     starts = np.cumsum([0, *lengths]).tolist()
     members = tuple(
-        Member(get(camera.model), camera.img_size, camera.intrinsics, slice(starts[i], starts[i + 1]))
+        RigMember(get(camera.model), camera.img_size, camera.intrinsics, slice(starts[i], starts[i + 1]))
         for i, camera in enumerate(rig.cameras)
     )
     problem = _HeldRig(members, pack_moments(views, lengths))

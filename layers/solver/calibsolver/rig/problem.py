@@ -40,7 +40,7 @@ def unlinked_cameras(count: int, moments: Sequence[Iterable[int]]) -> tuple[int,
 
 
 @dataclass(frozen=True, eq=False)
-class Member:
+class RigMember:
     """One camera of a rig as the solver sees it.
 
     Attributes
@@ -79,7 +79,7 @@ class RigProblem(LeastSquares):
         Points (m, 3, n) and pixels (m, 2, n) of all moments; each camera's in its slots.
     """
 
-    members: tuple[Member, ...]
+    members: tuple[RigMember, ...]
     obs: Observations
 
     @property

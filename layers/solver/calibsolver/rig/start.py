@@ -61,7 +61,7 @@ class RigidMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
+class RigStart:
     """Relative poses of the cameras, and the moments as they are believed to be.
 
     Attributes
@@ -99,7 +99,7 @@ class LocatedMoment:
     turned: tuple[int, ...]
 
 
-def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> Start:
+def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> RigStart:
     """Find the relative poses of `cameras`, which are nearly known, from moments.
 
     Raises CalibrationError ``unlinked`` where some cameras share no moment with the others, directly or by
@@ -121,7 +121,7 @@ def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> Start
         to_rig[new] = _relative_pose(cameras, known, new, moments, turns) @ to_rig[known]
     motions = tuple(to_rig[i] for i in range(len(cameras)))
     settled = locate_boards(cameras, motions, moments, turns)
-    return Start(
+    return RigStart(
         motions,
         tuple(each.board for each in settled),
         tuple(each.views for each in settled),

@@ -10,7 +10,7 @@ from calibsolver import Board, CalibrationError, Camera, View, fit, rig
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.models import get
 from calibsolver.rig import transfer
-from calibsolver.rig.problem import Member, RigProblem, pack_moments
+from calibsolver.rig.problem import RigMember, RigProblem, pack_moments
 from calibsolver.rig.start import RigidMotion
 from tests.helpers.solver import rigs, synthetic
 
@@ -156,7 +156,9 @@ def test_derivatives_are_those_of_the_residuals() -> None:
     lengths = [max(len(m[i]) for m in moments if i in m) for i in range(3)]
     ends = np.cumsum([0, *lengths]).tolist()
     members = tuple(
-        Member(get(c.model), c.img_size, c.intrinsics if i == 1 else None, slice(ends[i], ends[i + 1]), 1 + i)
+        RigMember(
+            get(c.model), c.img_size, c.intrinsics if i == 1 else None, slice(ends[i], ends[i + 1]), 1 + i
+        )
         for i, c in enumerate(cameras)
     )
     problem = RigProblem(members, pack_moments(moments, lengths))
