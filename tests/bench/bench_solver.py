@@ -2,7 +2,9 @@
 
 import time
 import tracemalloc
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
+from unittest import mock
 
 import cv2
 import numpy as np
@@ -10,6 +12,8 @@ import numpy as np
 from calibsolver import Board, Camera, View, fit, guidance, rotation
 from calibsolver.capture import Capture
 from calibsolver.consensus.pooling import Member, pool
+from calibsolver.fitting import robust_covariance
+from calibsolver.fitting.fit import _Fit
 from calibsolver.guidance import overlay
 from tests.bench.table import Row, p50, ratio
 from tests.helpers import data
@@ -22,6 +26,8 @@ def rows() -> Iterator[Row]:
     try:
         yield rectilinear(10, 0.6)
         yield rectilinear(100, 0.7)
+        for model in ("rectilinear", "fisheye", "rational"):
+            yield covariance(model, 10)
         yield fisheye("jy_left")
         yield omnidirectional("mint_isaw")
         yield from many()
@@ -65,6 +71,38 @@ def spread(board: Board, camera: Camera, count: int, rng: np.random.Generator) -
         if len(view) == board.corner_count:
             views.append(view)
     return views
+
+
+def covariance(model: str, count: int) -> Row:
+    """Least processor time of the covariance over that of the whole fit, in the same process."""
+    board = Board()
+    camera = synthetic.rectilinear_cameras()[5]
+    views = spread(board, camera, count, np.random.default_rng(1))
+    spent = 0.0
+
+    def timed(action: Callable[..., Any]) -> Callable[..., Any]:
+        def run(*arguments: Any) -> Any:
+            nonlocal spent
+            begun = time.thread_time()
+            result = action(*arguments)
+            spent += time.thread_time() - begun
+            return result
+
+        return run
+
+    parts, wholes = [], []
+    with (
+        mock.patch.object(_Fit, "_evidence", timed(_Fit._evidence)),
+        mock.patch.object(robust_covariance, "estimate", timed(robust_covariance.estimate)),
+    ):
+        for _ in range(40):
+            spent, begun = 0.0, time.thread_time()
+            fit(views, camera.img_size, model)
+            wholes.append(time.thread_time() - begun)
+            parts.append(spent)
+    note = f"{1e6 * min(parts):.0f} us of {1e6 * min(wholes):.0f}"
+    what = f"covariance of a fit, {model}, {count} views / the fit"
+    return Row(what, min(parts) / min(wholes), 0.05, "x", note)
 
 
 def fisheye(name: str) -> Row:

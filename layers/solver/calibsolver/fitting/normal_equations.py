@@ -9,6 +9,7 @@ et al., "Bundle adjustment", 2000).
 first.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,8 @@ from ..models import Model
 POSE_SIZE = 6
 """Unknowns of a pose."""
 EYE = np.eye(POSE_SIZE)
+RIDGE = 1e-15
+"""Relative ridge of the poses' Gram matrices, which rounding alone may make singular."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,24 +141,64 @@ def eliminate_poses(h_pp: Array, h_pc: Array, damping: float | Array) -> Array:
     return solve_or_nan(h_pp + np.reshape(damping, (-1, 1, 1)) * eye, h_pc)
 
 
+@dataclass(frozen=True, eq=False)
+class Projection:
+    """Rows of a Jacobian less what changes of the poses explain, and what was found on the way.
+
+    Attributes
+    ----------
+    left
+        (v, m, 2n) A', less its orthogonal projection onto the pose's columns B.
+    by_pose
+        (v, 6, m) B'A.
+    pose_gram
+        (v, 6, 6) B'B.
+    solved
+        (v, 6, m) X of B'B X = B'A.
+    """
+
+    left: Array
+    by_pose: Array
+    pose_gram: Array
+    solved: Array
+
+    @classmethod
+    def of(cls, rows: Sequence[Array]) -> "Projection":
+        """Project rows (..., 2, v, n), m + 6 together, those of the pose last.
+
+        By the normal equations, but A - BX is formed before its products are taken: what rounding does to X
+        then enters these by its square, and nearly collinear parameters lose nothing by cancellation.
+        """
+        views = rows[0].shape[2]
+        flat = np.concatenate([part.transpose(2, 0, 1, 3) for part in rows], axis=1)
+        size = flat.shape[1] - POSE_SIZE
+        flat = flat.reshape(views, size + POSE_SIZE, -1)
+        b = flat[:, size:]
+        products = b @ flat.transpose(0, 2, 1)
+        by_pose, pose_gram = products[:, :, :size], products[:, :, size:]
+        lifted = pose_gram.copy()
+        # The smallest ridge that keeps a view without any points from being singular.
+        lifted.reshape(views, -1)[:, :: POSE_SIZE + 1] *= 1 + RIDGE
+        lifted.reshape(views, -1)[:, :: POSE_SIZE + 1] += 1e-200
+        x = solve_or_nan(lifted, by_pose)
+        left = flat[:, :size] - x.transpose(0, 2, 1) @ b
+        return cls(left, by_pose, pose_gram, x)
+
+
 def residual_jacobian(rows: Array) -> Array:
     """Part (v, 2n, p) of the Jacobian by the intrinsics that no change of the poses explains.
 
-    Of rows (p + 6, 2, v, n): A less its orthogonal projection onto the columns of B, by their QR factors.
+    Of rows (p + 6, 2, v, n): A less its orthogonal projection onto the columns of B.
     """
-    size = len(rows) - POSE_SIZE
-    flat = rows.transpose(2, 1, 3, 0).reshape(rows.shape[2], -1, len(rows))
-    a, b = flat[:, :, :size], flat[:, :, size:]
-    q, _ = np.linalg.qr(b / np.maximum(np.linalg.norm(b, axis=1, keepdims=True), 1e-300))
-    left: Array = a - q @ (q.transpose(0, 2, 1) @ a)
+    left: Array = Projection.of([rows]).left.transpose(0, 2, 1)
     return left
 
 
 def reduced_information(rows: Array) -> Array:
     """Fisher information (p, p) of the intrinsics from rows (p + 6, 2, v, n) of all views.
 
-    The sum of the views' Schur complements in their QR form: it avoids the cancellation of A'A - A'B (B'B)^-1
-    B'A where parameters are nearly collinear.
+    The sum of the views' Schur complements as squares of `residual_jacobian`: it avoids the cancellation of
+    A'A - A'B (B'B)^-1 B'A where parameters are nearly collinear.
     """
     left = residual_jacobian(rows)
     left = left.reshape(-1, left.shape[2])

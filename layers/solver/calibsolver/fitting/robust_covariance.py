@@ -25,13 +25,14 @@ than sigma^2 M^-1.
 Views in nearly the same pose share what is wrong in them: frames of a video, or of a burst, are one cluster.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import Array, IntArray, Mask, whitening
 from . import normal_equations
-from .normal_equations import POSE_SIZE, Poses
+from .normal_equations import POSE_SIZE, Poses, Projection
 from .observations import Observations
 from .systematic_effects import BEND_SIZE, EFFECTS_SIZE
 
@@ -45,8 +46,12 @@ SAME_POSE_WIDTHS = 0.02
 cluster."""
 MIN_EXPECTED = 1e-9
 """Share of the metric below which the views say nothing of their own error."""
+MAX_BLOCK_NUMBERS = 2**15
+"""Numbers of a Jacobian that are worked on at once."""
 MAX_BLOCK_ROWS = 1024
 """Rows of the matrix of distances that are computed at once."""
+CROSS = np.array([[0.0, 0, 0, 0, 0, -1, 0, 1, 0], [0, 0, 1, 0, 0, 0, -1, 0, 0], [0, -1, 0, 1, 0, 0, 0, 0, 0]])
+"""Matrix that makes of a vector t that of the cross product, t x b, row by row."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,16 +81,22 @@ class Evidence:
         (EFFECTS_SIZE, 2, v, n) of 0. A `metric` (p, p) takes the place of the one at the corners seen, which
         is that of one camera.
         """
-        size = len(rows) - POSE_SIZE - 1
-        left = normal_equations.residual_jacobian(
-            np.concatenate([rows[:size], effects, rows[-1:], rows[size:-1]])
-        )
-        gram = left.transpose(0, 2, 1) @ left
-        count = int(labels.max()) + 1
-        if count < len(labels):
-            gram = _sum_by(gram, labels, count)
+        size, views = len(rows) - POSE_SIZE - 1, len(labels)
+        gram = np.empty((views, size + EFFECTS_SIZE + 1, size + EFFECTS_SIZE + 1))
+        turned = np.zeros((size + 3, size + 3))
+        # In blocks: what does not fit a cache, and memory that is mapped anew, costs several times as much.
+        step = max(1, MAX_BLOCK_NUMBERS // (gram.shape[1] * rows[0, :, 0].size))
+        for block in (slice(first, first + step) for first in range(0, views, step)):
+            part = rows[:, :, block]
+            projection = Projection.of((part[:size], effects[:, :, block], part[-1:], part[size:-1]))
+            np.matmul(projection.left, projection.left.transpose(0, 2, 1), out=gram[block])
+            if metric is None:
+                turned += _turned_gram(projection, gram[block, :size, :size], poses.t[block])
         if metric is None:
-            metric = _observed_error_metric(rows, poses)
+            metric = _observed_error_metric(turned, rows[0].size / 2)
+        count = int(labels.max()) + 1
+        if count < views:
+            gram = _sum_by(gram, labels, count)
         return cls(gram, metric)
 
 
@@ -95,22 +106,31 @@ def _sum_by(values: Array, labels: IntArray, count: int) -> Array:
     return out
 
 
-def _observed_error_metric(rows: Array, poses: Poses) -> Array:
-    """Metric (p, p) of the projection error at the corners of rows (p + 7, 2, v, n); see `Evidence`."""
-    size = len(rows) - normal_equations.POSE_SIZE - 1
-    x, y, z = poses.t.T[:, :, None]
-    bx, by, bz = rows[size + 3 : size + 6]
+def _turned_gram(projection: Projection, left: Array, t: Array) -> Array:
+    """Gram matrix (p + 3, p + 3) of the derivatives by intrinsics and a turn about the camera's centre.
+
+    Summed over the views, of what the poses leave (v, p, p) of the former and the boards' places t (v, 3).
+    """
+    size = left.shape[1]
+    by_pose = projection.by_pose[:, :, :size]
     # The pose turns about the board's origin; about the camera's centre adds t x b.
-    turn = rows[size : size + 3].copy()
-    turn[0] += y * bz - z * by
-    turn[1] += z * bx - x * bz
-    turn[2] += x * by - y * bx
-    flat = np.concatenate([rows[:size], turn]).reshape(size + 3, -1)
-    gram = flat @ flat.T
-    by_turn = gram[size:, :size]
-    removed = by_turn.T @ normal_equations.solve_or_nan(gram[size:, size:], by_turn)
-    metric: Array = (gram[:size, :size] - removed) / (flat.shape[1] / 2)
-    return metric if np.isfinite(metric).all() else gram[:size, :size]
+    cross = (t @ CROSS).reshape(-1, 3, 3)
+    by_turn = by_pose[:, :3] + cross @ by_pose[:, 3:]
+    turn = projection.pose_gram[:, :3] + cross @ projection.pose_gram[:, 3:]
+    out = np.empty((size + 3, size + 3))
+    explained = projection.solved[:, :, :size].transpose(0, 2, 1) @ by_pose
+    (left + explained).sum(axis=0, out=out[:size, :size])
+    by_turn.sum(axis=0, out=out[size:, :size])
+    (turn[:, :, :3] + turn[:, :, 3:] @ cross.transpose(0, 2, 1)).sum(axis=0, out=out[size:, size:])
+    return out
+
+
+def _observed_error_metric(turned: Array, points: float) -> Array:
+    """Metric (p, p) of the projection error at so many points, of their `_turned_gram`; see `Evidence`."""
+    total, by_turn, turns = turned[:-3, :-3], turned[-3:, :-3], turned[-3:, -3:]
+    removed = by_turn.T @ normal_equations.solve_or_nan(turns, by_turn)
+    metric: Array = (total - removed) / points
+    return metric if np.isfinite(metric).all() else total
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,16 +163,16 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
         (p, p) of the intrinsics' prior, in units of 1 / sigma^2; None where it took no part.
     """
     size = len(evidence.metric)
-    given = evidence.gram[:, :size, :size]
-    information = given.sum(axis=0)
+    information = evidence.gram[:, :size, :size].sum(axis=0)
     if prior_information is not None:
         information = information + prior_information
     basis = whitening(information)
-    w, b = basis.T @ evidence.metric @ basis, basis.T @ given @ basis
-    motion, bend = _effects(evidence.gram, basis, sigma)
+    whitened = basis.T @ evidence.gram[:, :size]
+    w, b = basis.T @ evidence.metric @ basis, whitened[:, :, :size] @ basis
+    motion, bend = _effects(evidence.gram[:, size:, size:], whitened[:, :, size:-1], sigma)
     working = b + motion
     total = working.sum(axis=0)
-    h = evidence.gram[:, :size, -1] @ basis / sigma
+    h = whitened[:, :, -1] / sigma
     inflation = _inflation(w, b, working, h)
     shape = np.eye(size) - b.sum(axis=0) + inflation * total + BEND_SHARE * bend
     covariance: Array = sigma**2 * basis @ shape @ basis.T
@@ -164,40 +184,42 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
     )
 
 
-def _effects(gram: Array, basis: Array, sigma: float) -> tuple[Array, Array]:
+def _effects(gram: Array, pull: Array, sigma: float) -> tuple[Array, Array]:
     """Covariance of the whitened gradient by the motion in each cluster (c, p, p), and by the bend (p, p).
 
-    Both / sigma^2. Of the Gram matrices and the whitening (p, p).
+    Both / sigma^2. Of the Gram matrices of effects and residuals (c, EFFECTS_SIZE + 1, ...) and the pull
+    (c, p, EFFECTS_SIZE) of the effects on the whitened intrinsics.
     """
-    size = len(basis)
-    bends, moves = slice(size, size + BEND_SIZE), slice(size + BEND_SIZE, size + EFFECTS_SIZE)
-    by_move, by_bend = basis.T @ gram[:, :size, moves], (basis.T @ gram[:, :size, bends]).sum(axis=0)
+    bends, moves = slice(BEND_SIZE), slice(BEND_SIZE, EFFECTS_SIZE)
+    by_move, by_bend = pull[:, :, moves], pull[:, :, bends].sum(axis=0)
+    of_motion = by_move @ by_move.transpose(0, 2, 1)
+    total = gram.sum(axis=0)
+    # What is left in the residuals of the clusters' motion, of the bend, and of the bend there.
+    seen_bend = total[bends, bends] - by_bend.T @ by_bend
     z = gram[:, moves, moves]
     taken = by_move.transpose(0, 2, 1) @ by_move
-    pull = by_move @ by_move.transpose(0, 2, 1)
-    # What is left in the residuals of the clusters' motion, of the bend, and of the bend there.
-    seen_bend = gram[:, bends, bends].sum(axis=0) - by_bend.T @ by_bend
     cross = gram[:, moves, bends] - by_move.transpose(0, 2, 1) @ by_bend
-    of_bend = gram[:, bends, -1].sum(axis=0) / sigma
-    both = pull.sum(axis=0)
+    of_bend = total[bends, -1] / sigma
+    both = of_motion.sum(axis=0)
     # Where there is no effect at all, noise alone makes the sum of squares exceed its mean by one deviation.
     left = z - taken
-    noise = float(np.einsum("vii->", left)) + np.sqrt(2 * _dot(left, left))
-    bend_noise = float(np.trace(seen_bend)) + np.sqrt(2 * _dot(seen_bend, seen_bend))
-    excess = (
-        float(np.sum((gram[:, moves, -1] / sigma) ** 2)) - noise,
-        float(of_bend @ of_bend) - bend_noise,
-    )
+    noise = float(np.einsum("vii->", left)) + math.sqrt(2 * _dot(left, left))
+    bend_noise = float(np.trace(seen_bend)) + math.sqrt(2 * _dot(seen_bend, seen_bend))
+    of_moves = gram[:, moves, -1]
+    excess = (_dot(of_moves, of_moves) / sigma**2 - noise, _dot(of_bend, of_bend) - bend_noise)
     by_motion = _dot(z, z) - 2 * _dot(z, taken) + _dot(both, both)
     m, s = _variances(excess, by_motion, _dot(cross, cross), _dot(seen_bend, seen_bend))
+    of_motion *= m
     if s == 0:
-        return m * pull, np.zeros_like(both)
-    crossed = np.tensordot(cross, cross, ((0, 1), (0, 1)))
-    gain = s * normal_equations.solve_or_nan(s * seen_bend @ seen_bend + seen_bend + m * crossed, seen_bend)
+        return of_motion, np.zeros_like(both)
+    crossed = cross.reshape(-1, BEND_SIZE)
+    gain = s * normal_equations.solve_or_nan(
+        s * seen_bend @ seen_bend + seen_bend + m * (crossed.T @ crossed), seen_bend
+    )
     mean = gain.T @ of_bend
     second = np.outer(mean, mean) + s * (np.eye(BEND_SIZE) - gain.T @ seen_bend)
-    by_bend = by_bend @ (second + second.T) / 2 @ by_bend.T
-    return m * pull, by_bend if np.isfinite(by_bend).all() else np.zeros_like(both)
+    bent = by_bend @ (second + second.T) / 2 @ by_bend.T
+    return of_motion, bent if np.isfinite(bent).all() else np.zeros_like(both)
 
 
 def _variances(excess: tuple[float, float], one: float, cross: float, other: float) -> tuple[float, float]:
@@ -247,11 +269,16 @@ def same_pose_labels(poses: Poses, obs: Observations, used: Mask, focal_widths: 
     focal_widths
         px per radian / image width.
     """
-    p = obs.points.transpose(1, 0, 2)[:2, used]
-    low, high = p.min(axis=1), p.max(axis=1)
+    if used.all():
+        flat = obs.points[:, :2]
+        low, high = flat.min(axis=(0, 2)).tolist(), flat.max(axis=(0, 2)).tolist()
+    else:
+        p = obs.points.transpose(1, 0, 2)[:2, used]
+        low, high = p.min(axis=1).tolist(), p.max(axis=1).tolist()
     corners = np.array([[low[0], high[0], high[0], low[0]], [low[1], low[1], high[1], high[1]], [0.0] * 4])
-    seen = poses.camera_points(corners[None])
-    seen *= (focal_widths / 2 / np.linalg.norm(seen.mean(axis=2), axis=1))[:, None, None]
+    seen = poses.camera_points(corners)
+    middle = seen.sum(axis=2)
+    seen *= (2 * focal_widths / np.sqrt((middle * middle).sum(axis=1)))[:, None, None]
     place = seen.reshape(len(seen), -1)
     near = _near(place)
     if near.sum() == len(near):

@@ -41,14 +41,15 @@ def displacements(by_pose: Array, poses: Poses, points: Array, row: Array) -> Ar
         (v, n) as `row_position`.
     """
     x, y = points[..., 0, :], points[..., 1, :]
-    half = max(float(max(np.ptp(x), np.ptp(y))) / 2, 1e-9)
-    across = (x - x.mean(axis=-1, keepdims=True)) / half
-    down = (y - y.mean(axis=-1, keepdims=True)) / half
-    by_height = np.einsum("kavn,vk->avn", by_pose[3:], poses.r[:, :, 2])
-    sag = SAG_STD_BOARDS * 2 * half
+    half = max(float(max(x.max() - x.min(), y.max() - y.min())) / 2, 1e-9)
+    across, down = (each - each.sum(axis=-1, keepdims=True) / each.shape[-1] for each in (x, y))
+    normal = poses.r[:, :, 2] * (SAG_STD_BOARDS * 2 / half)
+    by_height = by_pose[3] * normal[:, :1]
+    by_height += by_pose[4] * normal[:, 1:2]
+    by_height += by_pose[5] * normal[:, 2:]
     out = np.empty((EFFECTS_SIZE, *by_pose.shape[1:]))
     for i, term in enumerate((across * across, across * down, down * down)):
-        np.multiply(by_height, term * sag, out=out[i])
+        np.multiply(by_height, term, out=out[i])
     np.multiply(by_pose[:3], row * SHUTTER_ROTATION_STD_RAD, out=out[BEND_SIZE : BEND_SIZE + 3])
     np.multiply(by_pose[3:], row * (SHUTTER_SHIFT_STD_BOARDS * 2 * half), out=out[BEND_SIZE + 3 :])
     return out
