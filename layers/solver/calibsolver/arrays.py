@@ -20,6 +20,11 @@ def frozen(values: Any) -> Array:
     return array
 
 
+def dot(one: Array, other: Array) -> float:
+    """Sum of the products of the elements of two arrays of one shape."""
+    return float(np.vdot(one, other))
+
+
 def symmetric_inverse(a: Array) -> Array:
     """Inverse of positive definite (..., p, p) matrices whose entries may differ by many powers of ten.
 

@@ -234,20 +234,26 @@ class _Fit:
             problem.solve(state, self.multistart.unit_weights, Options()), self.mask, with_prior=True
         )
 
-    def _evidence(self, state: State, good: Mask) -> robust_covariance.Evidence:
+    def _evidence(self, state: State, good: Mask, sigma: float) -> robust_covariance.Evidence:
         """Gather what the good points (v, n) say of the intrinsics, by clusters of views."""
-        rows, poses, obs = state.rows, state.poses, self.problem.obs
-        if not good.all():
-            rows = rows * good
-            taken = good.any(axis=1)
-            if not taken.all():
-                rows, poses = rows[:, :, taken], Poses(poses.r[taken], poses.t[taken])
-                obs, good = obs.subset(np.flatnonzero(taken)), good[taken]
+        rows, poses, obs, mask = state.rows, state.poses, self.problem.obs, self.mask
+        taken = good.any(axis=1)
+        if not taken.all():
+            rows, poses = rows[:, :, taken], Poses(poses.r[taken], poses.t[taken])
+            obs, good, mask = obs.subset(np.flatnonzero(taken)), good[taken], mask[taken]
         focal = float(self.model.focal(state.k)[0]) / self.width
         labels = robust_covariance.same_pose_labels(poses, obs, good, focal)
         row = systematic_effects.row_position(obs.pixels[:, 1], self.problem.img_size[1])
         effects = systematic_effects.displacements(rows[self.model.size : -1], poses, obs.points, row)
-        return robust_covariance.Evidence.of(rows, effects, poses, labels)
+        if good.all():
+            return robust_covariance.Evidence.of(rows, effects, poses, labels)
+        evidence = robust_covariance.Evidence.of(rows * good, effects * good, poses, labels)
+        limit = outliers.OUTLIER_SIGMAS * sigma
+        seen = systematic_effects.explained_points(rows, effects, good, mask, sigma, limit)
+        if np.array_equal(seen, good):
+            return evidence
+        more = robust_covariance.Evidence.of(rows * seen, effects * seen, poses, labels, evidence.metric)
+        return replace(evidence, of_effects=more.gram)
 
     def _is_observable(self, state: State) -> bool:
         """Whether the data alone, without the prior, determine every parameter."""
@@ -291,7 +297,7 @@ class _Fit:
         believed = prior.information(self.model, k, img_size) if with_prior else None
         if believed is not None:
             believed *= max(sigma, 1e-5 * img_size[0]) ** 2
-        spread = robust_covariance.estimate(self._evidence(state, good), sigma, believed)
+        spread = robust_covariance.estimate(self._evidence(state, good, sigma), sigma, believed)
         if not (np.isfinite(rms) and np.isfinite(spread.covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")
         measured, back = self.order.points_back(mask), self.order.points_back

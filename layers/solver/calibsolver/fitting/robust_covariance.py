@@ -11,6 +11,7 @@ whitened gradient h = T'g, information B = T'ST, and Z the effects there, their 
     moments of the residuals r, which are (1 - AT T'A') (noise + Z effects), of Z'r in each cluster (motion)
     and over all (bend), give the variances of motion, m, and bend, s, in units of sigma^2. Only what exceeds
     the mean under white noise by a standard deviation counts, so that chance seldom looks like an effect.
+    Points that the fit cut, but effects on their view explain, count here: motion moves them farthest.
     covariance = sigma^2 T [1 - sum B + f sum (B + m K_m K_m') + k (sum K_b) S (sum K_b)'] T'
 
 with K = T'A'Z the pull of the effects on the intrinsics, S the second moment of the bend given the residuals
@@ -25,16 +26,16 @@ than sigma^2 M^-1.
 Views in nearly the same pose share what is wrong in them: frames of a video, or of a burst, are one cluster.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, IntArray, Mask, whitening
+from ..arrays import Array, IntArray, Mask, dot, whitening
 from . import normal_equations
+from .effect_moments import EffectMoments
 from .normal_equations import POSE_SIZE, Poses, Projection
 from .observations import Observations
-from .systematic_effects import BEND_SIZE, EFFECTS_SIZE
+from .systematic_effects import EFFECTS_SIZE
 
 PRIOR_INFLATION_FREEDOM = 30.0
 """Weight of the prior of f, which is 1, in degrees of freedom."""
@@ -66,10 +67,14 @@ class Evidence:
     metric
         (p, p) W: trace(covariance W) is the mean square projection error at the corners seen, with the
         rotation of the camera frame that fits best removed, px^2.
+    of_effects
+        As `gram`, of more points: also of those that the fit cut, but an effect explains. They tell the
+        variances. None: there are none.
     """
 
     gram: Array
     metric: Array
+    of_effects: Array | None = None
 
     @classmethod
     def of(
@@ -163,13 +168,16 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
         (p, p) of the intrinsics' prior, in units of 1 / sigma^2; None where it took no part.
     """
     size = len(evidence.metric)
-    information = evidence.gram[:, :size, :size].sum(axis=0)
-    if prior_information is not None:
-        information = information + prior_information
-    basis = whitening(information)
-    whitened = basis.T @ evidence.gram[:, :size]
+    information, basis, whitened = _whitened(evidence.gram, size, prior_information)
     w, b = basis.T @ evidence.metric @ basis, whitened[:, :, :size] @ basis
-    motion, bend = _effects(evidence.gram[:, size:, size:], whitened[:, :, size:-1], sigma)
+    effects = EffectMoments.of(evidence.gram[:, size:, size:], whitened[:, :, size:-1], sigma)
+    if evidence.of_effects is None:
+        variances = effects.variances()
+    else:
+        _, _, more = _whitened(evidence.of_effects, size, prior_information)
+        wider = EffectMoments.of(evidence.of_effects[:, size:, size:], more[:, :, size:-1], sigma)
+        variances = wider.variances()
+    motion, bend = effects.covariances(*variances)
     working = b + motion
     total = working.sum(axis=0)
     h = whitened[:, :, -1] / sigma
@@ -180,59 +188,17 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
     return Result(
         (covariance + covariance.T) / 2,
         information / sigma**2,
-        max(_dot(w, shape) / white, 1.0) if white > 0 else inflation,
+        max(dot(w, shape) / white, 1.0) if white > 0 else inflation,
     )
 
 
-def _effects(gram: Array, pull: Array, sigma: float) -> tuple[Array, Array]:
-    """Covariance of the whitened gradient by the motion in each cluster (c, p, p), and by the bend (p, p).
-
-    Both / sigma^2. Of the Gram matrices of effects and residuals (c, EFFECTS_SIZE + 1, ...) and the pull
-    (c, p, EFFECTS_SIZE) of the effects on the whitened intrinsics.
-    """
-    bends, moves = slice(BEND_SIZE), slice(BEND_SIZE, EFFECTS_SIZE)
-    by_move, by_bend = pull[:, :, moves], pull[:, :, bends].sum(axis=0)
-    of_motion = by_move @ by_move.transpose(0, 2, 1)
-    total = gram.sum(axis=0)
-    # What is left in the residuals of the clusters' motion, of the bend, and of the bend there.
-    seen_bend = total[bends, bends] - by_bend.T @ by_bend
-    z = gram[:, moves, moves]
-    taken = by_move.transpose(0, 2, 1) @ by_move
-    cross = gram[:, moves, bends] - by_move.transpose(0, 2, 1) @ by_bend
-    of_bend = total[bends, -1] / sigma
-    both = of_motion.sum(axis=0)
-    # Where there is no effect at all, noise alone makes the sum of squares exceed its mean by one deviation.
-    left = z - taken
-    noise = float(np.einsum("vii->", left)) + math.sqrt(2 * _dot(left, left))
-    bend_noise = float(np.trace(seen_bend)) + math.sqrt(2 * _dot(seen_bend, seen_bend))
-    of_moves = gram[:, moves, -1]
-    excess = (_dot(of_moves, of_moves) / sigma**2 - noise, _dot(of_bend, of_bend) - bend_noise)
-    by_motion = _dot(z, z) - 2 * _dot(z, taken) + _dot(both, both)
-    m, s = _variances(excess, by_motion, _dot(cross, cross), _dot(seen_bend, seen_bend))
-    of_motion *= m
-    if s == 0:
-        return of_motion, np.zeros_like(both)
-    crossed = cross.reshape(-1, BEND_SIZE)
-    gain = s * normal_equations.solve_or_nan(
-        s * seen_bend @ seen_bend + seen_bend + m * (crossed.T @ crossed), seen_bend
-    )
-    mean = gain.T @ of_bend
-    second = np.outer(mean, mean) + s * (np.eye(BEND_SIZE) - gain.T @ seen_bend)
-    bent = by_bend @ (second + second.T) / 2 @ by_bend.T
-    return of_motion, bent if np.isfinite(bent).all() else np.zeros_like(both)
-
-
-def _variances(excess: tuple[float, float], one: float, cross: float, other: float) -> tuple[float, float]:
-    """Solve the equations of moments [[one, cross], [cross, other]] x = excess for variances, at least 0."""
-    determinant = one * other - cross**2
-    if determinant > MIN_EXPECTED * one * other:
-        m = (other * excess[0] - cross * excess[1]) / determinant
-        s = (one * excess[1] - cross * excess[0]) / determinant
-        if m >= 0 and s >= 0:
-            return m, s
-        if m < 0 <= s:
-            return 0.0, max(excess[1], 0.0) / other
-    return (max(excess[0], 0.0) / one if one > 0 else 0.0), 0.0
+def _whitened(gram: Array, size: int, prior_information: Array | None) -> tuple[Array, Array, Array]:
+    """Information (p, p), its whitening T (p, p), and T' times the rows (c, p, m) of the intrinsics."""
+    information = gram[:, :size, :size].sum(axis=0)
+    if prior_information is not None:
+        information = information + prior_information
+    basis = whitening(information)
+    return information, basis, basis.T @ gram[:, :size]
 
 
 def _inflation(w: Array, b: Array, working: Array, h: Array) -> float:
@@ -247,13 +213,9 @@ def _inflation(w: Array, b: Array, working: Array, h: Array) -> float:
     expected = float(np.einsum("vii->", wq))
     if not expected > MIN_EXPECTED * float(np.trace(w)):
         return 1.0
-    freedom = expected**2 / max(_dot(wq, wq.transpose(0, 2, 1)), 1e-300)
-    quotient = _dot(w, h.T @ h) / expected
+    freedom = expected**2 / max(dot(wq, wq.transpose(0, 2, 1)), 1e-300)
+    quotient = dot(w, h.T @ h) / expected
     return max((freedom * quotient + PRIOR_INFLATION_FREEDOM) / (freedom + PRIOR_INFLATION_FREEDOM), 1.0)
-
-
-def _dot(one: Array, other: Array) -> float:
-    return float(np.vdot(one, other))
 
 
 def same_pose_labels(poses: Poses, obs: Observations, used: Mask, focal_widths: float) -> IntArray:

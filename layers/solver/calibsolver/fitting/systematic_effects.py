@@ -7,8 +7,8 @@ deviations are those in the hands of people with boards of paper.
 
 import numpy as np
 
-from ..arrays import Array
-from .normal_equations import POSE_SIZE, Poses
+from ..arrays import Array, Mask
+from .normal_equations import POSE_SIZE, RIDGE, Poses, solve_or_nan
 
 BEND_SIZE = 3
 """Terms of bend: height by x^2, xy and y^2."""
@@ -53,3 +53,36 @@ def displacements(by_pose: Array, poses: Poses, points: Array, row: Array) -> Ar
     np.multiply(by_pose[:3], row * SHUTTER_ROTATION_STD_RAD, out=out[BEND_SIZE : BEND_SIZE + 3])
     np.multiply(by_pose[3:], row * (SHUTTER_SHIFT_STD_BOARDS * 2 * half), out=out[BEND_SIZE + 3 :])
     return out
+
+
+def explained_points(
+    rows: Array, effects: Array, good: Mask, among: Mask, sigma: float, limit: float
+) -> Mask:
+    """Find points (v, n) that an outlier test cut, and that effects on their view explain: no wrong corners.
+
+    Pose and effects are fitted to the good points of each view, and predict the others.
+
+    Parameters
+    ----------
+    rows, effects
+        (... + 7, 2, v, n) with the derivatives by the pose and the residuals last, and `displacements`
+        (EFFECTS_SIZE, 2, v, n), px.
+    good, among
+        (v, n) points of the fit, which are returned too, and those that may be.
+    sigma, limit
+        px, noise of a coordinate, and distance from the prediction up to which a point is explained.
+    """
+    design = np.concatenate([rows[-POSE_SIZE - 1 : -1], effects, rows[-1:]]).transpose(2, 0, 1, 3)
+    flat, fitted = (
+        each.reshape(len(each), len(each[0]), -1) for each in (design, design * good[:, None, None])
+    )
+    products = fitted @ flat.transpose(0, 2, 1)
+    normal = products[:, :-1, :-1].copy()
+    diagonal = normal.reshape(len(flat), -1)[:, :: POSE_SIZE + EFFECTS_SIZE + 1]
+    diagonal[:, :POSE_SIZE] += RIDGE * diagonal[:, :POSE_SIZE] + 1e-200
+    diagonal[:, POSE_SIZE:] += sigma**2
+    found = solve_or_nan(normal, products[:, :-1, -1:])
+    left = flat[:, -1] - (found.transpose(0, 2, 1) @ flat[:, :-1])[:, 0]
+    square = np.sum(left.reshape(len(flat), 2, -1) ** 2, axis=1)
+    explained: Mask = good | (among & (square < limit**2))
+    return explained
