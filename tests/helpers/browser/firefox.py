@@ -66,7 +66,7 @@ def driven(script: Path, address: str) -> Any:
 
 @contextmanager
 def firefox() -> Iterator[InFirefox]:
-    """Give what evaluates functions in one Firefox, which starts with the first of them."""
+    """Evaluate functions in one Firefox, which starts with the first of them."""
     with ExitStack() as stack:
         started: list[subprocess.Popen[str]] = []
 
