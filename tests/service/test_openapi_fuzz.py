@@ -27,6 +27,8 @@ from tests.helpers.service.client import TOKEN, Client, Truth, until
 from tests.helpers.service.rigs import RigTruth
 
 CASES = int(os.environ.get("CASES", "300"))
+MAX_ANSWER_S = 120
+"""Seconds to wait for an answer: only a failure takes them, and a busy machine is none."""
 SEED = int(os.environ.get("SEED", "0"))
 ROOT = Path(__file__).parents[2]
 CHECKS = [
@@ -127,7 +129,8 @@ def test_every_response_conforms_to_openapi(
     )
     @given(case=cases)
     def sent(case: Case) -> None:
-        response = case.call(base_url=url, headers={"Authorization": f"Bearer {credential}"})
+        headers = {"Authorization": f"Bearer {credential}"}
+        response = case.call(base_url=url, headers=headers, timeout=MAX_ANSWER_S)
         case.validate_response(response, checks=CHECKS)
 
     sent()
