@@ -95,7 +95,7 @@ def distance(found: Array, wanted: Array) -> float:
     return float(np.linalg.norm(found[:, None] - wanted[None], axis=2).min(axis=1).max())
 
 
-@pytest.mark.parametrize("engine", ["three", "babylon", "aframe"])
+@pytest.mark.parametrize("engine", ["three", "babylon", pytest.param("aframe", marks=pytest.mark.thorough)])
 def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
     page.goto(f"/examples/{engine}/?{TRUTH.query(error=0)}&still=1")
     lens = {"img_size": TRUTH.size, "camera_matrix": TRUTH.matrix.tolist(), "distortion_model": "rectilinear"}

@@ -15,7 +15,7 @@ from playwright.sync_api import BrowserContext, Download, Page, expect
 from calibsolver.formats import FORMAT_NAMES
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.photographs import textured_board
-from tests.helpers.browser.pictures import SCHEMES, picture
+from tests.helpers.browser.pictures import SCHEMES, SIZES, picture
 from tests.helpers.browser.specimens import answer, camera, cameras, result, result_of_camera
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
@@ -107,6 +107,7 @@ SHOWN_TWICE = """async ([{ report, board, camera_key, ...calibration }]) => {
 
 
 def test_error_bars_that_arrive_later_move_no_number(page: Page) -> None:
+    page.set_viewport_size(SIZES["desk"])
     page.goto("/result/")
     page.locator("#waiting a").first.wait_for()
     (before, nothing), (after, numbers) = page.evaluate(SHOWN_TWICE, [result()])
