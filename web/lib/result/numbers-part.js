@@ -22,6 +22,7 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
     ...(std === undefined ? [] : [el("td", { class: "std" }, std)]));
   const px = (/** @type {(Node | string)[]} */ name, /** @type {number | null | undefined} */ value) =>
     (typeof value === "number" ? [row(name, `${rough(value)}\u00a0px`)] : []);
+  const heldOut = report?.held_out ?? calibration.held_out_error;
   const values = intrinsics(calibration, /** @type {Report | null} */ (report));
   return el("div", { class: "columns" },
     el("div", {},
@@ -37,7 +38,9 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
         ...px([t("result.uncertainty"), hint(t("result.uncertainty"), t("result.uncertainty_hint"))], calibration.uncertainty.rms),
         ...px([t("result.largest")], calibration.uncertainty.max),
         ...px([t("result.reprojection"), hint(t("result.reprojection"), t("result.reprojection_hint"))], calibration.avg_reprojection_error),
-        ...px([t("result.held_out")], report?.held_out ?? calibration.held_out_error), ...px([t("result.spread")], calibration.spread),
+        // The row is there before its number: what stands below stays where it is when the report arrives.
+        ...(report || pending ? [row([t("result.held_out")], typeof heldOut === "number" ? `${rough(heldOut)}\u00a0px` : "–")] : px([t("result.held_out")], heldOut)),
+        ...px([t("result.spread")], calibration.spread),
         row([t("result.across")], degrees(horizontal)), row([t("result.down")], degrees(vertical)), row([t("result.diagonal")], degrees(diagonal)))));
 }
 
