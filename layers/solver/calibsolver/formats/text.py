@@ -105,7 +105,7 @@ def floats(value: object, name: str, min_count: int = 0, max_count: int = 1_000_
         elif isinstance(item, bool) or not isinstance(item, int | float):
             raise refuse(f"{name} must be numbers, not {type(item).__name__}")
         elif not -MAX_NUMBER < item < MAX_NUMBER:  # NaN is neither
-            what = "NaN" if math.isnan(item) else "a number"
+            what = "NaN" if isinstance(item, float) and math.isnan(item) else "a number"
             raise refuse(f"{name} holds {what}, which is none of a camera's")
         else:
             flat.append(float(item))

@@ -144,6 +144,11 @@ def test_malformed_files_are_refused_with_a_reason(tmp_path: Path) -> None:
         ("deep.yaml", "a: " + "[" * 500 + "]" * 500, "nested too deeply"),
         ("deep.json", "[" * 100_000, "JSON|nested"),
         ("nan.json", '{"img_size": [1280, NaN], "camera_matrix": 0, "distortion_coefficients": 0}', "NaN"),
+        (
+            "nines.json",
+            '{"img_size": [1280, %s], "camera_matrix": 0, "distortion_coefficients": 0}' % ("9" * 400),
+            "a number",
+        ),
         ("tag.yaml", "!!python/object/apply:os.getcwd []", "no YAML"),
         ("date.yaml", "img_size: 2001-99-99", "cannot be read|no YAML|img_size"),
         ("cut.json", json.dumps(good)[:500], "no JSON"),
