@@ -4,18 +4,20 @@ An HTTP API hands preflights to a function whose route matches them, or answers 
 """
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page
 
 from infra.local import LocalStack
+from infra.web_build import site
 from tests.helpers.browser.elsewhere import serving_client
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.truth import SMALL, projection_errors
 from tests.helpers.browser.waiting import TIMEOUT_S, address
 from tests.helpers.stack.faults import watched_requests
 
-from .conftest import ROOT, TOKEN, WINDOW
+from .conftest import TOKEN, WINDOW
 
 KEY = {"camera": "Elsewhere (1234:0009)", "platform": "X11; Linux x86_64", "img_size": [1280, 720], "zoom": 0}
 LOOKUP = """async ([key, token, api]) => {
@@ -50,6 +52,14 @@ def stack(request: pytest.FixtureRequest) -> Iterator[LocalStack]:
         yield stack
 
 
+@pytest.fixture(scope="module")
+def site_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The built site, as an operator puts it on another host."""
+    folder = tmp_path_factory.mktemp("site")
+    site.main(folder)
+    return folder
+
+
 @pytest.mark.parametrize(
     "stack",
     [
@@ -59,12 +69,12 @@ def stack(request: pytest.FixtureRequest) -> Iterator[LocalStack]:
     indirect=True,
 )
 def test_client_of_another_origin_calibrates_looks_up_and_exports(
-    stack: LocalStack, chromium: Browser
+    stack: LocalStack, chromium: Browser, site_folder: Path
 ) -> None:
     with stack.serve() as url, watched_requests(stack) as preflights:
         api = f"{url}/v1"
-        with serving_client(ROOT / "web", {"api": api, "token": TOKEN}) as site:
-            page = chromium.new_page(base_url=site, viewport=WINDOW)
+        with serving_client(site_folder, {"api": api, "token": TOKEN}) as origin:
+            page = chromium.new_page(base_url=origin, viewport=WINDOW)
             page.set_default_timeout(1000 * TIMEOUT_S)
             identity = calibrated(page)
             assert page.evaluate(LOOKUP, [KEY, TOKEN, api]) == "unknown_camera"
@@ -88,16 +98,16 @@ def calibrated(page: Page) -> str:
 
 
 def test_browsers_admit_a_page_of_another_origin(
-    stack: LocalStack, chromium: Browser, in_firefox: InFirefox
+    stack: LocalStack, chromium: Browser, in_firefox: InFirefox, site_folder: Path
 ) -> None:
     with stack.serve() as url, watched_requests(stack) as preflights:
         api = f"{url}/v1"
-        with serving_client(ROOT / "web", {"api": api, "token": TOKEN}) as site:
+        with serving_client(site_folder, {"api": api, "token": TOKEN}) as origin:
             function = f"() => ({ADMITTED})({[KEY, TOKEN, api]!r})"
             page = chromium.new_page()
             page.set_default_timeout(1000 * TIMEOUT_S)
-            page.goto(f"{site}/board/")
-            for reason, opened, others in (page.evaluate(function), in_firefox(f"{site}/board/", function)):
+            page.goto(f"{origin}/board/")
+            for reason, opened, others in (page.evaluate(function), in_firefox(f"{origin}/board/", function)):
                 assert (reason, opened) == ("unknown_camera", 201)
                 assert len(others) == 3
                 assert all(400 <= status < 500 for status in others), (

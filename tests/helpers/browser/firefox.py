@@ -60,7 +60,7 @@ def driven(script: Path, address: str) -> Any:
     )
     assert run.returncode == 0, run.stderr
     outcome = json.loads(run.stdout)
-    assert outcome["complaints"] == []
+    assert outcome["complaints"] == [], outcome["complaints"]
     return outcome
 
 
@@ -94,7 +94,7 @@ def firefox() -> Iterator[InFirefox]:
             assert line, "Firefox has ended"
             outcome = json.loads(line)
             assert "error" not in outcome, outcome["error"]
-            assert outcome["complaints"] == []
+            assert outcome["complaints"] == [], outcome["complaints"]
             return outcome["result"]
 
         yield evaluate
