@@ -18,8 +18,9 @@ PYTEST := $(PY) -m pytest
 TWO := -n 2 --dist worksteal
 # Browsers wait more than they compute.
 THREE := -n 3 --dist worksteal
-# Whole modules, so that a fixture of a module is made once; in the order of tests/conftest.py, the longest first
-MODULES := -n 2 --dist loadscope --no-loadscope-reorder
+# Whole modules, so that a fixture of a module is made once; in the order of tests/conftest.py, the longest first.
+# Three at a time: a fifth of the time they wait for processes that they start and stop.
+MODULES := -n 3 --dist loadscope --no-loadscope-reorder
 # The longest first, for two at a time
 CHECKS := .mypy .cfn-lint .tsc .ruff .audit
 PAIRED := --no-print-directory --jobs 2 --output-sync
