@@ -150,7 +150,7 @@ def test_failed_refit_is_retried(at_rest: Store) -> None:
 
 
 def test_model_of_a_later_version_is_skipped(at_rest: Store, stack: LocalStack) -> None:
-    document = calibration("MissCounts by a later version", 0)
+    document = calibration("Asked by a later version", 0)
     at_rest.calibrations.publish(document)
     answer = at_rest.refit.now(asked(mode_of(document), "double_sphere", "fisheye"))
     assert list(answer.models) == ["fisheye"]
@@ -159,7 +159,7 @@ def test_model_of_a_later_version_is_skipped(at_rest: Store, stack: LocalStack) 
     later = known.model_dump_json().replace('"fisheye"', '"double_sphere"')
     table = boto3.client("dynamodb")
     table.put_item(TableName=stack.environment["TABLE_NAME"], Item={**place, "document": {"S": later}})
-    assert Client(stack).lookup(camera="MissCounts by a later version").status == 307
+    assert Client(stack).lookup(camera="Asked by a later version").status == 307
     assert list(at_rest.refit.now(asked(mode_of(document))).models) == list(schema.DISTORTION_MODELS)
 
 
