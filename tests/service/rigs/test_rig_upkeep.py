@@ -52,6 +52,7 @@ def unpublished(stack: LocalStack) -> RigTruth:
     """A rig that was killed right after its document said that it had ended; nobody asks again."""
     rig = two_places(stack, 30)
     rig.state()
+    stack.wait_until_idle(60)  # what earlier tests left to be computed writes too
     with crash_after(2):  # the rig's object and item
         assert rig.call("POST", "/finish").status == 503
     return rig
