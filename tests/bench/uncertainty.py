@@ -4,6 +4,7 @@
 """
 
 import os
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,7 +15,14 @@ from tests.bench.honesty import predicted, white
 from tests.helpers.solver import hands, intervals, populations, synthetic
 
 CAPTURES = 200
-HANDS = {"bent": hands.BENT, "moving": hands.MOVING, "both": hands.MOVING_AND_BENT}
+HANDS = {
+    "bent": hands.BENT,
+    "moving": hands.MOVING,
+    "both": hands.MOVING_AND_BENT,
+    "bent by 0.1 %": replace(hands.BENT, sag_boards=0.001),
+    "moving at half the speed": replace(hands.MOVING, speed_cm_s=2.5, turn_deg_s=5.0),
+    "moving at twice the speed": replace(hands.MOVING, speed_cm_s=10.0, turn_deg_s=20.0),
+}
 HANDS_CAPTURES, HANDS_VIEWS = 24, (4, 6, 10, 15)
 
 

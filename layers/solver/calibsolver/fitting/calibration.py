@@ -29,7 +29,7 @@ class Calibration:
         (v,) px, the same for each view; NaN of a degenerate one.
     covariance
         (p, p) of (fx fy cx cy distortion...), from what the residuals of each view pull the intrinsics by
-        (`robust_covariance`).
+        (`robust_covariance`), and from other optima that they allow (`focal_profile`).
     information
         (p, p) Fisher information of the intrinsics, with the prior: what white noise of the corners would
         leave known. What a further view adds is compared with it.

@@ -80,7 +80,8 @@ class EffectMoments:
 
         Both / sigma^2, of variances of motion and bend.
         """
-        pull = m * (self.by_move @ self.by_move.transpose(0, 2, 1))
+        views, size, _ = self.by_move.shape
+        pull = m * (self.by_move @ self.by_move.transpose(0, 2, 1)) if m else np.zeros((views, size, size))
         if s == 0:
             return pull, np.zeros_like(pull[0])
         crossed = self.cross.reshape(-1, BEND_SIZE)

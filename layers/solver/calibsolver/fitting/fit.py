@@ -13,6 +13,7 @@ from ..errors import CalibrationError, undetermined
 from ..models import Model
 from ..view import View
 from . import (
+    focal_profile,
     initial_guess,
     levenberg_marquardt,
     normal_equations,
@@ -69,7 +70,8 @@ def fit(
         are cut and the rest fitted by least squares together with the model's weak prior. Otherwise plain
         least squares over all points; with the prior only where the points leave something open.
     start
-        A camera that may be near: where the fit starts first. The result does not depend on it.
+        A camera that may be near: where the fit starts first. The result depends on it only where the views
+        allow two optima (`focal_profile`).
 
     Raises
     ------
@@ -150,16 +152,20 @@ class _Fit:
 
     def run(self, near: State | None = None) -> Calibration:
         """Fit, from `near` alone where it is given."""
-        return self.finish(near or self.multistart.run())
+        if not self.robust:
+            return self._least_squares(self.multistart.run())
+        state, good = self._settle(near or self.multistart.run())
+        found = self._result(state, good, with_prior=True)
+        if near is not None:
+            return found
+        return replace(found, covariance=focal_profile.covariance_of_optima(self.problem, state, good, found))
 
-    def finish(self, state: State) -> Calibration:
-        """From near the optimum to a result, in three stages.
+    def _settle(self, state: State) -> tuple[State, Mask]:
+        """From near an optimum to it, and the points (v, n) that took part, in three stages.
 
         Gross outliers are removed; the others are tested against fits that never saw these; then the points
         that hardly spoil the fit are taken back.
         """
-        if not self.robust:
-            return self._least_squares(state)
         inliers = outliers.inlier_mask(
             state, self.mask, self.mask, outliers.GROSS_OUTLIER_SIGMAS, self.problem.img_size
         )
@@ -167,11 +173,11 @@ class _Fit:
             # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
             all_points = self._refit_all_points(state, self.multistart.unit_weights)
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
-                return self._result(all_points, self.mask, with_prior=True)
+                return all_points, self.mask
         state, good = self._reject_outliers(state, inliers)
         if good.any() and not np.array_equal(inliers, good):
             state, good = self._readmit_tails(state, good, inliers)
-        return self._result(state, good, with_prior=True)
+        return state, good
 
     def _reject_outliers(self, state: State, inliers: Mask) -> tuple[State, Mask]:
         """Fit by least squares and reject outliers in turn, from the mask `inliers` (v, n) on."""

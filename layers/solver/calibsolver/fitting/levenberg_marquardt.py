@@ -218,12 +218,13 @@ class LeastSquares(ABC):
             return da, dp
         moved = self.residuals(k, state.poses.retract(h * dp))
         rows, r, size = state.rows, state.rows[-1], len(da)
-        first = np.tensordot(da, rows[:size], 1) + np.einsum("vi,iavn->avn", dp, rows[size:-1])
+        first = (da @ rows[:size].reshape(size, -1)).reshape(r.shape)
+        first += np.einsum("vi,iavn->avn", dp, rows[size:-1])
         second = 2 / h * ((moved - r) / h - first)
         weighted = second if weights is None else second * weights
         if not np.isfinite(weighted).all():
             return da, dp
-        g_c = np.tensordot(rows[:size], weighted, 3)
+        g_c = rows[:size].reshape(size, -1) @ weighted.reshape(-1)
         g_p = np.einsum("iavn,avn->vi", rows[size:-1], weighted)
         acceleration_c, acceleration_p = system.solve_with_gradient(g_c, g_p, damping)
         length, longest = system.length(acceleration_c, acceleration_p), system.length(da, dp)

@@ -76,11 +76,10 @@ def linearize(model: Model, k: Array, poses: Poses, points: Array, extra_rows: i
     """
     rotated = poses.r @ points
     p = rotated + poses.t[:, :, None]
-    q, by_k, by_p = model.jacobian(k, p.transpose(1, 0, 2))
     size = model.size
-    rows = np.empty((size + 6 + extra_rows, *q.shape))
-    rows[:size] = by_k
-    rows[size + 3 : size + 6] = by_p
+    rows = np.empty((size + 6 + extra_rows, 2, len(p), p.shape[2]))
+    by_p = rows[size + 3 : size + 6]
+    q = model.fill_jacobian(k, p.transpose(1, 0, 2), rows[:size], by_p)
     # d(exp(w) Y)/dw = w x Y, and b . (w x Y) = w . (Y x b)
     x, y, z = rotated[:, 0], rotated[:, 1], rotated[:, 2]
     bx, by, bz = by_p

@@ -65,23 +65,26 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
     j[1, 0], j[1, 1] = 1 / (fx * prior.aspect_sigma), -1 / (fy * prior.aspect_sigma)
     j[2, 2] = j[3, 3] = 1 / (prior.center_sigma * w)
     square = (w * w + h * h) / (4 * fx * fy)
-    reach = (square / (1 + square / MAX_SQUARED_RADIUS)) ** fixed.order
+    saturation = 1 + square / MAX_SQUARED_RADIUS
+    reach = (square / saturation) ** fixed.order
     # d(log reach)/d(log f), the same for both focal lengths
-    by_focal = -fixed.order / (1 + square / MAX_SQUARED_RADIUS)
+    by_focal = -fixed.order / saturation
     certain = fixed.edge * reach
-    r[4:size] = (d - fixed.mean) * (fixed.plain + certain)
-    j.reshape(-1)[4 * size + 4 : size * size : size + 1] = fixed.plain + certain
+    together = fixed.plain + certain
+    r[4:size] = (d - fixed.mean) * together
+    j.reshape(-1)[4 * size + 4 : size * size : size + 1] = together
     by_log = d * certain * by_focal
     j[4:size, 0], j[4:size, 1] = by_log / fx, by_log / fy
-    s = fixed.squares * square / (1 + square / MAX_SQUARED_RADIUS)
+    s = fixed.squares * square / saturation
     exact = model.radial_derivative(d, s)
     if exact is not None:
         value, by_d, by_s = exact
         # Above 1 by its logarithm, which is the same to first order: near a pole it grows without bound.
-        certain = 1 / (fixed.sigmas * np.maximum(value, 1))
-        r[size:] = np.where(value > 1, np.log(np.maximum(value, 1)), value - 1) / fixed.sigmas
+        least = np.maximum(value, 1)
+        certain = 1 / (fixed.sigmas * least)
+        r[size:] = np.where(value > 1, np.log(least), value - 1) / fixed.sigmas
         j[size:, 4:] = by_d * certain[:, None]
-        by_log = -by_s * s / (1 + square / MAX_SQUARED_RADIUS) * certain
+        by_log = -by_s * s / saturation * certain
     else:
         slope = fixed.slope * reach
         r[size:] = slope @ d

@@ -12,16 +12,17 @@ whitened gradient h = T'g, information B = T'ST, and Z the effects there, their 
     and over all (bend), give the variances of motion, m, and bend, s, in units of sigma^2. Only what exceeds
     the mean under white noise by a standard deviation counts, so that chance seldom looks like an effect.
     Points that the fit cut, but effects on their view explain, count here: motion moves them farthest.
+    Where motion is most of the residuals, its likelihood may say that m is larger (`effect_likelihood`).
     covariance = sigma^2 T [1 - sum B + f sum (B + m K_m K_m') + k (sum K_b) S (sum K_b)'] T'
 
 with K = T'A'Z the pull of the effects on the intrinsics, S the second moment of the bend given the residuals
-(its best estimate and what is left open), k the share `BEND_SHARE`. Few views may tell less than s; then S is
-smaller. The inflation f is for whatever else a view may pull by. Views are the clusters of a "sandwich"
-covariance (Huber 1967; White 1980; Liang & Zeger 1986), f the quotient of the gradients' scatter and what
-noise and motion explain, corrected for the part that each cluster takes in the fit (Bell & McCaffrey 2002),
-with a prior (Gelman et al., "Bayesian Data Analysis", 2.6), and at least 1. What the intrinsics' prior
-contributes, 1 - sum B, is not inflated. It is positive definite always, and under white noise hardly larger
-than sigma^2 M^-1.
+(its best estimate and what is left open; few views may tell less than s, then S is smaller), k the share
+`BEND_SHARE`, or more, up to 1, where the bend is most of the residuals. The inflation f is for whatever else
+a view may pull by. Views are the clusters of a "sandwich" covariance (Huber 1967; White 1980; Liang & Zeger
+1986), f the quotient of the gradients' scatter and what noise and motion explain, corrected for the part that
+each cluster takes in the fit (Bell & McCaffrey 2002), with a prior (Gelman et al., "Bayesian Data Analysis",
+2.6), and at least 1. What the intrinsics' prior contributes, 1 - sum B, is not inflated. It is positive
+definite always, and under white noise hardly larger than sigma^2 M^-1.
 
 Views in nearly the same pose share what is wrong in them: frames of a video, or of a burst, are one cluster.
 """
@@ -32,6 +33,7 @@ import numpy as np
 
 from ..arrays import Array, IntArray, Mask, dot, whitening
 from . import normal_equations
+from .effect_likelihood import EffectLikelihood, trust
 from .effect_moments import EffectMoments
 from .normal_equations import POSE_SIZE, Poses, Projection
 from .observations import Observations
@@ -40,8 +42,9 @@ from .systematic_effects import EFFECTS_SIZE
 PRIOR_INFLATION_FREEDOM = 30.0
 """Weight of the prior of f, which is 1, in degrees of freedom."""
 BEND_SHARE = 0.25
-"""Share of the variance by the common bend that counts. The truth differs by all of it, a second calibration
-with the same board by nothing: with a quarter, half in px, neither is more than twice as far as predicted."""
+"""Share of the variance by the common bend that counts, unless it is most of what the residuals show. The
+truth differs by all of it, a second calibration with the same board by nothing: with a quarter, half in px,
+neither is more than twice as far as predicted."""
 SAME_POSE_WIDTHS = 0.02
 """Distance between two views of the board, rms over its corners / image width, up to which they are one
 cluster."""
@@ -170,19 +173,26 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
     size = len(evidence.metric)
     information, basis, whitened = _whitened(evidence.gram, size, prior_information)
     w, b = basis.T @ evidence.metric @ basis, whitened[:, :, :size] @ basis
-    effects = EffectMoments.of(evidence.gram[:, size:, size:], whitened[:, :, size:-1], sigma)
+    gram, pull = evidence.gram[:, size:, size:], whitened[:, :, size:]
+    effects = EffectMoments.of(gram, pull[:, :, :-1], sigma)
     if evidence.of_effects is None:
-        variances = effects.variances()
+        m, s = effects.variances()
     else:
         _, _, more = _whitened(evidence.of_effects, size, prior_information)
         wider = EffectMoments.of(evidence.of_effects[:, size:, size:], more[:, :, size:-1], sigma)
-        variances = wider.variances()
-    motion, bend = effects.covariances(*variances)
+        m, s = wider.variances()
+    bend_share = BEND_SHARE
+    # Without a trace of either, as mostly under white noise, nothing else is asked.
+    likely = EffectLikelihood.of(gram, pull, sigma) if m or s else None
+    if likely is not None:
+        m += trust(likely.motion_share) * max(likely.motion - m, 0.0)
+        bend_share += trust(likely.bend_share) * (1 - bend_share)
+    motion, bend = effects.covariances(m, s)
     working = b + motion
     total = working.sum(axis=0)
     h = whitened[:, :, -1] / sigma
     inflation = _inflation(w, b, working, h)
-    shape = np.eye(size) - b.sum(axis=0) + inflation * total + BEND_SHARE * bend
+    shape = np.eye(size) - b.sum(axis=0) + inflation * total + bend_share * bend
     covariance: Array = sigma**2 * basis @ shape @ basis.T
     white = float(np.trace(w))
     return Result(

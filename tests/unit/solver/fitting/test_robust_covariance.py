@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from calibsolver import View, fit
+from calibsolver import Camera, View, fit
+from calibsolver.fitting.effect_likelihood import EffectLikelihood, trust
 from tests.helpers.data import corner_views
 from tests.helpers.solver import hands, populations, synthetic
 
@@ -27,21 +28,26 @@ def test_white_noise_is_hardly_inflated() -> None:
     assert np.median(found) < 1.5
 
 
-def error_ratio(hand: hands.Hand, seed: int, count: int) -> float:
+def error_ratio(camera: Camera, rng: np.random.Generator, hand: hands.Hand, count: int) -> float:
     """Error over the image / predicted error, of a capture in some hand."""
-    camera = synthetic.rectilinear_cameras()[seed]
-    found = fit(populations.views(camera, np.random.default_rng(seed), 0.2, count, hand), camera.img_size)
+    found = fit(populations.views(camera, rng, 0.2, count, hand), camera.img_size)
     error = synthetic.projection_error(camera, found.camera)
     return float(np.sqrt(np.mean(error**2))) / found.uncertainty().rms
 
 
-@pytest.mark.parametrize("count", [4, 10])
-@pytest.mark.parametrize("hand", [hands.BENT, hands.MOVING_AND_BENT])
-def test_errors_with_a_bent_board_are_predicted(hand: hands.Hand, count: int) -> None:
-    """The board bends by 0.5 %, the same in all views; by white noise alone half of them and more are off."""
-    ratios = np.array([error_ratio(hand, seed, count) for seed in range(12)])
-    assert 0.5 < np.median(ratios) < 1.8
-    assert np.mean(ratios > 2) < 0.34
+@pytest.mark.parametrize("hand", [hands.BENT, hands.MOVING, hands.MOVING_AND_BENT])
+def test_errors_in_hands_are_predicted(hand: hands.Hand) -> None:
+    """The board bends by 0.5 %, the same in all views, or moves at 5 cm/s. Of true bars one in 20 is above 2.
+
+    White noise alone predicts half or less of most errors; variances by moments alone leave 6, 19 and 21 %.
+    """
+    ratios = []
+    for count in (4, 10):
+        rng = np.random.default_rng(count)
+        cameras = synthetic.rectilinear_cameras(24, seed=count)
+        ratios += [error_ratio(camera, rng, hand, count) for camera in cameras]
+    assert 0.5 < np.median(ratios) < 1.3
+    assert np.mean(np.array(ratios) > 2) <= 0.05
 
 
 def test_error_bars_of_a_bent_board_do_not_shrink_with_more_views() -> None:
@@ -76,7 +82,11 @@ def test_real_views_are_inflated() -> None:
 
 def test_points_that_motion_moves_too_far_for_the_fit_widen_the_error_bars() -> None:
     """The fit cuts 2 % of the points: what it leaves shows too little of the motion (17 % above 2)."""
-    ratios = [error_ratio(hands.MOVING, seed, count) for count in (4, 6) for seed in range(12)]
+    ratios = [
+        error_ratio(camera, np.random.default_rng(seed), hands.MOVING, count)
+        for count in (4, 6)
+        for seed, camera in enumerate(synthetic.rectilinear_cameras())
+    ]
     assert 0.6 < np.median(ratios) < 1.4
     assert np.mean(np.array(ratios) > 2) < 0.1
 
@@ -94,3 +104,22 @@ def test_wrong_corners_do_not_widen_the_error_bars() -> None:
     clean, spoiled = fit(right, CAMERA.img_size), fit(wrong, CAMERA.img_size)
     assert all(not used.all() for used in spoiled.used)
     assert spoiled.uncertainty().rms < 1.3 * clean.uncertainty().rms
+
+
+@pytest.mark.parametrize(("share", "weight"), [(0.0, 0.0), (0.5, 0.0), (0.6, 0.5), (2 / 3, 1.0), (1.0, 1.0)])
+def test_likelihood_counts_where_an_effect_explains_more_than_it_leaves(share: float, weight: float) -> None:
+    assert trust(share) == pytest.approx(weight)
+
+
+def test_corners_without_noise_have_error_bars() -> None:
+    c = fit(views(5, noise=0.0), CAMERA.img_size)
+    assert np.isfinite(c.covariance).all()
+    assert c.uncertainty().rms < 1e-3
+
+
+def test_effects_without_numbers_tell_nothing() -> None:
+    """A board seen edge-on has derivatives that are no numbers; the moments' variances stay then."""
+    gram, pull = np.tile(np.eye(10), (3, 1, 1)) * 100.0, np.zeros((3, 9, 10))
+    assert EffectLikelihood.of(gram, pull, 1.0) is not None
+    gram[1, 5, 5] = np.nan
+    assert EffectLikelihood.of(gram, pull, 1.0) is None

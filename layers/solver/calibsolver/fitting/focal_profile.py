@@ -1,0 +1,84 @@
+"""Focal profile: the cost that each focal length leaves, and other cameras that explain the views as well.
+
+Distortion and principal point can stand in for the focal length where a model does not quite describe a lens
+and the views are tilted alike. The profile then has two minima, and a second calibration may end in the other
+one, farther away than the curvature of either tells. (Bates & Watts 1988, chapter 6, for profiles.)
+"""
+
+import numpy as np
+
+from ..arrays import Array, Mask, frozen, symmetric_inverse
+from . import outliers, plausibility
+from .calibration import Calibration
+from .levenberg_marquardt import Options, Problem, State
+from .multistart import TOWARDS_OPTIMUM
+from .normal_equations import Poses
+
+STEP = float(np.log(2)) / 2
+"""Logarithm of the focal length, half an octave to either side, at which it is held."""
+MAX_STEP_DEVIATIONS = 10.0
+"""Standard deviations of the logarithm that the step makes at most: where the views tell it better, the
+profile has one minimum."""
+MIN_DETERMINING_VIEWS = 3
+"""Views that determine all intrinsics (Zhang 2000): with fewer the prior decides."""
+
+
+def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Calibration) -> Array:
+    """Covariance (p, p) of the intrinsics with the other optima of the profile, by their likelihood.
+
+    It is that of the calibration where there is no other, or none is expected.
+
+    Parameters
+    ----------
+    problem, state, good
+        All intrinsics are free; the optimum, and the points (v, n) that took part.
+    found
+        The calibration there.
+    """
+    covariance = np.asarray(found.covariance)
+    gradient = log_focal_gradient(problem, state)
+    deviation = float(np.sqrt(gradient @ covariance @ gradient))
+    if good.any(axis=1).sum() < MIN_DETERMINING_VIEWS or MAX_STEP_DEVIATIONS * deviation < STEP:
+        return covariance
+    # What views share (bend, motion, what the model lacks) counts in the likelihood as it does in the bars.
+    white = gradient @ symmetric_inverse(np.asarray(found.information)) @ gradient
+    variance = found.noise**2 * max(deviation**2 / float(white), 1.0)
+    moments = covariance.copy()
+    for step in (-STEP, STEP):
+        other = optimum_beside(problem, state, good, step)
+        change = other.k - state.k
+        # Within a deviation it is the same optimum, or no other that would matter.
+        if is_taken(problem, other, good) and abs(gradient @ change) > deviation:
+            # Never more than as likely: the prior, too weak to decide alone, is on the side of the one found.
+            excess = max(float((other.square[good] - state.square[good]).sum()) / variance, 0.0)
+            likelihood_ratio = np.exp(-excess / 2)
+            moments += np.outer(change, change) * likelihood_ratio / (1 + likelihood_ratio)
+    return frozen(moments)
+
+
+def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> State:
+    """Fit the good points (v, n) from where the focal length was held a step (of its logarithm) away."""
+    factor = float(np.exp(step))
+    k, weights = state.k.copy(), outliers.unit_weights(good)
+    k[:2] *= factor
+    poses = Poses(state.poses.r, state.poses.t * (1, 1, factor))  # of the same size in the image
+    # All directions but the one in which the focal length grows.
+    basis = np.linalg.svd(log_focal_gradient(problem, state)[None])[2][1:].T
+    held = Problem(problem.model, problem.obs, problem.img_size, basis)
+    best = held.solve(held.at(k, poses), weights, TOWARDS_OPTIMUM)
+    return problem.solve(problem.at(best.k, best.poses), weights, Options())
+
+
+def is_taken(problem: Problem, other: State, good: Mask) -> bool:
+    """Whether a fit that ends there is one that another calibration might return."""
+    return (
+        other.converged
+        and other.is_finite
+        and plausibility.share_outside_domain(problem, other, good) <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
+    )
+
+
+def log_focal_gradient(problem: Problem, state: State) -> Array:
+    """Gradient (p,) of the logarithm of the focal length: the prior's first residual is that, whitened."""
+    gradient: Array = state.prior_jacobian[0] * problem.model.prior.focal_sigma
+    return gradient
