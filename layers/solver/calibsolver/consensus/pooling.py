@@ -12,10 +12,10 @@ import numpy as np
 from ..arrays import Array, IntArray
 from ..errors import CalibrationError, undetermined
 from ..fitting.calibration import Calibration
-from ..fitting.fit import fit
 from ..fitting.validation import check, degenerate_views, pack
 from ..view import View
 from .agreement import Projections, compare, densest_half, displacement_fields, grow, split_into_groups
+from .fit_memory import fit_once
 from .location import Contributions, FittedMember, Member
 from .pooled_fit import cross_validate_contributors, cross_validate_views, fit_location, fit_views
 
@@ -133,7 +133,7 @@ def pool(
     for member in members:
         try:
             member = replace(member, views=without_degenerate_views(member.views, img_size))
-            fits.append(FittedMember(member, fit(member.views, img_size, model)))
+            fits.append(FittedMember(member, fit_once(member.views, img_size, model)))
         except CalibrationError as error:
             dropped[member.id], failure = error.code, error
     if not fits:

@@ -16,7 +16,7 @@ from tests.helpers.solver import attacks, populations, synthetic
 def test_lying_minority_does_not_move_the_consensus(kind: str) -> None:
     """By half a pixel over the image, from just beside the truth to 30 % off; no answer is no harm."""
     rng = np.random.default_rng(5)
-    totals = (5, 10) if kind == "junk" else (5, 6, 8, 10, 12)
+    totals = (5, 10) if kind == "junk" else (5, 8, 12)
     trials = [attacks.trial(rng, kind, total) for total in totals]
     assert not [(t.total, t.moved) for t in trials if t.wrong]
     # With six honest ones and more there is an answer all the same.

@@ -92,7 +92,9 @@ def test_dense_board_moves_the_answer_no_more_than_others() -> None:
         assert after.calibration.uncertainty().rms > 0.8 * before.calibration.uncertainty().rms
 
 
-@pytest.mark.parametrize("number", range(4))
+@pytest.mark.parametrize(
+    "number", [0, 1, pytest.param(2, marks=pytest.mark.thorough), pytest.param(3, marks=pytest.mark.thorough)]
+)
 def test_liars_in_honest_worlds_move_no_reliable_answer(number: int) -> None:
     """`make bench DOCS=consensus` has a thousand."""
     rng = np.random.default_rng((19, number))

@@ -1,0 +1,77 @@
+"""Memory of members' fits: what is old is not fitted again, and nothing else is taken for it."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pytest
+
+from calibsolver import Calibration, CalibrationError, View, fit
+from calibsolver.consensus import Member, Rule, fit_memory, pool
+from tests.helpers.solver import synthetic
+
+CAMERA = synthetic.rectilinear_cameras()[6]
+SIZE = CAMERA.img_size
+
+
+def member(seed: int) -> Member:
+    session = synthetic.run(CAMERA, np.random.default_rng(seed), views=4)
+    return Member(f"m{seed}", f"c{seed}", tuple(session.views))
+
+
+@pytest.fixture
+def fitted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+    """Models fitted to members' views, as they are fitted."""
+    made: list[str] = []
+
+    def counted(views: Sequence[View], img_size: tuple[int, int], model: str) -> Calibration:
+        made.append(model)
+        return fit(views, img_size, model)
+
+    monkeypatch.setattr(fit_memory, "fit", counted)
+    fit_memory.forget()
+    yield made
+    fit_memory.forget()
+
+
+def test_a_new_calibration_alone_is_fitted(fitted: list[str]) -> None:
+    members = [member(seed) for seed in range(3)]
+    pool(members[:2], SIZE, "rectilinear")
+    assert fitted == ["rectilinear"] * 2
+    again = [
+        Member(m.id, m.contributor, tuple(View(v.object_points, v.image_points) for v in m.views))
+        for m in members
+    ]
+    warm = pool(again, SIZE, "rectilinear")
+    assert fitted == ["rectilinear"] * 3  # their documents were read anew
+    pool(again, SIZE, "rectilinear", Rule(min_contributors=1, min_calibrations=1))
+    assert fitted == ["rectilinear"] * 3
+    fit_memory.forget()
+    cold = pool(members, SIZE, "rectilinear")
+    assert cold.calibration.record() == warm.calibration.record()
+
+
+def test_nothing_else_is_taken_for_it(fitted: list[str]) -> None:
+    views = member(1).views
+    shifted = [View(v.object_points, v.image_points + 1e-9) for v in views]
+    scaled = [View(2 * v.object_points, v.image_points) for v in views]
+    for each, size, model in (
+        (views, SIZE, "rectilinear"),
+        (shifted, SIZE, "rectilinear"),
+        (scaled, SIZE, "rectilinear"),
+        (views[::-1], SIZE, "rectilinear"),
+        (views, (SIZE[0], SIZE[1] + 2), "rectilinear"),
+        (views, SIZE, "rational"),
+    ):
+        assert fit_memory.fit_once(each, size, model).camera.img_size == size
+    assert len(fitted) == 6
+    for _ in range(2):  # a refusal is not remembered
+        with pytest.raises(CalibrationError):
+            fit_memory.fit_once([], SIZE, "rectilinear")
+    assert len(fitted) == 8
+
+
+def test_consensus_of_one_calibration_is_its_fit(fitted: list[str]) -> None:
+    one = member(1)
+    alone = pool([one], SIZE, "rectilinear")
+    assert alone.calibration is fit_memory.fit_once(one.views, SIZE, "rectilinear")
+    assert fitted == ["rectilinear"]
