@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from .errors import UsageError
@@ -168,8 +169,8 @@ class KannalaBrandt:
     def __init__(self, d: Sequence[float]) -> None:
         k1, k2, k3, k4 = map(float, d)
         self._curve = Curve.growing(
-            lambda t: t * (1 + t**2 * (k1 + t**2 * (k2 + t**2 * (k3 + t**2 * k4)))),
-            lambda t: 1 + t**2 * (3 * k1 + t**2 * (5 * k2 + t**2 * (7 * k3 + t**2 * 9 * k4))),
+            lambda t: t * _polynomial(t**2, (1, k1, k2, k3, k4)),
+            lambda t: _polynomial(t**2, (1, 3 * k1, 5 * k2, 7 * k3, 9 * k4)),
             math.pi,
         )
 
@@ -274,6 +275,11 @@ class Lens:
             )
             unit: Array = rays / np.linalg.norm(rays, axis=1, keepdims=True)
             return unit
+
+
+def _polynomial(x: Array, coefficients: Sequence[float]) -> Array:
+    """Values of the polynomial with these coefficients, the constant one first."""
+    return np.asarray(polyval(x, coefficients), dtype=np.float64)
 
 
 def _rows(values: object, width: int) -> Array:

@@ -4,24 +4,29 @@ import numpy as np
 
 from .arrays import Array
 
+SKEW_PLACES = np.array([0, 2, 1, 2, 0, 0, 1, 0, 0])
+SKEW_SIGNS = np.array([0.0, -1, 1, 1, 0, -1, -1, 1, 0])
+"""Coordinate of a vector, and its sign, at each place of its cross-product matrix, row by row."""
+MIN_ANGLE_RAD = 1e-4
+"""Angle below which the series is exact to 1e-17 and the quotients of Rodrigues' formula are 0/0."""
+
 
 def skew(v: Array) -> Array:
     """Cross-product matrices: (..., 3) -> (..., 3, 3) with ``skew(v) @ w == cross(v, w)``."""
-    m = np.zeros((*v.shape[:-1], 3, 3))
-    m[..., 0, 1], m[..., 0, 2] = -v[..., 2], v[..., 1]
-    m[..., 1, 0], m[..., 1, 2] = v[..., 2], -v[..., 0]
-    m[..., 2, 0], m[..., 2, 1] = -v[..., 1], v[..., 0]
+    m: Array = (np.take(v, SKEW_PLACES, axis=-1) * SKEW_SIGNS).reshape(*v.shape[:-1], 3, 3)
     return m
 
 
 def matrix(rvec: Array) -> Array:
     """Rotation matrices of rotation vectors (..., 3) -> (..., 3, 3), Rodrigues' formula."""
-    angle2 = np.sum(rvec * rvec, axis=-1)[..., None, None]
+    angle2 = np.add.reduce(rvec * rvec, axis=-1)[..., None, None]
     angle = np.sqrt(angle2)
-    small = angle < 1e-4  # there the series is exact to 1e-17 and the quotients below are 0/0
-    safe = np.where(small, 1.0, angle)
-    a = np.where(small, 1 - angle2 / 6, np.sin(safe) / safe)
-    b = np.where(small, 0.5 - angle2 / 24, (1 - np.cos(safe)) / (safe * safe))
+    small = angle < MIN_ANGLE_RAD
+    a, b = 1 - angle2 / 6, 0.5 - angle2 / 24
+    if not small.all():
+        safe = np.where(small, 1.0, angle)
+        a = np.where(small, a, np.sin(safe) / safe)
+        b = np.where(small, b, (1 - np.cos(safe)) / (safe * safe))
     k = skew(rvec)
     rotation: Array = np.eye(3) + a * k + b * (k @ k)
     return rotation

@@ -6,22 +6,22 @@ is seen, and in a rig would contradict the poses of the cameras.
 
 import numpy as np
 
-from .. import deadline, models
+from .. import models
 from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
+from ..fitting.levenberg_marquardt import Options, Problem, State
+from ..fitting.normal_equations import POSE_SIZE, Poses
+from ..fitting.observations import Observations
 from ..models import Model
 from .base import ModelConstraint
 
 SAMPLE_GRID = (33, 25)
 """Columns and rows of the pixels at which cameras are fitted to each other, the image's edge among them."""
-MAX_STEPS = 100
-"""Steps of one fit at most: valleys of denominators are long."""
-MIN_PROGRESS = 1e-6
-"""Share of the sum of squares below which a step is the last."""
 MAX_FOLLOWED = 3
 """Starts that are followed to their optimum."""
-MAX_DAMPING = 1e9
+OPTIONS = Options(with_prior=False, iterations=100, tolerance=1e-5, damping=1e-6)
+"""Of one fit: valleys of denominators are long."""
 
 
 def sampled_rays(camera: Camera, max_angle: float = np.pi) -> tuple[Array, Array]:
@@ -46,11 +46,13 @@ def fit_to_rays(camera: Camera, constraint: ModelConstraint) -> Camera:
     """
     model = models.get(constraint.model)
     rays, q = sampled_rays(camera, model.max_angle)
+    seen = Observations(rays[None], q[None], np.ones((1, q.shape[1]), dtype=bool))
     basis = free_directions(model, constraint)
+    problem = _RayProblem(model, seen, camera.img_size, basis)
     own = camera.model == model.name
     starts = [camera.intrinsics] if own else _starts(model, camera, rays, q)
     with np.errstate(all="ignore"):  # a step too far is tested before it is taken
-        found = [_descend(model, basis, k, rays, q) for k in starts]
+        found = [_descend(problem, basis @ np.linalg.lstsq(basis, k, rcond=None)[0]) for k in starts]
     square, k = min(found, key=lambda one: one[0])
     if not np.isfinite(square):
         raise CalibrationError("not_representable", "the fit of the simpler model ran away")
@@ -86,26 +88,17 @@ def _starts(model: Model, camera: Camera, rays: Array, q: Array) -> list[Array]:
     return [k for _, k in sorted(found, key=lambda one: one[0])[:MAX_FOLLOWED]]
 
 
-def _descend(model: Model, basis: Array, k: Array, rays: Array, q: Array) -> tuple[float, Array]:
-    """Return the sum of squares and the intrinsics T a at the optimum near k, by Levenberg-Marquardt."""
-    a = np.linalg.lstsq(basis, k, rcond=None)[0].astype(np.float64)
-    damping = 1e-6
-    square = float(np.square(model.project(basis @ a, rays) - q).sum())
-    for _ in range(MAX_STEPS):
-        deadline.check()
-        there, by_k, _ = model.jacobian(basis @ a, rays)
-        rows = np.tensordot(by_k, basis, axes=(0, 0)).transpose(2, 0, 1).reshape(basis.shape[1], -1)
-        scale = np.sqrt(np.square(rows).sum(axis=1)) + 1e-300
-        rows = rows / scale[:, None]
-        normal, gradient = rows @ rows.T, rows @ (there - q).ravel()
-        before = square
-        while damping < MAX_DAMPING:
-            step = np.linalg.lstsq(normal + damping * np.eye(len(a)), gradient, rcond=None)[0] / scale
-            tried = float(np.square(model.project(basis @ (a - step), rays) - q).sum())
-            if tried <= square:
-                a, square, damping = a - step, tried, max(damping / 10, 1e-12)
-                break
-            damping *= 10
-        if before - square <= MIN_PROGRESS * square:
-            break
-    return square, basis @ a
+class _RayProblem(Problem):
+    """Rays in the frame of the camera itself: the pose is held."""
+
+    def at(self, k: Array, poses: Poses) -> State:
+        state = super().at(k, poses)
+        state.rows[-1 - POSE_SIZE : -1] = 0
+        return state
+
+
+def _descend(problem: Problem, k: Array) -> tuple[float, Array]:
+    """Return the sum of squares and the intrinsics (p,) at the optimum near k."""
+    at_rest = Poses.of_vectors(np.zeros((1, POSE_SIZE)))
+    state = problem.solve(problem.at(k, at_rest), problem.obs.mask.astype(float), OPTIONS)
+    return float(state.square.sum()), state.k

@@ -145,18 +145,25 @@ class Model(ABC):
     def project(self, k: Array, p: Array) -> Array:
         """Pixels (2, ...) of points (3, ...) in the camera frame; meaningless outside `valid`."""
         u = self.distort(k[4:], p)
-        return np.stack([k[0] * u[0] + k[2], k[1] * u[1] + k[3]])
+        return np.array([k[0] * u[0] + k[2], k[1] * u[1] + k[3]])
 
     def jacobian(self, k: Array, p: Array) -> tuple[Array, Array, Array]:
         """Pixels (2, ...) and their derivatives by k (p, 2, ...) and by the point (3, 2, ...)."""
-        u, by_d, by_p = self.distort_jacobian(k[4:], p)
+        by_k, by_p = np.empty((self.size, 2, *p.shape[1:])), np.empty((3, 2, *p.shape[1:]))
+        return self.fill_jacobian(k, p, by_k, by_p), by_k, by_p
+
+    def fill_jacobian(self, k: Array, p: Array, by_k: Array, by_p: Array) -> Array:
+        """Pixels (2, ...); their derivatives by k (p, 2, ...) and by the point (3, 2, ...) are filled in."""
+        u, by_d, by_point = self.distort_jacobian(k[4:], p)
         shape = (2,) + (1,) * (u.ndim - 1)
         f, c = k[:2].reshape(shape), k[2:4].reshape(shape)
-        by_k = np.zeros((self.size, *u.shape))
+        by_k[:4] = 0
         by_k[0, 0], by_k[1, 1] = u
         by_k[2, 0] = by_k[3, 1] = 1
         np.multiply(by_d, f, out=by_k[4:])
-        return f * u + c, by_k, by_p * f
+        np.multiply(by_point, f, out=by_p)
+        q: Array = f * u + c
+        return q
 
     def unproject(self, k: Array, q: Array) -> Array:
         """Return unit rays (3, ...) in the camera frame of pixels (2, ...); NaN outside the valid domain."""

@@ -49,24 +49,32 @@ class Planar(Model):
         s = x * x + y * y
         g = self.radial(d, s)
         along = 2 * (p2 * x + p1 * y) + g
-        return np.stack([x * along + p2 * s, y * along + p1 * s])
+        return np.array([x * along + p2 * s, y * along + p1 * s])
 
     def distort_plane_jacobian(
         self, d: Array, x: Array, y: Array
     ) -> tuple[Array, Array, Array, Array, Array]:
         """`distort_plane` (2, ...), its derivatives by d (m, 2, ...), and ux, uy = vx, vy (...)."""
         i, j = self.tangential_at
-        p1, p2 = d[i], d[j]
         xx, yy, xy2 = x * x, y * y, 2 * x * y
         s = xx + yy
         g, slope, by_radial = self.radial_jacobian(d, s)
-        by_d = np.empty((len(d), 2, *x.shape))
+        by_d, xy = np.empty((len(d), 2, *x.shape)), np.empty((2, *x.shape))
+        xy[0], xy[1] = x, y
         for at, by in zip(self.radial_at, by_radial, strict=True):
-            np.multiply(x, by, out=by_d[at, 0])
-            np.multiply(y, by, out=by_d[at, 1])
+            np.multiply(xy, by, out=by_d[at])
         by_d[i, 0] = by_d[j, 1] = xy2
         np.add(s, 2 * yy, out=by_d[i, 1])
         np.add(s, 2 * xx, out=by_d[j, 0])
+        u, ux, uy, vy = self._derivatives(d, (x, y), (xx, yy, xy2, s), (g, slope))
+        return u, by_d, ux, uy, vy
+
+    def _derivatives(
+        self, d: Array, xy: tuple[Array, Array], squares: tuple[Array, ...], radial: tuple[Array, Array]
+    ) -> tuple[Array, Array, Array, Array]:
+        """`distort_plane` (2, ...) and ux, uy = vx, vy (...), from x^2, y^2, 2xy, s, and g and dg/ds."""
+        (x, y), (xx, yy, xy2, s), (g, slope) = xy, squares, radial
+        p1, p2 = d[self.tangential_at[0]], d[self.tangential_at[1]]
         along = 2 * (p2 * x + p1 * y) + g
         u = np.empty((2, *x.shape))
         np.add(x * along, p2 * s, out=u[0])
@@ -75,7 +83,7 @@ class Planar(Model):
         ux = along + xx * slope + 4 * p2 * x
         uy = xy2 * (0.5 * slope) + 2 * (p1 * x + p2 * y)
         vy = along + yy * slope + 4 * p1 * y
-        return u, by_d, ux, uy, vy
+        return u, ux, uy, vy
 
     def undistort_plane(self, d: Array, u: Array) -> tuple[Array, Array]:
         """Invert `distort_plane`: x and y (...) of (2, ...); NaN outside the image of the one-to-one domain.
@@ -99,7 +107,10 @@ class Planar(Model):
             scale = np.interp(length, table, r) / np.where(length > 1e-12, length, 1.0)
             x, y = target * np.where(length > 1e-12, scale, 1.0)
             for _ in range(12):
-                value, _, a, b, c = self.distort_plane_jacobian(d, x, y)
+                xx, yy = x * x, y * y
+                s = xx + yy
+                g, slope, _ = self.radial_jacobian(d, s)
+                value, a, b, c = self._derivatives(d, (x, y), (xx, yy, 2 * x * y, s), (g, slope))
                 e = value - target
                 det = a * c - b * b
                 dx, dy = (c * e[0] - b * e[1]) / det, (a * e[1] - b * e[0]) / det

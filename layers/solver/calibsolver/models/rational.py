@@ -17,6 +17,7 @@ ANGLE = (7 / 9, 64 / 945, 10 / 9, 5 / 21)
 """k1 k2 k4 k5 of Pade's approximant of atan(r) / r, to 0.3 % up to 63 degrees."""
 
 ORDERS = np.arange(1.0, 4.0)
+TWICE, STRETCHED = 2 * ORDERS, 1 + 2 * ORDERS
 
 
 class Rational(Pinhole):
@@ -67,20 +68,23 @@ class Rational(Pinhole):
 
     def radial_derivative(self, d: Array, s: Array) -> tuple[Array, Array, Array]:
         """Exact derivative: no first order serves where numerator and denominator, each large, cancel."""
-        above, below = d[[0, 1, 4]], d[5:]
-        powers = s[:, None] ** ORDERS
-        lower = powers * ORDERS / s[:, None]
+        above, below = np.array([d[0], d[1], d[4]]), d[5:]
+        column = s[:, None]
+        powers = column**ORDERS
+        lower = powers * ORDERS / column
         n, m = 1 + powers @ above, 1 + powers @ below
         n_s, m_s = lower @ above, lower @ below
         # h = a / m - b n / m^2
         a, b = n + 2 * s * n_s, 2 * s * m_s
-        a_s, b_s = lower @ (above * (1 + 2 * ORDERS)), lower @ (below * 2 * ORDERS)
+        a_s, b_s = lower @ (above * STRETCHED), lower @ (below * TWICE)
         by_d = np.zeros((len(s), len(d)))
-        by_d[:, [0, 1, 4]] = powers * ((1 + 2 * ORDERS) - (b / m)[:, None]) / m[:, None]
-        by_m = (2 * b * n / m - a) / m**2
-        by_d[:, 5:] = powers * (by_m[:, None] - 2 * ORDERS * (n / m**2)[:, None])
-        by_s = a_s / m - (n_s * b + n * b_s) / m**2 + by_m * m_s
-        return a / m - b * n / m**2, by_d, by_s
+        by_above = powers * (STRETCHED - (b / m)[:, None]) / m[:, None]
+        by_d[:, :2], by_d[:, 4] = by_above[:, :2], by_above[:, 2]
+        mm = m * m
+        by_m = (2 * b * n / m - a) / mm
+        by_d[:, 5:] = powers * (by_m[:, None] - TWICE * (n / mm)[:, None])
+        by_s = a_s / m - (n_s * b + n * b_s) / mm + by_m * m_s
+        return a / m - b * n / mm, by_d, by_s
 
     def domain_radius(self, d: Array) -> float:
         """Radius up to which the radial part grows and has no pole."""

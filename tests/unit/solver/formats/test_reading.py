@@ -168,7 +168,7 @@ def original(model: str, name: str) -> str:
     return formats.write(subject(model), name).content.decode()
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.data())
 def test_arbitrary_files_are_read_or_refused(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
