@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Field
 
 from calibdb.schema.calibration import Calibration
+from calibdb.schema.deferred import Deferred
 from calibdb.schema.fields import DistortionModel, ImgSize, Open
 from calibdb.schema.lookup import Reason
 
@@ -21,7 +22,7 @@ def _whole(value: object) -> object:
     return int(value) if isinstance(value, str) and value.isascii() and value.isdecimal() else value
 
 
-class CamerasRequest(BaseModel):
+class CamerasRequest(Deferred):
     """Query of a search; unknown parameters are ignored."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")

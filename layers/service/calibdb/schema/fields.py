@@ -8,7 +8,6 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -18,6 +17,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from calibdb.camera_key.visible import visible
+from calibdb.schema.deferred import Deferred
 
 MAX_CORNERS = 49 * 49  # of the largest board
 MIN_IMAGE_SIDE_PX, MAX_IMAGE_SIDE_PX = 16, 16384
@@ -28,13 +28,13 @@ MAX_LABEL, MAX_RAW_LABEL = 256, 4096  # characters of a label, and of one that h
 IPV6_SOURCE = "v6-"  # beginning of a contributor's source that is an IPv6 site
 
 
-class Strict(BaseModel):
+class Strict(Deferred):
     """A request: what it does not know it refuses, so that a misspelt option is heard of."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 
 
-class Open(BaseModel):
+class Open(Deferred):
     """An answer or a stored document: fields that a later version added are passed over."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import datetime
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, Field, ValidationInfo, field_validator
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
+
+from calibdb.schema.deferred import Deferred
 
 Licence = Literal["CC0-1.0"]  # SPDX identifier
 
@@ -24,7 +26,7 @@ def _date(text: str) -> str:
 LicenceVersion = Annotated[str, Field(max_length=10), AfterValidator(_date)]
 
 
-class Licensed(BaseModel):
+class Licensed(Deferred):
     """Fields of whatever holds views. Without a licence these count, and are never given away."""
 
     licence: Licence | None = Field(

@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from typing import Annotated, Literal
 
-from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field
 
+from calibdb.schema.deferred import Deferred
 from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors"]
@@ -39,7 +40,7 @@ def _flag(value: object) -> object:
     return QUERY_FLAGS.get(value, value) if isinstance(value, str) else value
 
 
-class LookupRequest(BaseModel):
+class LookupRequest(Deferred):
     """Camera key, by the paper's names or by those of the older public client.
 
     Unknown fields are ignored: clients of every age ask here.

@@ -1,0 +1,35 @@
+"""Models that are built when they are first used: a process uses few of them, a Lambda function fewer."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict
+
+building = threading.RLock()
+"""Held by the thread that builds a model; a model is built with those of its fields."""
+
+
+class Deferred(BaseModel):
+    """A model whose validator is built at its first use, by one thread at a time; pydantic has no lock."""
+
+    model_config = ConfigDict(defer_build=True)
+
+    @classmethod
+    def model_rebuild(
+        cls,
+        *,
+        force: bool = False,
+        raise_errors: bool = True,
+        _parent_namespace_depth: int = 2,
+        _types_namespace: Any = None,
+    ) -> bool | None:
+        """Build validator and serializer as pydantic does; threads that ask meanwhile wait."""
+        with building:
+            return super().model_rebuild(
+                force=force,
+                raise_errors=raise_errors,
+                _parent_namespace_depth=_parent_namespace_depth + 1,  # this method's own frame
+                _types_namespace=_types_namespace,
+            )
