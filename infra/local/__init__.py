@@ -1,6 +1,19 @@
-"""The same stack as on AWS, in one process."""
+"""The same stack as on AWS, in one process. Its modules are loaded when a name is asked for."""
 
-from infra.local.events import Response
-from infra.local.stack import DEVELOPMENT_TOKEN, LocalStack
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from infra.local.events import Response
+    from infra.local.stack import DEVELOPMENT_TOKEN, LocalStack
 
 __all__ = ["DEVELOPMENT_TOKEN", "LocalStack", "Response"]
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from infra.local import stack
+
+    return getattr(stack, name)

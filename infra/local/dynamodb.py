@@ -10,7 +10,8 @@ import functools
 from typing import Any
 
 from botocore.awsrequest import AWSPreparedRequest
-from moto.core import responses
+from moto.core import responses, utils
+from moto.core.loaders import create_loader
 from moto.core.parse import PROTOCOL_PARSERS
 from moto.core.utils import get_service_model, method_names_from_class
 from moto.dynamodb.responses import DynamoHandler
@@ -20,6 +21,8 @@ from infra.local.intrinsics import ACCOUNT, REGION
 
 # moto asks which methods its handler has at each request.
 responses.method_names_from_class = functools.cache(method_names_from_class)  # type: ignore[attr-defined]
+# A loader looks through the folders of all of AWS's services; moto makes one for each.
+utils.create_loader = functools.cache(create_loader)  # type: ignore[attr-defined]
 
 
 class _Handler(DynamoHandler):

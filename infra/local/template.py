@@ -7,12 +7,13 @@ an error, never a guess.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from infra.local.intrinsics import Resolver, TemplateError, parse, text
+from infra.local.intrinsics import Resolver, TemplateError, parse_text, text
 
 
 @dataclass(frozen=True)
@@ -132,8 +133,8 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
     TemplateError
         If a parameter without default has no value, or something cannot be resolved.
     """
-    document = parse(path)
-    resources: dict[str, Any] = document["Resources"]
+    document = _document(path.read_text(encoding="utf-8"))
+    resources: Mapping[str, Any] = document["Resources"]
     resolve = Resolver(_values(document.get("Parameters", {}), parameters), resources)
     globals_ = document.get("Globals", {})
     root = path.resolve().parent
@@ -163,6 +164,12 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
                 lifecycle = resolve(properties.get("LifecycleConfiguration", {}))
                 buckets.append(_bucket(resolve({"Ref": name}), lifecycle))
     return Template(functions, tuple(routes), cors, tuple(tables), tuple(buckets), tuple(layers))
+
+
+@functools.lru_cache(maxsize=4)
+def _document(template: str) -> Mapping[str, Any]:
+    """Parse a template, once for all stacks of a process: nothing here changes what was parsed."""
+    return parse_text(template)
 
 
 def _function(name: str, properties: Mapping[str, Any], root: Path, resolve: Resolver) -> FunctionSpec:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tests.bench.table import Row
-from tests.service.test_imports import imported, link_layers
+from tests.service.test_imports import import_time, link_layers
 
 BUDGETS_MS = {"lookup": 400, "submit": 1000}
 RUNS = 5
@@ -16,5 +16,5 @@ def rows() -> Iterator[Row]:
     with tempfile.TemporaryDirectory() as folder:
         layers = link_layers(Path(folder))
         for function, budget in BUDGETS_MS.items():
-            took = statistics.median(imported(function, layers).took for _ in range(RUNS))
+            took = statistics.median(import_time(function, layers) for _ in range(RUNS))
             yield Row(f"imports of {function}, time of the processor", 1000 * took, budget, "ms")
