@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import TypedDict
@@ -21,7 +22,7 @@ from infra.web_build import site
 WEB = Path(__file__).parents[2] / "web"
 # Fetched when a page needs them, not with the first visit: 12 MB, or a script not everybody reads.
 LAZY = re.compile(r"vendor(-[0-9a-f]+)?/(opencv/|font/geologica-cyrillic)")
-SUFFIXES = {".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm"}
+SUFFIXES = (".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm")
 # For who writes applications: of no use without a network, and 3 MB.
 EXCLUDED = re.compile(
     r"((de|uk)/)?(examples|docs)/|sdk/(\d|integrity)|vendor(-[0-9a-f]+)?/(engines|minisearch)/"
@@ -43,11 +44,7 @@ def shell(folder: Path = WEB, options: site.Options | None = None) -> Shell:
 
     `options`: those that the pages are served with.
     """
-    digests = {
-        path.relative_to(folder).as_posix(): _hash(path, *_state(path))
-        for path in sorted(folder.rglob("*"))
-        if path.is_file() and path.suffix in SUFFIXES
-    }
+    digests = {path.removeprefix(f"{folder}/"): _hash(path, *_state(path)) for path in _files(folder)}
     served = site.made_files(folder, options)
     made = {key: hashlib.sha256(content).hexdigest() for key, content in served.items()}
     return shell_of(dict(sorted((digests | made).items())))
@@ -71,14 +68,20 @@ def shell_of(digests: Mapping[str, str]) -> Shell:
     }
 
 
-def _state(path: Path) -> tuple[int, int]:
-    status = path.stat()
+def _files(folder: Path) -> Iterator[str]:
+    """Paths as texts: they are walked for every visitor."""
+    for place, _, names in os.walk(folder):
+        yield from (f"{place}/{name}" for name in names if name.endswith(SUFFIXES))
+
+
+def _state(path: str) -> tuple[int, int]:
+    status = Path(path).stat()
     return status.st_mtime_ns, status.st_size
 
 
 @lru_cache(maxsize=1024)
-def _hash(path: Path, changed: int, size: int) -> str:  # noqa: ARG001 - the key of what is remembered
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+def _hash(path: str, changed: int, size: int) -> str:  # noqa: ARG001 - the key of what is remembered
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
 if __name__ == "__main__":

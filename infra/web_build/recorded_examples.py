@@ -6,6 +6,7 @@ sent to it. `examples.json` has what it answers; the OpenAPI document and the re
 
 from __future__ import annotations
 
+import functools
 import json
 import sys
 import time
@@ -17,7 +18,7 @@ import numpy as np
 
 from calibsolver import Board, Camera
 from calibsolver import rotation as rotations
-from calibsolver.guidance import FixedPlan
+from calibsolver.guidance import FixedPlan, TargetPose
 from infra.local.stack import DEVELOPMENT_TOKEN, ROOT, LocalStack
 from infra.web_build.example_calls import calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
@@ -40,8 +41,7 @@ _TRUTH = Camera(
 
 def prepare(stack: LocalStack) -> None:
     """Publish the calibrations by which the camera of the examples is reliably known."""
-    for index in range(CALIBRATIONS):
-        session = record(stack, index)
+    for session in [record(stack, index) for index in range(CALIBRATIONS)]:  # one refit may do for several
         send(stack, "POST", "/v1/session/finish", session)
     end = time.monotonic() + _CONSENSUS_TIMEOUT_S
     while json.loads(send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, TEXTS["lookup"].body)).get(
@@ -120,7 +120,7 @@ def _views(
     """
     random = np.random.default_rng(seed)
     board = Board()
-    for pose in list(FixedPlan(board, IMG_SIZE).poses)[:_VIEWS]:
+    for pose in _poses():
         pixels = _TRUTH.project(
             board.points @ rotations.matrix(np.asarray(pose.rvec)).T + np.asarray(pose.tvec) + shift
         )
@@ -129,6 +129,12 @@ def _views(
             i for i, (x, y) in enumerate(pixels) if 0 <= x < IMG_SIZE[0] - 1 and 0 <= y < IMG_SIZE[1] - 1
         ]
         yield inside, [[round(float(v), 2) for v in pixels[i]] for i in inside]
+
+
+@functools.cache
+def _poses() -> tuple[TargetPose, ...]:
+    """Return the first poses of the fixed plan for the default board."""
+    return FixedPlan(Board(), IMG_SIZE).poses[:_VIEWS]
 
 
 def examples() -> dict[str, Any]:

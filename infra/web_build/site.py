@@ -1,6 +1,6 @@
 """The static site as served and deployed: files made of their sources, the rest as it lies in `web/`.
 
-A page is an HTML file of `web/`, or of a generator (`GENERATORS`), complete and in English. `site.mjs` gives
+A page is an HTML file of `web/`, or of a generator (`_generators`), complete and in English. `site.mjs` gives
 all of them the same header, footer, skip link and preloads, puts in the parts that several pages share
 (`parts/`), and makes those that have texts of the message catalogs in every language: `board/index.html` is
 also `de/board/index.html`. A page that is not there yet is left out of the navigation. Scripts and styles
@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -25,16 +26,14 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-from infra.web_build.docs import build as documentation
 from infra.web_build.docs.catalog import ENTRIES
-from infra.web_build.docs.example_pages import example_pages
 from infra.web_build.sdk import sdk_files
 
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
 LANGUAGES = ("de", "uk")  # besides English; `web/lib/i18n.js` has them too
 _CACHE = ROOT / ".build" / "site"
-_MAX_CACHED = 8
+_MAX_CACHED = 16
 _ANY_ORIGIN = "https://origin.invalid"
 _MAX_BUILD_S = 120
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
@@ -45,8 +44,13 @@ _INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
 Generator = Callable[[Path], Mapping[str, str]]
 """Makes page sources, by key ("docs/api/index.html"), and texts that they load, of a client's folder."""
 
-GENERATORS: tuple[Generator, ...] = (documentation.pages, example_pages)
-"""Those of pages that are not written by hand."""
+
+def _generators() -> tuple[Generator, ...]:
+    """Those of pages that are not written by hand. Loaded here: whoever has the pages already needs none."""
+    from infra.web_build.docs import build
+    from infra.web_build.docs.example_pages import example_pages
+
+    return build.pages, example_pages
 
 
 class SiteError(RuntimeError):
@@ -84,12 +88,7 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
 
 def page_keys(web: Path = WEB) -> list[str]:
     """List the keys of all pages in all languages, without making them."""
-    made = list(sources(web).items())
-    return sorted(
-        f"{folder}{key}"
-        for key, source in made
-        for folder in ("", *(f"{language}/" for language in LANGUAGES if is_translated(source)))
-    )
+    return list(_page_keys(web, _state(web)))
 
 
 def is_translated(source: str) -> bool:
@@ -107,9 +106,9 @@ def sources(web: Path = WEB) -> dict[str, str]:
     return {key: text for key, text in (pages | written).items() if not key.startswith(_SKIPPED)}
 
 
-def generate_pages(web: Path = WEB) -> dict[str, str]:
-    """Return all that the generators make."""
-    return {key: text for generate in GENERATORS for key, text in generate(web).items()}
+def generate_pages(web: Path = WEB) -> Mapping[str, str]:
+    """Return all that the generators make, or made of the same sources before."""
+    return _generate_pages(web, _state(web))
 
 
 @lru_cache(maxsize=8)
@@ -122,14 +121,41 @@ def _at_origin(web: Path, told: str, state: str, origin: str) -> Mapping[str, by
 
 
 @lru_cache(maxsize=8)
+def _page_keys(web: Path, state: str) -> tuple[str, ...]:  # noqa: ARG001
+    """Keys of all pages; `state` names the sources' state of which they are remembered."""
+    return tuple(
+        sorted(
+            f"{folder}{key}"
+            for key, source in sources(web).items()
+            for folder in ("", *(f"{language}/" for language in LANGUAGES if is_translated(source)))
+        )
+    )
+
+
+@lru_cache(maxsize=8)
+def _generate_pages(web: Path, state: str) -> Mapping[str, str]:
+    """Render them once for all processes: it takes a second."""
+    return _remember(
+        f"{state}generated",
+        lambda: {key: text for generate in _generators() for key, text in generate(web).items()},
+    )
+
+
+@lru_cache(maxsize=8)
 def _make_files(web: Path, told: str, state: str) -> Mapping[str, bytes]:
-    kept = _CACHE / f"{hashlib.sha256(f'{state}{told}'.encode()).hexdigest()[:24]}.json"
-    try:
-        made = json.loads(kept.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        made = _build(web, told)
-        _keep(kept, made)
+    made = _remember(f"{state}{told}", lambda: _build(web, told))
     return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web))
+
+
+def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:
+    """Return the texts that a process kept under this name, or make and keep them."""
+    kept = _CACHE / f"{hashlib.sha256(name.encode()).hexdigest()[:24]}.json"
+    try:
+        found: dict[str, str] = json.loads(kept.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        found = make()
+        _keep(kept, found)
+    return found
 
 
 def _build(web: Path, told: str) -> dict[str, str]:
@@ -185,18 +211,22 @@ def _state(web: Path) -> str:
     """Name the sources' present state: any change of a file that pages are made of changes it."""
     whole = hashlib.sha256(str(web).encode())
     for path in _inputs(web):
-        status = path.stat()
+        try:
+            status = Path(path).stat()
+        except FileNotFoundError:  # not there, or taken away meanwhile
+            continue
         whole.update(f"{path}\0{status.st_mtime_ns}\0{status.st_size}\0".encode())
     return whole.hexdigest()
 
 
-def _inputs(web: Path) -> Iterator[Path]:
+def _inputs(web: Path) -> Iterator[str]:
+    """Paths as texts: they are walked with every page."""
     for folder in (web, ROOT / "docs", Path(__file__).parent):
-        for path in sorted(folder.rglob("*")):
-            if path.suffix in _INPUTS and "vendor" not in path.parts and path.is_file():
-                yield path
-    documents = (ROOT / entry.source for entry in ENTRIES if entry.source)
-    yield from (path for path in (ROOT / "pyproject.toml", *documents) if path.is_file())
+        for place, folders, names in os.walk(folder):
+            folders[:] = sorted(name for name in folders if name != "vendor")
+            yield from (f"{place}/{name}" for name in sorted(names) if name.endswith(_INPUTS))
+    documents = (entry.source for entry in ENTRIES if entry.source)
+    yield from (f"{ROOT}/{name}" for name in ("pyproject.toml", *documents))
 
 
 def main(folder: Path) -> None:
