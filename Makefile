@@ -16,13 +16,13 @@ AUDIT := .build/audit/bin/pip-audit
 PYTEST := $(PY) -m pytest
 # Tests share nothing and mostly take one core or wait: two at a time take half the time.
 TWO := -n 2 --dist worksteal
-# Browsers wait more than they compute.
-THREE := -n 3 --dist worksteal
 # Whole modules, so that a fixture of a module is made once; in the order of tests/conftest.py, the longest first.
-# Three at a time: a fifth of the time they wait for processes that they start and stop.
+# Three at a time: a fifth of the time they wait for processes that they start and stop, or for a browser.
 MODULES := -n 3 --dist loadscope --no-loadscope-reorder
-# The longest first, for two at a time
+# The longest first, for two at a time; each begins as soon as the packages that it needs are there.
 CHECKS := .mypy .cfn-lint .tsc .ruff .audit
+# Tests under node that have OpenCV draw boards
+DRAWN := tests/web/geometry.test.mjs
 PAIRED := --no-print-directory --jobs 2 --output-sync
 # One core for both sides of every ratio: libraries differ in how many they would take.
 ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
@@ -37,16 +37,22 @@ help: ## list the commands
 run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0.1:8000
 	@exec $(PY) -m infra.local
 
-test: $(SETUP) ## run everything below up to browser
-	@$(MAKE) $(PAIRED) .node $(CHECKS)
+test: ## run everything below up to browser
+	@$(MAKE) $(PAIRED) .node .drawn $(CHECKS)
 	$(PYTEST) $(MODULES) tests/unit tests/service
 	@$(MAKE) --no-print-directory browser
 
-lint: $(SETUP) ## check style, types, the template, and dependencies for known vulnerabilities
+lint: ## check style, types, the template, and dependencies for known vulnerabilities
 	@$(MAKE) $(PAIRED) $(CHECKS)
 
+.node .drawn .tsc: web/vendor/api.d.ts
+.drawn .ruff .mypy .cfn-lint .audit: .venv/.made
+
 .node:
-	node --test tests/web/
+	node --test $(filter-out $(DRAWN),$(wildcard tests/web/*.test.mjs))
+
+.drawn:
+	node --test $(DRAWN)
 
 .ruff:
 	$(PY) -m ruff check .
@@ -63,10 +69,11 @@ lint: $(SETUP) ## check style, types, the template, and dependencies for known v
 	npx --no-install tsc -p web
 
 .audit:
-	@test -x $(AUDIT) || ($(PYTHON) -m venv .build/audit && .build/audit/bin/pip install --quiet --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
+	@test -x $(AUDIT) || ($(PYTHON) -m venv --without-pip .build/audit && \
+		$(PY) -m pip --python .build/audit install --quiet --no-compile --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
 	@$(PY) -m infra.ci.audit
 
-unit: $(SETUP) .node ## test one package at a time, without sockets, and the web client's modules under node
+unit: $(SETUP) .node .drawn ## test one package at a time, without sockets, and the web client's modules under node
 	$(PYTEST) $(MODULES) tests/unit
 
 service: $(SETUP) ## test HTTP through the local gateway
@@ -74,7 +81,7 @@ service: $(SETUP) ## test HTTP through the local gateway
 
 browser: $(SETUP) ## test the pages in Chromium and Firefox
 	@bash infra/ci/browsers.sh
-	$(PYTEST) $(THREE) tests/browser
+	$(PYTEST) $(MODULES) tests/browser
 
 thorough: export THOROUGH := 1
 thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge KILLS=54 CASES=5000 HISTORIES=500
@@ -141,9 +148,11 @@ openapi: .venv/.made ## write web/openapi.json and web/data/schema.json
 	@$(MAKE) --silent --jobs 2 .venv/.made web/vendor/api.d.ts
 
 # ---- the environment (a mark stands inside what it marks, so that removing that is enough to have it made anew)
-.venv/.made: requirements.lock
+.venv/.made: requirements.lock infra/ci/pip.lock
 	@test -n "$(PYTHON)" || { echo "calibDB needs Python 3.11 to 3.13"; exit 1; }
 	@test -x $(PY) || $(PYTHON) -m venv .venv
+	@# Half the time of the one that Python brings, which does as well where this cannot be had
+	@$(PY) -m pip install --quiet --no-compile --retries 0 --timeout 10 --require-hashes -r infra/ci/pip.lock 2>/dev/null || true
 	$(PY) -m pip install --quiet --no-compile --retries 10 --require-hashes -r requirements.lock
 	@touch $@
 
@@ -163,6 +172,7 @@ $(UV):
 	$(PYTHON) -m venv .build/uv && .build/uv/bin/pip install --quiet uv
 
 lock: $(UV) ## write the lock files anew
+	echo pip | $(COMPILE) -o infra/ci/pip.lock -
 	$(COMPILE) --group dev -o requirements.lock
 	$(COMPILE) --group service -c requirements.lock -o layers/service/requirements.lock
 	$(COMPILE) --group solver -c requirements.lock -o layers/solver/requirements.lock
