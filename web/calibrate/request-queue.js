@@ -30,6 +30,8 @@ export class RequestQueue {
   #inFlight = Promise.resolve();
   /** Whether a request that timed out may still be answered. */
   isOverdue = false;
+  /** Sessions that took the place of expired ones, of which the person was told. */
+  #toldRenewals = 0;
 
   /**
    * @param {Page} page @param {import("../lib/session.js").CaptureSession} session
@@ -58,20 +60,19 @@ export class RequestQueue {
   async #run(request, deliver) {
     const { dispatch, signal } = this.#options;
     dispatch({ type: "busy" });
-    const { renewals } = this.#session;
     const timeout = new ResponseTimeout(RESPONSE_MS, () => this.#leave());
     this.#session.onRequest = (isFirst) => timeout.restart(isFirst ? FIRST_RESPONSE_MS : RESPONSE_MS);
     this.#session.onResponse = () => timeout.restart();
     try {
       const response = await request();
       // Only the service knows how many of the views a new session took.
-      const renewed = this.#session.renewals > renewals ? (await this.#session.resume()).state : null;
+      const renewed = this.#session.renewals > this.#toldRenewals ? (await this.#session.resume()).state : null;
       if (timeout.expired) return this.#settle([0, ...RECONNECT_PAUSES_S]);
       deliver(response);
       dispatch({ type: "idle" });
       if (!renewed) return;
       dispatch({ type: "session", session: renewed, time: performance.now() });
-      dispatch({ type: "notice", notice: { key: "capture.begun_anew", kind: "plain" }, time: performance.now() });
+      this.#tellRenewal();
     } catch (error) {
       timeout.cancel();
       if (signal.aborted) return;
@@ -108,11 +109,19 @@ export class RequestQueue {
       const { state } = await this.#session.resume();
       dispatch({ type: "session", session: state, time: performance.now() });
       dispatch({ type: "idle" });
+      this.#tellRenewal();
       if (this.#state.phase === "capturing") setTimeout(() => void onOnline(), 0);
     } catch (error) {
       if (isUnavailable(error)) this.#handleOutage();
       else this.#page.fail(error, signal);
     }
+  }
+
+  /** Tells of a session that took the place of an expired one, once. */
+  #tellRenewal() {
+    if (this.#session.renewals === this.#toldRenewals) return;
+    this.#toldRenewals = this.#session.renewals;
+    this.#options.dispatch({ type: "notice", notice: { key: "capture.begun_anew", kind: "plain" }, time: performance.now() });
   }
 
   #handleOutage() {
@@ -133,21 +142,35 @@ export class RequestQueue {
     const { dispatch, signal, onOnline } = this.#options;
     const onSending = () => dispatch({ type: "sending", sending: true });
     let [taken, refused] = [0, 0];
+    let isBack = false; // and views were stored while earlier ones were sent: these follow at once
     for (let attempt = 0; !signal.aborted; attempt++) {
-      await new Promise((resolve) => setTimeout(resolve, 1000 * (pauses[attempt] ?? pauses[pauses.length - 1])));
+      if (!isBack) await this.#pause(1000 * (pauses[attempt] ?? pauses[pauses.length - 1]));
       if (signal.aborted) return;
       try {
         const sent = await this.#session.resume(undefined, { onSending });
         [taken, refused] = [taken + sent.taken, refused + sent.refused];
-        if (this.#session.waiting > 0 && sent.state.status !== "converged") continue; // stored while these were sent
+        isBack = this.#session.waiting > 0 && sent.state.status !== "converged";
+        if (isBack) continue;
         dispatch({ type: "online", session: sent.state, taken, refused, time: performance.now() });
+        this.#tellRenewal();
         break;
       } catch (error) {
         if (!isUnavailable(error)) return this.#page.fail(error, signal);
+        isBack = false;
         dispatch({ type: "sending", sending: false });
       }
     }
     if (this.#state.phase === "capturing") await onOnline();
+  }
+
+  /** Waits for a while, or until the browser has a network again. @param {number} ms */
+  async #pause(ms) {
+    const over = new AbortController();
+    await new Promise((resolve) => {
+      setTimeout(resolve, ms);
+      addEventListener("online", resolve, { signal: over.signal });
+    });
+    over.abort();
   }
 
   /** Resolves when no request is in flight: what a person asked for waits for its turn. */

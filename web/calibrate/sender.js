@@ -1,6 +1,6 @@
 // The application that sent the visitor: what it asks for, what is known of the camera already, and the way back.
 import { Api } from "../lib/api.js";
-import { onLanguage, sized, t } from "../lib/i18n.js";
+import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { returnAddress } from "../lib/result/return-address.js";
 import { loadSettings } from "../lib/settings.js";
 import { isVirtual } from "../lib/virtual/name.js";
@@ -76,7 +76,7 @@ export async function showSender({ sender, senderHost, senderNeeds, senderReturn
     const from = senderOf(returnTo, allowed);
     sender.hidden = !from;
     senderHost.textContent = from ? senderName(from) : "";
-    const camera = wanted.camera && [wanted.camera, wanted.img_size && sized(wanted.img_size)].filter(Boolean).join(", ");
+    const camera = wanted.camera && [wanted.camera, wanted.img_size && formatSize(wanted.img_size)].filter(Boolean).join(", ");
     senderNeeds.textContent = from ? (camera ? t("capture.needs_named", { camera }) : t("capture.needs")) : "";
     senderReturns.textContent = from ? returnText(from, isSettled) : "";
     goBack.hidden = !from?.allowed;

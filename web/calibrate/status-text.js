@@ -1,5 +1,5 @@
 // Texts of the capture page, by its state.
-import { known, number, sized, t } from "../lib/i18n.js";
+import { hasMessage, number, formatSize, t } from "../lib/i18n.js";
 import { asMirrored } from "./instruction.js";
 import { MIN_VIEWS, expectedViews, isEnough, offlineGoal, viewCount } from "./state.js";
 
@@ -10,7 +10,7 @@ export function remedy(state) {
   const { code } = state.ui.instruction;
   // Once a view was taken, there is a board.
   if (code === "show" && viewCount(state) > 0) return "";
-  return known(`capture.do_${code}`) ? t(`capture.do_${code}`) : "";
+  return hasMessage(`capture.do_${code}`) ? t(`capture.do_${code}`) : "";
 }
 
 /** Whether another target is being chosen: nobody is to do anything meanwhile. @param {State} state */
@@ -100,11 +100,11 @@ function advice({ capture: { session } }) {
   const first = session?.advice?.[0];
   if (!first) return "";
   const key = `capture.advice_${first.code}`;
-  return known(key) ? t(key, { model: lensName(session?.suggested_model ?? "") }) : first.text;
+  return hasMessage(key) ? t(key, { model: lensName(session?.suggested_model ?? "") }) : first.text;
 }
 
 /** @param {string} camera @param {[number, number] | null} size */
-const describe = (camera, size) => (size ? t("capture.camera_at", { camera, size: sized(size) }) : camera);
+const describe = (camera, size) => (size ? t("capture.camera_at", { camera, size: formatSize(size) }) : camera);
 
 /**
  * The camera that the page was opened for, and whether it is there.
@@ -123,7 +123,7 @@ export function wanted({ wanted: { camera, img_size }, ui: { cameras } }, isSent
 export const cameraLabel = ({ id, label }) => (id === "virtual" ? t("capture.virtual_name") : label);
 
 /** Name of a lens type. @param {string} model */
-export const lensName = (model) => (known(`capture.lens_${model}`) ? t(`capture.lens_${model}`) : model);
+export const lensName = (model) => (hasMessage(`capture.lens_${model}`) ? t(`capture.lens_${model}`) : model);
 
 /** Says that another camera was opened, until a view was taken after it was read; again if that view is undone. @param {State} state */
 export const mismatchWarning = (state) => (viewCount(state) > state.capture.initialViews ? "" : cameraMismatch(state));
@@ -139,7 +139,7 @@ export function cameraMismatch({ wanted: { camera, img_size }, capture: { key } 
 export function cameraFacts({ capture: { key, cropped } }) {
   if (!key) return "";
   const { camera, img_size, zoom } = key;
-  return [camera, sized(img_size), zoom && t("capture.zoom", { zoom }), cropped && t("capture.cropped")]
+  return [camera, formatSize(img_size), zoom && t("capture.zoom", { zoom }), cropped && t("capture.cropped")]
     .filter(Boolean).join(" · ");
 }
 
