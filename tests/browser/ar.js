@@ -18,11 +18,16 @@ async () => {
     return { png: copy.toDataURL("image/png"), place: [x, y, width, height] };
   };
   const look = () => ({ picture: read(layers.firstChild), overlay: read(layers.lastChild), said: document.querySelector(".off").textContent });
+  const pixels = ({ width, height }) => {
+    const copy = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+    copy.drawImage(layers.firstChild, 0, 0);
+    return new BigUint64Array(copy.getImageData(0, 0, width, height).data.buffer);
+  };
   await shown();
-  for (let before = "", alike = 0; alike < 8;) {
+  for (let before = new BigUint64Array(), alike = 0; alike < 8;) {
     await shown();
-    const now = read(layers.firstChild).png;
-    alike = now === before ? alike + 1 : 0;
+    const now = pixels(layers.firstChild);
+    alike = now.length === before.length && now.every((value, at) => value === before[at]) ? alike + 1 : 0;
     before = now;
   }
   const balance = document.getElementById("balance");

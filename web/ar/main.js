@@ -20,6 +20,7 @@ import { stopAt } from "./tour.js";
 
 const SHEETS = ["welcome", "opening", "unknown", "failed"];
 const NUMBER_INTERVAL_MS = 250; // ms between two numbers: faster, nobody reads them
+const MAX_RESTARTS = 3; // of the detector in one run: a fourth would not help
 /** @type {[number, number]} */
 const SIZE = [1280, 720];
 
@@ -125,32 +126,42 @@ async function start(choice) {
     await play(video, opened.stream);
     stage.classList.toggle("mirrored", opened.mirrored);
     // A picture that changes its size, as that of a phone that is turned, is another camera.
-    while (!signal.aborted && (await show(opened, signal)) === "resized");
+    let restarts = 0;
+    for (let end = "resized"; end && !signal.aborted;) {
+      end = await show(opened, signal, restarts < MAX_RESTARTS);
+      if (end === "stopped") restarts += 1;
+    }
   } catch (error) {
     fail(error, signal);
   }
 }
 
+function closeDetector() {
+  void detector?.then((broken) => broken.close(), () => {});
+  detector = null;
+}
+
 /**
  * @param {import("../lib/camera.js").OpenCamera} opened @param {AbortSignal} signal
- * @returns {Promise<"resized" | null>}
+ * @param {boolean} restarts whether another detector may take the place of one that stops
+ * @returns {Promise<"resized" | "stopped" | "">}
  */
-async function show({ track, virtual }, signal) {
+async function show({ track, virtual }, signal, restarts) {
   turnTo("opening", { waiting: "lookup" });
   const img_size = /** @type {[number, number]} */ ([video.videoWidth, video.videoHeight]);
   const key = { ...(await keyOf(track)), img_size };
   const { calibration, origin, guidance } = await calibrationOf(key, parameters);
-  if (signal.aborted) return null;
+  if (signal.aborted) return "";
   for (const id of ["calibrate", "recalibrate"]) part(id, HTMLAnchorElement).href = guidance;
   Object.assign(said, { label: key.camera, size: img_size.join(" × "), origin });
   if (!calibration) {
     turnTo("unknown");
     run.abort();
-    return null;
+    return "";
   }
   turnTo("opening", { waiting: "loading" });
   const finder = await openDetector();
-  if (signal.aborted) return null;
+  if (signal.aborted) return "";
   let stop = 0;
   moveOn = () => virtual?.follow(stopAt(board, calibration, stop++));
   moveOn();
@@ -158,7 +169,12 @@ async function show({ track, virtual }, signal) {
   const shown = live = new Live({ video, layers, board, detector: finder, calibration, mode, balance: Number(balance.value) });
   turnTo("live");
   try {
-    return await shown.run(signal, tell);
+    return await shown.run(signal, tell) ?? "";
+  } catch (error) {
+    if (!(error instanceof DetectorError) || signal.aborted || !restarts) throw error;
+    console.info("the detector is restarted:", error.message);
+    closeDetector();
+    return "stopped";
   } finally {
     shown.dispose();
     if (live === shown) live = null; // the next run may have begun already
@@ -169,10 +185,7 @@ async function show({ track, virtual }, signal) {
 function fail(error, signal) {
   if (signal.aborted) return;
   run.abort();
-  if (error instanceof DetectorError) {
-    void detector?.then((broken) => broken.close(), () => {});
-    detector = null;
-  }
+  if (error instanceof DetectorError) closeDetector();
   turnTo("failed", { error });
 }
 
