@@ -61,3 +61,8 @@ test("an address sets the truth, and another truth is another camera", () => {
   assert.notEqual(labelOf(a), labelOf(b));
   assert.equal(labelOf(a), labelOf(setupFrom(new URLSearchParams("fx=1000&cx=664.5&k1=-0.25&k2=0&seed=9"))));
 });
+
+test("an address sets how many pictures there are a second, within what makes sense", () => {
+  const rate = (address) => setupFrom(new URLSearchParams(address)).rate;
+  assert.deepEqual(["", "rate=10", "rate=0", "rate=1e9", "rate=x"].map(rate), [30, 10, 2, 60, 30]);
+});

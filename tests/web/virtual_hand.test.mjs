@@ -46,3 +46,11 @@ test("a hand that goes astray is on the other side first", () => {
   assert.ok(Math.sign(side(3_000)) === -Math.sign(goal));
   assert.ok(Math.abs(side(6_000) - goal) < 0.05);
 });
+
+test("where a hand goes hangs on its targets, not on how many frames were painted", () => {
+  const [seldom, often] = ["person", "person"].map((kind) => hand(kind, 1));
+  for (let i = 0; i < 50; i++) often.blur();
+  for (const each of [seldom, often]) each.follow(TARGET, 1000);
+  assert.deepEqual(often.pose(3000), seldom.pose(3000));
+  assert.ok(Array.from({ length: 100 }, () => often.blur()).some((px) => px > 0));
+});

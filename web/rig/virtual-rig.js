@@ -11,8 +11,7 @@ import { Stream } from "./streams.js";
  */
 
 const TRAVEL_MS = 350; // from one pose to the next
-const TICK_MS = 50;
-const FRAME_RATE = 30; // Hz
+const MIN_TICK_MS = 50;
 
 export class VirtualRig {
   #parameters;
@@ -47,7 +46,8 @@ export class VirtualRig {
     this.#cameras.push(...made);
     this.#show();
     const cameras = made.map(({ camera }) => camera);
-    const stream = choice.layout === "one" ? streams[0] : joined(cameras, choice.layout === "side_by_side", this.#place);
+    const { rate } = setupAt(this.#parameters, position);
+    const stream = choice.layout === "one" ? streams[0] : joined(cameras, choice.layout === "side_by_side", rate, this.#place);
     const [track] = stream.getVideoTracks();
     return new Stream(choice, {
       stream, track, virtual: cameras[0], mirrored: false, cropped: facts(track).resizeMode === "crop-and-scale",
@@ -66,7 +66,7 @@ export class VirtualRig {
     this.#target = target;
     [this.#from, this.#to, this.#startedAt] = [this.#way(), pose, performance.now()];
     clearInterval(this.#timer);
-    this.#timer = setInterval(() => this.#show(), TICK_MS);
+    this.#timer = setInterval(() => this.#show(), tick(setupAt(this.#parameters, 0).rate));
   }
 
   close() {
@@ -86,11 +86,14 @@ export class VirtualRig {
   }
 }
 
+/** Time from one picture to the next, ms. @param {number} rate pictures a second */
+const tick = (rate) => Math.max(MIN_TICK_MS, 1000 / rate);
+
 /**
  * One stream with the pictures of two cameras, as stereo cameras deliver it.
- * @param {VirtualCamera[]} cameras @param {boolean} sideBySide @param {HTMLElement} place
+ * @param {VirtualCamera[]} cameras @param {boolean} sideBySide @param {number} rate Hz @param {HTMLElement} place
  */
-function joined(cameras, sideBySide, place) {
+function joined(cameras, sideBySide, rate, place) {
   const canvas = place.ownerDocument.createElement("canvas");
   const [{ canvas: { width, height } }] = cameras;
   canvas.width = sideBySide ? 2 * width : width;
@@ -101,11 +104,11 @@ function joined(cameras, sideBySide, place) {
   const context = canvas.getContext("2d", { alpha: false });
   const draw = () => cameras.forEach((camera, index) => context?.drawImage(camera.canvas, sideBySide ? index * width : 0, sideBySide ? 0 : index * height));
   draw();
-  const timer = setInterval(draw, TICK_MS);
-  const stream = canvas.captureStream(FRAME_RATE);
+  const timer = setInterval(draw, tick(rate));
+  const stream = canvas.captureStream(rate);
   const [track] = stream.getVideoTracks();
   Object.defineProperty(track, "label", { value: cameras[0].label });
-  const settings = { width: canvas.width, height: canvas.height, frameRate: FRAME_RATE, resizeMode: "none" };
+  const settings = { width: canvas.width, height: canvas.height, frameRate: rate, resizeMode: "none" };
   Object.defineProperty(track, "getSettings", { value: () => settings });
   const stop = track.stop.bind(track);
   track.stop = () => {

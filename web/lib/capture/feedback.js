@@ -17,6 +17,8 @@ export class Feedback {
   #senses;
   /** @type {AudioContext | null} */
   #audio = null;
+  /** Notes that are sounding, or will: without any the device's loudspeaker rests, which takes power even when silent. */
+  #sounding = 0;
   #spoken = "";
   #spokenAt = -Infinity;
 
@@ -81,6 +83,10 @@ export class Feedback {
       tone.frequency.value = frequency;
       volume.gain.setValueAtTime(LOUDNESS, start);
       volume.gain.exponentialRampToValueAtTime(0.001, start + 2 * NOTE);
+      this.#sounding += 1;
+      tone.onended = () => {
+        if (--this.#sounding === 0) void audio.suspend();
+      };
       tone.connect(volume).connect(audio.destination);
       tone.start(start);
       tone.stop(start + 2 * NOTE);

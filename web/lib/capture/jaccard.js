@@ -11,36 +11,43 @@ export function jaccard(a, b, [width, height]) {
   const columns = Math.ceil(width / OVERLAP_REDUCTION);
   const rows = Math.ceil(height / OVERLAP_REDUCTION);
   let both = 0;
-  let either = 0;
-  const [inA, inB] = [new Uint8Array(columns), new Uint8Array(columns)];
+  let sum = 0;
+  const [inA, inB] = [new Float64Array(a.length), new Float64Array(b.length)];
   const heights = [...a, ...b].map((point) => point[1] / OVERLAP_REDUCTION);
   const [top, bottom] = [Math.max(0, Math.floor(Math.min(...heights)) - 1), Math.min(rows, Math.ceil(Math.max(...heights)) + 1)];
   for (let row = top; row < bottom; row++) {
     const y = (row + 0.5) * OVERLAP_REDUCTION - 0.5;
-    fillRow(a, y, inA);
-    fillRow(b, y, inB);
-    for (let column = 0; column < columns; column++) {
-      both += inA[column] & inB[column];
-      either += inA[column] | inB[column];
+    const [countA, countB] = [findSpans(a, y, columns, inA), findSpans(b, y, columns, inB)];
+    for (let i = 0; i < countA; i += 2) sum += inA[i + 1] - inA[i];
+    for (let j = 0; j < countB; j += 2) sum += inB[j + 1] - inB[j];
+    for (let i = 0; i < countA; i += 2) {
+      for (let j = 0; j < countB; j += 2) both += Math.max(0, Math.min(inA[i + 1], inB[j + 1]) - Math.max(inA[i], inB[j]));
     }
   }
-  return either === 0 ? 0 : both / either;
+  return sum === 0 ? 0 : both / (sum - both);
 }
 
-/** The part of one row inside a polygon, by the even-odd rule. @param {number[][]} polygon @param {number} y @param {Uint8Array} row */
-function fillRow(polygon, y, row) {
-  row.fill(0);
-  /** @type {number[]} */
-  const crossings = [];
-  polygon.forEach(([x1, y1], index) => {
-    const [x2, y2] = polygon[(index + 1) % polygon.length];
-    if (y1 <= y !== y2 <= y) crossings.push(x1 + ((y - y1) / (y2 - y1)) * (x2 - x1));
-  });
-  crossings.sort((left, right) => left - right);
-  for (let index = 0; index + 1 < crossings.length; index += 2) {
-    // Pixel i has its centre at (i + 0.5) * OVERLAP_REDUCTION - 0.5.
-    const start = Math.max(0, Math.ceil((crossings[index] + 0.5) / OVERLAP_REDUCTION - 0.5));
-    const end = Math.min(row.length, Math.ceil((crossings[index + 1] + 0.5) / OVERLAP_REDUCTION - 0.5));
-    if (start < end) row.fill(1, start, end);
+/**
+ * The parts of one row inside a polygon, by the even-odd rule.
+ * @param {number[][]} polygon @param {number} y px @param {number} columns of the row
+ * @param {Float64Array} spans filled: start and end of each part, columns
+ * @returns {number} how many numbers were filled in
+ */
+function findSpans(polygon, y, columns, spans) {
+  let count = 0;
+  for (let index = 0; index < polygon.length; index++) {
+    const from = polygon[index];
+    const to = polygon[index + 1 < polygon.length ? index + 1 : 0];
+    if (from[1] <= y === to[1] <= y) continue;
+    const crossing = from[0] + ((y - from[1]) / (to[1] - from[1])) * (to[0] - from[0]);
+    let at = count++;
+    for (; at > 0 && spans[at - 1] > crossing; at--) spans[at] = spans[at - 1];
+    spans[at] = crossing;
   }
+  for (let index = 0; index + 1 < count; index += 2) {
+    // Pixel i has its centre at (i + 0.5) * OVERLAP_REDUCTION - 0.5.
+    spans[index] = Math.max(0, Math.ceil((spans[index] + 0.5) / OVERLAP_REDUCTION - 0.5));
+    spans[index + 1] = Math.max(spans[index], Math.min(columns, Math.ceil((spans[index + 1] + 0.5) / OVERLAP_REDUCTION - 0.5)));
+  }
+  return count - (count % 2);
 }

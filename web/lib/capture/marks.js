@@ -24,8 +24,8 @@ export function drawTarget({ target, targetBack, targetCorner, ghost }, board, p
 export function drawCircles(group, points) {
   resize(group, "circle", points.length, { class: "corner", r: "5" });
   points.forEach(([x, y], index) => {
-    group.children[index].setAttribute("cx", x.toFixed(1));
-    group.children[index].setAttribute("cy", y.toFixed(1));
+    write(group.children[index], "cx", x.toFixed(1));
+    write(group.children[index], "cy", y.toFixed(1));
   });
 }
 
@@ -33,8 +33,13 @@ export function drawCircles(group, points) {
 export function drawArrows(group, ways) {
   resize(group, "line", ways.length, { "marker-end": "url(#arrowhead)" });
   ways.forEach((way, index) => {
-    ["x1", "y1", "x2", "y2"].forEach((name, at) => group.children[index].setAttribute(name, way[at].toFixed(1)));
+    ["x1", "y1", "x2", "y2"].forEach((name, at) => write(group.children[index], name, way[at].toFixed(1)));
   });
+}
+
+/** Writes changes alone: what stays is not drawn again. @param {Element} element @param {string} name @param {string} value */
+function write(element, name, value) {
+  if (element.getAttribute(name) !== value) element.setAttribute(name, value);
 }
 
 /** @param {SVGElement} group @param {string} name @param {number} count @param {Record<string, string>} attributes */

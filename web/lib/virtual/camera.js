@@ -16,8 +16,7 @@ export { labelOf, setupFrom } from "./setup.js";
  * @typedef {import("./setup.js").Setup} Setup
  */
 
-const FRAME_RATE_HZ = 30; // Hz of the stream: what is painted sooner nobody sees
-const REFRESH_INTERVAL_MS = 50; // ms; a canvas that nobody paints on delivers no frames
+const MIN_REFRESH_INTERVAL_MS = 50; // ms; a canvas that nobody paints on delivers no frames
 
 export class VirtualCamera {
   #canvas;
@@ -91,7 +90,7 @@ export class VirtualCamera {
 
   /** @returns {Promise<MediaStream>} */
   async open() {
-    const { lens, size, fault, shown: { distance, ...shown } } = this.#setup;
+    const { lens, size, rate, fault, shown: { distance, ...shown } } = this.#setup;
     const board = { ...this.#board, ...shown };
     await new Promise((resolve, reject) => {
       this.#worker.onmessage = resolve;
@@ -99,15 +98,15 @@ export class VirtualCamera {
       this.#worker.postMessage({ open: { board, lens, size, fault: FAULTS.includes(fault) ? fault : "" } });
     });
     this.#worker.onmessage = ({ data }) => this.#show(data.picture);
-    const stream = this.#canvas.captureStream(FRAME_RATE_HZ);
+    const stream = this.#canvas.captureStream(rate);
     const [track] = stream.getVideoTracks();
     Object.defineProperty(track, "label", { value: this.label });
-    const settings = { width: size[0], height: size[1], frameRate: FRAME_RATE_HZ, resizeMode: "none" };
+    const settings = { width: size[0], height: size[1], frameRate: rate, resizeMode: "none" };
     Object.defineProperty(track, "getSettings", { value: () => settings });
     track.addEventListener("ended", () => this.close());
     this.#stream = stream;
     this.#ask();
-    this.#timer = setInterval(() => this.#refresh(), REFRESH_INTERVAL_MS);
+    this.#timer = setInterval(() => this.#refresh(), Math.max(MIN_REFRESH_INTERVAL_MS, 1000 / rate));
     return stream;
   }
 
@@ -153,7 +152,7 @@ export class VirtualCamera {
     this.#shown = this.#painted;
     this.#context.putImageData(picture, 0, 0);
     this.#asked = !this.#settled;
-    if (!this.#settled) this.#next = setTimeout(() => this.#ask(), this.#askedAt + 1000 / FRAME_RATE_HZ - performance.now());
+    if (!this.#settled) this.#next = setTimeout(() => this.#ask(), this.#askedAt + 1000 / this.#setup.rate - performance.now());
   }
 
   #refresh() {

@@ -14,6 +14,7 @@ import { interpolatePose, perturbPose, seededRandom, transformPoint } from "../p
 
 /** @type {Record<string, Kind>} */
 export const HANDS = {
+  quick: { travel: 100, tremor: 0, sway: 0, astray: 0, blurred: 0 },
   still: { travel: 500, tremor: 0, sway: 0, astray: 0, blurred: 0 },
   person: { travel: 1_200, tremor: 0.5, sway: 1, astray: 0, blurred: 0.1 },
   shaky: { travel: 1_200, tremor: 2.5, sway: 4, astray: 0, blurred: 0.2 },
@@ -28,6 +29,8 @@ export class Hand {
   #kind;
   #error;
   #random;
+  /** Apart: where it goes must not hang on how many frames were painted. */
+  #randomBlur;
   #pivot;
   #focal;
   /** @type {Pose} */
@@ -47,6 +50,7 @@ export class Hand {
     this.#kind = HANDS[kind] ?? HANDS.still;
     this.#error = error;
     this.#random = seededRandom(seed);
+    this.#randomBlur = seededRandom(seed + 1);
     this.#pivot = pivot;
     this.#focal = focal;
     this.#from = this.#to = start;
@@ -76,7 +80,7 @@ export class Hand {
 
   /** The blur of one frame, px; 0 for none. */
   blur() {
-    return this.#random() < this.#kind.blurred ? Math.round(7 + 8 * this.#random()) : 0;
+    return this.#randomBlur() < this.#kind.blurred ? Math.round(7 + 8 * this.#randomBlur()) : 0;
   }
 
   /** @param {number} time */

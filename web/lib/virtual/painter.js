@@ -14,7 +14,8 @@ const MAX_TEXELS_PER_SQUARE = 64;
 const BORDER_TEXELS = 32; // texels of white paper around the board
 const BACKGROUND = 112;
 const SAMPLES_PER_AXIS = 3; // a pixel, each way: corners come out 0.05 px right
-const EVEN_RADIUS = 3; // texels: where all so near are alike, one look tells what nine samples would
+const EVEN_RADIUS = 2; // texels: where all so near are alike, one look tells what nine samples would
+const NEAR = 4; // texels, both diagonals of a pixel together: less than 4.5, and what its samples look at is within that radius
 
 export class Painter {
   /** Rays at the corners of the pixels, x and y at z = 1; NaN where the lens sees nothing. */
@@ -90,39 +91,52 @@ export class Painter {
   /** @param {Float32Array} upper @param {Float32Array} lower @param {Uint32Array} pixels */
   #paintRow(upper, lower, pixels) {
     const { width, height, data } = this.#texture;
+    const even = this.#even;
+    const right = width - 1;
+    const bottom = height - 1;
     for (let x = 0, at = 0; x < pixels.length; x++, at += 2) {
-      const [x0, y0, x1, y1] = [upper[at], upper[at + 1], upper[at + 2], upper[at + 3]];
-      const [x2, y2, x3, y3] = [lower[at], lower[at + 1], lower[at + 2], lower[at + 3]];
-      const away = Math.max(x0, x1, x2, x3) < 0 || Math.min(x0, x1, x2, x3) > width - 1
-        || Math.max(y0, y1, y2, y3) < 0 || Math.min(y0, y1, y2, y3) > height - 1;
+      // Without arrays: until the loop is optimized, it would make some for each pixel.
+      const x0 = upper[at];
+      const y0 = upper[at + 1];
+      const x1 = upper[at + 2];
+      const y1 = upper[at + 3];
+      const x2 = lower[at];
+      const y2 = lower[at + 1];
+      const x3 = lower[at + 2];
+      const y3 = lower[at + 3];
+      const away = (x0 < 0 && x1 < 0 && x2 < 0 && x3 < 0) || (x0 > right && x1 > right && x2 > right && x3 > right)
+        || (y0 < 0 && y1 < 0 && y2 < 0 && y3 < 0) || (y0 > bottom && y1 > bottom && y2 > bottom && y3 > bottom);
       // Comparisons with NaN are false: a ray that meets nothing must be asked for by name.
       if (away || Number.isNaN(x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3)) continue;
-      const [mu, mv] = [(x0 + x1 + x2 + x3) / 4, (y0 + y1 + y2 + y3) / 4];
-      const near = Math.abs(x0 - x3) + Math.abs(x1 - x2) < 2 * (EVEN_RADIUS - 1) && Math.abs(y0 - y3) + Math.abs(y1 - y2) < 2 * (EVEN_RADIUS - 1);
-      const middle = Math.round(mv) * width + Math.round(mu);
-      if (near && this.#even[middle] === 1) {
+      const near = Math.abs(x0 - x3) + Math.abs(x1 - x2) < NEAR && Math.abs(y0 - y3) + Math.abs(y1 - y2) < NEAR;
+      const middle = Math.round((y0 + y1 + y2 + y3) / 4) * width + Math.round((x0 + x1 + x2 + x3) / 4);
+      if (near && even[middle] === 1) {
         pixels[x] = grey(Math.round(24 + 0.84 * data[middle]));
         continue;
       }
       let sum = 0;
       for (let j = 0; j < SAMPLES_PER_AXIS; j++) {
         const t = (j + 0.5) / SAMPLES_PER_AXIS;
-        const [xl, yl] = [x0 + t * (x2 - x0), y0 + t * (y2 - y0)];
-        const [xr, yr] = [x1 + t * (x3 - x1), y1 + t * (y3 - y1)];
+        const xl = x0 + t * (x2 - x0);
+        const yl = y0 + t * (y2 - y0);
+        const xr = x1 + t * (x3 - x1);
+        const yr = y1 + t * (y3 - y1);
         for (let i = 0; i < SAMPLES_PER_AXIS; i++) {
           const s = (i + 0.5) / SAMPLES_PER_AXIS;
-          const [u, v] = [xl + s * (xr - xl), yl + s * (yr - yl)];
-          if (u < 0 || v < 0 || u >= width - 1 || v >= height - 1) {
+          const u = xl + s * (xr - xl);
+          const v = yl + s * (yr - yl);
+          if (u < 0 || v < 0 || u >= right || v >= bottom) {
             sum += BACKGROUND;
             continue;
           }
-          const [column, row] = [u | 0, v | 0];
-          const [fu, fv] = [u - column, v - row];
+          const column = u | 0;
+          const row = v | 0;
+          const fu = u - column;
           const texel = row * width + column;
           const top = data[texel] + fu * (data[texel + 1] - data[texel]);
-          const bottom = data[texel + width] + fu * (data[texel + width + 1] - data[texel + width]);
+          const under = data[texel + width] + fu * (data[texel + width + 1] - data[texel + width]);
           // Ink is not quite black and paper not quite white.
-          sum += 24 + 0.84 * (top + fv * (bottom - top));
+          sum += 24 + 0.84 * (top + (v - row) * (under - top));
         }
       }
       pixels[x] = grey(Math.round(sum / (SAMPLES_PER_AXIS * SAMPLES_PER_AXIS)));
@@ -135,18 +149,21 @@ export class Painter {
  * @param {{width: number, height: number, data: Uint8Array}} texture
  */
 function evenness({ width, height, data }) {
-  /**
-   * @param {Uint8Array} from 1: alike so far
-   * @param {number} step from one texel to the next
-   * @param {(at: number) => boolean} within
-   */
-  const alike = (from, step, within) => Uint8Array.from(from, (_, at) => {
-    if (!within(at)) return 0;
-    for (let k = -EVEN_RADIUS; k <= EVEN_RADIUS; k++) if (!from[at + k * step] || data[at + k * step] !== data[at]) return 0;
-    return 1;
-  });
-  const rows = alike(new Uint8Array(data.length).fill(1), 1, (at) => at % width >= EVEN_RADIUS && at % width < width - EVEN_RADIUS);
-  return alike(rows, width, (at) => at >= EVEN_RADIUS * width && at < (height - EVEN_RADIUS) * width);
+  const rows = new Uint8Array(data.length);
+  const both = new Uint8Array(data.length);
+  for (let y = 0; y < height; y++) {
+    for (let x = EVEN_RADIUS, at = y * width + x; x < width - EVEN_RADIUS; x++, at++) {
+      let k = -EVEN_RADIUS;
+      while (k <= EVEN_RADIUS && data[at + k] === data[at]) k++;
+      if (k > EVEN_RADIUS) rows[at] = 1;
+    }
+  }
+  for (let at = EVEN_RADIUS * width; at < (height - EVEN_RADIUS) * width; at++) {
+    let k = -EVEN_RADIUS;
+    while (k <= EVEN_RADIUS && rows[at + k * width] === 1 && data[at + k * width] === data[at]) k++;
+    if (k > EVEN_RADIUS) both[at] = 1;
+  }
+  return both;
 }
 
 /** @param {number} value */

@@ -1,6 +1,8 @@
 // Setup of the virtual camera as an address asks for it, and its label. Apart from the camera: few pages need more.
 import { NAME } from "./name.js";
 
+const [MIN_RATE_HZ, USUAL_RATE_HZ, MAX_RATE_HZ] = [2, 30, 60]; // pictures a second
+
 /**
  * @typedef {import("./lens.js").LensParameters} LensParameters
  *
@@ -10,6 +12,7 @@ import { NAME } from "./name.js";
  * @property {number} error how clumsy the hand is: 0 not at all, 1 about 3° and 3 % of the distance
  * @property {number} seed of the hand
  * @property {string} hand whose it is, of `HANDS`; of any other name: a still one
+ * @property {number} rate pictures a second
  * @property {string} fault what is wrong with the picture, of `FAULTS`; any other name is nothing
  * @property {{legacy?: boolean, dictionary?: string, distance?: number}} shown how the board differs from the one asked for;
  *   distance: how many times as far away as asked for
@@ -17,7 +20,7 @@ import { NAME } from "./name.js";
 
 /**
  * The camera that an address asks for: `img_size=1280x720`, `fx fy cx cy` in px, `k1 k2 p1 p2 k3`; the hand, `error seed
- * hand`; what is wrong, `fault shown_legacy shown_dictionary shown_distance`.
+ * hand`; pictures a second, `rate`; what is wrong, `fault shown_legacy shown_dictionary shown_distance`.
  * @param {URLSearchParams} parameters
  * @returns {Setup}
  */
@@ -47,6 +50,7 @@ export function setupFrom(parameters) {
     error: number("error", 1),
     seed: number("seed", 1),
     hand: parameters.get("hand") ?? "still",
+    rate: Math.min(MAX_RATE_HZ, Math.max(MIN_RATE_HZ, number("rate", USUAL_RATE_HZ))),
     fault: parameters.get("fault") ?? "",
     shown: {
       ...(parameters.has("shown_legacy") && { legacy: parameters.get("shown_legacy") === "true" }),
