@@ -9,17 +9,17 @@
   const here = /^(de|uk)\//.exec(path)?.[1] ?? "en";
   const query = new URLSearchParams(location.search);
   /** @param {string | null | undefined} tag */
-  const known = (tag) => /^(en|de|uk)\b/i.exec(tag ?? "")?.[1].toLowerCase();
+  const languageOf = (tag) => /^(en|de|uk)\b/i.exec(tag ?? "")?.[1].toLowerCase();
   /** The language chosen before; a browser that keeps nothing refuses the very question. */
   const kept = () => {
     try {
-      return known(localStorage.getItem("calibdb.language"));
+      return languageOf(localStorage.getItem("calibdb.language"));
     } catch {
       return undefined;
     }
   };
-  const asked = known(query.get("lang"));
-  const wanted = asked ?? (here === "en" ? kept() ?? navigator.languages.map(known).find(Boolean) ?? "en" : here);
+  const inQuery = languageOf(query.get("lang"));
+  const wanted = inQuery ?? (here === "en" ? kept() ?? navigator.languages.map(languageOf).find(Boolean) ?? "en" : here);
   if (wanted === here) return;
   const rest = here === "en" ? path : path.slice(3);
   if (wanted !== "en") query.delete("lang");

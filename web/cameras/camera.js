@@ -3,7 +3,7 @@ import { addCopyButton } from "../lib/copy-button.js";
 import { el } from "../lib/dom.js";
 import { splitLabel, systemName } from "../lib/camera-name.js";
 import { jsonText } from "../lib/json-text.js";
-import { dotted, known, t } from "../lib/i18n.js";
+import { joinFacts, hasMessage, t } from "../lib/i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { againAddress } from "../lib/result/card.js";
 import { downloadPart } from "../lib/result/download.js";
@@ -64,7 +64,7 @@ function callToAction({ camera, platform }, mode) {
 }
 
 /** Reason why it is not known. @param {Mode} mode */
-const reasonText = ({ reason }) => t(reason && known(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
+const reasonText = ({ reason }) => t(reason && hasMessage(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
 
 /** @param {CameraPage} page @param {Mode} mode @param {boolean} open @param {(error: unknown) => string} explain */
 function modeView(page, mode, open, explain) {
@@ -79,7 +79,7 @@ function modeView(page, mode, open, explain) {
   const agreed = Object.values(mode.consensus)[0] ?? null;
   const body = el("div", { class: "inside" });
   const fill = () => body.replaceChildren(
-    el("p", { class: "number" }, dotted([...facts, ...(ready ? [] : [reasonText(mode)])])),
+    el("p", { class: "number" }, joinFacts([...facts, ...(ready ? [] : [reasonText(mode)])])),
     ...(agreed ? [modelView(page, mode, explain)] : []),
     ...(mode.members.length ? [membersView(mode, agreed, id, explain)] : []),
     badgeView(page.key, mode.img_size, splitLabel(page.camera).name));

@@ -1,7 +1,7 @@
 // Entries of lists of cameras: those of the database, and the calibrations that were made in this browser.
 import { el } from "../lib/dom.js";
 import { splitLabel } from "../lib/camera-name.js";
-import { number, rough, sized, t } from "../lib/i18n.js";
+import { number, rough, formatSize, t } from "../lib/i18n.js";
 import { forgetOwn, ownCalibrations } from "../lib/own-calibrations.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { aboutText, stateText } from "./camera.js";
@@ -41,7 +41,7 @@ export function showOwn(place) {
   };
   place.replaceChildren(el("h2", { id: "own-title", tabindex: -1 }, t("cameras.own")), el("p", { class: "muted" }, t("cameras.own_text")),
     el("ul", { class: "own" }, ...own.map(({ id, camera, img_size, time, level, rms }) => el("li", {},
-      el("a", { href: `../result/?${new URLSearchParams({ id })}` }, el("strong", {}, splitLabel(camera).name), ` ${sized(img_size)}`),
+      el("a", { href: `../result/?${new URLSearchParams({ id })}` }, el("strong", {}, splitLabel(camera).name), ` ${formatSize(img_size)}`),
       el("span", { class: "muted number" }, [t(`result.level_${level}`), `± ${rough(rms)}\u00a0px`, dateText(time)].join(" · ")),
       button(t("cameras.forget"), t("cameras.forget_this", { camera: splitLabel(camera).name }), forget(id))))),
     ...(own.length > 1 ? [button(t("cameras.forget_all"), t("cameras.forget_all"), forget(undefined))] : []));

@@ -3,7 +3,7 @@ import { ApiError } from "../lib/api.js";
 import { el, part } from "../lib/dom.js";
 import { newestFigures } from "../lib/dumps.js";
 import { explain } from "../lib/faults.js";
-import { dotted, language, onLanguage, t } from "../lib/i18n.js";
+import { joinFacts, language, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
 import words from "../messages/cameras.js";
@@ -81,7 +81,7 @@ async function showFigures() {
   if (!figures) return;
   const count = (/** @type {number} */ value) => value.toLocaleString(language());
   const { cameras, known: ready, calibrations } = figures;
-  liveRegion(part("figures", HTMLElement))(() => dotted([
+  liveRegion(part("figures", HTMLElement))(() => joinFacts([
     t("cameras.total", { count: cameras, number: count(cameras) }), t("cameras.total_ready", { count: ready, number: count(ready) }),
     t("cameras.total_calibrations", { count: calibrations, number: count(calibrations) }),
   ]));

@@ -1,6 +1,6 @@
 // Calibrations of one camera at one size: plots, a table, and the comparison of two that are ticked.
 import { el } from "../lib/dom.js";
-import { language, number, rough, sized, t } from "../lib/i18n.js";
+import { language, number, rough, formatSize, t } from "../lib/i18n.js";
 import { comparisonView } from "./comparison.js";
 import { centrePlot, focalPlot } from "./agreement.js";
 
@@ -11,7 +11,7 @@ import { centrePlot, focalPlot } from "./agreement.js";
  */
 
 /** "1280 × 720, zoom 2". @param {Pick<Mode, "img_size" | "zoom">} mode */
-export const nameOf = ({ img_size, zoom }) => sized(img_size) + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
+export const nameOf = ({ img_size, zoom }) => formatSize(img_size) + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
 
 /** @param {number} time unix seconds */
 export const dateText = (time) => new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));

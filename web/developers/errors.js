@@ -1,6 +1,6 @@
 // Messages for what a request about a token came to, which a person can act on.
 import { explain } from "../lib/faults.js";
-import { known, t } from "../lib/i18n.js";
+import { hasMessage, t } from "../lib/i18n.js";
 import { OfflineError } from "../lib/network.js";
 import { ManagementError } from "./management.js";
 
@@ -17,7 +17,7 @@ export function failureText(error, what) {
   const key = `developers.problem_${kind.replaceAll("-", "_")}`;
   if (status === 429 && what === "create") return t("developers.too_many_tokens", { count: Math.max(1, Math.ceil((retryAfter ?? HOUR_S) / HOUR_S)) });
   if (status === 429) return t("developers.too_many_calls", { count: Math.max(1, Math.ceil((retryAfter ?? HOUR_S) / MINUTE_S)) });
-  if (known(key)) return t(key);
+  if (hasMessage(key)) return t(key);
   if (status === 401 || status === 403) return t("developers.problem_forbidden");
   if (status === 404) return t("developers.problem_not_here");
   return explain(error);

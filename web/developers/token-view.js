@@ -1,6 +1,6 @@
 // View of one token: secrets, origins with their proofs, code, use, limits, and its end.
 import { el } from "../lib/dom.js";
-import { dotted, known, language, t } from "../lib/i18n.js";
+import { joinFacts, hasMessage, language, t } from "../lib/i18n.js";
 import { copyButton, saveFile } from "./copying.js";
 import { isLoopback } from "./origins.js";
 import { limitsTable } from "./plans.js";
@@ -62,7 +62,7 @@ function factsLine({ plan, created, expires, former_until: until }) {
   const facts = [t("developers.plan", { plan }), t("developers.created", { time: dateOf(created) }),
     ...(expires ? [t("developers.expires", { time: dateOf(expires) })] : []),
     ...(until ? [t("developers.former_until", { time: dateOf(until) })] : [])];
-  return el("p", { class: "muted", id: "token-facts" }, dotted(facts));
+  return el("p", { class: "muted", id: "token-facts" }, joinFacts(facts));
 }
 
 /** @param {KeptToken} token @param {Choices} choices @param {Actions} actions */
@@ -124,7 +124,7 @@ function originsPart(token, facts, actions) {
 /** @param {OriginState} state */
 function originItem({ origin, state, proof, failure, detail }) {
   const verified = state === "verified";
-  const why = failure && (known(`developers.failure_${failure}`) ? t(`developers.failure_${failure}`) : detail ?? "");
+  const why = failure && (hasMessage(`developers.failure_${failure}`) ? t(`developers.failure_${failure}`) : detail ?? "");
   return el("li", { class: state }, el("p", {}, el("strong", {}, origin), ` ${t(verified ? "developers.verified" : "developers.pending")}`),
     ...(proof ? [
       el("div", { class: "proof" }, el("p", {}, t("developers.place_at")), el("code", {}, proof.url),

@@ -2,7 +2,7 @@
 // database. Only what is asked for is sent, and nothing is stored.
 import { ApiError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
-import { addMessages, number, rough, sized, t } from "../lib/i18n.js";
+import { addMessages, number, rough, formatSize, t } from "../lib/i18n.js";
 import { lensDifference } from "../lib/lens-difference.js";
 import { conversionText } from "../lib/result/download.js";
 import { figure } from "../lib/result/figures-part.js";
@@ -170,7 +170,7 @@ export class Converter {
       const known = (await knownCalibrations(key, camera.img_size)).filter(({ distortion_model: model }) => model in COEFFICIENTS);
       const other = known.find(({ distortion_model: model }) => model === camera.distortion_model) ?? known[0];
       if (!other) {
-        place.replaceChildren(t("import.compare_no_size", { size: sized(camera.img_size) }));
+        place.replaceChildren(t("import.compare_no_size", { size: formatSize(camera.img_size) }));
         return;
       }
       const { px, rms, max } = lensDifference(camera, other);
@@ -194,7 +194,7 @@ function calibrationOf(camera) {
 /** @param {Camera} camera */
 function values({ camera, img_size, camera_matrix: [[fx, , cx], [, fy, cy]], distortion_model: model, distortion_coefficients: coefficients }) {
   const rows = [
-    [t("import.value_name"), camera], [t("import.value_size"), `${sized(img_size)} px`], ["fx, fy", `${number(fx, 2)}, ${number(fy, 2)} px`],
+    [t("import.value_name"), camera], [t("import.value_size"), `${formatSize(img_size)} px`], ["fx, fy", `${number(fx, 2)}, ${number(fy, 2)} px`],
     ["cx, cy", `${number(cx, 2)}, ${number(cy, 2)} px`], [t("import.value_model"), t(`photos.model_${model}`)],
     ...coefficients.map((value, index) => [(COEFFICIENTS[model] ?? [])[index] ?? `d${index}`, number(value, 6)]),
   ];

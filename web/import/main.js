@@ -4,7 +4,7 @@ import { observedOutline } from "../lib/board-outline.js";
 import { part } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
 import { sayChosen } from "../lib/file-input.js";
-import { number, onLanguage, sized, t } from "../lib/i18n.js";
+import { number, onLanguage, formatSize, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { rankByNovelty } from "../lib/rank.js";
 import { MAX_VIEWS, calibrate } from "../lib/series.js";
@@ -187,7 +187,7 @@ function summarise() {
   if (!measured) return;
   const { board, size, views, count } = measured;
   tell(() => [
-    t("import.found", { count, squares: sized(board.squares), size: sized(size) }),
+    t("import.found", { count, squares: formatSize(board.squares), size: formatSize(size) }),
     ...(count > views.length ? [t("import.best", { most: views.length })] : []),
   ].join(" "));
 }

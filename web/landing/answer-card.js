@@ -1,6 +1,6 @@
 // Answer to a lookup of the visitor's own camera, as a card: what is known and what to do with it.
 import { el } from "../lib/dom.js";
-import { number, pageUrl, rough, sized, t } from "../lib/i18n.js";
+import { number, pageUrl, rough, formatSize, t } from "../lib/i18n.js";
 import { fieldOfView } from "../lib/result/numbers.js";
 
 /**
@@ -13,7 +13,7 @@ export function knownCard(name, calibration) {
   const { camera_matrix: [[fx]], img_size, uncertainty, calibrations, id } = calibration;
   const { horizontal } = fieldOfView(/** @type {Known} */ (calibration));
   const facts = [
-    [t("landing.card_size"), sized(img_size)],
+    [t("landing.card_size"), formatSize(img_size)],
     [t("landing.card_focal"), `${number(fx, 1)}\u00a0px`],
     ...(horizontal === null ? [] : [[t("landing.card_view"), `${number(horizontal, 1)}°`]]),
     [t("landing.card_error"), `${rough(uncertainty.rms)}\u00a0px`],

@@ -3,7 +3,7 @@ import { DEFAULT_BOARD } from "../lib/board.js";
 import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { drawLine, gridThrough } from "../lib/figure.js";
-import { known, number, onLanguage, t } from "../lib/i18n.js";
+import { hasMessage, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { lookup } from "../sdk/lookup.js";
 import { loadSettings } from "../lib/settings.js";
@@ -57,7 +57,7 @@ function errorText(error) {
   if (!cameras || !(error instanceof cameras.CameraError)) made.append(explain(error));
   else {
     const keys = [`landing.fault_${error.code}`, `capture.fault_${error.code}`];
-    made.append(t(keys.find(known) ?? "capture.fault_not_opened", { detail: error.detail }));
+    made.append(t(keys.find(hasMessage) ?? "capture.fault_not_opened", { detail: error.detail }));
     if (error.code === "not_found") made.append(" ", el("a", { href: "./cameras/" }, t("landing.search_all")));
   }
   return made;

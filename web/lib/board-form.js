@@ -3,7 +3,7 @@ import { DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } fro
 import { PRESETS } from "./board-presets.js";
 import { reason } from "./board-problem.js";
 import { part } from "./dom.js";
-import { addMessages, number, onLanguage, sized, t } from "./i18n.js";
+import { addMessages, number, onLanguage, formatSize, t } from "./i18n.js";
 import boards from "../messages/boards.js";
 
 /**
@@ -23,7 +23,7 @@ const OTHER = "other";
 /** A board in a few words: "ChArUco, 9 × 6 squares, DICT_4X4_50". @param {SentBoard} board */
 export function boardWords(board) {
   const { squares, dictionary, marker_ratio: ratio, tag_spacing: spacing = DEFAULT_TAG_SPACING } = board;
-  const words = t(`boards.words_${kindOf(board)}`, { size: sized(squares), dictionary, ratio: number(ratio, 2), spacing: number(spacing, 2) });
+  const words = t(`boards.words_${kindOf(board)}`, { size: formatSize(squares), dictionary, ratio: number(ratio, 2), spacing: number(spacing, 2) });
   return [words, ...(board.legacy ? [t("boards.words_legacy")] : []), ...(board.inverted ? [t("boards.words_inverted")] : [])].join(", ");
 }
 
@@ -55,12 +55,12 @@ export class BoardForm {
     });
     part("board-form", HTMLFormElement).addEventListener(event, ({ target }) => {
       if (target === preset) return;
-      const asked = this.#asked();
-      this.#say(asked.problem);
-      if (asked.problem) return;
-      this.#board = asked.board;
+      const read = this.#readFields();
+      this.#say(read.problem);
+      if (read.problem) return;
+      this.#board = read.board;
       this.#arrange();
-      onChoice(asked.board);
+      onChoice(read.board);
     });
     part("board-form", HTMLFormElement).addEventListener("submit", (event) => {
       event.preventDefault();
@@ -90,7 +90,7 @@ export class BoardForm {
   }
 
   /** Board of the fields. */
-  #asked() {
+  #readFields() {
     const { kind, columns, rows, dictionary, ratio, spacing, legacy, inverted } = this.#fields;
     const isGrid = kind.value === "aprilgrid";
     const family = isGrid && !dictionary.value.startsWith("DICT_APRILTAG_") ? "DICT_APRILTAG_36h11" : dictionary.value;

@@ -1,6 +1,6 @@
 // Messages for errors, in the language of the page, which a person can act on.
 import { ApiError } from "./api.js";
-import { known, addMessages, t } from "./i18n.js";
+import { hasMessage, addMessages, t } from "./i18n.js";
 import { OfflineError } from "./network.js";
 import { LookupError } from "../sdk/request.js";
 import { SettingsError } from "./settings.js";
@@ -29,5 +29,5 @@ export function explain(error) {
  */
 function service(status, kind, detail) {
   const keys = [`faults.kind_${kind.replaceAll("-", "_")}`, `faults.status_${status}`, status >= 500 ? "faults.status_500" : ""];
-  return t(keys.find(known) ?? "faults.refused", { detail });
+  return t(keys.find(hasMessage) ?? "faults.refused", { detail });
 }

@@ -45,7 +45,7 @@ export function addMessages(named) {
 /** The language spoken now. @returns {Language} */
 export function language() {
   // Pages are served in their language; who prefers another one has been led on by language.js.
-  current ??= choose(asked(), globalThis.document?.documentElement?.lang || keep(), globalThis.navigator?.languages ?? []);
+  current ??= choose(languageInQuery(), globalThis.document?.documentElement?.lang || keep(), globalThis.navigator?.languages ?? []);
   return current;
 }
 
@@ -94,7 +94,7 @@ export function say(key, values, spoken) {
 }
 
 /** Whether there is such a text. @param {string} key */
-export function known(key) {
+export function hasMessage(key) {
   return say(key, {}, "en") !== key;
 }
 
@@ -110,10 +110,10 @@ export function number(value, digits) {
 }
 
 /** A size as it is written, on one line. @param {readonly number[]} size */
-export const sized = (size) => size.join("\u00a0×\u00a0");
+export const formatSize = (size) => size.join("\u00a0×\u00a0");
 
 /** "4 views · ChArUco 9 × 6": no line begins with a dot. @param {string[]} facts */
-export const dotted = (facts) => facts.join("\u00a0· ");
+export const joinFacts = (facts) => facts.join("\u00a0· ");
 
 /** As many digits as a measured error is worth: two. @param {number} value */
 export function rough(value) {
@@ -126,7 +126,7 @@ export function translate(root) {
   root.ownerDocument.documentElement.lang = language();
   for (const element of [root, ...root.querySelectorAll("[data-t], [data-t-label], [data-t-title], [data-t-alt], [data-t-content]")]) {
     const { t: text, tLabel, tTitle, tAlt, tContent } = /** @type {HTMLElement} */ (element).dataset ?? {};
-    if (text && known(text)) write(element, t(text)); // of a catalog that follows, the page has the text already
+    if (text && hasMessage(text)) write(element, t(text)); // of a catalog that follows, the page has the text already
     if (tLabel) element.setAttribute("aria-label", t(tLabel));
     if (tTitle) element.setAttribute("title", t(tTitle));
     if (tAlt) element.setAttribute("alt", t(tAlt));
@@ -192,7 +192,7 @@ export function inLanguage(address, language) {
 }
 
 /** The language that the address asks for in its query. */
-export function asked() {
+export function languageInQuery() {
   return globalThis.location ? new URLSearchParams(location.search).get("lang") : null;
 }
 

@@ -130,9 +130,9 @@ export default {
   copy_json: "Als JSON kopieren",
   own_camera: "Eigene Kamera kalibrieren",
   views_count: { one: "{count} Ansicht", other: "{count} Ansichten" },
-  standing: { one: "{count} von {required} nötigen Kalibrierungen.", other: "{count} von {required} nötigen Kalibrierungen." },
-  standing_ready: { one: "Einsatzbereit: {count} Kalibrierung stimmt überein.", other: "Einsatzbereit: {count} Kalibrierungen stimmen überein." },
-  standing_enough: {
+  agreement: { one: "{count} von {required} nötigen Kalibrierungen.", other: "{count} von {required} nötigen Kalibrierungen." },
+  agreement_ready: { one: "Einsatzbereit: {count} Kalibrierung stimmt überein.", other: "Einsatzbereit: {count} Kalibrierungen stimmen überein." },
+  agreement_enough: {
     one: "{count} Kalibrierung stimmt überein. Mehr Leute müssen sie bestätigen.",
     other: "{count} Kalibrierungen stimmen überein. Mehr Leute müssen sie bestätigen.",
   },

@@ -127,9 +127,9 @@ export default {
   copy_json: "Copy as JSON",
   own_camera: "Calibrate your own camera",
   views_count: { one: "{count} view", other: "{count} views" },
-  standing: { one: "{count} of {required} calibrations needed.", other: "{count} of {required} calibrations needed." },
-  standing_ready: { one: "Ready to use: {count} calibration agrees.", other: "Ready to use: {count} calibrations agree." },
-  standing_enough: {
+  agreement: { one: "{count} of {required} calibrations needed.", other: "{count} of {required} calibrations needed." },
+  agreement_ready: { one: "Ready to use: {count} calibration agrees.", other: "Ready to use: {count} calibrations agree." },
+  agreement_enough: {
     one: "{count} calibration agrees. More people must confirm it.",
     other: "{count} calibrations agree. More people must confirm them.",
   },

@@ -156,19 +156,19 @@ export default {
   copy_json: "Копіювати як JSON",
   own_camera: "Калібрувати свою камеру",
   views_count: { one: "{count} знімок", few: "{count} знімки", many: "{count} знімків", other: "{count} знімка" },
-  standing: {
+  agreement: {
     one: "{count} із {required} потрібних калібрувань.",
     few: "{count} із {required} потрібних калібрувань.",
     many: "{count} із {required} потрібних калібрувань.",
     other: "{count} із {required} потрібних калібрувань.",
   },
-  standing_ready: {
+  agreement_ready: {
     one: "Готово до використання: узгоджено {count} калібрування.",
     few: "Готово до використання: узгоджено {count} калібрування.",
     many: "Готово до використання: узгоджено {count} калібрувань.",
     other: "Готово до використання: узгоджено {count} калібрування.",
   },
-  standing_enough: {
+  agreement_enough: {
     one: "Узгоджено {count} калібрування. Його мають підтвердити ще люди.",
     few: "Узгоджено {count} калібрування. Їх мають підтвердити ще люди.",
     many: "Узгоджено {count} калібрувань. Їх мають підтвердити ще люди.",

@@ -6,7 +6,7 @@ import { Detector, DetectorError } from "../lib/detector.js";
 import { el, part } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
 import { sayChosen } from "../lib/file-input.js";
-import { known, number, onLanguage, t } from "../lib/i18n.js";
+import { hasMessage, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { load } from "../lib/result/source.js";
 import { levelOf } from "../lib/result/numbers.js";
@@ -73,7 +73,7 @@ let turn = 0;
 function explain(error) {
   if (!(error instanceof DetectorError)) return fault(error);
   const key = `capture.fault_${error.code}`;
-  return t(known(key) ? key : "capture.fault_detector", { detail: error.message });
+  return t(hasMessage(key) ? key : "capture.fault_detector", { detail: error.message });
 }
 
 const openDetector = () => (detector ??= Detector.open(board).catch((error) => {

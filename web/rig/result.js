@@ -4,7 +4,7 @@ import { addCopyButton } from "../lib/copy-button.js";
 import { ApiError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { dotted, number, onLanguage, rough, sized, t } from "../lib/i18n.js";
+import { joinFacts, number, onLanguage, rough, formatSize, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { Rig } from "../sdk/rig.js";
 import { rectifiedPart } from "./rectified-part.js";
@@ -121,7 +121,7 @@ function head({ cameras, rig_id: id, moments }, { verdict, rms, held_out_rms: he
     ...(uncertainty ? [el("p", { class: "lead" }, t("rig.uncertainty", {
       rms: rough(uncertainty.rms), rotation: rough(uncertainty.rotation_deg), translation: rough(uncertainty.translation_percent),
     }))] : []),
-    el("p", { class: "muted small" }, dotted(figures)),
+    el("p", { class: "muted small" }, joinFacts(figures)),
     el("div", { class: "actions" }, copyButton(t("rig.copy_link"), () => new URL(`?id=${encodeURIComponent(id)}`, location.href).href), el("a", { class: "button", href: "./" }, t("rig.another"))));
 }
 
@@ -157,7 +157,7 @@ function cameraList({ cameras }, { cameras: ids, calibrations }) {
     const label = cameras[position]?.camera ?? calibrations[position].camera;
     const link = new URL(`../result/?${new URLSearchParams({ id })}`, location.href).href;
     return el("li", {}, el("a", { href: link }, t("rig.own_calibration", { camera: cameraName(position) })), " ",
-      el("span", { class: "muted" }, [labelText(label), sized(calibrations[position].img_size)].filter(Boolean).join(" · ")));
+      el("span", { class: "muted" }, [labelText(label), formatSize(calibrations[position].img_size)].filter(Boolean).join(" · ")));
   }));
 }
 

@@ -1,7 +1,7 @@
 // Texts of the capture: the one instruction, a line below it, and what is said of each camera.
 import { advice, asMirrored } from "../lib/capture/target.js";
 import { isAtTarget } from "../lib/capture/at-target.js";
-import { known, number, t } from "../lib/i18n.js";
+import { hasMessage, number, t } from "../lib/i18n.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { isSeen, requiredHold } from "./moments.js";
@@ -59,7 +59,7 @@ function unseen({ target }, sights, members, leads) {
 /** @param {string} code @param {Model} model */
 export function instruction(code, { state }) {
   const first = state?.target?.cameras[0]?.position ?? 0;
-  const key = known(`rig.say_${code}`) ? `rig.say_${code}` : `capture.say_${code}`;
+  const key = hasMessage(`rig.say_${code}`) ? `rig.say_${code}` : `capture.say_${code}`;
   return t(key, { camera: cameraName(first) });
 }
 
@@ -79,7 +79,7 @@ export function detail({ state, moment, notice, offline, waiting, opening }, mem
   if (leads && silent.length > 0) return t("rig.silent", { cameras: cameraNames(silent) });
   if (code === "join") return t("rig.do_join");
   if (state.unlinked.length > 0) return t("rig.link", { cameras: cameraNames([0, ...state.unlinked]) });
-  if (known(`capture.do_${code}`)) return t(`capture.do_${code}`);
+  if (hasMessage(`capture.do_${code}`)) return t(`capture.do_${code}`);
   return leads || code === "hold" ? "" : t("rig.follower");
 }
 
@@ -106,4 +106,4 @@ export const adviceTexts = ({ advice: found }) => found.filter(({ code }) => !SH
 
 /** Reasons for which views of a moment were set aside. @param {import("./service.js").Moment} moment @returns {string[]} */
 export const asideTexts = ({ set_aside: aside = [] }) => aside.map(({ position, reason, detail: said }) =>
-  (known(`rig.aside_${reason}`) ? t(`rig.aside_${reason}`, { camera: cameraName(position) }) : `${cameraName(position)}: ${said}`));
+  (hasMessage(`rig.aside_${reason}`) ? t(`rig.aside_${reason}`, { camera: cameraName(position) }) : `${cameraName(position)}: ${said}`));

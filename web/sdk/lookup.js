@@ -122,7 +122,7 @@ export function guidanceUrl(key, model, api) {
 async function fetchCalibration(key, model, options) {
   const atEdge = askEdge(key, model, options);
   const early = await within(EDGE_TIMEOUT_MS, atEdge);
-  if (early?.calibration) return known(early.calibration);
+  if (early?.calibration) return answerOf(early.calibration);
   if (early?.outcome === "missing") void readEdgeSwitch(options);
   const enough = new AbortController();
   const signal = options.signal ? AbortSignal.any([options.signal, enough.signal]) : enough.signal;
@@ -131,7 +131,7 @@ async function fetchCalibration(key, model, options) {
   return new Promise((resolve, reject) => {
     atEdge.then(({ calibration }) => {
       if (!calibration) return;
-      resolve(known(calibration));
+      resolve(answerOf(calibration));
       enough.abort();
     }, reject);
     service.then(resolve, (error) => atEdge.then((late) => late.calibration || reject(explain(error, late)), reject));
@@ -139,7 +139,7 @@ async function fetchCalibration(key, model, options) {
 }
 
 /** @param {CalibrationData} calibration @returns {Found} */
-const known = (calibration) => ({ calibration, guidanceUrl: null, reason: null });
+const answerOf = (calibration) => ({ calibration, guidanceUrl: null, reason: null });
 
 /**
  * Result of a promise that settles in time; null where it takes longer.
@@ -173,7 +173,7 @@ async function askService(key, model, options) {
   const { calibration, guidance_url: guidanceUrl, reason = null } = answer.body;
   // 404: as a service answers that does not know `miss`.
   if (guidanceUrl && (answer.response.status === 404 || (answer.response.ok && calibration === null))) return { calibration: null, guidanceUrl, reason };
-  return known(calibrationIn(answer));
+  return answerOf(calibrationIn(answer));
 }
 
 /**

@@ -1,7 +1,7 @@
 // Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
 import { el } from "../dom.js";
 import { splitLabel } from "../camera-name.js";
-import { dotted, language, pageUrl, rough, sized, t } from "../i18n.js";
+import { joinFacts, language, pageUrl, rough, formatSize, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
 import { copyButton, hint } from "./menu.js";
 import { levelOf } from "./numbers.js";
@@ -14,7 +14,7 @@ import { button, listViews } from "./views.js";
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration
  * @typedef {import("./numbers.js").Report} Report
- * @typedef {import("./standing.js").Standing} Standing
+ * @typedef {import("./agreement.js").Agreement} Agreement
  * @typedef {import("./result.js").Result} Result
  * @typedef {import("./views.js").Trial} Trial
  */
@@ -27,7 +27,7 @@ export const verdictOf = (calibration, report) => report?.verdict.level ?? level
 
 /** Title of a page that shows it. @param {Calibration} calibration @param {Report | null} report */
 export const pageTitle = (calibration, report) => t("result.title_of", {
-  camera: splitLabel(calibration.camera).name, size: sized(calibration.img_size), level: t(`result.level_${verdictOf(calibration, report)}`),
+  camera: splitLabel(calibration.camera).name, size: formatSize(calibration.img_size), level: t(`result.level_${verdictOf(calibration, report)}`),
 });
 
 /** The result's own page, in the language of whoever opens it. @param {string} id */
@@ -54,7 +54,7 @@ export function card(result, trial, id) {
     // Where it was captured the page itself has said so.
     ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
     ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: listViews(trial.without) }))] : []),
-    el("h1", { id: "result-name", tabindex: -1 }, splitLabel(camera).name, " ", el("span", { class: "number size" }, sized(img_size))),
+    el("h1", { id: "result-name", tabindex: -1 }, splitLabel(camera).name, " ", el("span", { class: "number size" }, formatSize(img_size))),
     el("div", { class: "judgement" },
       el("p", { id: "verdict", class: `verdict tint ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
       el("p", { class: "lead" },
@@ -63,7 +63,7 @@ export function card(result, trial, id) {
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
     nextSteps(result, trial, id),
     el("p", { class: "facts muted number" }, factsText(calibration, report, factsOf(id)?.board ?? null)),
-    ...(practice || trial || !id ? [] : [el("p", { class: "standing", id: "standing" }, "\u00a0")]));
+    ...(practice || trial || !id ? [] : [el("p", { class: "agreement", id: "agreement" }, "\u00a0")]));
 }
 
 /** @param {Result} result @param {Trial | null} trial @param {string | null} id */
@@ -109,23 +109,23 @@ function returning({ returnTo, returnOrigins = [] }, id) {
 /** "4 views · ChArUco 9 × 6 · 22 Nov 2026". @param {Calibration} calibration @param {Report | null} report @param {any} board */
 function factsText(calibration, report, board) {
   const date = new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(calibration.calibration_time * 1000));
-  return dotted([
+  return joinFacts([
     ...(report ? [t("result.views_count", { count: report.views.length })] : []),
-    ...(board ? [`${BOARDS[board.kind ?? "charuco"] ?? board.kind} ${sized(board.squares)}`] : []),
+    ...(board ? [`${BOARDS[board.kind ?? "charuco"] ?? board.kind} ${formatSize(board.squares)}`] : []),
     date, calibration.distortion_model,
   ]);
 }
 
 /**
  * "2 of 5 calibrations needed", and the way to the next one.
- * @param {HTMLElement} place @param {Calibration} calibration @param {Standing | null} standing null: not known
+ * @param {HTMLElement} place @param {Calibration} calibration @param {Agreement | null} agreement null: not known
  */
-export function showStanding(place, calibration, standing) {
-  if (!standing) return place.replaceChildren("\u00a0");
-  const { key, agreeing, required, reliable } = standing;
+export function showAgreement(place, calibration, agreement) {
+  if (!agreement) return place.replaceChildren("\u00a0");
+  const { key, agreeing, required, reliable } = agreement;
   const camera = pageUrl(`cameras/?${new URLSearchParams({ key })}`).href;
-  const text = reliable ? t("result.standing_ready", { count: agreeing })
-    : agreeing >= required ? t("result.standing_enough", { count: agreeing }) : t("result.standing", { count: agreeing, required });
+  const text = reliable ? t("result.agreement_ready", { count: agreeing })
+    : agreeing >= required ? t("result.agreement_enough", { count: agreeing }) : t("result.agreement", { count: agreeing, required });
   place.replaceChildren(el("strong", { class: "number" }, text), " ",
     ...(reliable ? [] : [el("a", { href: againAddress(calibration), id: "confirm" }, t("result.confirm")), " · "]),
     el("a", { href: camera }, t("result.camera_page")));

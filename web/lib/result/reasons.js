@@ -1,5 +1,5 @@
 // Reasons of a verdict as people read them, and what to do about the probable cause of systematic errors.
-import { known, language, t } from "../i18n.js";
+import { hasMessage, language, t } from "../i18n.js";
 
 /**
  * @typedef {import("./numbers.js").Report} Report
@@ -25,5 +25,5 @@ export function reasonTexts(report, notes, model) {
 function wording({ code, text }, better, model) {
   if (code === "model_too_simple" && better) return t("result.reason_choose_model", { model: better });
   const models = new Intl.ListFormat(language(), { type: "disjunction" }).format(WIDE_MODELS.filter((name) => name !== model));
-  return known(`result.reason_${code}`) ? t(`result.reason_${code}`, { models }) : text;
+  return hasMessage(`result.reason_${code}`) ? t(`result.reason_${code}`, { models }) : text;
 }

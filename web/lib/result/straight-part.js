@@ -1,6 +1,6 @@
 // Part of a result that shows what it does: a picture before and after, and any other photograph of this camera.
 import { el } from "../dom.js";
-import { sized, t } from "../i18n.js";
+import { formatSize, t } from "../i18n.js";
 import { liveRegion } from "../live-region.js";
 import { comparison, shrinkCalibration } from "./compare.js";
 import { gridPicture } from "./grid-picture.js";
@@ -35,7 +35,7 @@ function chooser({ img_size: [width, height] }, onPicture) {
     try {
       const picture = await createImageBitmap(file);
       if (picture.width * height !== picture.height * width) {
-        complain(() => t("result.picture_shape", { size: sized([width, height]) }));
+        complain(() => t("result.picture_shape", { size: formatSize([width, height]) }));
         return;
       }
       const canvas = el("canvas", { width, height });

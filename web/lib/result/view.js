@@ -5,13 +5,13 @@ import { onLanguage, pageUrl, t } from "../i18n.js";
 import { keepOwn } from "../own-calibrations.js";
 import { isKnownModel } from "../../sdk/projection.js";
 import { isVirtual } from "../virtual/name.js";
-import { againAddress, card, resultAddress, showStanding, verdictOf } from "./card.js";
+import { againAddress, card, resultAddress, showAgreement, verdictOf } from "./card.js";
 import { codePart } from "./code-part.js";
 import { recordPart } from "./download.js";
 import { figuresPart } from "./figures-part.js";
 import { numbersPart } from "./numbers-part.js";
 import { factsOf, load } from "./source.js";
-import { follow } from "./standing.js";
+import { followAgreement } from "./agreement.js";
 import { straightPart } from "./straight-part.js";
 import { listViews, viewsPart } from "./views.js";
 
@@ -29,8 +29,8 @@ export class ResultView {
   #trial = null;
   /** Trials so far: what arrives for an earlier one comes too late. */
   #tried = 0;
-  /** @type {import("./standing.js").Standing | null} */
-  #standing = null;
+  /** @type {import("./agreement.js").Agreement | null} */
+  #agreement = null;
   /** Ends the questions about the camera of the result before. */
   #following = new AbortController();
   /** @type {(() => void)[]} */
@@ -49,10 +49,10 @@ export class ResultView {
     this.#result = result;
     this.#trial = null;
     this.#tried += 1;
-    if (!same) this.#standing = null;
+    if (!same) this.#agreement = null;
     this.#draw();
     this.#keep(result);
-    void this.#follow(result);
+    void this.#followAgreement(result);
   }
 
   /** Keep it in this browser, so that its maker finds it again; practice is nobody's camera. @param {Result} result */
@@ -63,25 +63,25 @@ export class ResultView {
   }
 
   /** @param {Result} result */
-  async #follow({ calibration }) {
+  async #followAgreement({ calibration }) {
     this.#following.abort();
     const { signal } = this.#following = new AbortController();
     const key = factsOf(calibration.id)?.cameraKey;
-    if (!key || isVirtual(calibration.camera) || this.#standing?.settled) return;
+    if (!key || isVirtual(calibration.camera) || this.#agreement?.settled) return;
     try {
-      await follow(key, calibration, signal, (standing) => {
-        this.#standing = standing;
-        this.#showStanding();
+      await followAgreement(key, calibration, signal, (agreement) => {
+        this.#agreement = agreement;
+        this.#showAgreement();
       });
     } catch (error) {
       // The result is whole without it.
-      if (!signal.aborted) console.info("no standing:", String(error));
+      if (!signal.aborted) console.info("no agreement:", String(error));
     }
   }
 
-  #showStanding() {
-    const place = document.getElementById("standing");
-    if (place && this.#result) showStanding(place, this.#result.calibration, this.#standing);
+  #showAgreement() {
+    const place = document.getElementById("agreement");
+    if (place && this.#result) showAgreement(place, this.#result.calibration, this.#agreement);
   }
 
   #draw() {
@@ -107,7 +107,7 @@ export class ResultView {
       section("help", el("div", {}, el("p", { id: "summary" }, contributionText(result)), el("p", {}, el("a", { href: pageUrl("rig/").href }, t("result.several"))))),
       section("details", details(calibration, id)),
     ].filter((element) => element !== null));
-    this.#showStanding();
+    this.#showAgreement();
     if (focused) document.getElementById(focused)?.focus();
   }
 

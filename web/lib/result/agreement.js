@@ -1,9 +1,9 @@
-// Standing of a calibration's camera: how many calibrations of it agree, and how many must.
+// Agreement of a calibration's camera: how many calibrations of it agree, and how many must.
 import { Api } from "../api.js";
 import { loadSettings } from "../settings.js";
 
 /**
- * @typedef {object} Standing
+ * @typedef {object} Agreement
  * @property {string} key of the camera
  * @property {number} agreeing
  * @property {number} required
@@ -16,17 +16,17 @@ const WAITS_MS = [1500, 3000, 6000]; // ms; a consensus is computed seconds afte
 /**
  * @param {string} key of the camera @param {{id: string | null, img_size: readonly number[], zoom: number}} calibration
  * @param {AbortSignal} signal
- * @param {(standing: Standing) => void} onStanding called with what is known, and again with what a new consensus says
+ * @param {(agreement: Agreement) => void} onAgreement called with what is known, and again with what a new consensus says
  * @param {(ms: number) => Promise<void>} [wait]
  */
-export async function follow(key, calibration, signal, onStanding, wait = (ms) => new Promise((done) => setTimeout(done, ms))) {
+export async function followAgreement(key, calibration, signal, onAgreement, wait = (ms) => new Promise((done) => setTimeout(done, ms))) {
   for (const pause of [...WAITS_MS, null]) {
     const { api, token } = await loadSettings();
     const page = await new Api(api, { signal }).json("GET", `/cameras/${encodeURIComponent(key)}`, token, { brief: true });
     if (signal.aborted) return;
-    const standing = standingOf(key, page, calibration);
-    onStanding(standing);
-    if (standing.settled || pause === null) return;
+    const agreement = agreementOf(key, page, calibration);
+    onAgreement(agreement);
+    if (agreement.settled || pause === null) return;
     await wait(pause);
     if (signal.aborted) return;
   }
@@ -35,9 +35,9 @@ export async function follow(key, calibration, signal, onStanding, wait = (ms) =
 /**
  * @param {string} key @param {{modes: import("../../vendor/api.js").CameraDetail["modes"]}} page
  * @param {{id: string | null, img_size: readonly number[], zoom: number}} calibration
- * @returns {Standing}
+ * @returns {Agreement}
  */
-export function standingOf(key, { modes }, { id, img_size, zoom }) {
+export function agreementOf(key, { modes }, { id, img_size, zoom }) {
   const mode = modes.find((each) => each.img_size.join() === img_size.join() && each.zoom === zoom);
   const counted = (mode?.groups ?? []).some((group) => group.includes(id ?? ""));
   const listed = mode?.members.some((member) => member.id === id) ?? false;
