@@ -1,9 +1,12 @@
-"""Selection of tests by marker and environment, and the profile of Hypothesis."""
+"""Selection of tests by marker and environment, the profile of Hypothesis, and the collector of garbage."""
 
+import gc
 import os
 
 import pytest
 from hypothesis import HealthCheck, settings
+from xdist.remote import Producer
+from xdist.scheduler import LoadScopeScheduling
 
 from tests.helpers.data import EXTERNAL
 
@@ -12,12 +15,22 @@ THOROUGH = bool(os.environ.get("THOROUGH"))  # `make thorough`
 #: markers whose tests run only on a condition
 SELECTED = {"thorough": THOROUGH, "external_data": EXTERNAL is not None}
 
-#: modules that take longest, half a minute of processor time to ten seconds: what begins last must be short
+#: modules that take longest, a minute and a half to ten seconds: what begins last must be short
 LONGEST = (
+    *("test_pages", "test_interruptions", "test_virtual_camera", "test_ar", "test_diagnosis"),
+    *("test_other_boards", "test_result", "test_rig", "test_examples", "test_rectifier"),
+    *("test_controls", "test_preflights", "test_photos", "test_outages", "test_lost_gpu"),
     *("test_guidance", "test_reindex", "test_crowd", "test_hostile", "test_ops", "test_durability"),
     *("test_loop", "test_pooling", "test_killed_while_finishing", "test_edge_histories", "test_bundle"),
-    "test_openapi_fuzz",
+    *("test_openapi_fuzz", "test_documents", "test_imports", "test_python_capture"),
 )
+
+#: allocations between two searches for garbage. Storage in memory makes so many objects that Python's own 700
+#: took a fifth of the processor's time.
+MIN_ALLOCATIONS = 20_000
+
+# What modules define stays: nothing of it is garbage, until tests run (`pytest_runtestloop`).
+gc.disable()
 
 # The same examples each time, however slow the machine is; new ones are looked for where there is time.
 settings.register_profile(
@@ -37,6 +50,25 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: first.get(item.path.name, len(first)))
 
 
+class ModulesAndFirefox(LoadScopeScheduling):
+    """Scheduler of whole modules, and of all tests in Firefox, which takes long to start, for one worker."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return "in_firefox" if "in_firefox" in nodeid else super()._split_scope(nodeid)
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadScopeScheduling | None:
+    return ModulesAndFirefox(config, log) if config.getvalue("dist") == "loadscope" else None
+
+
 def pytest_configure() -> None:
     if EXTERNAL is not None and not EXTERNAL.is_dir():
         raise pytest.UsageError(f"CALIBDB_DATA names no folder: {EXTERNAL}")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop() -> None:
+    """Collect garbage from here on, of what tests make."""
+    gc.freeze()
+    gc.set_threshold(MIN_ALLOCATIONS, *gc.get_threshold()[1:])
+    gc.enable()

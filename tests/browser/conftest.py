@@ -91,7 +91,10 @@ def chromium(playwright: Playwright) -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def in_firefox() -> Iterator[InFirefox]:
-    """Evaluator of functions in pages of one Firefox, each page a visit of its own."""
+    """Evaluator of functions in pages of one Firefox, each page a visit of its own.
+
+    The names of tests that take it contain `in_firefox`: one worker runs them all.
+    """
     with firefox() as evaluate:
         yield evaluate
 

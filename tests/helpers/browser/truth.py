@@ -32,11 +32,15 @@ class Truth:
         return np.array([self.k1, 0, 0, 0, 0.0])
 
     def query(self, **more: object) -> str:
-        """Address part that sets the virtual camera to this."""
+        """Address part that sets the virtual camera to this.
+
+        Its pictures are fewer than a real camera's, and who holds the board is quick: both take a machine's
+        time, and nobody watches.
+        """
         lens = {"fx": self.fx, "cx": self.cx, "cy": self.cy, "k1": self.k1, "k2": 0}
         width, height = self.size
         size = {} if self.size == Truth.size else {"img_size": f"{width}x{height}"}
-        return urlencode({"virtual": 1} | size | lens | more)
+        return urlencode({"virtual": 1, "rate": 10, "hand": "quick"} | size | lens | more)
 
 
 #: at half the size, which costs a quarter: for what does not depend on the number of pixels
@@ -46,10 +50,14 @@ SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))
 def projection_errors(truth: Truth, calibration: dict[str, Any], grid: tuple[int, int] = (20, 15)) -> Array:
     """Distance of true and estimated projection of the same rays after the best rotation, px, (points,).
 
-    A turn of the camera frame is no error: a user of the calibration cannot tell it from a turned camera.
+    At the centres of cells, where a calibration states its error (`Calibration.projection_std`): in the very
+    corner these lenses are about to fold, and a ray there is worth a dozen pixels. A turn of the camera frame
+    is no error: a user of the calibration cannot tell it from a turned camera.
     """
-    w, h = truth.size
-    u, v = np.meshgrid(np.linspace(0, w - 1, grid[0]), np.linspace(0, h - 1, grid[1]))
+    columns, rows = grid
+    across = (np.arange(columns) + 0.5) * truth.size[0] / columns - 0.5
+    down = (np.arange(rows) + 0.5) * truth.size[1] / rows - 0.5
+    u, v = np.meshgrid(across, down)
     q = np.stack([u.ravel(), v.ravel()], axis=1)
     exact = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 200, 1e-12)
     xy = cv2.undistortPoints(q[:, None], truth.matrix, truth.distortion, criteria=exact).reshape(-1, 2)

@@ -2,6 +2,7 @@
 
 import contextvars
 import fnmatch
+import functools
 import json
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -80,6 +81,7 @@ def listed(value: Any) -> tuple[Any, ...]:
     return tuple(value) if isinstance(value, list) else (value,)
 
 
+@functools.cache
 def grants(kind: str = "AWS::Serverless::Function") -> dict[str, tuple[Grant, ...]]:
     """Permissions that the template grants each resource of this type that is always deployed."""
     document, resolve = template()
@@ -106,6 +108,7 @@ def statements(document: Mapping[str, Any], properties: Mapping[str, Any]) -> It
         yield from policy["Statement"]
 
 
+@functools.cache
 def template() -> tuple[Mapping[str, Any], Resolver]:
     document = parse_text(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")))
     defaults = {n: p.get("Default", "") for n, p in document["Parameters"].items()}

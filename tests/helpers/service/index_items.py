@@ -21,7 +21,7 @@ def items(stack: LocalStack) -> dict[Key, Any]:
     }
 
 
-def remove(stack: LocalStack, key: Key) -> None:
-    boto3.client("dynamodb").delete_item(
-        TableName=stack.environment["TABLE_NAME"], Key={"pk": {"S": key[0]}, "sk": {"S": key[1]}}
-    )
+def remove(stack: LocalStack, *keys: Key) -> None:
+    table = boto3.client("dynamodb")
+    for pk, sk in keys:
+        table.delete_item(TableName=stack.environment["TABLE_NAME"], Key={"pk": {"S": pk}, "sk": {"S": sk}})

@@ -1,5 +1,6 @@
 """Calibrations as finished sessions leave them, made without any session."""
 
+import functools
 import hashlib
 from collections.abc import Sequence
 from typing import Any
@@ -36,10 +37,13 @@ def held(
     return seen
 
 
+@functools.lru_cache(maxsize=256)
 def calibration(
     camera: str, n: int, views: int = 5, begun: int = NOW, **truth: Any
 ) -> schema.CalibrationDocument:
     """The `n`th calibration of a camera, of a contributor of its own, `n` seconds after the first was begun.
+
+    Each is made once in a process: a document never changes.
 
     `truth`: what differs from the camera that `Truth` is.
     """

@@ -50,6 +50,7 @@ class LocalProcess:
                 env=os.environ
                 | {
                     "PYTHONPATH": os.pathsep.join(("layers/service", "layers/solver", ".")),
+                    "PYTHONFAULTHANDLER": "1",  # SIGABRT tells what every thread does
                     "PORT": "0",
                     "DATA_DIR": str(self._data_dir),
                 }
@@ -78,9 +79,20 @@ class LocalProcess:
         self.process.wait()
 
     def stop(self, timeout_s: float = 60) -> int:
-        """Ask it to end, what it computes included; return its exit status."""
+        """Ask it to end, what it computes included; return its exit status.
+
+        Raises
+        ------
+        AssertionError
+            If it goes on: what its threads do.
+        """
         self.process.send_signal(signal.SIGTERM)
-        return self.process.wait(timeout_s)
+        try:
+            return self.process.wait(timeout_s)
+        except subprocess.TimeoutExpired:
+            self.process.send_signal(signal.SIGABRT)
+            self.process.wait()
+            raise AssertionError(f"it does not end: {self.log.read_text()[-8000:]}") from None
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

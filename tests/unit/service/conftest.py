@@ -6,9 +6,9 @@ from contextlib import contextmanager
 
 import boto3
 import pytest
-from moto import mock_aws
 
 from calibdb.store import Objects, Table
+from tests.helpers.aws import account
 
 REGION = "eu-central-1"
 
@@ -32,7 +32,7 @@ def aws(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "test")
     endpoint = os.environ.get("CONFORMANCE_ENDPOINT")
-    with elsewhere(endpoint, monkeypatch) if endpoint else mock_aws():
+    with elsewhere(endpoint, monkeypatch) if endpoint else account():
         boto3.client("s3", REGION).create_bucket(
             Bucket="bucket", CreateBucketConfiguration={"LocationConstraint": REGION}
         )

@@ -1,0 +1,55 @@
+"""The viewfinder at the sizes that people have: all of it is in reach, and nothing moves while one aims."""
+
+from playwright.sync_api import Page
+
+# What leaves the window, is cut off, or lies over something else.
+AMISS = """() => {
+  const width = document.documentElement.clientWidth;
+  const there = [...document.querySelectorAll(".rim :is(a, button, summary, select, output), .reticle p")]
+    .filter((each) => each.checkVisibility() && !each.closest(".unseen, details:not([open]) > :not(summary)"))
+    .map((each) => [each.id || each.textContent.trim(), each.getBoundingClientRect(), each]);
+  const outside = there.filter(([, box]) => box.left < 0 || box.right > width || box.bottom > innerHeight)
+  const cut = there.filter(([, , each]) => each.tagName === "BUTTON" && each.scrollWidth > each.clientWidth);
+  const over = there.flatMap(([name, a], at) => there.slice(at + 1)
+    .filter(([, b]) => a.left + 1 < b.right && b.left + 1 < a.right
+      && a.top + 1 < b.bottom && b.top + 1 < a.bottom)
+    .map(([other]) => `${name} over ${other}`));
+  return [...outside, ...cut].map(([name]) => name).concat(over,
+    document.documentElement.scrollWidth > width ? ["the page"] : []);
+}"""
+LONGER = """(words) => {
+  const height = () => document.getElementById("stage").clientHeight;
+  const before = height();
+  words.forEach((text, at) => {
+    document.getElementById(["count", "count-more"][at]).textContent = text;
+  });
+  return height() - before;
+}"""
+# As they are held, turned, and zoomed in to 200 %.
+LENGTHS = [["", ""], ["Ansicht 3 von etwa 5", " · genau genug; noch 2 zur Bestätigung"]]
+# From the picture's lower edge to what is to be done, px.
+DOCKED = """() => {
+  const [stage, video] = ["stage", "video"].map((id) => document.getElementById(id));
+  const { bottom, height, width } = stage.getBoundingClientRect();
+  const picture = (width * video.videoHeight) / video.videoWidth;
+  const edge = bottom - (height - picture) / 2;
+  return document.getElementById("instruction").getBoundingClientRect().top - edge;
+}"""
+SIZES = [
+    *((320, 640), (320, 480), (390, 844), (480, 320), (568, 320), (640, 360), (667, 375), (720, 450)),
+    *((844, 390), (820, 1180), (1024, 768), (1180, 820), (1280, 720), (1440, 900)),
+]
+
+
+def expect_all_in_reach(page: Page, language: str) -> None:
+    """Hold the viewfinder to it that all controls are in the window and the picture stands still."""
+    page.locator("#language").select_option(language)
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        assert page.evaluate(AMISS) == [], f"{language} at {width} x {height}"
+        if (width, height) == (390, 844):
+            assert 0 <= page.evaluate(DOCKED) < 16, "where one looks, not at the far edge of the window"
+        if width >= 390 and language == "de":
+            for words in LENGTHS:
+                moved = page.evaluate(LONGER, words)
+                assert moved == 0, f"{words!r} moves the picture by {moved} px at {width} x {height}"
