@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
 from tests.helpers.browser.pictures import SCHEMES, SIZES, picture
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.waiting import address, until
 
 # A phone before permission: cameras without names; what was asked of them.
@@ -22,20 +23,22 @@ PHONE = """
 FOUND = """async (dictionaries) => {
   const { Detector } = await import("/lib/detector.js");
   const { raster } = await import("/lib/board-drawing.js");
+  const { DEFAULT_BOARD } = await import("/lib/board.js");
+  const detector = await Detector.open(DEFAULT_BOARD);
   const found = {};
   for (const dictionary of dictionaries) {
     const board = { squares: [9, 6], marker_ratio: 0.65, dictionary, legacy: false };
-    const { width, height, data } = raster(board, 100, 60);
+    const { width, height, data } = raster(board, 50, 30);
     const context = new OffscreenCanvas(width, height).getContext("2d");
     const picture = context.createImageData(width, height);
     data.forEach((grey, pixel) => picture.data.set([grey, grey, grey, 255], 4 * pixel));
     context.putImageData(picture, 0, 0);
-    const detector = await Detector.open(board);
+    await detector.change(board);
     const bitmap = context.canvas.transferToImageBitmap();
     const { ids, points } = await detector.detect(bitmap, { full: true, timeout: 120_000 });
-    detector.close();
     found[dictionary] = ids.map((id, at) => [id, ...points[at]]);
   }
+  detector.close();
   return found;
 }"""
 
@@ -45,7 +48,7 @@ def test_the_board_is_shown(page: Page) -> None:
     page.locator("#papers a").first.wait_for()
     for scheme in SCHEMES:
         page.emulate_media(color_scheme=scheme)
-        picture(page, f"board-{scheme}", full=True)
+        picture(page, f"board-{scheme}", ["desk", "hand"] if scheme == "light" else ["hand"], full=True)
 
 
 def test_the_board_as_a_file(page: Page) -> None:
@@ -83,7 +86,7 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) ->
     assert page.evaluate("getComputedStyle(document.documentElement).overflowY") == "hidden", (
         "nothing scrolls behind"
     )
-    picture(page, "board-filling")
+    picture(page, "board-filling", ["hand"])
     page.set_viewport_size(SIZES["hand"])
 
     def is_turned() -> bool:  # to use the whole of an upright phone
@@ -100,6 +103,7 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) ->
 
 
 def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
+    page.add_init_script(BLIND_DETECTOR)
     page.goto("/calibrate/?squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100")
     board = "squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100"
     links = page.locator("a[href*='board/']")
@@ -111,7 +115,7 @@ def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
     expect(page.locator("#columns")).to_have_value("8")
     page.goto("/calibrate/?squares=12x12")
     expect(page.locator("#problem")).to_contain_text("the board needs 72")
-    picture(page, "capture-impossible-board")
+    picture(page, "capture-impossible-board", ["hand"])
     page.goto("/board/?squares=12x12")
     page.locator("#problem", has_text="the board needs 72").wait_for()
 
@@ -160,7 +164,7 @@ def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Pag
     offered = page.locator("#dictionary option").all_text_contents()
     kinds = [name for name in offered if name.endswith("_1000") or "APRILTAG" in name]
     assert len(kinds) == 8
-    corners = [(8 * y + x, 159.5 + 100 * x, 159.5 + 100 * y) for y in range(5) for x in range(8)]
+    corners = [(8 * y + x, 79.5 + 50 * x, 79.5 + 50 * y) for y in range(5) for x in range(8)]
     for name, found in page.evaluate(FOUND, kinds).items():
         assert np.abs(np.array(found) - corners).max() < 0.05, name
 
@@ -203,7 +207,7 @@ def test_a_phone_is_calibrated_with_this_screen(page: Page) -> None:
         there, _, _ = cv2.QRCodeDetectorAruco().detectAndDecode(cv2.resize(shown, None, fx=2, fy=2))
         assert there.endswith("/calibrate/?squares=8x5&facing=environment"), (width, height)
         page.keyboard.press("Escape")
-    page.add_init_script(PHONE)
+    page.add_init_script(PHONE + BLIND_DETECTOR)
     page.set_viewport_size(SIZES["hand"])
     page.goto(there)
     expect(page.locator("#on-other-screen")).to_be_visible()
@@ -214,7 +218,8 @@ def test_a_phone_is_calibrated_with_this_screen(page: Page) -> None:
     until(page, lambda: page.evaluate("window.asked?.facingMode") == {"ideal": "environment"})
 
 
-@pytest.mark.parametrize("language", ["de", pytest.param("uk", marks=pytest.mark.thorough)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("language", ["de", "uk"])
 def test_the_pages_speak_other_languages(page: Page, language: str) -> None:
     words = {
         "de": ("Kalibriertafel", "Kameras", "Aus Fotos"),

@@ -28,7 +28,7 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     expect(page.locator("#more")).to_be_visible()
     for scheme in SCHEMES:
         page.emulate_media(color_scheme=scheme)
-        picture(page, f"cameras-{scheme}")
+        picture(page, f"cameras-{scheme}", ["desk", "hand"] if scheme == "light" else ["hand"])
     page.goto("/cameras/?key=c2.specimen")
     page.locator("#camera-name", has_text="C920").wait_for()
     expect(page.locator(".reliability").first).to_contain_text("Ready to use")
@@ -45,7 +45,7 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     )
     for scheme in SCHEMES:
         page.emulate_media(color_scheme=scheme)
-        picture(page, f"camera-{scheme}", full=True)
+        picture(page, f"camera-{scheme}", ["desk", "hand"] if scheme == "light" else ["hand"], full=True)
 
 
 def test_a_calibrated_camera_is_found_and_fitted_with_any_model(page: Page, api: httpx.Client) -> None:

@@ -37,7 +37,7 @@ WATCH = """async (frames) => {
 }"""
 
 
-@pytest.mark.parametrize("frames", [300, pytest.param(2_000, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("frames", [50, pytest.param(2_000, marks=pytest.mark.thorough)])
 def test_detector_is_exact_and_keeps_its_memory(page: Page, frames: int) -> None:
     page.goto("/board/")
     seen = page.evaluate(WATCH, frames)

@@ -133,7 +133,7 @@ def test_curl_of_the_page_finds_the_camera(page: Page, known: dict[str, Any]) ->
     assert json.loads(sent.stdout)["reliable"]
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.thorough)])
 def test_token_is_kept_and_managed(page: Page, tmp_path: Path, scheme: str) -> None:
     page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
     page.goto("/developers/")

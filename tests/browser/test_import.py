@@ -13,7 +13,7 @@ from playwright.sync_api import BrowserContext, Page, Request, expect
 
 from calibsolver import Board, fit
 from calibsolver.formats import ExportSource, write
-from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.pictures import PASSING, picture
 from tests.helpers.data import corner_views
 from tests.helpers.solver.export_sources import subject
 
@@ -59,7 +59,7 @@ def test_corners_that_mrcal_packs_are_unpacked(page: Page, tmp_path: Path) -> No
     expect(page.locator("#form")).to_be_visible()
 
 
-@pytest.mark.parametrize("form", ["photonvision", "corners-vnl"])
+@pytest.mark.parametrize("form", [pytest.param("photonvision", marks=pytest.mark.thorough), "corners-vnl"])
 def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -> None:
     kept, size = captured()
     sent: list[Request] = []
@@ -72,12 +72,12 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
         assert [page.locator(f"#{side}").input_value() for side in ("columns", "rows")] == ["10", "7"]
         page.locator("#width").fill(str(size[0]))
         page.locator("#height").fill(str(size[1]))
-        picture(page, "import-table", full=True)
+        picture(page, "import-table", ["hand"], full=True)
         page.locator("#table button").click()
     page.locator("#status", has_text="13 views of a board of 10 × 7 squares, 640 × 480 px").wait_for()
     expect(page.locator("#views li")).to_have_count(13)
     assert telling(sent) == [], "nothing is sent before one asks for it"
-    picture(page, f"import-{form}", full=True)
+    picture(page, f"import-{form}", ["hand"], full=True)
     page.locator("#kind").select_option("photographs")
     page.locator("#camera").fill(f"{NAME}, {form}")
     page.locator("#start").click()
@@ -90,7 +90,7 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     )
     assert abs(ours / theirs - 1) < 0.003, "every view counts; the shape of the board moves it by some"
     assert calibration["platform"] == "photographs"
-    picture(page, f"import-{form}-done", full=True)
+    picture(page, f"import-{form}-done", PASSING, full=True)
     for request in sent:
         if request.post_data is not None:
             assert set(json.loads(request.post_data)) <= SENT
@@ -184,7 +184,8 @@ def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> N
     assert telling(sent) == []
 
 
-@pytest.mark.parametrize("language", [pytest.param("de", marks=pytest.mark.thorough), "uk"])
+@pytest.mark.thorough
+@pytest.mark.parametrize("language", ["de", "uk"])
 def test_other_languages(context: BrowserContext, tmp_path: Path, language: str) -> None:
     page = context.new_page()
     page.goto(f"/import/?lang={language}")

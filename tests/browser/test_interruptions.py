@@ -16,7 +16,6 @@ from tests.helpers.browser.interruptions import (
     UNPLUG_WITH_A_VIEW,
     VIRTUAL,
     WORKERS,
-    done,
     sent_views,
     sessions,
     stop,
@@ -43,35 +42,19 @@ def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     page.evaluate(TURN)
     hear(page, "notice", "a separate calibration")
     assert [json.loads(request.post_data or "")["img_size"] for request in begun] == [
-        [1280, 720],
-        [720, 1280],
+        [640, 360],
+        [360, 640],
     ]
     for session, view in sent:  # nothing of one picture goes to the other's session
         assert session == 1
-        assert all(x < 1280 and y < 720 for x, y in json.loads(view.post_data or "")["points"])
+        assert all(x < 640 and y < 360 for x, y in json.loads(view.post_data or "")["points"])
     expect(page.locator(".virtual-camera"), "the camera before is let go").to_have_count(1)
 
 
-def test_a_lost_camera_loses_no_views(page: Page) -> None:
+def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_loses_views(context: BrowserContext) -> None:
+    page = context.new_page()  # Chromium complains of the frame that died with the worker
+    page.add_init_script(WORKERS)
     begun = sessions(page)
-    page.goto(ENDLESS)
-    page.evaluate(UNPLUG_WITH_A_VIEW)
-    page.locator("#failed:not([hidden])").wait_for()
-    expect(page.locator("#failure")).to_contain_text("The camera was unplugged")
-    assert re.fullmatch(
-        r"(1 view is|\d views are) saved. Try again with the same camera to continue.",
-        page.locator("#kept").text_content() or "",
-    )
-    picture(page, "capture-kept")
-    before = views(page)
-    page.locator("#again").click()
-    page.locator("#controls:not([hidden])").wait_for()
-    assert views(page) >= before
-    wait_for_views(page, before + 1)
-    assert len(begun) == 1
-
-
-def test_a_stop_that_would_lose_views_is_asked_for_twice(page: Page) -> None:
     listen(page)
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
@@ -79,8 +62,27 @@ def test_a_stop_that_would_lose_views_is_asked_for_twice(page: Page) -> None:
     page.locator("#stop", has_text="Stop?").wait_for()
     hear(page, "notice", r"^Press again to stop and lose \d views?\.$")
     expect(page.locator("#controls")).to_be_visible()
-    picture(page, "capture-stop")
+    picture(page, "capture-stop", ["hand"])
+
+    page.evaluate(KILL)
+    hear(page, "instruction", "Restarting the board detector")
+    wait_for_views(page, views(page) + 1)
     page.locator("#stop", has_text=re.compile("^Stop$")).wait_for()
+
+    page.evaluate(UNPLUG_WITH_A_VIEW)
+    page.locator("#failed:not([hidden])").wait_for()
+    expect(page.locator("#failure")).to_contain_text("The camera was unplugged")
+    assert re.fullmatch(
+        r"(1 view is|\d views are) saved. Try again with the same camera to continue.",
+        page.locator("#kept").text_content() or "",
+    )
+    picture(page, "capture-kept", ["hand"])
+    before = views(page)
+    page.locator("#again").click()
+    page.locator("#controls:not([hidden])").wait_for()
+    assert views(page) >= before
+    wait_for_views(page, before + 1)
+    assert len(begun) == 1
     stop(page)
     expect(page.locator("#interrupted"), "what a person ended is not offered again").to_be_hidden()
 
@@ -106,13 +108,13 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
     there = views(page)
-    page.route("**/v1/**", lambda route: route.abort())
+    context.set_offline(offline=True)
     page.locator("#away", has_text="No connection").wait_for()
     target = page.locator("#target[points*=',']")  # until there are enough views
     assert len((target.get_attribute("points") or "").split()) == 4
     page.locator("#counts", has_text=re.compile("[2-9] of [3-8] saved here")).wait_for()
-    picture(page, "capture-away")
-    page.unroute("**/v1/**")
+    picture(page, "capture-away", ["hand"])
+    context.set_offline(offline=False)
     page.locator("#away").wait_for(state="hidden")
     # Instructions after the return are of now.
     earlier = len(heard(page, "instruction"))
@@ -123,13 +125,24 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     expect(page.locator("#counts")).not_to_contain_text("saved here")
 
     taken = views(page)
+    page.route("**/v1/**", lambda route: route.abort())
     page.reload()
-    page.locator("#controls:not([hidden])").wait_for()
-    assert views(page) >= taken
+    # A hand that is quick may have shown enough views meanwhile.
+    expect(page.locator("#away")).to_contain_text(re.compile("No connection. (Continue|Enough views)"))
+
+    def is_refused() -> bool:  # what was taken meanwhile is taken back, before
+        page.locator("#undo:enabled").click()
+        return any("only once calibDB is back" in said for said in heard(page, "notice"))
+
+    until(page, is_refused)
+    page.locator("#counts", has_text="of 8 saved here").wait_for()
+    page.unroute("**/v1/**")
+    page.locator("#away").wait_for(state="hidden")
+    assert views(page) >= taken, "a view that the service has is not taken back without it"
     assert len(begun) == 1
     page.goto("/calibrate/")
     page.locator("#interrupted-text", has_text="is saved" if taken == 1 else "are saved").wait_for()
-    picture(page, "capture-interrupted")
+    picture(page, "capture-interrupted", ["hand"])
     page.locator("#forget").click()
     page.locator("#interrupted").wait_for(state="hidden")
 
@@ -162,49 +175,7 @@ def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_
     page.locator("#done:not([hidden])").wait_for()
 
 
-def test_a_view_that_the_service_has_is_not_taken_back_without_it(context: BrowserContext) -> None:
-    page = context.new_page()
-    listen(page)
-    page.goto(ENDLESS)
-    page.locator("#undo:enabled").wait_for()
-    page.route("**/v1/**", lambda route: route.abort())
-    page.reload()
-    expect(page.locator("#away")).to_contain_text("No connection. Continue")
-
-    def is_refused() -> bool:  # what was taken meanwhile is taken back, before
-        page.locator("#undo:enabled").click()
-        return any("only once calibDB is back" in said for said in heard(page, "notice"))
-
-    until(page, is_refused)
-    page.locator("#counts", has_text="of 8 saved here").wait_for()
-
-
-def test_a_reload_shows_the_result_and_once_more_is_one_press(page: Page) -> None:
-    held: list[Route] = []
-    page.route("**/v1/calibrations/*", lambda route: held.append(route))
-    page.goto(VIRTUAL)
-    page.locator("#once-more").focus()
-    until(page, lambda: held)
-    held[0].continue_()
-    page.unroute("**/v1/calibrations/*")
-    done(page)
-    expect(page.locator("#once-more:focus"), "the report leaves the focus where it is").to_have_count(1)
-    expect(page.locator("#practice")).to_contain_text("Practice run")
-    expect(page.locator("#practice")).to_be_visible()
-    assert "/result/?id=" in address(page)
-    first = address(page)
-    page.locator("#once-more").click()
-    until(page, lambda: address(page) != first)
-    assert "/calibrate/?virtual=1" in address(page)
-    page.locator("#done:not([hidden])").wait_for()
-    second = address(page)
-    page.reload()
-    page.locator("#verdict").wait_for()
-    assert "/result/?id=" in address(page)
-    assert first != address(page) == second
-
-
-@pytest.mark.parametrize("lens", ["chosen", "detected"])
+@pytest.mark.parametrize("lens", [pytest.param("chosen", marks=pytest.mark.thorough), "detected"])
 def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
     context: BrowserContext, lens: str
 ) -> None:
@@ -255,10 +226,7 @@ def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: Browser
     page.route("**/v1/session**", refuse)
     before, told = views(page), len(sent)
     captured = [view["points"] for view in page.evaluate(STORED_VIEWS) if view["taken"]]
-    with page.expect_request(
-        lambda request: request.method == "POST" and request.url.endswith("/v1/session")
-    ):
-        page.locator("#skip").click()
+    page.locator("#skip").click()
     hear(page, "notice", "The session had expired. A new session has your views")
     wait_for_views(page, before)
     assert len(begun) == 3
@@ -268,19 +236,9 @@ def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: Browser
     expect(page.locator("#failed")).to_be_hidden()
 
 
-def test_a_killed_detector_is_started_again(context: BrowserContext) -> None:
-    page = context.new_page()  # Chromium complains of the frame that died with the worker
-    page.add_init_script(WORKERS)
-    listen(page)
-    page.goto(ENDLESS)
-    page.locator("#undo:enabled").wait_for()
-    page.evaluate(KILL)
-    hear(page, "instruction", "Restarting the board detector")
-    wait_for_views(page, views(page) + 1)
-
-
+@pytest.mark.thorough
 def test_a_full_storage_is_said_and_ends_nothing(page: Page) -> None:
     page.add_init_script(FULL)
     page.goto(ENDLESS)
     page.locator("#away", has_text="This browser cannot save views").wait_for()
-    wait_for_views(page, 2)
+    wait_for_views(page, views(page) + 1)

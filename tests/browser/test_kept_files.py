@@ -47,7 +47,7 @@ def kept(page: Page, *, enough: int = 20, name: str = "") -> list[str]:
     return names
 
 
-def test_pages_open_without_a_network_and_the_api_is_never_kept(visitor: BrowserContext) -> None:
+def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(visitor: BrowserContext) -> None:
     page = visitor.new_page()
     page.goto("/")
     found = kept(page)
@@ -65,10 +65,7 @@ def test_pages_open_without_a_network_and_the_api_is_never_kept(visitor: Browser
     page.locator("#status", has_text="cannot be reached").wait_for(state="hidden")
     assert not [each for each in page.evaluate(CACHED_FILES) if "/v1/" in each]
 
-
-def test_a_new_version_takes_over_whole(visitor: BrowserContext) -> None:
-    page = visitor.new_page()
-    page.goto("/")
+    # A new version takes over whole.
     before = kept(page)
     listed: dict[str, Any] = page.evaluate("async () => (await fetch('/shell.json')).json()")
     newer = (ROOT / "web" / "board" / "board.css").read_bytes() + b"/* newer */"
@@ -100,8 +97,11 @@ def test_a_new_version_takes_over_whole(visitor: BrowserContext) -> None:
     assert f"/board/board.css?sha256={digest}" in found
 
 
+LIGHTER = ("/photos/", "/import/", "/cameras/", "/board/", "/result/?id=x")
+
+
 @pytest.mark.parametrize(
-    "path", ["/", "/calibrate/", "/photos/", "/import/", "/cameras/", "/board/", "/result/?id=x"]
+    "path", ["/", "/calibrate/", *(pytest.param(each, marks=pytest.mark.thorough) for each in LIGHTER)]
 )
 def test_pages_are_light(context: BrowserContext, path: str) -> None:
     page = context.new_page()

@@ -5,9 +5,8 @@ import re
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-from tests.helpers.browser.interruptions import ENDLESS
 from tests.helpers.browser.scenes import no_network, unreadable
-from tests.helpers.browser.waiting import TIMEOUT_S, address
+from tests.helpers.browser.waiting import TIMEOUT_S
 
 from .conftest import close
 
@@ -75,19 +74,6 @@ def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_ev
         speak(page, "de")
         page.locator("[role=status]", has_text="erkennt diese Seite nicht an").wait_for()
         page.unroute("**/v1/**")
-
-
-def test_a_language_that_was_chosen_stays_whatever_the_address_asked_for(page: Page) -> None:
-    page.goto(f"{ENDLESS}&lang=en")
-    page.locator("#undo:enabled").wait_for()
-    speak(page, "uk")
-    page.reload()
-    page.locator("#stop", has_text="Зупинити").wait_for()
-    page.goto("/calibrate/?lang=de")
-    page.locator("#go-on", has_text="Fortfahren").click()
-    page.locator("#controls:not([hidden])").wait_for()
-    expect(page.locator("#stop"), "what is gone on with speaks as who goes on").to_have_text("Beenden")
-    assert "/de/calibrate/?" in address(page)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
 from infra.web_build.site import sources
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
 
@@ -63,7 +64,7 @@ def test_every_button_is_heard_as_soon_as_the_scripts_have_run(page: Page) -> No
     """Then the clicks are given back that came before."""
     texts = sources()
     keys = [key for key, text in texts.items() if "<button" in text and not key.startswith("docs/reference/")]
-    page.add_init_script(UNHEARD)
+    page.add_init_script(UNHEARD + BLIND_DETECTOR)
     found = {}
     for key in [*keys, "docs/reference/lookup/index.html"]:
         page.goto(f"/{key.removesuffix('index.html')}", wait_until="domcontentloaded")

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import pytest
 from playwright.sync_api import BrowserContext
 
 from tests.helpers.browser.firefox import InFirefox
 
 from .test_rectifier import calibration
 
-ADDRESS = "/ar/?virtual=1&k1=-0.3&error=0"
+ADDRESS = "/ar/?virtual=1&k1=-0.3&error=0&rate=10&hand=quick"
 #: a context taken away, and given back; what is drawn meanwhile is nothing
 GONE_AND_BACK = """
   const gone = async (canvas) => {
@@ -105,6 +106,7 @@ def test_what_was_on_the_gpu_is_made_anew(context: BrowserContext) -> None:
     check_drawn(page.evaluate(DRAWN, calibration("rectilinear")))
 
 
+@pytest.mark.thorough
 def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str, in_firefox: InFirefox) -> None:
     check_drawn(in_firefox(f"{stack}/board/", f"() => ({DRAWN})({json.dumps(calibration('rectilinear'))})"))
 

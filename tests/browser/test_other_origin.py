@@ -31,7 +31,7 @@ def test_the_readmes_example_runs_on_another_origin(
     playwright: Playwright, elsewhere: str, stack: str
 ) -> None:
     browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
-    page = browser.new_page()
+    page = browser.new_page(service_workers="block")
     page.set_default_timeout(1000 * TIMEOUT_S)
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))

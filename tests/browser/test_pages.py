@@ -3,11 +3,22 @@
 from typing import Any
 
 import httpx
+import pytest
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
-from tests.helpers.browser.interruptions import ENDLESS, HIDE, SHOWN_TARGET, UNPLUG, UNSIZED, VIRTUAL, done
-from tests.helpers.browser.pictures import SCHEMES, picture, violations
-from tests.helpers.browser.waiting import address, hear, listen, until, wait_until_quiet
+from tests.helpers.browser.interruptions import (
+    ENDLESS,
+    HIDE,
+    HIDE_WITH_TARGET,
+    UNPLUG,
+    VIRTUAL,
+    done,
+    sessions,
+    views,
+    wait_for_views,
+)
+from tests.helpers.browser.pictures import PASSING, SCHEMES, picture, violations
+from tests.helpers.browser.waiting import address, hear, listen, requests_within, until, wait_until_quiet
 
 
 def test_pages_one_reads(page: Page) -> None:
@@ -17,7 +28,8 @@ def test_pages_one_reads(page: Page) -> None:
         assert page.request.head(link).ok, link
     for scheme in SCHEMES:
         page.emulate_media(color_scheme=scheme)
-        picture(page, f"landing{'' if scheme == 'light' else '-dark'}", full=True)
+        sizes = ["desk", "hand"] if scheme == "light" else ["hand"]
+        picture(page, f"landing{'' if scheme == 'light' else '-dark'}", sizes, full=True)
 
 
 # From the brand to the text, px; how far the sheet scrolls within the window; whether the window does.
@@ -41,14 +53,15 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     page.locator("#wanted", has_text="No camera was found here").wait_for()
     expect(page.locator("#wanted")).to_contain_text("C920")
     expect(page.locator("#camera"), "the virtual camera does not stand in for a real one").to_have_value("")
-    picture(page, "capture-before")
+    picture(page, "capture-before", ["hand"])
 
     # The capture must not be over before it is looked at.
     page.goto(f"{ENDLESS}&return_to=https://app.example/")
     page.locator("#undo:enabled").wait_for()
     page.locator("#overlay[src^='blob:']:not([hidden])").wait_for(state="attached")
-    page.locator(SHOWN_TARGET).first.wait_for()
-    picture(page, "capture-during")
+    page.evaluate(HIDE_WITH_TARGET)
+    picture(page, "capture-during", PASSING)
+    page.evaluate(HIDE, False)
     page.locator("#finish").click()  # from four views it can be ended by hand
     done(page)
     assert len(published_corners(page, api)) >= 4
@@ -89,13 +102,20 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     assert after[0] == before[0], "the views that are left are not taken again"
     assert before[1] not in after
     assert len(after) >= 4
+    second = address(page)
+    page.reload()
+    page.locator("#verdict").wait_for()
+    assert address(page) == second, "a reload shows the result"
 
 
-def test_capture_by_keyboard(page: Page) -> None:
+@pytest.mark.parametrize("seconds", [2, pytest.param(60, marks=pytest.mark.thorough)])
+def test_a_hidden_capture_waits_and_is_led_by_keyboard(page: Page, seconds: int) -> None:
+    listen(page)
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
-    page.evaluate(HIDE, True)  # so that the page takes no view meanwhile
+    page.evaluate(HIDE, True)
     wait_until_quiet(page)
+    assert requests_within(page, seconds) == []
     with page.expect_response(lambda response: response.request.method == "DELETE") as undone:
         page.keyboard.press("u")
     assert undone.value.status == 200
@@ -103,6 +123,10 @@ def test_capture_by_keyboard(page: Page) -> None:
     with page.expect_response(lambda response: "skip=1" in response.url) as skipped:
         page.keyboard.press("N")
     assert skipped.value.status == 200
+    before = views(page)
+    page.evaluate(HIDE, False)
+    hear(page, "notice", "No views were taken while this page was hidden")
+    wait_for_views(page, before + 1)
 
 
 def test_the_focus_goes_where_the_page_goes(page: Page) -> None:
@@ -123,15 +147,30 @@ def test_the_focus_goes_where_the_page_goes(page: Page) -> None:
     focused("welcome-title")
 
 
-def test_another_camera_than_was_asked_for_is_said_to_be_one(page: Page) -> None:
+def test_once_more_is_one_press_after_another_camera_than_was_asked_for(page: Page) -> None:
     listen(page)
-    page.goto(f"{UNSIZED}&camera=C920")
-    hear(page, "another", "Expected: C920. Open now: calibDB virtual camera")
+    held: list[Route] = []
+    page.route("**/v1/calibrations/*", lambda route: held.append(route))
+    page.goto(f"{VIRTUAL}&camera=C920")
+    hear(page, "another", r"Expected: C920.* Open now: calibDB virtual camera")
+    page.locator("#once-more").focus()
+    until(page, lambda: held)
+    held[0].continue_()
+    page.unroute("**/v1/calibrations/*")
     done(page)
+    expect(page.locator("#once-more:focus"), "the report leaves the focus where it is").to_have_count(1)
+    expect(page.locator("#practice")).to_contain_text("Practice run")
+    expect(page.locator("#practice")).to_be_visible()
     expect(page.locator("#done .another")).to_contain_text("Expected: C920")
     expect(page.locator("#done .another")).to_be_visible()
     expect(page.locator("#own-camera.primary"), "the next step after practice").to_be_visible()
-    picture(page, "capture-done-another")
+    picture(page, "capture-done-another", ["hand"])
+    assert "/result/?id=" in address(page)
+    begun = sessions(page)
+    page.locator("#once-more").click()
+    until(page, lambda: begun)
+    page.locator("#controls:not([hidden])").wait_for()
+    assert "/calibrate/?virtual=1" in address(page)
 
 
 def test_what_goes_wrong_is_said(context: BrowserContext) -> None:
@@ -145,10 +184,10 @@ def test_what_goes_wrong_is_said(context: BrowserContext) -> None:
     page.goto(VIRTUAL)
     page.locator("#failed:not([hidden])").wait_for()
     expect(page.locator("#failure")).to_contain_text("calibDB does not accept this page's token")
-    picture(page, "capture-failed")
+    picture(page, "capture-failed", ["hand"])
     page.unroute("**/v1/auth")
     page.locator("#again").click()
-    page.locator("#undo:enabled").wait_for()
+    page.locator("#controls:not([hidden])").wait_for()
 
 
 def test_without_a_camera_the_page_says_so(page: Page) -> None:

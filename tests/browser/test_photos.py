@@ -15,7 +15,7 @@ from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 from calibsolver import Board
 from tests.helpers.browser import photographs
 from tests.helpers.browser.photographs import sent_views
-from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.pictures import PASSING, picture
 from tests.helpers.browser.waiting import until
 from tests.helpers.data import data_dir, external_data
 
@@ -97,7 +97,7 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
     assert (calibration["camera"], calibration["platform"]) == (NAME, "photographs")
     expect(page.locator(".views .source").first).to_contain_text(".jpg")
     page.locator(".compare canvas").nth(1).wait_for()
-    picture(page, "photos-done", full=True)
+    picture(page, "photos-done", PASSING, full=True)
     for request in sent:
         body = request.post_data
         if request.url.startswith("blob:") or body is None:

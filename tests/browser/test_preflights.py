@@ -74,7 +74,7 @@ def test_client_of_another_origin_calibrates_looks_up_and_exports(
     with stack.serve() as url, watched_requests(stack) as preflights:
         api = f"{url}/v1"
         with serving_client(site_folder, {"api": api, "token": TOKEN}) as origin:
-            page = chromium.new_page(base_url=origin, viewport=WINDOW)
+            page = chromium.new_page(base_url=origin, viewport=WINDOW, service_workers="block")
             page.set_default_timeout(1000 * TIMEOUT_S)
             identity = calibrated(page)
             assert page.evaluate(LOOKUP, [KEY, TOKEN, api]) == "unknown_camera"
@@ -97,14 +97,22 @@ def calibrated(page: Page) -> str:
     return identity
 
 
-def test_browsers_admit_a_page_of_another_origin(
+@pytest.mark.parametrize(
+    "stack",
+    [
+        pytest.param(False, id="by the function", marks=pytest.mark.thorough),
+        pytest.param(True, id="by the gateway"),
+    ],
+    indirect=True,
+)
+def test_a_page_of_another_origin_is_admitted_in_chromium_and_in_firefox(
     stack: LocalStack, chromium: Browser, in_firefox: InFirefox, site_folder: Path
 ) -> None:
     with stack.serve() as url, watched_requests(stack) as preflights:
         api = f"{url}/v1"
         with serving_client(site_folder, {"api": api, "token": TOKEN}) as origin:
             function = f"() => ({ADMITTED})({[KEY, TOKEN, api]!r})"
-            page = chromium.new_page()
+            page = chromium.new_page(service_workers="block")
             page.set_default_timeout(1000 * TIMEOUT_S)
             page.goto(f"{origin}/board/")
             for reason, opened, others in (page.evaluate(function), in_firefox(f"{origin}/board/", function)):

@@ -1,6 +1,7 @@
 """Straightening and distorting on the GPU: right for every model, quick enough, and nothing left behind."""
 
 import base64
+import functools
 import json
 from pathlib import Path
 from typing import Any
@@ -17,15 +18,18 @@ from tests.helpers.browser.photographs import textured_board
 
 from .conftest import CHROMIUM, chromium_path
 
+Size = tuple[int, int]
+
+#: focal length for a picture of 1280 px, and distortion
 LENSES = {
     "rectilinear": (900.0, [-0.28, 0.09, 0.001, -0.0005, -0.01]),
     "fisheye": (480.0, [-0.03, 0.01, -0.004, 0.001]),
     "rational": (800.0, [1.2, 0.3, 0.0005, -0.0004, 0.02, 1.5, 0.6, 0.06]),
     "omnidirectional": (900.0, [1.2, -0.1, 0.02, 0.0006, -0.0003]),
 }
-SIZE = (1280, 720)
+FULL, HALF = (1280, 720), (640, 360)
+SIZES = [pytest.param(HALF, id="640"), pytest.param(FULL, id="1280", marks=pytest.mark.thorough)]
 WINDOWS, COUNT = 3, 60  # rectifiers that are made and disposed of
-LARGEST = (2564, 1444)  # of a scene's picture
 BALANCED = {"balance": 0.3, "zoom": 1.1, "scale": 0.5}
 WARPED = """async ([asked, png]) => {
   const { Calibration } = await import("/sdk/calibdb.js");
@@ -58,38 +62,41 @@ MADE_AND_GONE = """async ([calibration, scale, count]) => {
 }"""
 
 
-def calibration(model: str) -> dict[str, Any]:
+def calibration(model: str, size: Size = FULL) -> dict[str, Any]:
     focal, coefficients = LENSES[model]
-    matrix = [[focal, 0, 650.0], [0, 1.01 * focal, 352.0], [0, 0, 1]]
+    scale = size[0] / FULL[0]
+    cx, cy = scale * 650.5 - 0.5, scale * 352.5 - 0.5
+    matrix = [[scale * focal, 0, cx], [0, scale * 1.01 * focal, cy], [0, 0, 1]]
     return {
-        "img_size": SIZE,
+        "img_size": size,
         "camera_matrix": matrix,
         "distortion_coefficients": coefficients,
         "distortion_model": model,
     }
 
 
-def camera(model: str) -> Camera:
-    known = calibration(model)
+def camera(model: str, size: Size) -> Camera:
+    known = calibration(model, size)
     matrix, distortion = np.array(known["camera_matrix"]), np.array(known["distortion_coefficients"])
-    return Camera(model=model, matrix=matrix, distortion=distortion, img_size=SIZE)
+    return Camera(model=model, matrix=matrix, distortion=distortion, img_size=size)
 
 
-@pytest.fixture(scope="module")
-def picture() -> npt.NDArray[np.uint8]:
-    """A picture so soft that OpenCV's fractions, whole 1/32 px, do not show."""
-    soft = cv2.GaussianBlur(textured_board(LARGEST), (0, 0), 3.0)
-    gradient = sum(np.abs(np.gradient(soft.astype(float), axis=axis)) for axis in (0, 1))
+@functools.cache
+def soft_picture(size: Size) -> npt.NDArray[np.uint8]:
+    """A picture so soft that OpenCV's fractions, whole 1/32 px, do not show: a scene's, twice as large."""
+    width, height = size
+    soft = cv2.GaussianBlur(textured_board((2 * width + 4, 2 * height + 4)), (0, 0), 3.0)
+    gradient = sum(np.abs(np.gradient(soft[:height, :width].astype(float), axis=axis)) for axis in (0, 1))
     # Grey levels/px at one pixel in ten and in a thousand of a photograph of a board that is blurred as much.
-    assert (np.percentile(gradient[: SIZE[1], : SIZE[0]], (90, 99.9)) > (16, 26)).all()
+    assert (np.percentile(gradient, (90, 99.9)) > (16, 26)).all()
     return np.asarray(soft, dtype=np.uint8)
 
 
-def asking(asked: list[tuple[str, str]], picture: npt.NDArray[np.uint8]) -> list[Any]:
+def asking(asked: list[tuple[str, str]], size: Size) -> list[Any]:
     """Arguments of WARPED: warps to draw of the picture's upper left part, and the picture as PNG."""
     options: dict[str, dict[str, float]] = {"rectifier": BALANCED, "distorter": {}}
-    png = base64.b64encode(cv2.imencode(".png", picture)[1].tobytes()).decode()
-    return [[(kind, calibration(model), options[kind]) for kind, model in asked], png]
+    png = base64.b64encode(cv2.imencode(".png", soft_picture(size))[1].tobytes()).decode()
+    return [[(kind, calibration(model, size), options[kind]) for kind, model in asked], png]
 
 
 def decoded(made: dict[str, Any]) -> npt.NDArray[np.uint8]:
@@ -107,21 +114,23 @@ def compare(ours: Any, picture: npt.NDArray[np.uint8], q: npt.NDArray[np.float64
     return float(np.abs(ours[..., 0].astype(int) - theirs)[inside].max())
 
 
-def check_straightened(made: dict[str, Any], model: str, picture: npt.NDArray[np.uint8]) -> None:
+def check_straightened(made: dict[str, Any], model: str, size: Size) -> None:
     ours = decoded(made)
-    assert made["size"] == [640, 360] == [ours.shape[1], ours.shape[0]]
-    u, v = np.meshgrid(np.arange(640.0), np.arange(360.0))
+    w, h = size
+    assert made["size"] == [w // 2, h // 2] == [ours.shape[1], ours.shape[0]]
+    u, v = np.meshgrid(np.arange(w / 2), np.arange(h / 2))
     rays = np.stack([u.ravel(), v.ravel(), np.ones(u.size)], axis=1) @ np.linalg.inv(made["matrix"]).T
-    assert compare(ours, picture[: SIZE[1], : SIZE[0]], camera(model).project(rays)) <= 1
+    assert compare(ours, soft_picture(size)[:h, :w], camera(model, size).project(rays)) <= 1
 
 
-def check_distorted(made: dict[str, Any], model: str, picture: npt.NDArray[np.uint8]) -> None:
+def check_distorted(made: dict[str, Any], model: str, size: Size) -> None:
     ours = decoded(made)
+    picture = soft_picture(size)
     width, height = made["size"]
     assert width <= picture.shape[1]
     assert height <= picture.shape[0]
-    u, v = np.meshgrid(np.arange(1280.0), np.arange(720.0))
-    rays = camera(model).unproject(np.stack([u.ravel(), v.ravel()], axis=1))
+    u, v = np.meshgrid(np.arange(float(size[0])), np.arange(float(size[1])))
+    rays = camera(model, size).unproject(np.stack([u.ravel(), v.ravel()], axis=1))
     seen = (rays[:, 2:] > 0) & np.isfinite(rays).all(axis=1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         q = np.where(seen, (rays / rays[:, 2:]) @ np.array(made["matrix"]).T, -1e6)[:, :2]
@@ -133,24 +142,33 @@ def check_distorted(made: dict[str, Any], model: str, picture: npt.NDArray[np.ui
 CHECKS = {"rectifier": check_straightened, "distorter": check_distorted}
 
 
-@pytest.mark.parametrize("kind", CHECKS)
-@pytest.mark.parametrize("model", LENSES)
-def test_every_model_is_warped_as_opencv_would(
-    page: Page, picture: npt.NDArray[np.uint8], model: str, kind: str
-) -> None:
-    page.goto("/board/")
-    [made] = page.evaluate(WARPED, asking([(kind, model)], picture))
-    CHECKS[kind](made, model, picture)
+ASKED = [(kind, model) for kind in CHECKS for model in LENSES]
 
 
-def test_every_model_is_warped_as_opencv_would_in_firefox(
-    stack: str, picture: npt.NDArray[np.uint8], in_firefox: InFirefox
-) -> None:
-    asked = [(kind, model) for kind in CHECKS for model in LENSES]
-    made = in_firefox(f"{stack}/board/", f"() => ({WARPED})({json.dumps(asking(asked, picture))})")
-    assert len(made) == 8
+def check_all(asked: list[tuple[str, str]], made: list[Any], size: Size) -> None:
     for (kind, model), each in zip(asked, made, strict=True):
-        CHECKS[kind](each, model, picture)
+        CHECKS[kind](each, model, size)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_every_model_is_warped_as_opencv_would(page: Page, size: Size) -> None:
+    page.goto("/board/")
+    assert len(ASKED) == 8
+    check_all(ASKED, page.evaluate(WARPED, asking(ASKED, size)), size)
+
+
+@pytest.mark.parametrize(
+    ("asked", "size"),
+    [
+        pytest.param([("rectifier", "fisheye"), ("distorter", "rational")], HALF, id="two"),
+        pytest.param(ASKED, FULL, id="all", marks=pytest.mark.thorough),
+    ],
+)
+def test_models_are_warped_as_opencv_would_in_firefox(
+    stack: str, in_firefox: InFirefox, asked: list[tuple[str, str]], size: Size
+) -> None:
+    made = in_firefox(f"{stack}/board/", f"() => ({WARPED})({json.dumps(asking(asked, size))})")
+    check_all(asked, made, size)
 
 
 def memory(pid: int) -> int:
@@ -166,7 +184,7 @@ def test_two_hundred_leave_nothing_behind(playwright: Any, stack: str, tmp_path:
     if not Path("/proc/self/statm").exists():
         pytest.skip("memory is read from /proc, which this system lacks")
     context = playwright.chromium.launch_persistent_context(
-        tmp_path, executable_path=chromium_path(), args=CHROMIUM
+        tmp_path, executable_path=chromium_path(), args=CHROMIUM, service_workers="block"
     )
     page = context.pages[0]
     warnings: list[str] = []

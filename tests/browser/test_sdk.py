@@ -57,7 +57,7 @@ def project(tmp_path: Path, stack: str) -> Iterator[str]:
 
 def test_the_packages_example_runs(playwright: Playwright, project: str, stack: str) -> None:
     browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
-    page = browser.new_page()
+    page = browser.new_page(service_workers="block")
     page.set_default_timeout(1000 * TIMEOUT_S)
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
@@ -157,4 +157,4 @@ def test_the_page_for_ar_js_gives_the_cameras_own_file(page: Page, known: dict[s
     assert download.value.suggested_filename == "camera_para.dat"
     assert Path(download.value.path()).stat().st_size == 176, "the length says the version"
     assert page.locator("#error").text_content()
-    picture(page, "example-arjs", full=True)
+    picture(page, "example-arjs", ["hand"], full=True)

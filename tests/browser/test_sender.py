@@ -4,6 +4,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.specimens import answer
 
 ASKED = "camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=640x480"
@@ -23,6 +24,7 @@ KNOWN = {
 
 
 def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None:
+    page.add_init_script(BLIND_DETECTOR)
     answer(page, "**/v1/cameras?*", lambda: KNOWN)
     page.goto(f"/calibrate/?{ASKED}&return_to=http://localhost:9000/app?a=b")
     sender = page.locator("#sender")
@@ -35,7 +37,7 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
     expect(page.locator("#wanted"), "the camera is named once").to_have_text(
         "No camera was found here. Plug it in."
     )
-    picture(page, "capture-sender")
+    picture(page, "capture-sender", ["hand"])
     with page.expect_download() as paper:  # of a visitor from the United States
         page.locator("#paper").click()
     assert paper.value.suggested_filename == "calibdb-board-letter.pdf"
@@ -58,6 +60,7 @@ def test_what_is_known_of_the_camera_is_said(page: Page, calibrations: int, said
         "reliable": False,
     }
     found = {"cameras": [{"camera": "HD Pro Webcam C920", "sizes": [size]}], "next": None}
+    page.add_init_script(BLIND_DETECTOR)
     answer(page, "**/v1/cameras?*", lambda: found)
     page.goto(f"/calibrate/?{ASKED}&return_to=/examples/")
     expect(page.locator("#sender-known")).to_contain_text(said)

@@ -1,10 +1,10 @@
 """A capture in one of several tabs, and in one that nobody sees."""
 
 import pytest
-from playwright.sync_api import BrowserContext, Page, expect
+from playwright.sync_api import BrowserContext, expect
 
-from tests.helpers.browser.interruptions import ENDLESS, HIDE, sessions, views, wait_for_views
-from tests.helpers.browser.waiting import hear, listen, requests_within, until, wait_until_quiet
+from tests.helpers.browser.interruptions import ENDLESS, sessions, views, wait_for_views
+from tests.helpers.browser.waiting import until
 
 ACQUIRE = """async (busy) => {
   const held = window.held = new AbortController();
@@ -51,17 +51,3 @@ def test_a_second_tab_leaves_the_first_one_alone(context: BrowserContext) -> Non
     second.locator("#again").click()
     second.locator("#controls:not([hidden])").wait_for()
     assert views(second) >= 1, "it takes up what the first one had"
-
-
-@pytest.mark.parametrize("seconds", [2, pytest.param(60, marks=pytest.mark.thorough)])
-def test_a_hidden_tab_waits(page: Page, seconds: int) -> None:
-    listen(page)
-    page.goto(ENDLESS)
-    page.locator("#undo:enabled").wait_for()
-    page.evaluate(HIDE, True)
-    wait_until_quiet(page)
-    before = views(page)
-    assert requests_within(page, seconds) == []
-    page.evaluate(HIDE, False)
-    hear(page, "notice", "No views were taken while this page was hidden")
-    wait_for_views(page, before + 1)

@@ -156,6 +156,7 @@ def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, A
     assert off.max() < 1
 
 
+@pytest.mark.thorough
 def test_its_manager_runs_in_firefox_too(stack: str, in_firefox: InFirefox) -> None:
     seen = in_firefox(f"{stack}/board/", script(MANAGED))
     assert (seen["matrix"], seen["model"]) == ([500, 0, 0, 0, 505, 0, 325, 178, 1], "rectilinear")

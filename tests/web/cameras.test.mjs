@@ -5,7 +5,7 @@ import { splitLabel, systemName } from "../../web/lib/camera-name.js";
 import { jsonText } from "../../web/lib/json-text.js";
 import { lensDifference } from "../../web/lib/lens-difference.js";
 import { forgetOwn, keepOwn, ownCalibrations } from "../../web/lib/own-calibrations.js";
-import { follow, standingOf } from "../../web/lib/result/standing.js";
+import { agreementOf, followAgreement } from "../../web/lib/result/agreement.js";
 import { matrixText, valueText } from "../../web/lib/result/values.js";
 
 const lens = (f, cx, cy, distortion_coefficients, distortion_model = "rectilinear") => ({
@@ -70,13 +70,13 @@ test("the error of a consensus is the spread of those that agree by its model", 
 const mode = { img_size: [1280, 720], zoom: 0, agreeing: 2, required: 5, reason: "too_few", groups: [["a", "b"]], members: [{ id: "a" }, { id: "b" }, { id: "c" }] };
 
 test("a calibration stands with those that agree, once the consensus counts it", () => {
-  const at = (id) => standingOf("key", { modes: [mode] }, { id, img_size: [1280, 720], zoom: 0 });
+  const at = (id) => agreementOf("key", { modes: [mode] }, { id, img_size: [1280, 720], zoom: 0 });
   assert.deepEqual(at("a"), { key: "key", agreeing: 2, required: 5, reliable: false, settled: true });
   assert.equal(at("c").settled, false, "it is listed, and no consensus has seen it");
-  assert.equal(standingOf("key", { modes: [] }, { id: "a", img_size: [1280, 720], zoom: 0 }).agreeing, 1);
+  assert.equal(agreementOf("key", { modes: [] }, { id: "a", img_size: [1280, 720], zoom: 0 }).agreeing, 1);
 });
 
-test("the standing is asked for until the consensus counts the calibration, and not for ever", async () => {
+test("the agreement is asked for until the consensus counts the calibration, and not for ever", async () => {
   const asked = [];
   globalThis.fetch = async (url) => {
     const { pathname } = new URL(String(url), "http://page.example/");
@@ -87,10 +87,10 @@ test("the standing is asked for until the consensus counts the calibration, and 
   globalThis.localStorage ??= { getItem: () => null, setItem() {}, removeItem() {} };
   const told = [];
   const calibration = { id: "c", img_size: [1280, 720], zoom: 0 };
-  await follow("key", calibration, new AbortController().signal, (standing) => told.push(standing.agreeing), async () => {});
+  await followAgreement("key", calibration, new AbortController().signal, (agreement) => told.push(agreement.agreeing), async () => {});
   assert.deepEqual(told, [2, 2, 3]);
   told.length = 0;
-  await follow("key", { ...calibration, id: "d" }, new AbortController().signal, (standing) => told.push(standing.agreeing), async () => {});
+  await followAgreement("key", { ...calibration, id: "d" }, new AbortController().signal, (agreement) => told.push(agreement.agreeing), async () => {});
   assert.equal(told.length, 1, "one that is not listed will not be");
 });
 

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import { test } from "node:test";
-import { LANGUAGES, choose, known, addMessages, number, rough, say, setLanguage } from "../../web/lib/i18n.js";
+import { LANGUAGES, choose, hasMessage, addMessages, number, rough, say, setLanguage } from "../../web/lib/i18n.js";
 
 const WEB = new URL("../../web/", import.meta.url);
 const PARTS = new URL("../../infra/web_build/parts/", import.meta.url);
@@ -60,7 +60,7 @@ test("every text is used, and every text used is there", () => {
   assert.deepEqual(unused, []);
   const keys = new Set(sources.flatMap((source) =>
     [...source.matchAll(/(?:\bt\(|data-t(?:-label|-title|-alt|-content)?=)"([a-z0-9_]+\.[a-z0-9_.]+)"/g)].map(([, key]) => key)));
-  assert.deepEqual([...keys].filter((key) => !known(key)), []);
+  assert.deepEqual([...keys].filter((key) => !hasMessage(key)), []);
 });
 
 test("a page reads in English before its script has run", () => {
